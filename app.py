@@ -10,6 +10,7 @@ from ui.access.login import login
 from ui.serving.gate import Gate, OwnPages
 from ui.serving.headers import SecureHeaders
 from ui.serving.life import lifespan
+from ui.serving.starting import check_start
 from ui.serving.visitors import VisitorLimits
 from ui.session.routes import ROUTES
 from ui.settings.limits import limits_of_environment
@@ -20,6 +21,7 @@ from ui.shell.messages import error_banner
 gc.freeze()
 
 log_in = login()
+check_start()
 
 app = st.App(
     Path(__file__).parent / "ui" / "main.py",

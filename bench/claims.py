@@ -26,7 +26,8 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import compare
-from nvcore.dataset import Dataset, dataset_from_tables
+from nvcore.dataset import Dataset
+from nvcore.dataset.tables import dataset_from_tables
 from nvcore.evidence.companions import find_companions
 from nvcore.evidence.table import evidence_table
 from nvcore.params import Params
@@ -167,8 +168,8 @@ def draw_dataset(scenario: Scenario, n: int, rng: np.random.Generator) -> Datase
     for source, detector in enumerate(detectors, start=1):
         if shared is None or not scenario.is_same:
             shared = _detections(detector, truth, recording, n, rng)
-        kept = shared[shared["score"] >= detector.threshold].assign(source=source)
-        tables.append(kept if scenario.has_scores else kept.assign(score=np.nan))
+        passing = shared[shared["score"] >= detector.threshold].assign(source=source)
+        tables.append(passing if scenario.has_scores else passing.assign(score=np.nan))
     boxes = pd.concat(tables, ignore_index=True)
     boxes["track"] = boxes["track"].fillna(-1).astype(np.int64)
     recordings = pd.DataFrame(

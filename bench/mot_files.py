@@ -35,9 +35,9 @@ def write_mot(boxes: BoxSet, folder: Path) -> None:
     truth = [folder / "gt" / name / "gt" / "gt.txt" for name in names]
     _write(boxes.truth, boxes.lengths, truth, BOX + "%d,1,1")
     for system, source in zip(SYSTEMS, boxes.systems, strict=True):
-        data = folder / "trackers" / system / "data"
-        data.mkdir(parents=True)
-        paths = [data / f"{name}.txt" for name in names]
+        target = folder / "trackers" / system / "data"
+        target.mkdir(parents=True)
+        paths = [target / f"{name}.txt" for name in names]
         _write(source, boxes.lengths, paths, BOX + "%.6f,-1,-1,-1")
 
 

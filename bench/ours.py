@@ -17,7 +17,8 @@ import pandas as pd
 from bench.measure import measure, repeat, report, versions
 from bench.sets import COLUMNS, FPS, HEIGHT, WIDTH, BoxSet, load_set, make_set
 from nvcore.comparison import Result, compare
-from nvcore.dataset import Dataset, dataset_from_tables
+from nvcore.dataset import Dataset
+from nvcore.dataset.tables import dataset_from_tables
 from nvcore.params import Params
 
 CHANGES = {

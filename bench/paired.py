@@ -99,11 +99,11 @@ def _round(path: Path, repeat: int) -> dict[str, dict[str, Any]]:
 
 
 def _row(shape: str, name: str, rounds: Sequence[dict[str, dict[str, Any]]]) -> list[str]:
-    failed = next((one[name]["failed"] for one in rounds if "failed" in one[name]), None)
+    failed = next((run[name]["failed"] for run in rounds if "failed" in run[name]), None)
     if failed is not None:
         return [shape, name, "–", "–", failed]
-    took = [_seconds(one[name]) for one in rounds]
-    ratios = [_seconds(one[name]) / _seconds(one[OURS]) for one in rounds]
+    took = [_seconds(run[name]) for run in rounds]
+    ratios = [_seconds(run[name]) / _seconds(run[OURS]) for run in rounds]
     agreement = "" if name == OURS else _agreement(rounds[0][OURS], rounds[0][name])
     version = rounds[0][name]["versions"].get(name, "")
     return [

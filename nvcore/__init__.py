@@ -40,7 +40,8 @@ _HOMES = {
     "nvcore.api.calls": ("audit", "compare", "convert", "gate"),
     "nvcore.api.inputs": ("load",),
     "nvcore.comparison": ("Result",),
-    "nvcore.dataset": ("Dataset", "dataset_from_tables"),
+    "nvcore.dataset": ("Dataset",),
+    "nvcore.dataset.tables": ("dataset_from_tables",),
     "nvcore.errors": ("NvcoreError",),
     "nvcore.inputs.session": ("Session", "Source", "SystemSource"),
     "nvcore.inputs.session_toml": ("read_session",),
@@ -62,7 +63,8 @@ if TYPE_CHECKING:
     from nvcore.api.calls import audit, compare, convert, gate
     from nvcore.api.inputs import load
     from nvcore.comparison import Result
-    from nvcore.dataset import Dataset, dataset_from_tables
+    from nvcore.dataset import Dataset
+    from nvcore.dataset.tables import dataset_from_tables
     from nvcore.errors import NvcoreError
     from nvcore.inputs.session import Session, Source, SystemSource
     from nvcore.inputs.session_toml import read_session

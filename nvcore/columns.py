@@ -54,6 +54,25 @@ class BoxColumns:
         n_before = np.concatenate([[0], np.cumsum(is_kept)])
         return replace(self, **columns, offsets=n_before[self.offsets])
 
+    @property
+    def xywh(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """x, y, w, h."""
+        return self.x, self.y, self.w, self.h
+
+    def rows_of(self, start: int, stop: int) -> slice:
+        """Rows of the boxes of frames ``start:stop``."""
+        return slice(int(self.offsets[start]), int(self.offsets[stop]))
+
+    def of_frames(self, start: int, stop: int) -> BoxColumns:
+        """The boxes of frames ``start:stop``, without a look at any others.
+
+        Their `frame_index` still counts all frames; `offsets` are those of these frames alone.
+        """
+        rows = self.rows_of(start, stop)
+        columns = {name: getattr(self, name)[rows] for name in BOX_COLUMNS}
+        offsets = self.offsets[start : stop + 1] - rows.start
+        return replace(self, **columns, offsets=offsets, first_row=self.first_row + rows.start)
+
 
 BOX_COLUMNS = tuple(spec.name for spec in fields(BoxColumns))[:-2]
 """Columns of the boxes table that `BoxColumns` holds."""

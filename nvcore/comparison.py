@@ -248,13 +248,13 @@ def compare(
     )
 
 
-def _same_numbers(one: Dataset, other: Dataset) -> bool:
+def _same_numbers(a: Dataset, b: Dataset) -> bool:
     """Whether two datasets differ in names, tags or settings at most."""
-    if one is other:
+    if a is b:
         return True
     columns = ["width", "height", "fps", "horizon", "context"]
-    is_same_table = one.frames is other.frames and one.boxes is other.boxes
-    return is_same_table and one.recordings[columns].equals(other.recordings[columns])
+    is_same_table = a.frames is b.frames and a.boxes is b.boxes
+    return is_same_table and a.recordings[columns].equals(b.recordings[columns])
 
 
 def _pick(dataset: Dataset, x: str | None, y: str | None) -> tuple[str, str]:

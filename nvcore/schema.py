@@ -148,6 +148,12 @@ def categories_of(codes: np.ndarray, names: Any) -> pd.Categorical[Any]:
     return column
 
 
+def integers_of(values: np.ndarray, is_known: np.ndarray) -> Any:
+    """A column of whole numbers, missing where not known."""
+    # not via floats, which cannot hold ids such as timestamps
+    return pd.arrays.IntegerArray(values.astype(np.int64), ~is_known)
+
+
 def names_as_categories(names: Any, n_rows: int) -> pd.Categorical[Any]:
     """A column of names that repeat, each held once: no text is looked at row by row.
 

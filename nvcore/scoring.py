@@ -211,7 +211,7 @@ def score_system(
     nearest, weights, distances = scoring.sets(matches)
     similarity = trace_similarity(distances, frames, alpha=params.alpha)
     salient_row, events = scoring.salient(nearest, distances)
-    outcomes, failures = scoring.judged(matches)
+    outcomes, failures = scoring.outcomes(matches)
     return SystemResult(
         name=name,
         threshold=threshold,
@@ -349,12 +349,12 @@ class _Scoring:
         )
         return salient_row, events
 
-    def judged(self, matches: Matches) -> tuple[pd.DataFrame, pd.DataFrame]:
+    def outcomes(self, matches: Matches) -> tuple[pd.DataFrame, pd.DataFrame]:
         """How the system did in each encounter, and what its failures weigh there."""
         truth, frames, k = self.dataset.truth, self.dataset.frame_columns, self.k_truth.k
         encounters, is_matched = self.encounters, matches.is_matched
         outcomes = self._get(
-            "judged",
+            "outcomes",
             lambda: judge_encounters(encounters, k, is_matched, frames, self.params),
             ENCOUNTERS,
         )

@@ -72,8 +72,8 @@ def rounded_form(form: str, width: float) -> str:
     half = width / 2 * (100 if kind == "%" else 1)
     if form[:1] != "." or not decimals.isdigit() or not half > 0 or not math.isfinite(half):
         return form
-    kept = max(0, 1 - math.floor(math.log10(half)))
-    return f".{min(int(decimals), kept)}{kind}"
+    decimals_left = max(0, 1 - math.floor(math.log10(half)))
+    return f".{min(int(decimals), decimals_left)}{kind}"
 
 
 def count_text(n: int, noun: str, plural: str | None = None) -> str:

@@ -5,8 +5,8 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.report.equal_alarms import equal_alarms_of
 from ui.overview import companions, evidence, moments, plan, scorecard, strip, venn, verdict
-from ui.session import state
-from ui.session.evidence import known_evidence, measure_evidence
+from ui.session.results.evidence import known_evidence, measure_evidence
+from ui.session.results.findings import input_findings, known_findings
 from ui.shell.messages import needs_comparison
 
 
@@ -15,7 +15,7 @@ def draw(result: Result) -> None:
     """The verdict, then what it rests on."""
     room = verdict.Room(result)
     before, known = known_evidence(result), companions.known_companions(result)
-    findings = state.known_findings()
+    findings = known_findings()
     is_drawn = False
     if before is not None and known is not None and findings is not None:
         room.draw(findings, before, known, plan.known_sentence(result))
@@ -41,7 +41,7 @@ def draw(result: Result) -> None:
         st.rerun()  # the scorecard, which is above, shows it
     plan.draw(result, measured, of_both)
     if not is_drawn:
-        room.draw(state.findings(), measured, of_both, plan.known_sentence(result))
+        room.draw(input_findings(), measured, of_both, plan.known_sentence(result))
 
 
 st.title("Overview")

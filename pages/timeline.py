@@ -3,6 +3,7 @@
 import streamlit as st
 
 from nvcore.comparison import Result
+from ui.session import state
 from ui.shell.messages import draw_as_set_note, needs_comparison
 from ui.timeline import plots
 from ui.widgets.recording import recording_choice
@@ -16,7 +17,7 @@ def draw(result: Result) -> None:
         return
     recording_choice()
     draw_as_set_note(result)
-    plots.draw_all(result)
+    plots.draw_all(result, state.recording())
 
 
 st.title("Timeline")

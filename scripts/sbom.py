@@ -46,7 +46,9 @@ def add_libraries(sbom: dict[str, Any], packages: Iterable[Distribution]) -> int
         package = of.get(canonical(component["name"]))
         libraries = [] if package is None else libraries_of(package)
         if libraries:
-            component["components"] = [as_component(component["bom-ref"], one) for one in libraries]
+            component["components"] = [
+                as_component(component["bom-ref"], library) for library in libraries
+            ]
         n_libraries += len(libraries)
     return n_libraries
 

@@ -194,6 +194,14 @@ def test_what_is_missing_or_comes_too_late_is_asked_for_by_its_keyword(folder: P
         nv.load(**paths(folder))
 
 
+def test_a_size_may_be_written_as_on_the_command_line(folder: Path):
+    as_text = nv.load(**paths(folder), size="640x480", fps=20)
+    assert nv.compare(as_text).summary == nv.compare(**paths(folder), **SIZE).summary
+    for wrong in ("640", (640,), (640, 480, 3), (640, 0), (640.5, 480), 640):
+        with pytest.raises(nv.NvcoreError, match=r'expected \(WIDTH, HEIGHT\) in pixels or "WID'):
+            nv.load(**paths(folder), size=wrong, fps=20)
+
+
 def test_one_system_is_enough_to_audit_but_not_to_compare(folder: Path):
     inputs = {key: path for key, path in paths(folder).items() if key != "y"}
     assert isinstance(nv.audit(**inputs, **SIZE), tuple)

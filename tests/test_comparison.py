@@ -11,7 +11,8 @@ from other_params import OTHER, WITH
 from scenes import draw_scene
 
 from nvcore.comparison import Result, compare
-from nvcore.dataset import Dataset, dataset_from_tables
+from nvcore.dataset import Dataset
+from nvcore.dataset.tables import dataset_from_tables
 from nvcore.errors import InputError
 from nvcore.metrics import kernels
 from nvcore.params import SETTINGS, Params, settings_for

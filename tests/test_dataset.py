@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from builders import Box, Place, make_dataset, tagged
+from builders import Box, Place, at, make_dataset, tagged
 
 from nvcore.columns import frame_gaps
 from nvcore.comparison import compare
-from nvcore.dataset import Dataset, dataset_from_tables, empty_left_out, frames_table
+from nvcore.dataset import Dataset, empty_left_out
+from nvcore.dataset.tables import dataset_from_tables, frames_table
 from nvcore.errors import InputError
 from nvcore.params import Params
 from nvcore.schema import DATASET_BOX_DTYPES, FRAME_DTYPES, LEFT_OUT_DTYPES, RECORDING_DTYPES
@@ -234,3 +235,15 @@ def test_two_of_a_name_are_refused() -> None:
     lost = pd.DataFrame([("x", "B", 9, 0, 1, "unknown recording")], columns=list(LEFT_OUT_DTYPES))
     with pytest.raises(InputError, match="two recordings would be called 'B'"):
         replace(of_three(), left_out=lost).renamed({}, {"r1": "B"})
+
+
+def test_the_boxes_of_some_frames_know_their_frames_and_their_rows():
+    dataset = make_dataset([at(f, 10 * f) for f in (0, 1, 1, 3)], [at(2, 9)], n_frames=4)
+    boxes = dataset.truth.of_frames(1, 3)
+    assert dataset.truth.rows_of(1, 3) == slice(1, 3)
+    assert boxes.frame_index.tolist() == [1, 1]
+    assert boxes.offsets.tolist() == [0, 2, 2]
+    assert boxes.x.tolist() == dataset.truth.x[1:3].tolist()
+    assert boxes.first_row == 1
+    assert len(dataset.system("x").of_frames(0, 2)) == 0
+    assert dataset.system("x").of_frames(2, 4).first_row == len(dataset.truth)

@@ -12,15 +12,10 @@ from __future__ import annotations
 
 import argparse
 import os
-import subprocess
 import sys
 import tempfile
-import urllib.error
-import urllib.request
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from time import monotonic, perf_counter, sleep
+from time import perf_counter
 from typing import Any
 
 from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
@@ -29,9 +24,9 @@ from bench.csv_files import write_csv
 from bench.measure import report
 from bench.sets import make_set
 from bench.web.scene import FPS, READER, is_whole, write_scene
+from bench.web.server import serve
 from bench.web.tables import put_section, web_section
 
-ROOT = Path(__file__).resolve().parent.parent.parent
 CHROMIUM = os.environ.get("NVCORE_CHROMIUM", "/usr/bin/chromium-headless-shell")
 FLAGS = (
     *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
@@ -82,35 +77,6 @@ PLAYED = (
   }
   return seen; }"""
 )
-
-
-@contextmanager
-def serve(folder: Path, port: int) -> Iterator[str]:
-    """Address of the app, started on a folder."""
-    command = [sys.executable, "-m", "streamlit", "run", str(ROOT / "app.py")]
-    command += [f"--server.port={port}", "--server.address=127.0.0.1", "--server.headless=true"]
-    command += ["--", "--local-root", str(folder)]
-    server = subprocess.Popen(
-        command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-    url = f"http://127.0.0.1:{port}"
-    try:
-        _wait_for(url, server)
-        yield url
-    finally:
-        server.terminate()
-        server.wait(20)
-
-
-def _wait_for(url: str, server: subprocess.Popen[bytes]) -> None:
-    end = monotonic() + 60
-    while monotonic() < end and server.poll() is None:
-        try:
-            with urllib.request.urlopen(f"{url}/_stcore/health", timeout=1):
-                return
-        except (urllib.error.URLError, TimeoutError, ConnectionError):
-            sleep(0.1)
-    sys.exit(f"the app did not start at {url}")
 
 
 def measure_set(browser: Browser, url: str, repeat: int, *, is_sample: bool) -> dict[str, Any]:
@@ -185,13 +151,13 @@ def measure_playing(browser: Browser, url: str) -> dict[str, float]:
     viewer = page.locator(".viewer")
     expect(viewer).to_have_attribute("data-shown-row", "0", timeout=60_000)
     painted = _play(page, viewer, 1000 * PLAY_S)
-    painted = [one for one in painted if one["ms"] > 300]  # it has started by then
+    painted = [frame for frame in painted if frame["ms"] > 300]  # it has started by then
     due = (painted[-1]["ms"] - painted[0]["ms"]) / 1000 * FPS + 1
     page.close()
     return {
         "due": round(due),
         "painted": len(painted),
-        "mixed": sum(not is_whole(one) for one in painted),
+        "mixed": sum(not is_whole(frame) for frame in painted),
     }
 
 
@@ -224,12 +190,12 @@ def main() -> None:
             if n:
                 write_csv(make_set(n), folder, one_recording=options.one_recording)
             print(f"in the browser, {n:,} frames ..." if n else "sample ...", file=sys.stderr)
-            with serve(folder, options.port) as url:
+            with serve(folder, options.port) as (url, _):
                 figures["sets"][n] = measure_set(browser, url, options.repeat, is_sample=not n)
             print(figures["sets"][n], file=sys.stderr)
         folder = Path(parent) / "scene"
         write_scene(folder)
-        with serve(folder, options.port) as url:
+        with serve(folder, options.port) as (url, _):
             figures["playing"] = measure_playing(browser, url)
         browser.close()
     if options.out:

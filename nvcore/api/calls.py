@@ -9,7 +9,15 @@ from typing import Any
 
 from nvcore import comparison
 from nvcore.api.comparison import Comparison
-from nvcore.api.inputs import Input, PathLike, load, with_choices, with_params
+from nvcore.api.inputs import (
+    Input,
+    PathLike,
+    Size,
+    load,
+    size_from,
+    with_choices,
+    with_params,
+)
 from nvcore.auditing import audit as audit_dataset
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, ParameterError
@@ -32,7 +40,7 @@ def compare(
     truth: Input | None = None,
     x: Input | None = None,
     y: Input | None = None,
-    size: tuple[int, int] | None = None,
+    size: Size | None = None,
     fps: float | None = None,
     frames: str | range | None = None,
     recordings: PathLike | None = None,
@@ -82,7 +90,7 @@ def audit(
     truth: Input | None = None,
     x: Input | None = None,
     y: Input | None = None,
-    size: tuple[int, int] | None = None,
+    size: Size | None = None,
     fps: float | None = None,
     frames: str | range | None = None,
     recordings: PathLike | None = None,
@@ -204,7 +212,7 @@ def convert(
     *,
     role: Role | None = None,
     truth: PathLike | Source | None = None,
-    size: tuple[int, int] | None = None,
+    size: Size | None = None,
     frames_out: PathLike | None = None,
     force: bool = False,
 ) -> Conversion:
@@ -238,7 +246,7 @@ def convert(
         to,
         role=role,
         truth=truth if isinstance(truth, Source | None) else Source(str(truth)),
-        size=size,
+        size=size_from(size),
         frames_out=None if frames_out is None else Path(frames_out),
         force=force,
     )

@@ -36,8 +36,8 @@ from nvcore.report.files import (
     TableFormat,
     write_report,
 )
-from nvcore.report.keep_inputs import files_read, replaced_input
 from nvcore.report.plan import verdict_plan
+from nvcore.report.protect_inputs import files_read, replaced_input
 from nvcore.report.terminal import render_scorecard
 from nvcore.report.verdict import Verdict, verdict
 from nvcore.scoring import SystemResult
@@ -243,8 +243,8 @@ class Comparison:
         folder = Path(folder)
         if tables not in TABLE_FORMATS:
             raise ParameterError(f"tables: expected csv or parquet, got {tables!r}")
-        self._keep_inputs([folder / name for name in REPORT_FILES if name != SESSION_FILE])
-        _keep_session(folder / SESSION_FILE)
+        self._protect_inputs([folder / name for name in REPORT_FILES if name != SESSION_FILE])
+        _protect_session(folder / SESSION_FILE)
         kinds: dict[str, Any] = {"tables": tables, "matches": matches}
         write_report(self.result, self.dataset.settings, folder, self.findings, **kinds)
 
@@ -278,7 +278,7 @@ class Comparison:
             from nvcore.report.html import Inscription, write_html_report
 
         path = Path(path)
-        self._keep_inputs([path])
+        self._protect_inputs([path])
         write_html_report(
             *(self.result, self.dataset.settings, self.findings, path),
             stability=stability,
@@ -306,7 +306,7 @@ class Comparison:
     def _plan(self) -> str:
         return verdict_plan(self.result, self._evidence, self._companions)
 
-    def _keep_inputs(self, outputs: Sequence[Path]) -> None:
+    def _protect_inputs(self, outputs: Sequence[Path]) -> None:
         settings = self.dataset.settings
         clash = (
             replaced_input(outputs, files_read(settings)) if isinstance(settings, Session) else None
@@ -349,7 +349,7 @@ class Comparison:
         return f"<p>{escape(repr(self)[1:-1])}</p>{table}"
 
 
-def _keep_session(path: Path) -> None:
+def _protect_session(path: Path) -> None:
     """Refuse to replace a session file unless the program wrote it."""
     if not path.is_file():
         return

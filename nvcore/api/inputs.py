@@ -11,6 +11,7 @@ import pandas as pd
 
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, MissingFactError
+from nvcore.inputs.facts import is_frame_range, parse_size
 from nvcore.inputs.load import load as load_session
 from nvcore.inputs.pipes import pipes_kept
 from nvcore.inputs.recordings_file import with_recordings_file
@@ -19,7 +20,6 @@ from nvcore.inputs.session import (
     Session,
     Source,
     SystemSource,
-    is_frame_range,
     override_recordings,
 )
 from nvcore.inputs.session_toml import read_session
@@ -30,6 +30,8 @@ from nvcore.settings import Settings
 PathLike = str | Path
 Input = PathLike | Sequence[PathLike] | Source | pd.DataFrame
 """Ground truth or detections: files, folders or globs, the same with settings, or a table."""
+Size = tuple[int, int] | str
+"""Width and height in pixels: (640, 480) or "640x480"."""
 
 KEYWORDS: Final = {
     "size": "size=(WIDTH, HEIGHT)",
@@ -49,7 +51,7 @@ def load(
     truth: Input | None = None,
     x: Input | None = None,
     y: Input | None = None,
-    size: tuple[int, int] | None = None,
+    size: Size | None = None,
     fps: float | None = None,
     frames: str | range | None = None,
     recordings: PathLike | None = None,
@@ -69,7 +71,8 @@ def load(
         plain CSV (frame, x, y, w, h in pixels, 0-based; and where known score, track, ignore,
         recording, distance_m, occlusion). Without `y` there is one system to audit.
     size
-        (width, height) of all pictures, px; None: as the data or the session say.
+        (width, height) of all pictures, px, or a text such as "640x480"; None: as the data or the
+        session say.
     fps
         Frames per second of all recordings; None: likewise.
     frames
@@ -115,7 +118,7 @@ def load(
         table = RecordingsFile(str(Path.cwd() / recordings))
         session = replace(session, recordings_file=table)
     session = with_recordings_file(session, goes_first=recordings is not None)
-    session = override_recordings(session, size=size, fps=fps, frames=_frames(frames))
+    session = override_recordings(session, size=size_from(size), fps=fps, frames=_frames(frames))
     session = with_choices(session, name_x, name_y, protocol)
     try:
         return load_session(session, tables=tables)
@@ -125,6 +128,29 @@ def load(
         raise MissingFactError(
             error.message + hint, file=error.file, line=error.line, facts=error.facts
         ) from error
+
+
+def size_from(size: Size | None) -> tuple[int, int] | None:
+    """Width and height of a picture, however they are given.
+
+    Raises
+    ------
+    InputError
+        If they are no pair of numbers and no text of this form.
+    """
+    if size is None:
+        return None
+    try:
+        if isinstance(size, str):
+            return parse_size(size)
+        width, height = (int(side) for side in size)
+        if (width, height) != tuple(size) or min(width, height) < 1:
+            raise ValueError
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f'size: expected (WIDTH, HEIGHT) in pixels or "WIDTHxHEIGHT", got {size!r}'
+        ) from error
+    return width, height
 
 
 def with_choices(

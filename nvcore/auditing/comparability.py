@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.auditing.cases import TRUTH_NAME, BoxSource
+from nvcore.auditing.cases import TRUTH_NAME, BoxSource, spelled
 from nvcore.dataset import Dataset
 from nvcore.detection.operating_point import threshold_for
 from nvcore.findings import Cases, Finding, Severity
@@ -95,11 +95,23 @@ def audit_weighting(truth: BoxSource, x: BoxSource, y: BoxSource, params: Params
             Severity.WARNING,
             "mixed-weighting",
             rows,
-            f"{share:.0%} of the boxes have no distance and are weighted by their height, the "
-            f"others by metres; of the truth, X and Y the least is {least:.0%}.",
+            f"{len(rows):,} of {len(source.boxes):,} boxes ({share:.0%}) have no distance and are "
+            f"weighted by their height, the others by metres: {_whose(source, rows)}. Of the "
+            f"truth, X and Y the least share is {least:.0%}.",
             "Compare with --proximity height, which all boxes have, or give the distances.",
+            is_of_all=True,
         )
     ]
+
+
+def _whose(source: BoxSource, rows: np.ndarray) -> str:
+    """The recordings that boxes are of, in words."""
+    recordings = source.dataset.recordings["name"]
+    whose = np.unique(source.dataset.frame_columns.recording[source.boxes.frame_index[rows]])
+    names = recordings.iloc[whose]
+    if len(names) == len(recordings) > 1:
+        return f"in all {len(names):,} recordings"
+    return f"in {count_text(len(names), 'recording')}, {spelled(names)}"
 
 
 MIN_DETECTIONS: Final = 50

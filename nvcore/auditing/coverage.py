@@ -131,7 +131,7 @@ def _silent_ends(source: BoxSource, has_box: np.ndarray) -> list[Finding]:
     truth = dataset.truth
     partial = []
     for r in candidates:  # a loop over the few recordings with a silent end
-        usual = np.median(boxes.h[boxes.offsets[start[r]] : boxes.offsets[stop[r]]])
+        usual = np.median(boxes.h[boxes.rows_of(start[r], stop[r])])
         rows = np.arange(truth.offsets[start[r]], truth.offsets[stop[r]])
         tall = np.unique(truth.frame_index[rows[~truth.ignore[rows] & (truth.h[rows] >= usual)]])
         n_tall = np.searchsorted(tall, lo[r]), len(tall) - np.searchsorted(tall, hi[r])

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
+import errno
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
 
 import click
 
 from nvcore.cli.options import examples
+from nvcore.cli.program import EXIT_BAD_INPUT
 from nvcore.errors import InputError
 from nvcore.extras import PACKAGES, needs
 from nvcore.inputs.session_toml import read_session
@@ -70,12 +74,29 @@ def app(
     given = [] if session is None else [f"--session={_checked(session)}"]
     given += [] if local_root is None else [f"--local-root={local_root.absolute()}"]
     given += [] if login is None else [f"--login={login.absolute()}"]
-    with suppress(KeyboardInterrupt, click.Abort):  # the way to end it
+    with _told_where_it_cannot_listen(address), suppress(KeyboardInterrupt, click.Abort):
+        # ^C is the way to end it
         streamlit(
             ["run", str(dashboard() / "app.py"), *flags, "--", *given],
             prog_name="nvcore app",
             standalone_mode=False,
         )
+
+
+@contextmanager
+def _told_where_it_cannot_listen(address: str | None) -> Iterator[None]:
+    try:
+        yield
+    except SystemExit as end:
+        # Streamlit has said that the port is not available
+        raise SystemExit(EXIT_BAD_INPUT if end.code == 1 else end.code) from end
+    except OSError as error:
+        if isinstance(error, socket.gaierror) or error.errno == errno.EADDRNOTAVAIL:
+            raise InputError(
+                f"the server cannot listen on {address or 'that address'} ({error.strerror}); "
+                "expected an address of this computer"
+            ) from error
+        raise
 
 
 def dashboard() -> Path:
@@ -103,9 +124,7 @@ def _checked(path: Path) -> Path:
     InputError
         If they are not: to be known before the first visitor comes.
     """
-    from nvcore.inputs.files import find_files
+    from nvcore.inputs.files import find_all
 
-    session = read_session(path)
-    for source, role in session.sources:
-        find_files(source, session.folder, role)
+    find_all(read_session(path))
     return path.absolute()

@@ -156,7 +156,7 @@ def gate(
     """
     from nvcore.report.gate import measure_names, run_gate, value_text
     from nvcore.report.gate_results import junit_xml, markdown, terminal_lines
-    from nvcore.report.keep_inputs import files_read
+    from nvcore.report.protect_inputs import files_read
     from nvcore.report.terminal import render_findings
 
     junit, markdown_file = _result_files(out, junit, markdown_file)

@@ -124,8 +124,8 @@ def plan(
     from nvcore.evidence.planning import plan_key, plan_study
     from nvcore.evidence.planning.pilot import MIN_PILOT
     from nvcore.evidence.units import RECORDINGS
-    from nvcore.report.keep_inputs import files_read
     from nvcore.report.plan import plan_json, render_plan
+    from nvcore.report.protect_inputs import files_read
     from nvcore.report.terminal import render_findings
 
     key = plan_key(measure)

@@ -87,7 +87,7 @@ def report(
     hashes of the inputs; it needs neither network nor this program, and browsers print it to PDF.
     Exit code 0: fine, 1: the audit found errors (with --strict: or warnings), 2: bad input.
     """
-    from nvcore.report.keep_inputs import files_read
+    from nvcore.report.protect_inputs import files_read
     from nvcore.report.terminal import render_findings
 
     with needs("report", "the HTML report needs"):

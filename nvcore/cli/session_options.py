@@ -10,14 +10,13 @@ import click
 
 from nvcore.cli.options import flag_of
 from nvcore.errors import SessionError
+from nvcore.inputs.facts import is_frame_range, parse_size
 from nvcore.inputs.session import (
     RecordingsFile,
     Session,
     Source,
     SystemSource,
-    is_frame_range,
     override_recordings,
-    parse_size,
 )
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import SETTINGS, params_from

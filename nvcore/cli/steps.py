@@ -35,7 +35,7 @@ def refuse_to_replace(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
     inputs
         Files; of a folder the pictures in it are meant.
     """
-    from nvcore.report.keep_inputs import replaced_input
+    from nvcore.report.protect_inputs import replaced_input
 
     clash = replaced_input(outputs, inputs)
     if clash is not None:
@@ -46,7 +46,7 @@ def refuse_to_replace(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
 
 def refuse_among_inputs(out: Path, session: Session) -> None:
     """A usage error if the folder to write lies in a folder of inputs, whose files are all read."""
-    from nvcore.report.keep_inputs import input_folder_around
+    from nvcore.report.protect_inputs import input_folder_around
 
     inputs = input_folder_around(out, session)
     if inputs is not None:

@@ -138,7 +138,7 @@ def find_within(
         & np.isfinite(evidence["low"])
         & np.isfinite(evidence["high"])
     ].to_dict("records")
-    clearness, found = {}, {}
+    clearness, claims = {}, {}
     for row in rows:
         key, n, apart = str(row["figure"]), int(row["n"]), float(row["difference"])
         if row["doubt"] or n < 2 or (result.is_short and inference_of(key).needs_tracks):
@@ -147,13 +147,13 @@ def find_within(
         if abs(apart) > to_zero * _widening(n, len(rows)):
             winner = winner_of(apart, row["better"])
             clearness[key] = abs(apart) / to_zero if to_zero > 0 else np.inf
-            found[key] = Claim(key, winner, np.nan, n)
+            claims[key] = Claim(key, winner, np.nan, n)
     equal, strict = companions.equal, companions.strict
-    withheld = set(_not_dominant(result, found)) if equal is None else set()
+    withheld = set(_not_dominant(result, claims)) if equal is None else set()
     if equal is not None:
-        withheld |= {key for key in found if measure_of(key).of and is_turned(key, result, equal)}
-    withheld |= {key for key in STRICT_KEYS if key in found and is_turned(key, result, strict)}
-    ranked = sorted(found.values(), key=lambda claim: -clearness[claim.key])
+        withheld |= {key for key in claims if measure_of(key).of and is_turned(key, result, equal)}
+    withheld |= {key for key in STRICT_KEYS if key in claims and is_turned(key, result, strict)}
+    ranked = sorted(claims.values(), key=lambda claim: -clearness[claim.key])
     return tuple(claim for claim in ranked if claim.key not in withheld)
 
 

@@ -7,7 +7,7 @@ equally many false alarms, and when boxes are paired strictly.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Final, Literal
 
@@ -55,29 +55,41 @@ class Companions:
     moved
         System with another threshold in `equal`, ``x`` or ``y``; empty: neither.
     evidence
-        Evidence at both ends of what may pass for equal: p without intervals. Empty without
-        `equal`.
+        Evidence at both ends of what may pass for equal. It has intervals where X and Y are set to
+        different operating points. Empty without `equal`.
     strict
         The comparison that the verdict rests on (`equal` where the one as set is unequal), with
         ``pairing="matched"``.
+    of_equal
+        Evidence of `equal` itself, with intervals; None where `equal` only confirms the comparison
+        as set.
     """
 
     equal: Result | None
     moved: str
     evidence: tuple[pd.DataFrame, ...]
     strict: Result
+    of_equal: pd.DataFrame | None = None
 
     @property
     def weaker_evidence(self) -> pd.DataFrame:
-        """The evidence at equal false alarms, with the larger p and corrected p of both ends.
+        """The evidence of `equal`, as weak as anywhere in what may pass for equal.
 
-        NaN where an end has none.
+        p and corrected p are the larger ones of both ends, and intervals reach over those of
+        `equal` and of both ends. NaN where an end has none.
         """
-        return self.evidence[0].assign(
-            **{
-                name: np.maximum.reduce([table[name].to_numpy() for table in self.evidence])
-                for name in ("p", "p_holm")
-            }
+        assert self.of_equal is not None
+        tables = (self.of_equal, *self.evidence)
+
+        def of_all(extreme: np.ufunc, name: str, tables: Sequence[pd.DataFrame]) -> np.ndarray:
+            ends: np.ndarray = extreme.reduce([table[name].to_numpy() for table in tables])
+            return ends
+
+        return self.of_equal.assign(
+            p=of_all(np.maximum, "p", self.evidence),
+            p_holm=of_all(np.maximum, "p_holm", self.evidence),
+            low=of_all(np.minimum, "low", tables),
+            high=of_all(np.maximum, "high", tables),
         )
 
     @property
@@ -152,10 +164,16 @@ def find_companions(result: Result, evidence: pd.DataFrame) -> Companions:
         return Companions(None, "", (), strict)
     has_p = bool(np.isfinite(evidence["p_holm"]).any())
     ends = _ends(result, equal, moved) if has_p else [equal]
-    tables = [
-        significance_table(at_end, _miss_rates(evidence), has_intervals=False) for at_end in ends
-    ]
-    return Companions(equal, moved, tuple(tables), strict)
+    miss_rates = _miss_rates(evidence)
+
+    def judged(at_end: Result) -> pd.DataFrame:
+        return significance_table(at_end, miss_rates, has_intervals=is_unequal)
+
+    tables = tuple(judged(at_end) for at_end in ends)
+    of_equal = None
+    if is_unequal:
+        of_equal = tables[0] if len(ends) == 1 else judged(equal)
+    return Companions(equal, moved, tables, strict, of_equal)
 
 
 def which_moves(result: Result) -> str:

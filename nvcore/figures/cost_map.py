@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 import plotly.graph_objects as go
 
-from nvcore.figures.style import LOOK, axis, draw, loss_scale
+from nvcore.figures.style import HEADING_PX, LOOK, axis, draw, loss_scale
 from nvcore.metrics.cost_map import CostMap
 from nvcore.palette import Theme
 
@@ -41,8 +41,9 @@ def cost_plot(cost_map: CostMap, *, theme: Theme) -> go.Figure:
     return draw(
         costs,
         theme,
-        height=SMALL_PX,
-        margin={"l": 40, "r": 4, "t": 8, "b": 38},
+        title="Cost of a miss",
+        height=SMALL_PX + HEADING_PX,
+        margin={"l": 40, "r": 4, "t": 8 + HEADING_PX, "b": 38},
         xaxis=axis(theme, "lateral position (px)", range=across, fixedrange=True, showgrid=False),
         yaxis=axis(theme, "feet (row)", range=down[::-1], fixedrange=True, showgrid=False),
     )

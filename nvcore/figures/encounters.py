@@ -225,15 +225,17 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
     centre, width = lead_bins(lead_s)
     # a multiple of the width lies in the middle of its bin, whatever the rounding
     bin_of = np.clip(np.round(lead_s / width).astype(int) + len(centre) // 2, 0, len(centre) - 1)
-    counts = np.bincount(bin_of, minlength=len(centre))
+    most = np.bincount(bin_of).max()
     look = LOOK[theme]
     traces = []
-    for label, colour, bins in (
-        ("Y first", look.y, centre < 0),
-        ("at the same time", look.muted, centre == 0),
-        ("X first", look.x, centre > 0),
+    # the bin around 0 also holds small leads: whoever leads is told by the lead, not by the bin
+    for label, colour, leads in (
+        ("Y first", look.y, lead_s < 0),
+        ("at the same time", look.muted, lead_s == 0),
+        ("X first", look.x, lead_s > 0),
     ):
-        bins = bins & (counts > 0)
+        counts = np.bincount(bin_of[leads], minlength=len(centre))
+        bins = counts > 0
         traces.append(
             go.Bar(
                 x=centre[bins],
@@ -245,15 +247,18 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
             )
         )
     matched = f"{count_text(len(lead_s), 'encounter')} matched by both"
-    tick = {"dtick": 1} if counts.max() <= FEW else {}
+    tick = {"dtick": 1} if most <= FEW else {}
     ends = [centre[0] - width, centre[-1] + width]
     lead = "← Y first        lead time of X over Y (s)        X first →"
     return draw(
         traces,
         theme,
         title="Who sees a pedestrian first",
-        subtitle=f"{matched}; median {np.median(lead_s) + 0.0:+.2f} s",
-        barmode="overlay",
+        subtitle=(
+            f"{matched}: X first in {int((lead_s > 0).sum())}, Y in {int((lead_s < 0).sum())}; "
+            f"median {np.median(lead_s) + 0.0:+.2f} s"
+        ),
+        barmode="stack",
         xaxis=axis(theme, lead, range=ends),
         yaxis=counts_axis(theme, **tick),
     )

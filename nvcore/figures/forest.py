@@ -11,7 +11,7 @@ import plotly.graph_objects as go
 
 from nvcore.evidence.subgroups import ALL
 from nvcore.figures.marks import marks, still_line, with_gaps
-from nvcore.figures.style import LOOK, axis, draw, empty_figure, plain, rows_axis, write
+from nvcore.figures.style import LOOK, axis, draw, empty_figure, plain, rows_axis, written
 from nvcore.measures import AxisScale, inference_of
 from nvcore.palette import Theme
 from nvcore.wording import capitalised, count_text
@@ -95,6 +95,18 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
     side = "right" if better == "higher" else "left"
     fixed = {"tickvals": place.tolist(), "showgrid": False, "fixedrange": True}
     ends = _range(difference, low, high, least=scale.least)
+    counts = [
+        written(
+            f"{row['n']:,}: X {row['x']:{scale.form}}, Y {row['y']:{scale.form}}{_corrected(row)}",
+            size=12,
+            color=look.muted,
+            x=1.01,
+            xref="x domain",
+            y=y,
+            xanchor="left",
+        )
+        for y, row in zip(place, rows, strict=True)
+    ]
     figure = draw(
         [intervals, differences],
         theme,
@@ -106,12 +118,9 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
         margin={"l": 190, "r": 260, "t": 64, "b": 48},
         xaxis=axis(theme, f"difference{_in_unit(scale)} ({side}: X is better)", range=ends),
         yaxis=rows_axis(theme, labels, room=0.5, **fixed),
+        annotations=counts,
     )
     figure.add_vline(0, line={"color": look.ink, "width": 1})
-    for y, row in zip(place, rows, strict=True):
-        counts = f"{row['n']:,}: X {row['x']:{scale.form}}, Y {row['y']:{scale.form}}"
-        beside = {"x": 1.01, "xref": "x domain", "y": y, "xanchor": "left"}
-        write(figure, counts + _corrected(row), size=12, color=look.muted, **beside)
     return figure
 
 

@@ -10,7 +10,16 @@ import plotly.graph_objects as go
 
 from nvcore.dataset import Dataset
 from nvcore.figures.marks import line_up
-from nvcore.figures.style import LOOK, axis, draw, empty_figure, faded, system_label, write
+from nvcore.figures.style import (
+    HEADING_PX,
+    LOOK,
+    axis,
+    draw,
+    empty_figure,
+    faded,
+    system_label,
+    write,
+)
 from nvcore.metrics.proximity import in_use, sigmoid
 from nvcore.palette import Theme
 from nvcore.params import Params
@@ -20,6 +29,8 @@ SMALL_PX: Final = 180
 """Height of the figure in the sidebar."""
 MAX_BOXES: Final = 200_000
 """Boxes that the histogram of heights is made of, taken evenly from all."""
+LABEL_PX: Final = 20
+"""Room above the plot for the label of the threshold."""
 N_BINS: Final = 40
 N_CURVES: Final = 4
 """Sigmoids drawn where recordings differ in size."""
@@ -119,6 +130,8 @@ def false_alarm_plot(
 
 
 def _threshold_line(figure: go.Figure, threshold: float | None, theme: Theme) -> None:
+    # also without a threshold, so that the plots of X and Y stay level
+    figure.update_layout(margin_t=HEADING_PX + LABEL_PX)
     if threshold is None:
         return
     line_up(figure, threshold, "threshold", theme)
@@ -176,8 +189,9 @@ def proximity_plot(dataset: Dataset, params: Params, *, theme: Theme) -> go.Figu
     return draw(
         traces,
         theme,
-        height=SMALL_PX,
-        margin={"l": 34, "r": 8, "t": 8, "b": 38},
+        title="Proximity weight",
+        height=SMALL_PX + HEADING_PX,
+        margin={"l": 34, "r": 8, "t": 8 + HEADING_PX, "b": 38},
         bargap=0,
         xaxis=axis(theme, title, range=[edges[0], end], fixedrange=True, showgrid=False),
         yaxis=axis(theme, "weight", range=[0, 1.05], fixedrange=True, tickvals=[0, 0.5, 1]),

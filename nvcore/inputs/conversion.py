@@ -7,13 +7,13 @@ from pathlib import Path
 
 from nvcore.errors import InputError, MissingFactError
 from nvcore.findings import Finding
-from nvcore.inputs.convert import format_by_name, write, write_frame_lists
 from nvcore.inputs.evaluated_frames import LostFrames, frames_lost_without_list
 from nvcore.inputs.files import find_files
 from nvcore.inputs.load import read_options, read_source
 from nvcore.inputs.readers import NOTHING
 from nvcore.inputs.readers.base import Format, Reading, Role, SourceFile
 from nvcore.inputs.session import Source
+from nvcore.inputs.writers import format_by_name, write, write_frame_lists
 
 
 @dataclass(frozen=True)

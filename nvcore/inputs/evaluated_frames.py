@@ -12,9 +12,9 @@ import numpy as np
 import pandas as pd
 
 from nvcore.errors import InputError, MissingFactError
+from nvcore.inputs.facts import is_frame_range
 from nvcore.inputs.readers.base import Reading, SourceFile
 from nvcore.inputs.readers.meaning.seqinfo import MAX_FRAMES
-from nvcore.inputs.session import is_frame_range
 
 MIN_SAMPLED: Final = 8
 """Annotated frames from which a common step between them is taken for regular sampling."""
@@ -41,7 +41,7 @@ def parse_frames(text: str, folder: Path) -> np.ndarray:
         With the line that is no whole number.
     """
     if is_frame_range(text):
-        first, last, step = ([int(part) for part in text.split(":")] + [1])[:3]
+        first, last, step = ([int(part.strip()) for part in text.split(":")] + [1])[:3]
         if step < 1 or last < first:
             raise InputError(
                 f"frames {text!r}: expected first:last[:step] with last >= first and step >= 1"
@@ -70,7 +70,7 @@ def parse_frames(text: str, folder: Path) -> np.ndarray:
             continue
         if re.fullmatch(r"\s*-?\d{1,15}\s*", line) is None:
             raise file.fault(f"expected a frame number, found {line[:40]!r}", number)
-        numbers.append(int(line))
+        numbers.append(int(line.strip()))  # int takes less for a space than str does
     if not numbers:
         raise InputError("holds no frame number", file=text)
     return np.unique(np.array(numbers, dtype=np.int64))

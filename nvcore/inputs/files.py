@@ -17,7 +17,7 @@ from nvcore.file_kinds import PACKED_ENDINGS, suffix_of, unpacked_name
 from nvcore.inputs.readers import NOTHING, detect_format, format_named, holds_nothing
 from nvcore.inputs.readers.base import Format, Role, SourceFile
 from nvcore.inputs.readers.meaning.names import NEUTRAL
-from nvcore.inputs.session import Source
+from nvcore.inputs.session import Session, Source
 
 NAME_PARTS = 3
 """How many parts of a path a file is shown by: enough for recording/gt/gt.txt."""
@@ -84,6 +84,18 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
     # a seqinfo.ini sent along is read as what it is: facts about the recording beside it
     readable = [file for file in readable if file.path.name.lower() != "seqinfo.ini"] or readable
     return readable or files, file_format
+
+
+def find_all(session: Session) -> None:
+    """Look for all files that a session names.
+
+    Raises
+    ------
+    InputError
+        If one is not there.
+    """
+    for source, role in session.sources:
+        find_files(source, session.folder, role)
 
 
 def _is_frame_list(files: Sequence[SourceFile]) -> bool:

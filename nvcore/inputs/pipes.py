@@ -20,9 +20,10 @@ from nvcore.errors import InputError
 MAX_PIPE_BYTES: Final = 1 << 32
 """Largest content of one pipe."""
 _CHUNK: Final = 1 << 20
+_OF_THIS_RUN: Final = ("/dev/stdin", "/dev/fd/", "/proc/self/fd/")
 
 
-class _Kept:
+class _PipeContents:
     """Contents of pipes in temporary files, by the identity of the pipe."""
 
     def __init__(self, files: ExitStack):
@@ -55,7 +56,7 @@ class _Kept:
         return Path(content.name)
 
 
-_kept: ContextVar[_Kept | None] = ContextVar("pipes", default=None)
+_contents: ContextVar[_PipeContents | None] = ContextVar("pipes", default=None)
 
 
 @contextmanager
@@ -64,15 +65,25 @@ def pipes_kept() -> Iterator[None]:
 
     Threads that are started within it know of it only if they run in a copy of its context.
     """
-    if _kept.get() is not None:
+    if _contents.get() is not None:
         yield
         return
     with ExitStack() as files:
-        token = _kept.set(_Kept(files))
+        token = _contents.set(_PipeContents(files))
         try:
             yield
         finally:
-            _kept.reset(token)
+            _contents.reset(token)
+
+
+def is_pipe(path: Path) -> bool:
+    """Whether what the path names can be read in this run alone: a pipe, or what a shell opened."""
+    if path.as_posix().startswith(_OF_THIS_RUN):
+        return True
+    try:
+        return path.is_fifo()
+    except OSError:  # of a name that is too long, or in a folder that may not be looked into
+        return False
 
 
 def open_stored(path: Path) -> BufferedReader:
@@ -87,7 +98,7 @@ def open_stored(path: Path) -> BufferedReader:
     """
     if not path.is_fifo():
         return path.open("rb")
-    kept = _kept.get()
-    if kept is None:
+    contents = _contents.get()
+    if contents is None:
         raise InputError("is a pipe; expected a file", file=path.name)
-    return kept.file_of(path).open("rb")
+    return contents.file_of(path).open("rb")

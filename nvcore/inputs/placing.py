@@ -1,11 +1,30 @@
-"""Which row of the frames table each box belongs to."""
+"""Sources that were read, put together: which row of the frames table each box belongs to."""
 
 from __future__ import annotations
 
+import hashlib
+from dataclasses import asdict, dataclass
 from typing import Final
 
 import numpy as np
 import pandas as pd
+
+from nvcore.dataset import Dataset
+from nvcore.dataset.tables import dataset_from_tables, what_is_stated
+from nvcore.errors import InputError, MissingFactError
+from nvcore.inputs.evaluated_frames import own_frames, parse_frames
+from nvcore.inputs.hashes import changed_input
+from nvcore.inputs.readers.base import Format, Reading, SourceFile
+from nvcore.inputs.recordings import (
+    NO_BOX,
+    check_listed,
+    contradicted_facts,
+    describe_recordings,
+    missing_pictures,
+)
+from nvcore.inputs.session import Session, Source
+from nvcore.memory import check_room
+from nvcore.schema import BOX_DTYPES
 
 REASONS: Final = (
     "",
@@ -69,3 +88,183 @@ class Places:
             return position, self._listed[position] == key
         position = self._row_of[key]
         return position, position >= 0
+
+
+@dataclass(frozen=True)
+class LoadedSource:
+    """Ground truth or a system, read.
+
+    Attributes
+    ----------
+    subject
+        ``truth``, or the system's name.
+    files, digests
+        Its files, and their sha256.
+    """
+
+    subject: str
+    files: list[SourceFile]
+    digests: list[str]
+    format: Format
+    reading: Reading
+
+
+def place_sources(session: Session, loaded: list[LoadedSource], max_frames: int | None) -> Dataset:
+    """The dataset of all sources, every box in its frame.
+
+    Parameters
+    ----------
+    loaded
+        Ground truth first, then the systems of the session in their order.
+    max_frames
+        Most evaluated frames of all recordings; None: no limit.
+
+    Raises
+    ------
+    InputError
+        If there are more frames than `max_frames`, or a list of frames cannot be used.
+    MissingFactError
+        If image size, frame rate or frames are needed and unknown.
+    """
+    truth = loaded[0].reading
+    check_listed(session, truth)
+    recordings = describe_recordings(session, truth)
+    frames, notes = _frames(session, truth, recordings)
+    n_frames = sum(map(len, frames))
+    if max_frames is not None and n_frames > max_frames:
+        raise InputError(
+            f"there are {n_frames:,} evaluated frames; expected at most {max_frames:,}. Open fewer "
+            "recordings at a time, or give the frames to evaluate"
+        )
+    check_room(n_frames)
+    keep = [i for i, listed in enumerate(frames) if len(listed)]
+    recordings = recordings.iloc[keep].reset_index(drop=True)
+    frames = [frames[i] for i in keep]
+    places = Places(recordings["name"], frames)
+    tables: list[dict[str, np.ndarray]] = []
+    left_out = []
+    n_files = 0
+    for number, source in enumerate(loaded):
+        placed, lost = _placed(source, number, places, n_files)
+        tables.append(placed)
+        left_out.append(lost)
+        n_files += len(source.files)
+    findings = [finding for source in loaded for finding in source.reading.findings]
+    for source in loaded:
+        first = source.files[0].name
+        findings += changed_input(source.subject, first, source.digests, session.hashes)
+    findings += contradicted_facts(truth, recordings)
+    findings += missing_pictures(session, recordings["name"].tolist())
+    return dataset_from_tables(
+        recordings,
+        frames,
+        pd.DataFrame(
+            {name: np.concatenate([table[name] for table in tables]) for name in tables[0]},
+            copy=False,
+        ),
+        [source.subject for source in loaded[1:]],
+        fingerprint=_fingerprint(session, loaded, recordings, frames),
+        inputs=pd.concat([_input_rows(source) for source in loaded], ignore_index=True),
+        left_out=pd.concat(left_out, ignore_index=True),
+        findings=tuple(findings),
+        notes=tuple(notes),
+        settings=session,
+    )
+
+
+def _placed(
+    source: LoadedSource, number: int, places: Places, n_files: int
+) -> tuple[dict[str, np.ndarray], pd.DataFrame]:
+    """Columns of the boxes that have a place, and the rows that have none.
+
+    Parameters
+    ----------
+    number
+        Of the source, as boxes name it.
+    n_files
+        Files of the sources before it.
+    """
+    boxes = source.reading.boxes
+    file = boxes["file"].to_numpy() + np.int32(n_files)
+    position, fault = places.of(boxes)
+    columns = {name: boxes[name].to_numpy() for name in BOX_DTYPES}
+    columns |= {
+        "file": file,
+        "frame_index": position,
+        "source": np.full(len(boxes), number, np.int16),
+    }
+    lost = np.flatnonzero(fault)
+    if len(lost):
+        columns = {name: values[fault == 0] for name, values in columns.items()}
+    left_out = (
+        boxes.iloc[lost][["recording", "frame"]]
+        .astype({"recording": object})
+        .assign(
+            file=file[lost],
+            line=boxes["line"].to_numpy()[lost],
+            reason=np.array(REASONS, dtype=object)[fault[lost]],
+            subject=source.subject,
+        )
+    )
+    return columns, left_out
+
+
+def _input_rows(source: LoadedSource) -> pd.DataFrame:
+    """The rows of `Dataset.inputs` of a source's files."""
+    return pd.DataFrame(
+        {
+            "subject": source.subject,
+            "file": [file.name for file in source.files],
+            "sha256": source.digests,
+            "format": source.format.name,
+            "conversion": source.reading.conversion,
+        }
+    )
+
+
+def _frames(
+    session: Session, truth: Reading, recordings: pd.DataFrame
+) -> tuple[list[np.ndarray], list[str]]:
+    """Listed frames of every recording, and in words how they were chosen."""
+    entries = session.entries(recordings["name"].tolist())
+    texts = {name: entry.frames for name, entry in entries.items() if entry.frames is not None}
+    common = None if session.frames is None else parse_frames(session.frames, session.folder)
+    listed_frames = own_frames(
+        truth, [] if common is not None else [n for n in recordings["name"] if n not in texts]
+    )
+    frames: list[np.ndarray] = []
+    reasons: dict[str, list[str]] = {}
+    for name in recordings["name"]:
+        if name in texts:
+            listed, reason = parse_frames(texts[name], session.folder), "as the session says"
+        elif common is not None:
+            listed, reason = common, "as given for all recordings"
+        else:
+            listed, reason = listed_frames[name]
+        frames.append(listed)
+        reasons.setdefault(reason, []).append(name)
+    counts = dict(zip(recordings["name"], map(len, frames), strict=True))
+    notes = [
+        f"evaluated frames of {names[0] if len(names) == 1 else f'{len(names)} recordings'}: "
+        f"{reason} ({sum(counts[name] for name in names)} in all)"
+        for reason, names in reasons.items()
+    ]
+    if not sum(len(listed) for listed in frames):
+        raise MissingFactError(NO_BOX, file=session.truth.path[0], facts=("frames",))
+    return frames, notes
+
+
+def _fingerprint(
+    session: Session, loaded: list[LoadedSource], recordings: pd.DataFrame, frames: list[np.ndarray]
+) -> str:
+    """sha256 over the input bytes and the reader settings."""
+    digest = hashlib.sha256()
+    sources: list[Source] = [session.truth, *session.systems]
+    for item, source in zip(loaded, sources, strict=True):
+        settings = {**asdict(source), "path": None, "format": item.format.name}
+        settings |= {"threshold": None, "name": None}
+        digest.update(f"{item.subject}\n{item.digests}\n{settings}\n".encode())
+    digest.update(what_is_stated(recordings).to_csv(index=False).encode())
+    for listed in frames:
+        digest.update(listed.astype(np.int64).tobytes())
+    return digest.hexdigest()

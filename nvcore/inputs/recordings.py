@@ -17,11 +17,29 @@ from nvcore.wording import count_text, did_you_mean
 
 MOST_NAMED: Final = 5
 """Recordings that are named in an error."""
+MOST_SIGNS: Final = 1000
+"""Of a recording's name: names are shown, and become names of files."""
 NO_BOX: Final = (
     "no frame is evaluated: the ground truth holds no box (only a header, or other classes?). "
     "Check that it is the right file and --classes; if there is no pedestrian in it, give the "
     "evaluated frames with --frames"
 )
+
+
+def check_names(reading: Reading) -> None:
+    """Refuse names of recordings that nobody can have meant.
+
+    Raises
+    ------
+    InputError
+        If one is longer than `MOST_SIGNS`.
+    """
+    longest = max(reading.recordings["name"], key=len, default="")
+    if len(longest) > MOST_SIGNS:
+        raise InputError(
+            f"a recording's name has {len(longest):,} signs, expected {MOST_SIGNS:,} at the most: "
+            f"{longest[:30]!r} ..."
+        )
 
 
 def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding]:

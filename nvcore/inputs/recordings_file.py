@@ -4,8 +4,9 @@
     night_01,640,480,20,rural,night;rain,night_01.mp4
 
 Columns may stand in any order; all but `recording` may be missing, and their cells empty. Tags are
-separated by semicolons. Paths of pictures start from the folder of the file. A title is what the
-recording is called in place of its name in the data. Columns are separated
+separated by semicolons. Paths of pictures start from the folder of the file; first_picture is the
+number of the frame that the first of them shows. A title is what the recording is called in place
+of its name in the data. Columns are separated
 by commas, semicolons (with tags in quotes; a comma may then be the decimal sign) or tabs.
 """
 
@@ -22,12 +23,14 @@ from nvcore.errors import SessionError
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.parse.text import read_text
 from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session
+from nvcore.output.csv_text import without_safeguard
 from nvcore.params.traffic import parse_context
 from nvcore.wording import did_you_mean
 
 NAME: Final = "recording"
 MAX_BYTES: Final = 16 << 20
 """Tens of thousands of recordings."""
+MOST_RECORDINGS: Final = 100_000
 
 
 def _number(text: str) -> float:
@@ -35,6 +38,13 @@ def _number(text: str) -> float:
         return float("" if "_" in text else text)  # Python's own 1_000 is no number in a table
     except ValueError as error:
         raise ValueError(f"expected a number, found {text!r}") from error
+
+
+def _whole_number(text: str) -> int:
+    number = _number(text)
+    if not number.is_integer():
+        raise ValueError(f"expected a whole number, found {text!r}")
+    return int(number)
 
 
 def _tags(text: str) -> tuple[str, ...]:
@@ -49,6 +59,7 @@ COLUMNS: Final[dict[str, Callable[[str], Any]]] = {
     "context": parse_context,
     "tags": _tags,
     "pictures": str,
+    "first_picture": _whole_number,
     "title": str,
 }
 """What the file may hold, and how a cell is read."""
@@ -118,6 +129,8 @@ def read_recordings_file(path: Path, name: str) -> dict[str, tuple[int, Recordin
             raise file.fault(
                 f"expected {len(columns)} cells, as in the first line, found {len(cells)}", line
             )
+        if len(entries) >= MOST_RECORDINGS:
+            raise file.fault(f"expected {MOST_RECORDINGS:,} recordings at the most", line)
         entry = _entry(file, line, dict(zip(columns, cells, strict=True)))
         if entry.name in entries:
             raise file.fault(
@@ -141,7 +154,7 @@ def _rows(file: SourceFile) -> Iterator[tuple[int, list[str]]]:
     reader = csv.reader(StringIO(text, newline=""), delimiter=delimiter, strict=True)
     try:
         for cells in reader:
-            row = [cell.strip() for cell in cells]
+            row = [without_safeguard(cell.strip()) for cell in cells]
             if any(row):
                 comma = delimiter == ";"
                 yield reader.line_num, [_with_point(cell) if comma else cell for cell in row]

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from nvcore.errors import SessionError
+from nvcore.inputs.facts import (
+    check_finite,
+    check_path,
+    check_positive,
+    check_rate,
+    is_frame_range,
+)
 from nvcore.params.traffic import parse_context
-from nvcore.settings import MAX_FPS, MIN_FPS, Settings, new_names
+from nvcore.settings import Settings, new_names
 
 if TYPE_CHECKING:
     from nvcore.inputs.readers.base import Role
@@ -51,9 +57,9 @@ class RecordingEntry:
         if self.title is not None and not self.title.strip():
             raise SessionError("title: expected a name, found nothing")
         for name in ("width", "height"):
-            _positive(name, getattr(self, name))
-        _rate(self.fps)
-        _finite("horizon", self.horizon)
+            check_positive(name, getattr(self, name))
+        check_rate(self.fps)
+        check_finite("horizon", self.horizon)
         if self.context is not None:
             try:
                 parse_context(self.context)
@@ -63,8 +69,8 @@ class RecordingEntry:
             raise SessionError(
                 f"first_picture: expected a frame number, found {self.first_picture}"
             )
-        _can_be_a_path("frames", self.frames)
-        _can_be_a_path("pictures", self.pictures)
+        check_path("frames", self.frames)
+        check_path("pictures", self.pictures)
         if not all(tag.strip() for tag in self.tags) or len(set(self.tags)) < len(self.tags):
             raise SessionError(f"tags: expected different words, found {list(self.tags)}")
 
@@ -87,7 +93,7 @@ class RecordingsFile:
     def __post_init__(self) -> None:
         if not self.path:
             raise SessionError("path: expected a file, found nothing")
-        _can_be_a_path("path", self.path)
+        check_path("path", self.path)
 
 
 @dataclass(frozen=True)
@@ -119,7 +125,7 @@ class Source:
         if not self.path or not all(self.path):
             raise SessionError("path: expected a file, folder or glob, found nothing")
         for text in self.path:
-            _can_be_a_path("path", text)
+            check_path("path", text)
         if self.classes is not None and not (self.classes and all(self.classes)):
             raise SessionError("classes: expected names or numbers of classes, found nothing")
 
@@ -161,9 +167,9 @@ class SystemSource(Source):
                 f"offset_frames: expected at most {MAX_OFFSET_FRAMES}, found {self.offset_frames}"
             )
         for value in self.offset_px:
-            _finite("offset_px", value)
+            check_finite("offset_px", value)
         for value in self.scale:
-            _positive("scale", value)
+            check_positive("scale", value)
 
 
 @dataclass(frozen=True)
@@ -185,6 +191,8 @@ class Session(Settings):
     hashes
         sha256 of each source when the session was written, by ``truth`` or the system's name;
         checked when it is loaded.
+    pipes
+        Paths that were pipes when the session was written: what came through them is gone.
     x, y, params, protocol, only_tags, only
         See `nvcore.settings.Settings`.
     """
@@ -198,10 +206,11 @@ class Session(Settings):
     fps: float | None = None
     frames: str | None = None
     hashes: Mapping[str, str] = field(default_factory=dict)
+    pipes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        _rate(self.fps)
-        _can_be_a_path("frames", self.frames)
+        check_rate(self.fps)
+        check_path("frames", self.frames)
         names = [recording.name for recording in self.recordings]
         for name in names:
             if names.count(name) > 1:
@@ -266,8 +275,11 @@ class Session(Settings):
         title_of = {entry.name: entry.title for entry in self.recordings if entry.title in titles}
 
         def called(names: tuple[str, ...]) -> tuple[str, ...]:
-            found = [name if name in titles else title_of.get(name) or name for name in names]
-            return tuple(dict.fromkeys(found))
+            return tuple(
+                dict.fromkeys(
+                    name if name in titles else title_of.get(name) or name for name in names
+                )
+            )
 
         only, counting = called(self.only), called(self.protocol.recordings)
         if (only, counting) == (self.only, self.protocol.recordings):
@@ -376,43 +388,3 @@ def override_recordings(
     recordings = tuple(replace(facts, **dropped) for facts in session.recordings)
     changes: dict[str, Any] = {**values, "recordings": recordings}
     return replace(session, **changes)
-
-
-def _positive(name: str, value: float | None) -> None:
-    if value is not None and not 0 < value < math.inf:
-        raise SessionError(f"{name}: expected a positive number, found {value:g}")
-
-
-def _rate(fps: float | None) -> None:
-    if fps is not None and not MIN_FPS <= fps <= MAX_FPS:
-        raise SessionError(f"fps: expected a number from {MIN_FPS:g} to {MAX_FPS:g}, found {fps:g}")
-
-
-def _finite(name: str, value: float | None) -> None:
-    if value is not None and not math.isfinite(value):
-        raise SessionError(f"{name}: expected a finite number, found {value:g}")
-
-
-def _can_be_a_path(name: str, text: str | None) -> None:
-    # other control characters may be in the names of files, and are shown harmlessly
-    if text is not None and "\0" in text:
-        raise SessionError(f"{name}: expected a path, found one with a NUL: {text!r}")
-
-
-def parse_size(text: str) -> tuple[int, int]:
-    """Width and height from ``640x480``.
-
-    Raises
-    ------
-    ValueError
-        If the text is not of that form.
-    """
-    match = re.fullmatch(r"\s*(\d{1,6})\s*[xX×]\s*(\d{1,6})\s*", text)
-    if match is None or not int(match[1]) or not int(match[2]):
-        raise ValueError(f"expected a size such as 640x480, got {text!r}")
-    return int(match[1]), int(match[2])
-
-
-def is_frame_range(frames: str) -> bool:
-    """Whether the text is ``first:last`` or ``first:last:step``, not the name of a file."""
-    return re.fullmatch(r"\s*-?\d{1,15}\s*:\s*-?\d{1,15}\s*(:\s*\d{1,15}\s*)?", frames) is not None

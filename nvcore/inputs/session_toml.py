@@ -52,8 +52,8 @@
     recordings = ["drive_1"]
     expand = 1.25
 
-Paths are relative to the session file. A session written by the program also holds the version
-and the sha256 of every input.
+Paths are relative to the session file. A session written by the program also holds the version,
+the sha256 of every input, and which of the paths were pipes.
 
 The tables are decoded by hand, by the types of the dataclasses' fields. The alternatives, weighed
 by licence, size and dependencies: msgspec rejects unknown keys only for its own classes, so that
@@ -78,13 +78,14 @@ from typing import Any, Final, TypeVar, get_args, get_origin, get_type_hints
 import tomli_w
 
 from nvcore.errors import ParameterError, SessionError
+from nvcore.inputs.facts import parse_size
+from nvcore.inputs.pipes import is_pipe
 from nvcore.inputs.session import (
     RecordingEntry,
     RecordingsFile,
     Session,
     Source,
     SystemSource,
-    parse_size,
 )
 from nvcore.params import params_from
 from nvcore.params.traffic import context_word, parse_context
@@ -93,6 +94,8 @@ from nvcore.wording import did_you_mean
 
 _T = TypeVar("_T")
 
+MAX_BYTES: Final = 16 << 20
+"""With the hashes of a hundred thousand inputs."""
 _TABLES: Final = frozenset(
     {
         "recording",
@@ -130,6 +133,8 @@ def read_session(path: str | Path) -> Session:
     """
     path = Path(path)
     try:
+        if path.stat().st_size > MAX_BYTES:
+            raise SessionError(f"is larger than {MAX_BYTES >> 20} MiB", file=path)
         content = tomllib.loads(path.read_text(encoding="utf-8"))
         _check_integers(content)
     except OSError as error:
@@ -185,8 +190,9 @@ class _Decoder:
             params = params_from(settings)
         with self.errors_in("[protocol]"):
             protocol = protocol_from(filters)
-        hashes = self.table(content, "written").get("sha256", {})
-        hashes = self.value(Mapping[str, str], hashes, "[written]: sha256")
+        written = self.table(content, "written")
+        hashes = self.value(Mapping[str, str], written.get("sha256", {}), "[written]: sha256")
+        pipes = self.value(tuple[str, ...], written.get("pipes", []), "[written]: pipes")
         with self.errors_in("the session"):
             return Session(
                 folder=self.path.resolve().parent,
@@ -197,6 +203,7 @@ class _Decoder:
                 params=params,
                 protocol=protocol,
                 hashes=hashes,
+                pipes=pipes,
                 **defaults,
                 **compare,
             )
@@ -289,11 +296,13 @@ def _typed(kind: Any, value: Any) -> Any:
 def write_session(session: Session, *, version: str, fingerprint: str) -> str:
     """The session as TOML text; reading it back gives the same comparison.
 
-    Paths are written absolute, so that the file means the same wherever it lies.
+    Paths are written absolute, so that the file means the same wherever it lies. Those of pipes,
+    which cannot be read again, are named as such.
     """
     folder = session.folder
     session = session.with_paths(lambda path: _absolute(path, folder), folder=folder)
     table = session.recordings_file
+    pipes = [path for path in session.paths() if is_pipe(Path(path))]
     defaults = {
         "size": None if session.size is None else f"{session.size[0]}x{session.size[1]}",
         "fps": session.fps,
@@ -303,6 +312,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
         "written": {
             "version": version,
             "fingerprint": fingerprint,
+            **({"pipes": pipes} if pipes else {}),
             "sha256": dict(session.hashes),
         },
         "compare": _given(

@@ -183,7 +183,7 @@ def _weigh_rows(
         k = sigmoid((depth - midpoint) / spread)
         return np.where(depth > 0, k, np.nan), "horizon", 0, nan
     picture_height = float(frames.height[recording])
-    rows = slice(*(int(truth.offsets[row]) for row in frames.first[recording : recording + 2]))
+    rows = truth.rows_of(*frames.first[recording : recording + 2])
     is_pedestrian = ~truth.ignore[rows]
     top, tall, metres = (
         values[rows][is_pedestrian] for values in (truth.y, truth.h, truth.distance_m)

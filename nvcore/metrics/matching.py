@@ -131,10 +131,14 @@ def count_per_frame(boxes: BoxColumns, member: np.ndarray) -> np.ndarray:
 
 
 def iou_of_pairs(a: Boxes, b: Boxes) -> np.ndarray:
-    """Intersection over union of boxes with those in the same place of the other arrays."""
+    """Intersection over union of boxes with those in the same place of the other arrays.
+
+    Arrays of different shapes are broadcast; 0 for two boxes without area.
+    """
     (ax, ay, aw, ah), (bx, by, bw, bh) = a, b
     across = np.minimum(ax + aw, bx + bw) - np.maximum(ax, bx)
     down = np.minimum(ay + ah, by + bh) - np.maximum(ay, by)
     shared = np.maximum(across, 0) * np.maximum(down, 0)
-    iou: np.ndarray = shared / (aw * ah + bw * bh - shared)
+    union = aw * ah + bw * bh - shared
+    iou: np.ndarray = np.divide(shared, union, out=np.zeros_like(union), where=union > 0)
     return iou

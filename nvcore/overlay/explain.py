@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
 import numpy as np
 
-from nvcore.columns import BOX_COLUMNS, BoxColumns
+from nvcore.columns import BoxColumns
 from nvcore.comparison import Result
 from nvcore.metrics.encounters import RELEVANT_K
+from nvcore.metrics.matching import iou_of_pairs
 from nvcore.metrics.proximity import in_use
 from nvcore.metrics.similarity import border_of, miss_terms
 from nvcore.schema import MISS_CLASS_TEXT, DetectionState, MissClass, TruthState
@@ -105,8 +106,8 @@ class _Frame:
         dataset, frames = result.dataset, result.dataset.frame_columns
         self.result, self.row = result, row
         self.half_width = float(frames.half_width[row])
-        self.rows = {"truth": _rows_of(dataset.truth, row)}
-        self.truth = _boxes_of(dataset.truth, self.rows["truth"])
+        self.rows = {"truth": dataset.truth.rows_of(row, row + 1)}
+        self.truth = dataset.truth.of_frames(row, row + 1)
         gathered = gather_boxes(result, row, row + 1).truth
         self.tracks, self.is_relevant = gathered.track, gathered.is_relevant
         self.is_salient = {"x": gathered.is_salient_x, "y": gathered.is_salient_y}
@@ -118,8 +119,8 @@ class _Frame:
         self.state, self.terms, self.det_border = {}, {}, {}
         for letter, system in result.sides:
             detections = dataset.system(system.name)
-            rows = self.rows[letter] = _rows_of(detections, row)
-            boxes = self.boxes[letter] = _boxes_of(detections, rows)
+            rows = self.rows[letter] = detections.rows_of(row, row + 1)
+            boxes = self.boxes[letter] = detections.of_frames(row, row + 1)
             self.state[letter] = system.matches.state[rows]
             nearest = system.nearest.truth[self.rows["truth"]]
             self.terms[letter] = miss_terms(self.truth, self.k, nearest, frames, edge_weight)
@@ -131,8 +132,11 @@ class _Frame:
 
     @cached_property
     def overlaps(self) -> dict[str, np.ndarray]:
-        """IoU of each truth box with each detection, by system."""
-        return {letter: overlaps_of(self.truth, boxes) for letter, boxes in self.boxes.items()}
+        """IoU of each truth box with each detection, by system; shape (n_truth, n_det)."""
+        x, y, w, h = (values[:, np.newaxis] for values in self.truth.xywh)
+        return {
+            letter: iou_of_pairs((x, y, w, h), boxes.xywh) for letter, boxes in self.boxes.items()
+        }
 
     def name(self, i: int) -> str:
         track = int(self.result.tracks.track[self.rows["truth"]][i])
@@ -282,22 +286,3 @@ def _detection(frame: _Frame, letter: str, j: int) -> BoxReason:
         else f"Takes nothing of {name}'s similarity"
     )
     return BoxReason(f"Detection of {name}: false alarm", tuple(lines))
-
-
-def overlaps_of(a: BoxColumns, b: BoxColumns) -> np.ndarray:
-    """IoU of each box of `a` with each of `b`, whichever frame they are of; (n_a, n_b)."""
-    right = np.minimum.outer(a.x + a.w, b.x + b.w) - np.maximum.outer(a.x, b.x)
-    down = np.minimum.outer(a.y + a.h, b.y + b.h) - np.maximum.outer(a.y, b.y)
-    shared = np.clip(right, 0, None) * np.clip(down, 0, None)
-    union = np.add.outer(a.w * a.h, b.w * b.h) - shared
-    ratio: np.ndarray = np.divide(shared, union, out=np.zeros_like(shared), where=union > 0)
-    return ratio
-
-
-def _rows_of(boxes: BoxColumns, row: int) -> slice:
-    return slice(int(boxes.offsets[row]), int(boxes.offsets[row + 1]))
-
-
-def _boxes_of(boxes: BoxColumns, rows: slice) -> BoxColumns:
-    columns = {name: getattr(boxes, name)[rows] for name in BOX_COLUMNS}
-    return replace(boxes, **columns, offsets=np.array([0, rows.stop - rows.start]))

@@ -23,6 +23,8 @@ from nvcore.errors import MediaError
 from nvcore.wording import one_line
 
 _CHUNK: Final = 1 << 20
+_MOST_FOLDERS: Final = 32
+"""Folders inside one another; some thousand cannot be removed again by Python 3.11."""
 _END: Final = struct.Struct("<4s4H2LH")
 _END_64: Final = struct.Struct("<4sQ2H2L4Q")
 _LOCATOR_64: Final = struct.Struct("<4sLQL")
@@ -199,6 +201,12 @@ class Archive:
         parts = re.split(r"[/\\]", member.orig_filename)
         if parts[0] == "" or ".." in parts or ":" in parts[0] or "\0" in member.orig_filename:
             raise self._refuse("lies outside the archive's folder; pack it again", name)
+        if len(parts) - 1 > _MOST_FOLDERS:
+            raise self._refuse(
+                f"lies in {len(parts) - 1} folders, one inside the other; pack it with "
+                f"{_MOST_FOLDERS} at the most",
+                name,
+            )
         if stat.S_ISLNK(member.external_attr >> 16):
             raise self._refuse("is a link; pack the file itself", name)
         if member.flag_bits & 1:

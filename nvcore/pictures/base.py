@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final, Protocol, TypeAlias
 
@@ -57,6 +58,10 @@ class Pictures(Protocol):
         MediaError
             If there is no such picture, or it cannot be decoded.
         """
+        ...
+
+    def file_names(self, indices: Sequence[int]) -> list[str] | None:
+        """File name of each of these pictures, without folders; None: they are of one video."""
         ...
 
     def close(self) -> None:

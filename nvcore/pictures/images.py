@@ -71,6 +71,10 @@ class Images:
             name = one_line(PurePosixPath(self._names[index]).name)
             return self._recent.put(index, decode_image(self._read_bytes(index), name))
 
+    def file_names(self, indices: Sequence[int]) -> list[str]:
+        """See `Pictures.file_names`."""
+        return [PurePosixPath(self._names[index]).name for index in indices]
+
     def close(self) -> None:
         """See `Pictures.close`."""
         with self._lock:

@@ -10,6 +10,10 @@ from numpy.typing import NDArray
 
 from nvcore.pictures.base import Pictures
 
+_BY_COUNT: Final = "picture i shows frame i, both counted from 0"
+_BY_NAME: Final = "the number in a picture's name is the frame"
+USUAL: Final = tuple(f"{rule[0].upper()}{rule[1:]}." for rule in (_BY_COUNT, _BY_NAME))
+"""Notes of `picture_index` that say nothing but what anybody expects."""
 _ENOUGH: Final = 0.5
 """Share of the frames, or of the pictures, from which on numbers in names are believed."""
 
@@ -66,7 +70,7 @@ def _of_video(frames: NDArray[np.int64], n: int) -> tuple[NDArray[np.int64], str
     """Frames that count from 1 to the number of pictures are those of a video counted from 1."""
     if len(frames) and frames.min() >= 1 and frames.max() == n:
         return frames - 1, "picture i, counted from 0, shows frame i + 1: the frames count from 1"
-    return frames.copy(), "picture i shows frame i, both counted from 0"
+    return frames.copy(), _BY_COUNT
 
 
 def _by_number(
@@ -82,7 +86,7 @@ def _by_number(
             return one_based, (
                 "the number in a picture's name, less one, is the frame (names that count from 1)"
             )
-        rule = "the number in a picture's name is the frame"
+        rule = _BY_NAME
         if n_as_named == n_one_based:
             rule += " (less one would do as well: if boxes lag behind, give the first frame)"
         return as_named, rule

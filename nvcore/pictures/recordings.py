@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
+from nvcore.columns import FrameColumns
 from nvcore.dataset import Dataset
 from nvcore.errors import MediaError
 from nvcore.inputs.session import Session
@@ -50,6 +51,41 @@ class RecordingPictures:
         """Release files and memory."""
         for pictures in self.sources.values():
             pictures.close()
+
+
+def picture_names(
+    frames: FrameColumns,
+    rows: Iterable[int],
+    sources: Mapping[int, Pictures],
+    indices: Mapping[int, np.ndarray],
+) -> dict[int, str]:
+    """File name of the picture that shows a frame, by the row of the frame.
+
+    Frames without a picture of their own, such as those of a video, are absent.
+
+    Parameters
+    ----------
+    frames
+        Of the dataset.
+    rows
+        Rows of frames.
+    sources, indices
+        As in `RecordingPictures`.
+    """
+    names: dict[int, str] = {}
+    every = np.unique(np.asarray([*rows], dtype=np.int64))
+    for recording in np.unique(frames.recording[every]):
+        if recording not in sources or recording not in indices:
+            continue
+        mine = every[frames.recording[every] == recording]
+        index = indices[recording][mine - frames.first[recording]]
+        mine, index = mine[index >= 0], index[index >= 0]
+        try:
+            file_names = sources[recording].file_names([*map(int, index)])
+        except MediaError:  # they were there when they were opened
+            continue
+        names |= zip(map(int, mine), file_names or (), strict=False)
+    return names
 
 
 def session_pictures(

@@ -7,7 +7,7 @@ wanted one. Containers whose times cannot be trusted (H.264 in AVI) are counted 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from threading import Lock
 from typing import Any, Final
@@ -99,6 +99,9 @@ class Video:
                     file=self.name,
                 )
             return picture
+
+    def file_names(self, indices: Sequence[int]) -> None:
+        """See `Pictures.file_names`."""
 
     def close(self) -> None:
         """See `Pictures.close`; reading opens the file again."""

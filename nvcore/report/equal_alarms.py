@@ -83,7 +83,7 @@ def unequal_companions(
     if not are_unequal(result):
         return None
     if evidence is None:
-        evidence = evidence_table(result, protocol, has_intervals=False)
+        evidence = evidence_table(result, protocol)
     return find_companions(result, evidence)
 
 
@@ -109,7 +109,7 @@ def at_equal_alarms(companions: Companions | None) -> dict[str, Any] | None:
         "evidence": {
             str(row["figure"]): {
                 name: None if np.isnan(row[name]) else row[name]
-                for name in ("x", "y", "difference", "p", "p_holm")
+                for name in ("x", "y", "difference", "low", "high", "p", "p_holm")
             }
             for row in companions.weaker_evidence.to_dict("records")
         },

@@ -33,7 +33,7 @@ from nvcore.report.words import (
 from nvcore.scoring import SystemResult
 from nvcore.tables.inputs import inputs_table
 from nvcore.tables.result import worst_intervals
-from nvcore.wording import number, one_line, shortened
+from nvcore.wording import count_text, number, one_line, shortened
 
 SHORT_ROWS = "* means little here: most encounters are one frame long"
 """What the mark in the scorecard says."""
@@ -249,9 +249,9 @@ def _lead(result: Result) -> str:
     if not len(lead):
         return "lead time: no encounter is matched by both systems"
     return (
-        f"lead time, in the {len(lead)} encounters that both match: X is first in {first_x}, Y in "
-        f"{first_y}, at once in {len(lead) - first_x - first_y}; X leads by {lead.mean():+.2f} s "
-        f"on average, median {np.median(lead):+.2f} s"
+        f"lead time, in {count_text(len(lead), 'encounter')} that both match: X is first in "
+        f"{first_x}, Y in {first_y}, both at the same time in {len(lead) - first_x - first_y}; X "
+        f"leads by {lead.mean():+.2f} s on average, median {np.median(lead):+.2f} s"
     )
 
 

@@ -11,12 +11,13 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.evidence.bootstrap import MIN_UNITS
 from nvcore.evidence.claims import Basis, Support, find_claims, values_of
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
 from nvcore.measures import count_recordings, inference_of, measure_of
 from nvcore.report.shown import comparison_shown
-from nvcore.wording import UNDEFINED, difference, number
+from nvcore.wording import UNDEFINED, count_text, difference, number
 
 UNEQUAL_CHIP: Final = "no claim: unequal false alarms"
 NOT_SHOWN: Final = "not shown"
@@ -24,9 +25,9 @@ SAME: Final = "the same"
 SINGLE_MISS: Final = "not tested: a single miss"
 SHORT: Final = "not judged: encounters of one frame"
 REACH: Final = 1.12
+"""Half the length of a difference's axis, as a multiple of the largest value on it."""
 MOST_DECIMALS: Final = 3
 """Most decimals that an interval has beyond those of its measure."""
-"""Half the length of a bar's axis, as a multiple of the largest value on it."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Tile:
     x, y, difference
         Values and X - Y as text.
     interval
-        95 % interval of the difference as text; empty: there is none.
+        "95 % interval" of the difference with its ends, or that there is none.
     bar
         Low end, difference, and high end on an axis from 0 (Y is better) to 1 (X is better), 0.5
         being no difference; None without interval.
@@ -137,11 +138,11 @@ def _tile(
     is_lower = measure_of(kind.key).better == "lower"
     better = "" if text_x == text_y or x == y else "x" if (x < y) == is_lower else "y"
     ends: tuple[float, float, float] | None = None
-    interval = ""
+    interval = _no_interval(row)
     if row is not None and math.isfinite(row["low"]):
         times = shown.venn.n_near if is_count else 1  # a share of encounters as a number of them
         low, middle, high = (times * float(row[name]) for name in ("low", "difference", "high"))
-        interval = _interval_text(low, high, ".1f" if is_count else kind.form)
+        interval = f"95 % interval {_interval_text(low, high, '.1f' if is_count else kind.form)}"
         ends = _bar(low, middle, high, is_lower=is_lower)
     winner = next((claim.winner for claim in support.claims if claim.key == kind.judged), "")
     return Tile(
@@ -163,6 +164,13 @@ def _shown(value: float, form: str) -> str:
     if math.isnan(value):
         return UNDEFINED
     return format(int(value), ",d") if form == "d" else number(value, form)
+
+
+def _no_interval(row: Mapping[Hashable, Any] | None) -> str:
+    """That there is no interval, and why where it is for want of recordings."""
+    if row is None or row["unit"] != RECORDINGS or row["n"] >= MIN_UNITS:
+        return "no interval"
+    return f"no interval: {count_text(int(row['n']), 'recording')}, {MIN_UNITS} needed"
 
 
 def _interval_text(low: float, high: float, form: str) -> str:
@@ -206,7 +214,7 @@ def _chip(
     if kind.judged in support.withheld:
         return f"no claim: {support.withheld[kind.judged]}"
     if row["unit"] != RECORDINGS:
-        n = count_recordings(shown)
-        return f"{NOT_SHOWN}: {n} recording{'' if n == 1 else 's'}, {MIN_RECORDINGS} needed"
+        n = count_text(count_recordings(shown), "recording")
+        return f"{NOT_SHOWN}: {n}, {MIN_RECORDINGS} needed"
     x, y = float(row["x"]), float(row["y"])
     return SAME if x == y and not np.isnan(x) else NOT_SHOWN

@@ -165,8 +165,8 @@ def describe_lead(result: Result) -> str:
     mean, median = round(float(lead_s.mean()), 2), round(float(np.median(lead_s)), 2)
     text = (
         f"Of {count_text(len(lead_s), 'encounter')} that both match, X matches {first_x} first, Y "
-        f"{first_y}, and {len(lead_s) - first_x - first_y} at once. X's lead is {mean:+z.2f} s on "
-        f"average, median {median:+z.2f} s"
+        f"{first_y}, and both match {len(lead_s) - first_x - first_y} at the same time. X's lead "
+        f"is {mean:+z.2f} s on average, median {median:+z.2f} s"
     )
     if not mean and not median:
         return f"{text}: neither leads."

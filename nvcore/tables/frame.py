@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from nvcore.columns import BOX_COLUMNS, BoxColumns
 from nvcore.comparison import Result
 from nvcore.metrics.proximity import in_use
 from nvcore.metrics.similarity import border_of, miss_terms
@@ -152,7 +151,7 @@ class FrameSummary:
 def frame_summary(result: Result, row: int) -> FrameSummary:
     """Summary of one frame, by its row in the frames table."""
     dataset, frames = result.dataset, result.dataset.frame_columns
-    n_ignored = int(np.count_nonzero(dataset.truth.ignore[_rows_of(dataset.truth, row)]))
+    n_ignored = int(np.count_nonzero(dataset.truth.ignore[dataset.truth.rows_of(row, row + 1)]))
     recording = int(frames.recording[row])
     return FrameSummary(
         recording=str(dataset.recordings["name"].iloc[recording]),
@@ -170,20 +169,10 @@ def frame_summary(result: Result, row: int) -> FrameSummary:
     )
 
 
-def _rows_of(boxes: BoxColumns, row: int) -> slice:
-    return slice(int(boxes.offsets[row]), int(boxes.offsets[row + 1]))
-
-
-def _boxes_of(boxes: BoxColumns, rows: slice) -> BoxColumns:
-    """The boxes of one frame: whole recordings would take as long as a comparison."""
-    columns = {name: getattr(boxes, name)[rows] for name in BOX_COLUMNS}
-    return replace(boxes, **columns, offsets=np.array([0, rows.stop - rows.start]))
-
-
 def _pedestrians(result: Result, row: int) -> pd.DataFrame:
     dataset, frames = result.dataset, result.dataset.frame_columns
-    rows = _rows_of(dataset.truth, row)
-    truth, k = _boxes_of(dataset.truth, rows), result.k_truth.k[rows]
+    rows, truth = dataset.truth.rows_of(row, row + 1), dataset.truth.of_frames(row, row + 1)
+    k = result.k_truth.k[rows]
     boxes = gather_boxes(result, row, row + 1).truth
     edge_weight = in_use(result.params, "edge_weight", frames)
     half_width = frames.half_width[row]
@@ -232,8 +221,8 @@ def _detections(result: Result, row: int) -> pd.DataFrame:
     parts = []
     for letter, system in result.sides:
         detections = result.dataset.system(system.name)
-        rows = _rows_of(detections, row)
-        boxes, state = _boxes_of(detections, rows), system.matches.state[rows]
+        rows, boxes = detections.rows_of(row, row + 1), detections.of_frames(row, row + 1)
+        state = system.matches.state[rows]
         border_px = border_of(boxes, frames, edge_weight)
         k, nearest_px = system.weights.k[rows], system.nearest.detections[rows]
         parts.append(
@@ -256,7 +245,7 @@ def _detections(result: Result, row: int) -> pd.DataFrame:
 
 def _system_summary(result: Result, system: SystemResult, row: int) -> SystemSummary:
     frames, alpha = result.dataset.frame_columns, result.params.alpha
-    state = system.matches.state[_rows_of(result.dataset.system(system.name), row)]
+    state = system.matches.state[result.dataset.system(system.name).rows_of(row, row + 1)]
     # of this frame alone: `SystemResult.loss_miss` would be that of all
     half_width = frames.half_width[row]
     return SystemSummary(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -93,39 +93,52 @@ def entry_frames(dataset: Dataset, cases: Cases) -> np.ndarray:
 
 
 def entries_as_cvat(
-    dataset: Dataset, findings: Sequence[Finding], *, label: str | None = None
+    dataset: Dataset,
+    findings: Sequence[Finding],
+    *,
+    label: str | None = None,
+    file_names: Mapping[int, str] | None = None,
 ) -> bytes:
     """The frames of the findings with their boxes, as CVAT for images XML 1.1.
 
-    Pictures are called ``recording/000012.png``, as `nvcore convert` calls them in COCO. Cases that
-    are no box, such as a recording without detections, are pictures without boxes; rows that could
-    not be placed are left out.
+    CVAT finds its pictures by their names. A frame whose file is known has the name of that, below
+    the recording's (``night_01/I00012.png``) where the findings are about several. The others are
+    called ``recording/000012.png``, as `nvcore convert` calls them in COCO. Cases that are no box,
+    such as a recording without detections, are pictures without boxes; rows that could not be
+    placed are left out.
 
     Parameters
     ----------
     label
         Of all boxes; None: the code of the finding.
+    file_names
+        Name of a frame's picture, by its row of the frames table
+        (`nvcore.pictures.recordings.picture_names`); None: none is known.
     """
-    placed = [(one, one.cases) for one in findings if one.cases is not None]
-    placed = [(one, cases) for one, cases in placed if cases.table != "left_out"]
+    placed = [(finding, finding.cases) for finding in findings if finding.cases is not None]
+    placed = [(finding, cases) for finding, cases in placed if cases.table != "left_out"]
     rows = np.concatenate(
         [np.empty(0, np.int64), *(entry_frames(dataset, cases) for _, cases in placed)]
     )
     frames, picture = np.unique(rows, return_inverse=True)
     recording = dataset.frames["recording"].to_numpy()[frames]
     known = dataset.recordings[["name", "width", "height"]].iloc[recording]
+    numbers = dataset.frames["frame"].to_numpy()[frames]
+    folders = [f"{name}/" for name in known["name"]]
+    own_folders = folders if len({*folders}) > 1 else [""] * len(folders)
+    files = [(file_names or {}).get(int(row)) for row in frames]
     names = [
-        f"{name}/{number:06d}.png"
-        for name, number in zip(
-            known["name"], dataset.frames["frame"].to_numpy()[frames], strict=True
+        f"{folder}{number:06d}.png" if file is None else f"{own_folder}{file}"
+        for folder, own_folder, number, file in zip(
+            folders, own_folders, numbers, files, strict=True
         )
     ]
     boxes = pd.concat(
         [
             _entries(dataset, NO_CASES).assign(label=""),
             *(
-                _entries(dataset, cases).assign(label=one.code if label is None else label)
-                for one, cases in placed
+                _entries(dataset, cases).assign(label=finding.code if label is None else label)
+                for finding, cases in placed
             ),
         ],
         ignore_index=True,

@@ -339,7 +339,7 @@ def _alarm_reason(result: Result, span: _Span, letter: str, system: SystemResult
     n_alarms = system.false_alarms[frames]
     if not n_alarms.any():
         boxes = result.dataset.system(system.name)
-        rows = slice(boxes.offsets[span.first], boxes.offsets[span.last + 1])
+        rows = boxes.rows_of(span.first, span.last + 1)
         apart_px = system.nearest.detections[rows][system.matches.is_counted[rows]]
         return f"{letter} has detections up to {apart_px.max():.0f} px from the nearest pedestrian."
     lasts = _share(_time_s(result, frames[n_alarms > 0]), _span_s(result, span))

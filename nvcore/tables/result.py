@@ -11,7 +11,7 @@ from nvcore.comparison import Result
 from nvcore.findings import Finding
 from nvcore.measures import MEASURES, duration_of_recordings, per_recording
 from nvcore.metrics.saliency import EVENT_COLUMNS
-from nvcore.schema import NO_TRACK, Category
+from nvcore.schema import NO_TRACK, Category, integers_of
 from nvcore.tables.columns import column_names
 
 
@@ -19,12 +19,6 @@ def _names(result: Result, recording: np.ndarray) -> np.ndarray:
     """Names of recordings given by row."""
     names: np.ndarray = result.dataset.recordings["name"].to_numpy(dtype=object)[recording]
     return names
-
-
-def _integers(values: np.ndarray, is_known: np.ndarray) -> Any:
-    """Whole numbers, missing where not known."""
-    # not via floats, which cannot hold ids such as timestamps
-    return pd.arrays.IntegerArray(values.astype(np.int64), ~is_known)
 
 
 def _booleans(values: np.ndarray, is_known: np.ndarray) -> Any:
@@ -56,7 +50,7 @@ def frames_table(result: Result) -> pd.DataFrame:
             f"loss_false_{letter}": system.loss_false,
             f"similarity_{letter}": system.similarity,
             f"similarity_window_{letter}": system.similarity_window,
-            f"salient_track_{letter}": _integers(track, is_known),
+            f"salient_track_{letter}": integers_of(track, is_known),
         }
     return pd.DataFrame(columns)
 

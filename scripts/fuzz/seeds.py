@@ -65,9 +65,9 @@ def comparisons(between: bytes) -> Iterator[bytes]:
     yield between.join((truth, fir, nir))
     yield between.join((truth, fir))
     rows = [f"{frame},1,{300 + frame},200,30,80,1,1,1.0" for frame in range(1, 9)]
-    found = [f"{frame},-1,{303 + frame},201,30,80,0.{frame}" for frame in range(1, 9)]
+    detections = [f"{frame},-1,{303 + frame},201,30,80,0.{frame}" for frame in range(1, 9)]
     mot = "\n".join(rows).encode()
-    yield between.join((mot, "\n".join(found).encode(), b"1,-1,10,10,5,5,0.5\n"))
+    yield between.join((mot, "\n".join(detections).encode(), b"1,-1,10,10,5,5,0.5\n"))
     plain = b"frame,x,y,w,h,id,score,ignore\n1,300,200,30,80,1,,0\n2,301,200,30,80,1,,1\n"
     yield between.join((plain, b"frame,x,y,w,h,score\n1,300,200,30,80,0.9\n", b""))
 

@@ -23,12 +23,13 @@ from nvcore.auditing import audit
 from nvcore.comparison import compare
 from nvcore.errors import SessionError
 from nvcore.inputs.evaluated_frames import own_frames, parse_frames
+from nvcore.inputs.facts import is_frame_range
 from nvcore.inputs.files import find_files
 from nvcore.inputs.load import load, read_options
 from nvcore.inputs.readers import FORMATS
 from nvcore.inputs.readers.base import Reading, SourceFile
 from nvcore.inputs.recordings_file import read_recordings_file
-from nvcore.inputs.session import Session, Source, SystemSource, is_frame_range
+from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session, write_session
 from nvcore.measures import MEASURES
 from nvcore.pictures.archive import Archive, ArchiveLimits

@@ -97,6 +97,11 @@ class Trial:
         file.with_suffix(".txt").write_text(f"{place}\n\n{text}", "utf-8", "backslashreplace")
 
 
+def dictionary(words: Path) -> list[str]:
+    """The fuzzer's flag for the words of the seeds; none without words, which would end it."""
+    return [f"-dict={words}"] if words.stat().st_size else []
+
+
 def main() -> None:
     """Fuzz until the time is over, or the process ends."""
     name, store, seconds = sys.argv[1], Path(sys.argv[2]), int(sys.argv[3])
@@ -112,7 +117,7 @@ def main() -> None:
             f"-rss_limit_mb={MEMORY_MB}",
             f"-max_len={trial.target.most_bytes}",
             f"-artifact_prefix={trial.faults}/",
-            f"-dict={words}",
+            *dictionary(words),
             "-len_control=0",
             "-reload=0",
             "-print_final_stats=1",

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 from audit_comparison import dataset, find, truth_walk, walk, with_left_out, with_lines
-from builders import Box, Place
+from builders import Box, Place, make_dataset
 
 from nvcore.auditing import audit
 from nvcore.findings import Cases, Finding, Severity
@@ -102,6 +103,23 @@ def test_annotators_get_the_frames_and_boxes_as_cvat(tmp_path: Path):
     assert np.allclose(boxes, [[400.12, 50, 30, 80]] * 2, atol=0.006)
     assert reading.recordings["name"].tolist() == made.recordings["name"].tolist()
     assert reading.recordings[["width", "height"]].to_numpy().tolist() == [[640, 480]]
+
+
+def test_cvat_finds_pictures_by_the_names_of_their_files(tmp_path: Path):
+    made = agreed_in(3, 17)
+    frame_row = np.flatnonzero(made.frames["frame"] == 17)[0]
+    text = entries_as_cvat(
+        made, [find(made, "agreed-by-both-not-in-truth")], file_names={int(frame_row): "I00018.jpg"}
+    ).decode()
+    assert re.findall('<image id="." name="([^"]*)"', text) == ["r0/000003.png", "I00018.jpg"]
+
+
+def test_names_of_files_of_several_recordings_stand_below_them():
+    places = [Place(range(3)), Place(range(3))]
+    made = make_dataset([Box(1, 5, 5, 5, 9, 1, recording=r) for r in (0, 1)], places=places)
+    finding = Finding(Severity.NOTE, "a", "truth", 2, "m", "a", cases=Cases("boxes", np.arange(2)))
+    text = entries_as_cvat(made, [finding], file_names={1: "b.png", 4: "b.png"}).decode()
+    assert re.findall('<image id="." name="([^"]*)"', text) == ["r0/b.png", "r1/b.png"]
 
 
 def test_names_in_cvat_cannot_break_the_xml(tmp_path: Path):

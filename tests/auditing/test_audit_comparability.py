@@ -122,8 +122,21 @@ def test_a_system_without_distances_beside_one_with_them_is_a_warning() -> None:
     made = dataset(truth_walk(distance_m=20.0), walk(), walk(distance_m=20.0))
     finding = find(made, "mixed-weighting", BY_DISTANCE)
     assert (finding.severity.value, finding.subject, finding.count) == ("warning", "x", 40)
-    assert "100% of the boxes have no distance" in finding.message
-    assert "the least is 0%" in finding.message
+    assert "40 of 40 boxes (100%) have no distance" in finding.message
+    assert "by metres: in 1 recording, r0. Of the truth" in finding.message
+    assert "the least share is 0%" in finding.message
+
+
+def test_boxes_without_distances_are_no_cases_but_said_by_recording() -> None:
+    """X has distances in one of three recordings alone."""
+    places = [(recording, frame) for recording in range(3) for frame in range(2)]
+    truth = [Box(f, 50, 20, 20, 60, 1, distance_m=9.0, recording=r) for r, f in places]
+    x = [box._replace(track=-1, distance_m=NAN if box.recording else 9.0) for box in truth]
+    made = make_dataset(truth, x, drawn(truth, 1.0), places=[Place(range(2))] * 3)
+    finding = find(made, "mixed-weighting", BY_DISTANCE)
+    assert finding.cases is None
+    assert "4 of 6 boxes (67%)" in finding.message
+    assert "in 2 recordings, r1, r2. Of the truth" in finding.message
 
 
 def people(n_short: int, n_long: int, *, step: int = 1, h: float = 100) -> Dataset:

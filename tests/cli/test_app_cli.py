@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import socket
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -80,3 +82,25 @@ def test_without_the_dashboard_s_files_it_says_what_to_install(
     result = nvcore("app")
     assert (result.exit_code, started) == (2, [])
     assert "is not in this installation; install the wheel" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("ends", "code", "words"),
+    [
+        (SystemExit(1), 2, ""),  # the port is taken, which Streamlit says
+        (SystemExit(3), 3, ""),
+        (OSError(errno.EADDRNOTAVAIL, "Cannot assign"), 2, "cannot listen on 203.0.113.5"),
+        (socket.gaierror(-2, "Name or service not known"), 2, "cannot listen on 203.0.113.5"),
+        (OSError(errno.EIO, "Input/output error"), 3, "a fault of the program"),
+    ],
+)
+def test_a_server_that_cannot_listen_is_told_as_bad_input(
+    ends: BaseException, code: int, words: str, monkeypatch: pytest.MonkeyPatch
+):
+    def main(*_: Any, **__: Any) -> None:
+        raise ends
+
+    monkeypatch.setattr(cli, "main", main)
+    result = nvcore("app", "--address", "203.0.113.5")
+    assert result.exit_code == code
+    assert words in result.stderr

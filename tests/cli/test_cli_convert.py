@@ -12,7 +12,7 @@ from inputs import FACTS, drive, mot_layout, nvcore, write
 from places import DATA
 
 import nvcore.sample as nvcore_sample
-from nvcore.cli import _Steps
+from nvcore.cli.progress import TerminalProgress
 
 TRUTH = DATA / "csv" / "truth.csv"
 """Of the recordings urban and rural."""
@@ -302,8 +302,8 @@ def test_the_progress_bar_appears_only_when_the_work_takes_long_and_is_finished_
 ):
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
-    monkeypatch.setattr(_Steps, "PATIENCE_S", patience_s)
-    steps = _Steps(2)
+    monkeypatch.setattr(TerminalProgress, "PATIENCE_S", patience_s)
+    steps = TerminalProgress(2)
 
     def work() -> None:
         with steps:

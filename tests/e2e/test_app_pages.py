@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 from app_visit import GROUND, SHARE, Visit
 from PIL import Image
-from playwright.sync_api import expect
+from playwright.sync_api import Route, expect
 
 from ui.shell.pages import SECTIONS
 
@@ -40,15 +40,13 @@ FIND_MARK = """(plot, name) => {
 }"""
 
 
-# Where the tiles of the verdict and the scorecard were below the page's title, from frame to frame,
-# once both were there. Above the title Streamlit keeps a row while a slow first run goes on.
+# Where the tiles of the verdict and the scorecard were, from frame to frame, once both were there.
 NOTE_PLACES = """window.places = new Set();
 (function look() {
   const parts = [...document.querySelectorAll(".nv-tiles, .nv-scorecard")];
   if (parts.length === 2) {
-    const title = document.querySelector("h1").getBoundingClientRect();
     places.add(parts.map(part => part.getBoundingClientRect())
-      .map(({ left, top }) => [Math.round(left), Math.round(top - title.top)]).join());
+      .map(({ left, top }) => [Math.round(left), Math.round(top)]).join());
   }
   requestAnimationFrame(look);
 })();"""
@@ -57,9 +55,15 @@ NOTE_PLACES = """window.places = new Set();
 def test_nothing_moves_while_the_verdict_is_drawn(person, app):
     visit = Visit(person, app)
     visit.page.add_init_script(NOTE_PLACES)
-    visit.go("")
-    visit.wait_until_drawn()
+    late: list[Route] = []
+    visit.page.route("**/PageLink*.js", lambda route: late.append(route))
+    visit.page.goto(app)
     expect(visit.keyed("verdict")).to_contain_text("Nothing is claimed")
+    expect(visit.page.locator(".nv-scorecard")).to_be_visible()
+    for route in late:
+        route.continue_()
+    expect(visit.keyed("navigation").get_by_role("link").first).to_be_visible()
+    visit.wait_until_drawn()
     places = visit.page.evaluate("[...places]")
     visit.close()
     assert len(places) == 1
@@ -90,7 +94,10 @@ def test_a_click_on_a_mark_of_the_venn_diagram_opens_the_frame_that_costs_most(o
 
 
 def test_a_worst_moment_opens_its_frame(overview):
-    overview.page.get_by_role("button", name="Open frame").first.click()
+    buttons = overview.page.get_by_role("button", name="Open frame")
+    tops = [button.bounding_box()["y"] for button in buttons.all()]
+    assert tops == [tops[0]] * 4  # in a line, however long the texts above them
+    buttons.first.click()
     expect(overview.heading("Timeline", level=1)).to_be_visible()
     expect(overview.page.get_by_text("Pedestrians by term")).to_be_visible()
     overview.wait_until_drawn()
@@ -236,3 +243,23 @@ def test_keys_step_through_the_encounters_and_back_returns_to_each(visit):
     is_at(2)
     assert one.page.evaluate(ADDRESSED_ENCOUNTER) == seen[0]
     one.query("category", "x_only")
+
+
+def test_the_menu_is_three_keys_away_and_its_focus_has_a_ring(visit):
+    one = visit("timeline")
+    one.page.keyboard.press("Tab")
+    expect(one.page.get_by_role("link", name="Skip to main content")).to_be_focused()
+    one.page.keyboard.press("Enter")
+    one.page.keyboard.press("Tab")
+    first = one.keyed("navigation").get_by_role("link").first
+    expect(first).to_be_focused()
+    expect(first).to_have_css("outline-style", "solid")
+    current = one.keyed("navigation").get_by_role("link", name="Timeline")
+    expect(current).to_have_css("outline-style", "none")
+
+
+def test_sliders_have_a_track_where_colours_are_forced(visit):
+    one = visit("")
+    one.page.emulate_media(forced_colors="active")
+    track = one.keyed("alpha").locator("[data-testid=stSlider] [role=group] > div > div").first
+    expect(track).to_have_css("outline-style", "solid")

@@ -91,7 +91,36 @@ def test_a_click_in_a_plot_moves_the_frame(timeline, plot, place, frames):
     timeline.query("frame", str(frame_of(timeline)))
 
 
-# Not where other tests click: a second click on a point only takes its selection back.
+def test_a_second_click_on_a_point_acts_like_the_first(timeline):
+    key, place = f"lanes_{RECORDING}", [0.55, 0.3]
+    timeline.viewer.press("Home")
+    timeline.panel_shows(0)
+    timeline.click_plot(key, SHARE, place)
+    timeline.shows(re.compile("^1[0-9][0-9]$"))
+    frame = frame_of(timeline)
+    timeline.panel_shows(frame)
+    for _ in range(2):
+        timeline.viewer.press("Home")
+        timeline.panel_shows(0)
+        timeline.click_plot(key, SHARE, place)
+        timeline.panel_shows(frame)
+
+
+def test_arrow_keys_go_from_point_to_point_of_a_figure_and_enter_clicks(timeline):
+    plot = timeline.keyed(f"lanes_{RECORDING}").locator(".js-plotly-plot")
+    expect(plot).to_have_attribute("tabindex", "0")
+    plot.press("Home")
+    expect(plot.locator(".nv-mark")).to_be_visible()
+    said = timeline.page.locator(".nv-says")
+    for key in ("ArrowRight", "End", "ArrowLeft"):
+        before = said.inner_text()
+        plot.press(key)
+        expect(said).not_to_have_text(before)
+        frame = int(re.search(r"frame (\d+)", said.inner_text())[1])
+        plot.press("Enter")
+        timeline.panel_shows(frame)
+
+
 @pytest.mark.parametrize(("width", "share"), [(1024, 0.7), (1280, 0.8)])
 def test_what_a_click_in_a_plot_moves_is_in_sight_and_can_be_closed(timeline, width, share):
     page = timeline.page
@@ -115,6 +144,27 @@ def test_what_a_click_in_a_plot_moves_is_in_sight_and_can_be_closed(timeline, wi
     expect(timeline.viewer).to_have_attribute("data-docked", "false")
     expect(timeline.viewer.locator("canvas.picture")).to_be_in_viewport(ratio=0.9)
     page.set_viewport_size(SIZE)
+
+
+GROUND_OF = "of => getComputedStyle(of).backgroundColor"
+
+
+def test_a_switch_shows_its_state_where_colours_are_forced(timeline):
+    timeline.page.emulate_media(forced_colors="active")
+    switch = timeline.keyed("lanes_missed").locator("label")
+    grounds = []
+    for is_on in (False, True):
+        if is_on:
+            switch.click()
+        expect(switch.locator("input")).to_be_checked(checked=is_on)
+        timeline.wait_until_drawn()
+        track = switch.locator("div:has(> div:empty)")
+        expect(track).to_have_css("outline-style", "solid")
+        grounds.append((track.evaluate(GROUND_OF), track.locator("div").evaluate(GROUND_OF)))
+    switch.click()
+    timeline.page.emulate_media(forced_colors="none")
+    assert all(ground != knob for ground, knob in grounds)
+    assert grounds[0] != grounds[1]
 
 
 def test_a_slider_acts_while_it_is_dragged(timeline):

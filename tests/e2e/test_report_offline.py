@@ -94,6 +94,13 @@ def test_it_prints_to_pdf_with_its_charts(seen):
     # on paper nothing may stick out at the side: A4 less the margins is 695 px wide
     page.set_viewport_size({"width": 695, "height": 1000})
     assert page.evaluate("document.documentElement.scrollWidth") <= 695
+    meaning = page.locator("#parameters td:last-child").first.bounding_box()
+    assert meaning["width"] > 0.4 * 695
+    # a table of long texts that was kept whole would leave most of the page before it empty
+    assert page.locator("table.short").count() > 5
+    assert "short" not in page.locator("table:has(caption:text-is('How they were made'))").evaluate(
+        "table => [...table.classList]"
+    )
     pdf = page.pdf(prefer_css_page_size=True)
     assert pdf.startswith(b"%PDF")
     assert len(pdf) > 50_000

@@ -86,3 +86,42 @@ def test_help_opens_by_key_and_closes_by_escape(page):
     sync_api.expect(dialog).to_contain_text("missed by both")
     page.keyboard.press("Escape")
     sync_api.expect(dialog).to_have_count(0)
+
+
+YELLOW = """(viewer, [left, y, right]) => {
+  const canvas = viewer.querySelector("canvas.picture");
+  const scale = Math.min(canvas.width / 640, canvas.height / 480);
+  const x0 = (canvas.width - 640 * scale) / 2, y0 = (canvas.height - 480 * scale) / 2;
+  const { data } = canvas.getContext("2d")
+    .getImageData(x0 + left * scale, y0 + y * scale, (right - left) * scale, 1);
+  for (let i = 0; i < data.length; i += 4) {
+    if (data[i] > 230 && data[i + 1] > 190 && data[i + 2] < 110) return true;
+  }
+  return false;
+}"""
+
+
+def is_marked(page) -> bool:
+    """Whether there is a yellow line left of the listed box, half way down."""
+    x, y, _, h = scene.LISTED
+    return viewer_of(page).evaluate(YELLOW, [x - 30, y + h / 2, x])
+
+
+def test_the_box_of_a_list_is_marked_in_its_frame_alone(page):
+    assert not is_marked(page)
+    page.get_by_text("list", exact=True).click()
+    sync_api.expect(page.get_by_title("Next miss (Shift + n)")).to_be_visible()
+    repaint(page)
+    assert is_marked(page)
+    press(page, "ArrowRight")
+    assert painted(page, 6) == 6
+    assert not is_marked(page)
+
+
+def test_while_a_list_is_walked_through_n_and_p_are_the_page_s(page):
+    page.get_by_text("list", exact=True).click()
+    sync_api.expect(page.get_by_title("Next miss (Shift + n)")).to_be_visible()
+    press(page, "n", "p")
+    sync_api.expect(viewer_of(page)).to_have_attribute("data-row", "5")
+    press(page, "Shift+n")
+    assert painted(page, scene.MISSED_BY_X.start) == scene.MISSED_BY_X.start

@@ -10,7 +10,7 @@ from drives import turned_by_strict_pairing
 
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
-from nvcore.evidence.claims import Basis, Support, find_claims, least_corrected_p
+from nvcore.evidence.claims import Basis, Support, find_claims, least_corrected_p, values_of
 from nvcore.evidence.companions import (
     are_unequal,
     count_alarms,
@@ -104,6 +104,20 @@ def test_the_system_that_moves_has_as_many_false_alarms_as_the_other():
     assert companions.moved == "y"
     assert count_alarms(equal.y) == count_alarms(equal.x) == count_alarms(result.x)
     assert len(companions.evidence) == 2
+
+
+def test_an_interval_at_equal_false_alarms_reaches_over_all_that_may_pass_for_equal():
+    result = scene(detector(1, cut=0.5), detector(2))
+    companions = find_companions(result, evidence_table(result, has_intervals=False))
+    shown = companions.weaker_evidence.set_index("figure")
+    assert companions.equal is not None
+    for key in ("mean_similarity", "severity_s_per_encounter"):
+        row = shown.loc[key]
+        assert row["difference"] == pytest.approx(np.subtract(*values_of(key, companions.equal)))
+        assert row["low"] < row["difference"] < row["high"]
+        for table in companions.evidence:
+            at_end = table.set_index("figure").loc[key]
+            assert row["low"] <= at_end["low"] <= at_end["high"] <= row["high"]
 
 
 def test_a_few_more_false_alarms_are_no_other_operating_point():

@@ -7,7 +7,8 @@ from drives import by_figure, drives
 from scipy.signal import lfilter
 
 from nvcore.comparison import compare
-from nvcore.dataset import Dataset, dataset_from_tables
+from nvcore.dataset import Dataset
+from nvcore.dataset.tables import dataset_from_tables
 from nvcore.evidence.block_length import block_length
 from nvcore.evidence.bootstrap import bootstrap_difference, ratio, studentised_p
 from nvcore.evidence.measures import COLUMNS, UnitMeasure, judge_measure, significance_table

@@ -6,7 +6,8 @@ import pytest
 from drives import by_figure, drives
 
 from nvcore.comparison import compare
-from nvcore.dataset import Dataset, dataset_from_tables
+from nvcore.dataset import Dataset
+from nvcore.dataset.tables import dataset_from_tables
 from nvcore.errors import InputError
 from nvcore.evidence.paired_tests import holm
 from nvcore.evidence.pairwise import COLUMNS, pairwise_table

@@ -95,7 +95,20 @@ def test_lead_times_right_of_zero_are_those_where_x_is_first() -> None:
     assert [x.x[i] for i in np.flatnonzero(x.y)] == [pytest.approx(0.8)]
     assert [y.x[i] for i in np.flatnonzero(y.y)] == [pytest.approx(-1.6)]
     assert trace(figure, "at the same time").y.tolist() == [1]
-    assert "3 encounters matched by both; median +0.00 s" in words(figure)
+    told = "3 encounters matched by both: X first in 1, Y in 1; median +0.00 s"
+    assert told in words(figure)
+
+
+def test_a_small_lead_in_the_bin_of_zero_is_still_a_lead() -> None:
+    lead_s = [0.0, 0.1, 0.1, -0.1, 15.0]  # so long a lead makes bins of two seconds
+    figure = lead_time_plot(pd.DataFrame({"lead_time_s": lead_s}), theme="light")
+    count = {
+        one.name: dict(zip(one.x.tolist(), one.y.tolist(), strict=True)) for one in figure.data
+    }
+    assert count["at the same time"] == {0: 1}
+    assert count["Y first"] == {0: 1}
+    assert count["X first"] == {0: 2, 16: 1}
+    assert figure.layout.barmode == "stack"  # in one bin the three stand on each other
 
 
 @pytest.mark.parametrize("reach", [0.0, 0.04, 0.5, 1.8, 7.0, 60.0, 1000.0])

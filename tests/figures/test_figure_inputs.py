@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -9,6 +11,7 @@ from builders import Place, at, make_dataset
 from figure_parts import shape, trace, words
 
 from nvcore.figures.inputs import false_alarm_plot, proximity_plot, score_plot
+from nvcore.figures.style import HEADING_PX
 from nvcore.params import Params
 
 HISTOGRAM = pd.DataFrame({"low": [0.0, 0.25, 0.5, 0.75], "high": [0.25, 0.5, 0.75, 1.0],
@@ -48,6 +51,17 @@ def test_false_alarms_are_drawn_by_threshold() -> None:
 
 
 TRUTH = [at(0, 20, h=30, distance_m=40.0), at(0, 50, h=10, distance_m=60.0), at(0, 80, h=10)]
+
+
+@pytest.mark.parametrize("threshold", [None, 0.5])
+def test_the_label_of_the_threshold_has_room_where_the_page_takes_the_heading_off(
+    threshold: float | None,
+) -> None:
+    look: dict[str, Any] = {"letter": "x", "name": "FIR", "threshold": threshold, "theme": "light"}
+    for figure in (score_plot(HISTOGRAM, **look), false_alarm_plot(CURVE, **look)):
+        sizes = [text.font.size for text in figure.layout.annotations]
+        assert len(sizes) == (threshold is not None)
+        assert figure.layout.margin.t - HEADING_PX > 1.4 * max(sizes, default=12)
 
 
 def test_the_sigmoid_is_a_half_at_the_default_midpoint_of_a_tenth_of_the_height() -> None:

@@ -59,6 +59,7 @@ def test_an_event_is_taken_apart_into_duration_and_what_recency_leaves() -> None
     assert solid.x == pytest.approx([0.2 * 0.99331, 0.2 * 0.26894], abs=1e-5)
     assert solid.customdata.tolist() == [18, 12]
     assert figure.layout.yaxis.ticktext[0] == "r1, ped 3, 0.8 s"
+    assert figure.layout.yaxis.ticklabelstandoff > 0  # bars begin at the axis
     assert "the largest counts" in figure.layout.xaxis.title.text
 
 

@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result, compare
-from nvcore.dataset import Dataset, dataset_from_tables
+from nvcore.dataset import Dataset
+from nvcore.dataset.tables import dataset_from_tables
 from nvcore.params import Params
 from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
 

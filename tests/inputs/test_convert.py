@@ -10,7 +10,6 @@ import pyarrow.parquet as pq
 import pytest
 
 from nvcore.errors import InputError
-from nvcore.inputs.convert import write
 from nvcore.inputs.readers import csv, mot, parquet
 from nvcore.inputs.readers.base import (
     Reading,
@@ -21,6 +20,7 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.coco.results import read as read_coco_results
 from nvcore.inputs.readers.coco.truth import read as read_coco
+from nvcore.inputs.writers import write
 
 PLACE = ["recording", "frame", "x", "y", "w", "h"]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from inputs import write
 from places import ROOT
 
-from nvcore.inputs import convert
+from nvcore.inputs import writers
 from nvcore.inputs.readers import FORMATS
 from nvcore.inputs.session import RecordingEntry, SystemSource
 from nvcore.inputs.session_toml import read_session
@@ -48,7 +48,7 @@ def test_every_finding_of_a_reader_that_the_page_names_exists():
 
 def test_every_format_to_write_has_a_row():
     named = {re.findall(r"`(\w+)`", row[0])[0] for row in rows_of("## What `convert` writes")}
-    assert named == set(convert.FORMATS)
+    assert named == set(writers.FORMATS)
 
 
 def test_the_example_of_a_session_file_can_be_read_and_shows_every_key(tmp_path: Path):

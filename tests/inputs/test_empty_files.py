@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import gzip
 import json
+import lzma
+from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
@@ -114,6 +117,17 @@ def test_no_detections_convert_to_a_file_with_the_header_only(tmp_path: Path):
     assert nvcore("convert", *arguments, "--role", "detections").exit_code == 0
     (header,) = (tmp_path / "fir.csv").read_text().splitlines()
     assert header.startswith("recording,frame,x,y,w,h,score")
+
+
+@pytest.mark.parametrize("pack", [bytes, gzip.compress, lzma.compress], ids=["", "gz", "xz"])
+@pytest.mark.parametrize("end", [b"", b"\r\n"])
+def test_a_header_whose_line_has_no_end_is_a_file_without_boxes(
+    tmp_path: Path, pack: Callable[[bytes], bytes], end: bytes
+):
+    content = b"recording,frame,x,y,w,h,score" + end
+    (tmp_path / "fir.csv").write_bytes(pack(content))
+    reading = read_source(Source(("fir.csv",)), role="detections", folder=tmp_path)
+    assert len(reading.boxes) == 0
 
 
 def test_reading_empty_detections_alone_gives_no_recording(tmp_path: Path):

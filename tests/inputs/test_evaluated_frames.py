@@ -14,7 +14,7 @@ from inputs import write
 from nvcore.errors import FormatError, InputError, MissingFactError
 from nvcore.inputs import evaluated_frames
 from nvcore.inputs.evaluated_frames import MIN_SAMPLED, infer_frames, nth, parse_frames
-from nvcore.inputs.session import is_frame_range
+from nvcore.inputs.facts import is_frame_range
 
 HERE = Path()
 
@@ -39,6 +39,12 @@ def test_a_range_includes_its_last_frame(text: str, expected: list[int]):
 def test_a_file_gives_its_numbers_sorted_and_once(tmp_path: Path, content: bytes):
     (tmp_path / "frames.txt").write_bytes(content)
     assert parse_frames("frames.txt", tmp_path).tolist() == [9, 29]
+
+
+def test_every_space_around_a_number_is_one(tmp_path: Path):
+    (tmp_path / "frames.txt").write_text("\x1f1\n\u00a03\x1d\n")
+    assert parse_frames("frames.txt", tmp_path).tolist() == [1, 3]
+    assert parse_frames("\x1f0:\x1d2", tmp_path).tolist() == [0, 1, 2]
 
 
 @pytest.mark.parametrize("line", ["nine", "9.5", "9 10", "9" * 5000])

@@ -9,7 +9,7 @@ import pytest
 from builders import make_dataset
 from inputs import drive, session_of, write
 
-from nvcore.dataset import dataset_from_tables, tables_fingerprint
+from nvcore.dataset.tables import dataset_from_tables, tables_fingerprint
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.params import Params

@@ -22,7 +22,7 @@ from reader_files import rows
 
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, MissingFactError
-from nvcore.inputs.load import load
+from nvcore.inputs.load import load, read_source
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.params import Params
 
@@ -86,6 +86,19 @@ def test_systems_in_files_of_one_name_are_told_apart(
     for path in paths:
         write(tmp_path / path, DETECTIONS, "0,1,1,5,10,0.5")
     assert load(session_of(tmp_path, "truth.csv", *paths)).systems == systems
+
+
+def test_a_name_that_nobody_can_have_meant_is_refused(tmp_path: Path):
+    session = session_of(drive(tmp_path))
+    text = (tmp_path / "truth.csv").read_text().replace("rural", 1000 * "r")
+    (tmp_path / "truth.csv").write_text(text)
+    load(session)
+    (tmp_path / "truth.csv").write_text(text.replace("rr,", "rrr,"))
+    words = "a recording's name has 1,001 signs, expected 1,000 at the most"
+    with pytest.raises(InputError, match=words):
+        load(session)
+    with pytest.raises(InputError, match=words):
+        read_source(session.truth, role="truth", folder=tmp_path)
 
 
 def test_a_truth_without_a_recording_is_an_input_error(tmp_path: Path):

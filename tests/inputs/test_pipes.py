@@ -21,6 +21,7 @@ from nvcore.errors import InputError
 from nvcore.inputs import pipes
 from nvcore.inputs.files import find_files
 from nvcore.inputs.session import Source
+from nvcore.inputs.session_toml import read_session
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a POSIX system")
 
@@ -57,6 +58,44 @@ def test_a_shell_s_process_substitution_is_read_as_the_file(tmp_path: Path):
     del ours["fingerprint"], theirs["fingerprint"]
     assert ours == theirs
     assert "dev/fd/" in run.stderr
+
+
+def test_the_session_of_a_report_says_what_was_a_pipe_and_so_does_running_it(tmp_path: Path):
+    drive(tmp_path)
+    truth = (tmp_path / "truth.csv").read_bytes()
+    with piped(tmp_path / "pipe", truth) as pipe:
+        (name, _, *others) = flags(tmp_path)
+        run = nvcore("compare", name, pipe, *others, "--out", tmp_path / "report")
+    assert run.exit_code == 0, run.output
+    path = tmp_path / "report" / "session.toml"
+    session = read_session(path)
+    assert session.pipes == session.truth.path == (str(pipe),)
+    again = nvcore("compare", path)
+    assert again.exit_code == 2
+    assert f"{pipe}: was a pipe when the session was written" in again.stderr
+    named = path.read_text().replace(f'path = "{pipe}"', f'path = "{tmp_path / "truth.csv"}"')
+    path.write_text(named)
+    assert nvcore("compare", path).exit_code == 0
+
+
+def test_what_a_shell_opened_for_one_run_is_called_a_pipe(tmp_path: Path):
+    drive(tmp_path)
+    command = (
+        'cat truth.csv | "$0" -m nvcore compare --truth /dev/stdin --x <(cat fir.csv) --y nir.csv '
+        "--size 640x480 --fps 20 --out report"
+    )
+    subprocess.run(
+        ["bash", "-c", command, sys.executable],
+        check=True, capture_output=True, cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    truth, fir = read_session(tmp_path / "report" / "session.toml").pipes
+    assert truth == "/dev/stdin"
+    assert fir.startswith("/dev/fd/")
+
+
+def test_a_name_that_no_file_can_have_is_no_pipe():
+    assert not pipes.is_pipe(Path("a" * 5000))
 
 
 def test_an_error_in_a_pipe_names_it_and_the_line(tmp_path: Path):

@@ -18,7 +18,7 @@ from nvcore.inputs.recordings_file import read_recordings_file, with_recordings_
 from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session
 from nvcore.inputs.session_toml import read_session
 from nvcore.report.files import export_files
-from nvcore.report.keep_inputs import files_read
+from nvcore.report.protect_inputs import files_read
 
 HEADER = "recording,width,height,fps,context,tags,pictures"
 
@@ -66,6 +66,19 @@ def test_semicolons_between_columns_bring_decimal_commas_and_quoted_tags(tmp_pat
     assert rows["a"] == RecordingEntry("a", fps=12.5, context=0.25, tags=("night", "rain"))
 
 
+def test_the_frame_of_the_first_picture_is_a_whole_number(tmp_path: Path):
+    rows = rows_of(tmp_path, "recording,first_picture", "a,-2", "b,7.0", "c,")
+    assert [row.first_picture for row in rows.values()] == [-2, 7, None]
+    with pytest.raises(
+        InputError, match=r"line 2: first_picture: expected a whole number, found '1\.5'"
+    ):
+        rows_of(tmp_path, "recording,first_picture", "a,1.5")
+
+
+def test_a_cell_made_harmless_for_spreadsheets_is_read_as_it_was(tmp_path: Path):
+    assert list(rows_of(tmp_path, "recording,title", "'=a,'-b")) == ["=a"]
+
+
 def test_pictures_start_from_the_folder_of_the_table(tmp_path: Path):
     lines = ("recording,pictures", "a,a.mp4", "b,/v/b.mp4")
     path = write(tmp_path / "meta" / "recordings.csv", *lines)
@@ -111,6 +124,13 @@ def test_a_file_that_is_none_or_no_text_is_refused(tmp_path: Path):
     (tmp_path / "recordings.csv").write_bytes(b"recording\n\xff")
     with pytest.raises(InputError, match="line 2: expected UTF-8 text"):
         read_recordings_file(tmp_path / "recordings.csv", "recordings.csv")
+
+
+def test_a_table_without_end_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("nvcore.inputs.recordings_file.MOST_RECORDINGS", 2)
+    assert len(rows_of(tmp_path, "recording", "a", "b")) == 2
+    with pytest.raises(InputError, match="line 4: expected 2 recordings at the most"):
+        rows_of(tmp_path, "recording", "a", "b", "c")
 
 
 def test_a_session_takes_what_its_data_do_not_say_from_the_table(tmp_path: Path):

@@ -232,6 +232,13 @@ def test_a_missing_file_and_a_video_are_no_session(tmp_path: Path):
         read_session(tmp_path / "a.mp4")
 
 
+def test_a_session_file_of_hundreds_of_megabytes_is_refused(tmp_path: Path):
+    with (tmp_path / "a.toml").open("wb") as file:
+        file.truncate((16 << 20) + 1)
+    with pytest.raises(SessionError, match=r"a\.toml: is larger than 16 MiB"):
+        read_session(tmp_path / "a.toml")
+
+
 def test_a_name_that_is_not_utf8_is_refused():
     with pytest.raises(SessionError, match=r"name: expected UTF-8 text, found '\\udcff'"):
         SystemSource(("a",), name="\udcff")

@@ -2,11 +2,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 from builders import Box, at, make_dataset
 
 from nvcore.dataset import Dataset
-from nvcore.metrics.matching import Matches, match_system
+from nvcore.metrics.matching import Matches, iou_of_pairs, match_system
 from nvcore.params import Params
 
 
@@ -59,3 +60,12 @@ def test_laterally_half_the_pedestrians_width_is_allowed_or_a_share_of_the_pictu
     dataset = make_dataset([at(0, 50, w=w)], [at(0, 50 + apart, h=5, foot=7)])
     result = matches(dataset, match="lateral", lateral_tolerance=tolerance)
     assert result.is_matched.tolist() == [is_matched]
+
+
+def test_overlaps_are_broadcast_and_0_without_area() -> None:
+    dataset = make_dataset([at(0, 50, w=4), at(0, 0, w=0, h=0)], [at(0, 52, w=4), at(0, 90)])
+    x, y, w, h = (values[:, np.newaxis] for values in dataset.truth.xywh)
+    overlaps = iou_of_pairs((x, y, w, h), dataset.system("x").xywh)
+    np.testing.assert_allclose(overlaps, [[2 / 6, 0], [0, 0]])
+    nothing = (np.zeros(1),) * 4
+    assert iou_of_pairs(nothing, nothing).tolist() == [0]

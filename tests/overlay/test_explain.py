@@ -8,7 +8,7 @@ from builders import at, make_dataset, result_of
 
 from nvcore.comparison import Result
 from nvcore.overlay import explain
-from nvcore.overlay.explain import explain_boxes, explain_similarity, overlaps_of
+from nvcore.overlay.explain import explain_boxes, explain_similarity
 from nvcore.tables.boxes.states import gather_boxes
 
 
@@ -97,9 +97,3 @@ def test_a_frame_with_very_many_boxes_is_not_explained(monkeypatch: pytest.Monke
     result = result_of(make_dataset([at(0, 50)], [at(0, 50)]))
     assert explain_boxes(result, 0) == []
     assert "Nothing that costs is missed" in explain_similarity(result, 0, "x")
-
-
-def test_overlap_is_intersection_over_union():
-    result = make_dataset([at(0, 50, w=4)], [at(0, 52, w=4), at(0, 90)])
-    overlaps = overlaps_of(result.truth, result.system("x"))
-    np.testing.assert_allclose(overlaps, [[2 / 6, 0]])

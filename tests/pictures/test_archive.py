@@ -38,6 +38,14 @@ def test_members_outside_the_folder_are_refused(tmp_path: Path, name: str):
     assert_refused(path, "outside the archive's folder")
 
 
+def test_folders_without_end_are_refused(tmp_path: Path):
+    deep = "a/" * 32 + "b"
+    with Archive(write_zip(tmp_path / "a.zip", {deep: b""})) as archive:
+        assert archive.names == (deep,)
+    path = write_zip(tmp_path / "b.zip", {"a/" * 33 + "b": b""})
+    assert_refused(path, "lies in 33 folders, one inside the other")
+
+
 def test_a_member_without_a_name_is_refused(tmp_path: Path):
     path = write_zip(tmp_path / "a.zip", {"m": b"x"})
     content = bytearray(path.read_bytes())

@@ -6,9 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from builders import Place, make_dataset
 from picture_files import numbered, write_numbered_video, write_picture
 
 from nvcore.pictures import Pictures, open_pictures, picture_index, size_note
+from nvcore.pictures.recordings import picture_names
 
 
 def folder_of(folder: Path, names: list[str]) -> Pictures:
@@ -112,3 +114,14 @@ def test_pictures_of_another_size_are_told(tmp_path: Path):
     assert "by 0.1 across and 0.2 down; check that they belong together" in size_note(
         pictures, 640, 240
     )
+
+
+def test_frames_have_the_names_of_their_picture_files_and_those_of_a_video_none(tmp_path: Path):
+    folder = folder_of(tmp_path / "a", ["I00019", "I00039", "I00059"])
+    video = open_pictures(write_numbered_video(tmp_path / "b.mp4", n=5))
+    made = make_dataset(places=[Place([19, 20, 59]), Place(range(5))])
+    sources = {0: folder, 1: video}
+    indices = {0: np.array([0, -1, 2]), 1: np.arange(5)}
+    names = picture_names(made.frame_columns, [2, 0, 1, 4, 2], sources, indices)
+    assert names == {0: "I00019.png", 2: "I00059.png"}
+    assert picture_names(made.frame_columns, [], sources, indices) == {}

@@ -49,6 +49,10 @@ def test_the_summary_has_every_number_of_the_verdict(unequal: Result, companions
         assert sum(parts_s) == pytest.approx(content[letter]["severity_s"])
     assert set(content["evidence"]) == set(companions.weaker_evidence["figure"])
     assert content["evidence"]["log_average_miss_rate"]["p"] < 1
+    severity = content["evidence"]["severity_s_per_encounter"]
+    assert severity["x"] == pytest.approx(content["x"]["severity_s_per_encounter"])
+    rate = content["evidence"]["log_average_miss_rate"]
+    assert rate["low"] < rate["difference"] < rate["high"]
 
 
 def test_the_file_and_the_printed_summary_are_the_same(unequal: Result):

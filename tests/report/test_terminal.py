@@ -72,8 +72,8 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
         "only Y: X misses 0.00 s and Y 0.00 s; neither: X misses 0.00 s and Y 0.00 s",
         "encounters not detected: 0 by X, 1 by Y, of these 0 by both (Jaccard 0.00, phi –); "
         "X alone detects 1, Y alone 0",
-        "lead time, in the 1 encounters that both match: X is first in 0, Y in 0, at once in 1; X "
-        "leads by +0.00 s on average, median +0.00 s",
+        "lead time, in 1 encounter that both match: X is first in 0, Y in 0, both at the same time "
+        "in 1; X leads by +0.00 s on average, median +0.00 s",
         "boxes matched by: both 20, only X 20, only Y 0, neither 0 (all boxes, distant ones too)",
         "detections on people or regions that the truth ignores, not counted: X 0, Y 0",
         "",

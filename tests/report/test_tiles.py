@@ -27,7 +27,7 @@ def sample() -> tuple[Result, pd.DataFrame, Companions]:
     return result, evidence, find_companions(result, evidence)
 
 
-def judged(sample: tuple[Result, pd.DataFrame, Companions], key: str, **row: object) -> Tile:
+def tile_of(sample: tuple[Result, pd.DataFrame, Companions], key: str, **row: object) -> Tile:
     """The tile after a change of its row of evidence."""
     result, evidence, _ = sample
     is_row = evidence["figure"] == key
@@ -48,17 +48,19 @@ def test_the_values_are_those_of_the_scorecard(
     found, _, _, worst = four
     assert (found.x, found.y, found.difference, found.better) == ("30", "27", "+3", "x")
     assert found.unit == "encounters detected, of 38"
-    assert (worst.interval, worst.bar, worst.chip) == ("", None, "not tested: a single miss")
+    assert (worst.interval, worst.bar, worst.chip) == (
+        "no interval", None, "not tested: a single miss"
+    )  # fmt: skip
 
 
 def test_the_interval_of_encounters_counts_them_and_its_bar_is_right_where_x_is_better(
     sample: tuple[Result, pd.DataFrame, Companions],
 ):
-    found = judged(sample, "encounters_detected_by_unit", low=-0.1, difference=0.1, high=0.3)
-    assert found.interval == "-3.8 to +11.4"
+    found = tile_of(sample, "encounters_detected_by_unit", low=-0.1, difference=0.1, high=0.3)
+    assert found.interval == "95 % interval -3.8 to +11.4"
     low, middle, high = found.bar
     assert low < 0.5 < middle < high < 1
-    missed = judged(sample, "severity_s_per_encounter", low=0.1, difference=0.2, high=0.4)
+    missed = tile_of(sample, "severity_s_per_encounter", low=0.1, difference=0.2, high=0.4)
     low, middle, high = missed.bar
     assert 0 < low < middle < high < 0.5  # X misses more
 
@@ -76,10 +78,18 @@ def test_the_interval_of_encounters_counts_them_and_its_bar_is_right_where_x_is_
 def test_ends_of_an_interval_do_not_read_alike_or_as_0(
     sample: tuple[Result, pd.DataFrame, Companions], low: float, high: float, text: str
 ):
-    tile = judged(
+    tile = tile_of(
         sample, "severity_s_per_encounter", low=low, difference=(low + high) / 2, high=high
     )
-    assert tile.interval == text
+    assert tile.interval == f"95 % interval {text}"
+
+
+def test_without_an_interval_for_want_of_recordings_a_tile_says_so(
+    sample: tuple[Result, pd.DataFrame, Companions],
+):
+    row = {"low": np.nan, "high": np.nan, "n": 7, "unit": "recordings"}
+    tile = tile_of(sample, "severity_s_per_encounter", **row)
+    assert (tile.interval, tile.bar) == ("no interval: 7 recordings, 8 needed", None)
 
 
 @pytest.mark.parametrize(
@@ -96,7 +106,7 @@ def test_ends_of_an_interval_do_not_read_alike_or_as_0(
 def test_the_chip_claims_no_more_than_the_verdict(
     sample: tuple[Result, pd.DataFrame, Companions], row: dict, chip: str, winner: str
 ):
-    tile = judged(sample, "encounters_detected_by_unit", **row)
+    tile = tile_of(sample, "encounters_detected_by_unit", **row)
     assert (tile.chip, tile.winner) == (chip, winner)
 
 
@@ -112,6 +122,20 @@ def test_at_unequal_false_alarms_nothing_is_claimed_until_they_are_set_alike():
     assert int(at_equal[FOUND].x) == int(equal.x.encounters["is_detected"].sum())
     none = replace(companions, equal=None)
     assert {tile.chip for tile in tiles(result, evidence, none)} == {UNEQUAL_CHIP}
+
+
+def test_at_equal_false_alarms_each_tile_but_the_single_miss_has_an_interval(
+    sample: tuple[Result, pd.DataFrame, Companions],
+):
+    params = replace(sample[0].params, threshold_x=0.3, threshold_y=0.7)
+    result = compare(sample[0].dataset, params)
+    evidence = evidence_table(result, has_intervals=False)
+    *judged, worst = tiles(result, evidence, find_companions(result, evidence))
+    for tile in judged:
+        assert tile.interval.startswith("95 % interval ")
+        low, middle, high = tile.bar
+        assert 0 < low < middle < high < 1
+    assert worst.bar is None
 
 
 def test_what_is_not_tested_yet_says_so(sample: tuple[Result, pd.DataFrame, Companions]):

@@ -2,39 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pandas as pd
 import pytest
-from builders import NAN, Box, at, make_dataset, result_of
-from drives import at_thresholds, turned_by_strict_pairing
+from builders import NAN, at, make_dataset, result_of
 from places import ROOT
+from verdict_scenes import BY_UNIT, detecting, row_of, topic, verdict_by, whole_verdict
 
 from nvcore.comparison import Result
-from nvcore.evidence.claims import Basis
-from nvcore.evidence.companions import Companions, find_companions
-from nvcore.evidence.measures import significance_table
+from nvcore.evidence.companions import Companions
 from nvcore.findings import Finding, Severity
-from nvcore.report.verdict import CAVEATS, Verdict, verdict
-
-N_FRAMES = 3
-
-
-def detecting(
-    n: int, by_x: range, by_y: range, alarms_y: int = 0, n_frames: int = N_FRAMES
-) -> Result:
-    """`n` pedestrians, each alone in `n_frames` frames; each system sees some of them."""
-
-    def boxes(whom: range, **columns: float) -> list[Box]:
-        return [
-            at(n_frames * i + f, 50, **(columns or {"track": i}))
-            for i in whom
-            for f in range(n_frames)
-        ]
-
-    y = boxes(by_y, score=1.0) + [at(f, 5, score=1.0) for f in range(alarms_y)]
-    dataset = make_dataset(boxes(range(n)), boxes(by_x, score=1.0), y, n_frames=n_frames * n)
-    return result_of(dataset)
+from nvcore.report.verdict import CAVEATS, verdict
 
 
 @pytest.fixture(scope="module")
@@ -46,43 +23,6 @@ def better_x() -> Result:
 @pytest.fixture(scope="module")
 def alike() -> Result:
     return detecting(4, range(4), range(4))
-
-
-def row_of(
-    figure: str,
-    p_holm: float,
-    low: float = NAN,
-    high: float = NAN,
-    *,
-    difference: float = 1.0,
-    better: str = "higher",
-    unit: str = "recordings",
-    n: int = 12,
-    doubt: str = "",
-) -> dict[str, object]:
-    """A row of the table of evidence."""
-    return {
-        "figure": figure, "p": p_holm / 2, "p_holm": p_holm, "low": low, "high": high,
-        "x": 1.0, "y": 2.0,
-        "difference": difference, "better": better, "unit": unit, "n": n, "doubt": doubt,
-        "least_p": 2 / 2**n,
-    }  # fmt: skip
-
-
-BY_UNIT = "encounters_detected_by_unit"
-
-
-def judged(result: Result, *rows: dict[str, object], companions: bool = True) -> Verdict:
-    """The verdict by this evidence, which holds at equal false alarms as well."""
-    table = pd.DataFrame([row_of(BY_UNIT, NAN), *rows])
-    table = table.drop_duplicates("figure", keep="last").reset_index(drop=True)
-    both = Companions(result, "", (table,), result) if companions else None
-    return verdict(result, evidence=table, companions=both)
-
-
-def topic(text: Verdict, name: str) -> str:
-    """What the verdict says on a topic; empty: nothing."""
-    return next((point.text for point in text.points if point.topic == name), "")
 
 
 SPLIT = "Of the 11 encounters that only one system detects, X detects 10 and Y 1"
@@ -116,14 +56,14 @@ TOO_FEW = "Nothing is claimed: there are too few data to test a difference."
 def test_who_detects_more_encounters(
     scene: tuple[int, range, range], p: float, headline: str, sentence: str
 ):
-    text = judged(detecting(*scene), row_of(BY_UNIT, p))
+    text = verdict_by(detecting(*scene), row_of(BY_UNIT, p))
     assert text.headline == headline
     assert topic(text, "Encounters") == sentence
     assert [claim.key for claim in text.claims] == ([BY_UNIT] if p <= 0.05 else [])
 
 
 def test_p_stands_by_itself_and_corrected(better_x: Result):
-    text = judged(better_x, row_of(BY_UNIT, 1.0) | {"p": 0.18}, row_of("mean_similarity", 1.0))
+    text = verdict_by(better_x, row_of(BY_UNIT, 1.0) | {"p": 0.18}, row_of("mean_similarity", 1.0))
     assert topic(text, "Encounters").endswith(
         "(by 12 recordings, p = 0.18; 1 after correction for 2 tests)."
     )
@@ -150,7 +90,7 @@ def test_what_is_not_tested_says_so(better_x: Result):
 
 def test_nothing_is_claimed_before_the_companions_are_known(better_x: Result):
     rows = row_of(BY_UNIT, 0.01), row_of("mean_similarity", 0.01)
-    text = judged(better_x, *rows, companions=False)
+    text = verdict_by(better_x, *rows, companions=False)
     assert not text.claims
     assert text.headline == (
         "Nothing is claimed before X and Y are compared at equal false alarms."
@@ -164,22 +104,22 @@ def test_nothing_is_claimed_before_the_companions_are_known(better_x: Result):
 
 def test_what_failures_weigh_and_the_worst_of_them(better_x: Result):
     # proximity "none": 0.1 s of each frame in full; four pedestrians of three frames
-    assert topic(judged(better_x), "Severity") == (
+    assert topic(verdict_by(better_x), "Severity") == (
         "The 4 that only X detects weigh 1.2 s of missed pedestrian. The worst single failure is "
         "Y's: pedestrian 2 in r0, 0.3 s."
     )
-    both_ways = topic(judged(detecting(9, range(6), range(3, 9))), "Severity")
+    both_ways = topic(verdict_by(detecting(9, range(6), range(3, 9))), "Severity")
     assert both_ways.startswith(
         "The 3 that only X detects weigh 0.9 s of missed pedestrian, the 3 that only Y detects "
         "0.9 s. The worst single failure is"
     )
-    assert topic(judged(detecting(3, range(1), range(0))), "Severity").startswith(
+    assert topic(verdict_by(detecting(3, range(1), range(0))), "Severity").startswith(
         "The 1 that only X detects weighs 0.3 s of missed pedestrian. "
     )
 
 
 def test_the_measures_stand_side_by_side(better_x: Result):
-    text = topic(judged(better_x, row_of("log_average_miss_rate", NAN)), "Other measures")
+    text = topic(verdict_by(better_x, row_of("log_average_miss_rate", NAN)), "Other measures")
     assert text.startswith("X has the higher mean similarity (1.000 to 0.")
     assert ", the lower severity per encounter (0.00 to 0.20 s), the lower saliency (" in text
     assert text.endswith(
@@ -194,7 +134,7 @@ def test_saliency_of_people_too_far_away_is_called_that(n_far: int, words: str):
     truth = [at(f, 50, track=1, h=9 if f < n_far else 50) for f in range(n_far + 25)]
     x = truth[n_far:] if words else []
     result = result_of(make_dataset(truth, x, [], n_frames=len(truth)), proximity="height")
-    text = topic(judged(result), "Other measures")
+    text = topic(verdict_by(result), "Other measures")
     said = f"Of the time of the saliency events, {words} is of pedestrians that count; the rest is"
     assert (said in text) == bool(words)
     assert ("too far away" in text) == bool(words)
@@ -203,7 +143,7 @@ def test_saliency_of_people_too_far_away_is_called_that(n_far: int, words: str):
 def test_measures_that_look_the_same_are_not_called_better_and_undefined_ones_left_out(
     alike: Result,
 ):
-    assert topic(judged(alike), "Other measures") == (
+    assert topic(verdict_by(alike), "Other measures") == (
         "Both have the same mean similarity (1.000), the same severity per encounter (0.00 s), "
         "the same saliency (0.00 s) and the same false-alert episodes (0 in 1 s)."
     )
@@ -240,13 +180,13 @@ def test_measures_that_look_the_same_are_not_called_better_and_undefined_ones_le
     ids=["one", "two", "none", "too few", "doubtful"],
 )  # fmt: skip
 def test_what_is_beyond_chance(better_x: Result, rows: list[dict], headline: str, chance: str):
-    text = judged(better_x, *rows)
+    text = verdict_by(better_x, *rows)
     assert (text.headline, topic(text, "Chance")) == (headline, chance)
 
 
 def test_the_headline_begins_with_the_strongest_difference(better_x: Result):
     rows = row_of("mean_similarity", 0.04), row_of("saliency", 0.01, better="lower")
-    assert judged(better_x, *rows, row_of(BY_UNIT, 0.03)).headline == (
+    assert verdict_by(better_x, *rows, row_of(BY_UNIT, 0.03)).headline == (
         "Y is better in saliency per recording (2.00 to 1.00 s), X in encounters detected and mean "
         "similarity: more than chance, by 12 recordings."
     )
@@ -281,7 +221,7 @@ X_SIMILAR = "X is better in mean similarity (1.0000 to 2.0000)"
 def test_within_one_recording_clear_differences_are_said_and_nothing_of_others(
     better_x: Result, rows: list[dict], words: str
 ):
-    text = judged(better_x, of_stretches(BY_UNIT, NAN, NAN), *rows)
+    text = verdict_by(better_x, of_stretches(BY_UNIT, NAN, NAN), *rows)
     assert not text.claims
     assert text.headline == (
         f"Within this recording {words}; nothing is claimed of others: {FEW}"
@@ -319,7 +259,9 @@ def test_a_difference_says_for_whom_it_speaks_with_its_unit_and_no_exponent(bett
     episodes = row_of("false_alert_episodes_per_hour", 0.01, -358.2, -1.2e4, better="lower")
     saliency = row_of("saliency", 0.01, 0.5, 2.0, better="lower")
     miss_rate = row_of("log_average_miss_rate", 0.01, -0.12, -0.02, difference=-1.0, better="lower")
-    chance = topic(judged(better_x, episodes | {"difference": -1.0}, saliency, miss_rate), "Chance")
+    chance = topic(
+        verdict_by(better_x, episodes | {"difference": -1.0}, saliency, miss_rate), "Chance"
+    )
     assert (
         "(for X, X - Y 95 % interval -358.2 to -12000.0 per hour, p = 0.005; 0.01 after" in chance
     )
@@ -335,7 +277,7 @@ def test_measures_of_time_are_not_judged_where_encounters_are_single_frames(
 ):
     rows = row_of("mean_similarity", p, 0.1, 0.2), row_of("saliency", 0.001, 1.0, 2.0)
     result = detecting(12, range(10), range(2), n_frames=1)
-    text = judged(result, *rows)
+    text = verdict_by(result, *rows)
     assert topic(text, "Chance").endswith(
         "saliency, severity and episodes mean little here and are not judged."
     )
@@ -346,13 +288,13 @@ def test_measures_of_time_are_not_judged_where_encounters_are_single_frames(
 def test_too_few_recordings_for_any_claim_say_so(better_x: Result):
     keys = (BY_UNIT, "mean_similarity", "share_low", "severity_s_per_encounter", "saliency",
             "false_alert_episodes_per_hour", "log_average_miss_rate")  # fmt: skip
-    eight = judged(better_x, *(row_of(key, 0.055, n=8) for key in keys))
+    eight = verdict_by(better_x, *(row_of(key, 0.055, n=8) for key in keys))
     assert eight.headline == (
         "Nothing is claimed: by 8 recordings and in 7 measures no difference can be shown to be "
         "more than chance, however large (the least possible p = 0.0078; 0.055 after "
         "correction for 7 tests)."
     )
-    nine = judged(better_x, *(row_of(key, 0.055, n=9) for key in keys))
+    nine = verdict_by(better_x, *(row_of(key, 0.055, n=9) for key in keys))
     assert nine.headline == NO_DIFFERENCE.replace("12", "9")
 
 
@@ -364,78 +306,6 @@ def test_sentences_are_headline_points_and_caveat_in_order(better_x: Result):
     assert text.sentences[-1] == text.caveat
     assert " ".join(text.sentences[1:-1]) == " ".join(point.text for point in text.points)
     assert all(sentence.endswith(".") for sentence in text.sentences)
-
-
-# operating points
-
-
-def whole_verdict(result: Result) -> Verdict:
-    evidence = significance_table(result)
-    return verdict(result, evidence=evidence, companions=find_companions(result, evidence))
-
-
-UNEQUAL = "X and Y are set to different operating points: "
-
-
-def test_unequal_operating_points_lead_and_the_comparison_is_at_equal_false_alarms():
-    result = at_thresholds()
-    assert result.venn.x_only > result.venn.y_only
-    text = whole_verdict(result)
-    assert text.headline.startswith(
-        "X and Y are set to different operating points; at equal false alarms, nothing is claimed: "
-    )
-    as_set, at_equal = text.points[0].sentences
-    assert as_set.startswith("As set, X has 0.")
-    # X at Y's operating point is Y
-    assert at_equal.startswith("What follows is at equal false alarms (X with scores of 0.")
-    assert at_equal.endswith("nothing is claimed from the comparison as set.")
-    assert topic(text, "Encounters").startswith("X and Y detect the same")
-    assert text.basis is Basis.EQUAL_ALARMS
-    assert not text.claims
-
-
-def test_without_scores_nothing_is_claimed_at_unequal_operating_points():
-    text = whole_verdict(at_thresholds(scores=False))
-    assert text.headline == (
-        f"{UNEQUAL}nothing is claimed, as without scores they cannot be set alike."
-    )
-    assert text.points[0].sentences[1] == "What follows is as set."
-    assert topic(text, "Encounters").startswith("X detects every encounter")
-    assert "p =" not in " ".join(text.sentences)
-    assert text.basis is Basis.NONE
-    assert not text.claims
-
-
-def test_until_the_comparison_at_equal_false_alarms_is_known_nothing_is_claimed():
-    result = at_thresholds()
-    text = verdict(result, evidence=significance_table(result))
-    assert text.headline == (
-        f"{UNEQUAL}nothing is claimed before they are compared at equal false alarms."
-    )
-    assert not text.claims
-
-
-def test_the_p_beside_a_comparison_at_equal_false_alarms_is_the_larger_of_both_ends():
-    result = at_thresholds()
-    companions = find_companions(result, significance_table(result))
-    first = companions.evidence[0]
-    ends = [first.assign(p_holm=p) for p in (0.2, 0.6)]
-    both = replace(companions, evidence=tuple(ends))
-    assert (both.weaker_evidence["p_holm"] == 0.6).all()
-
-
-def test_where_strict_pairing_disagrees_it_is_said_and_nothing_claimed():
-    text = whole_verdict(result_of(turned_by_strict_pairing()))
-    assert "Y has the higher mean similarity" in topic(text, "Other measures")
-    assert topic(text, "Strict pairing").startswith(
-        "Paired strictly, so that false alarms cannot stand in for matches, the other system is "
-        "better in mean similarity (X 0."
-    )
-    assert "Not claimed: mean similarity" in topic(text, "Chance")
-    assert "mean_similarity" not in {claim.key for claim in text.claims}
-
-
-# the audit
 
 
 def finding(code: str, severity: Severity = Severity.WARNING) -> Finding:
@@ -451,6 +321,14 @@ def test_the_verdict_says_which_findings_it_depends_on(alike: Result):
         "finding that it lists."
     )
     assert verdict(alike, [finding("mixed-weighting", Severity.NOTE)]) == verdict(alike)
+
+
+def test_a_finding_that_the_verdict_depends_on_is_named_not_counted(alike: Result):
+    text = verdict(alike, [finding("kitti-size"), finding("duplicate-box")])
+    assert text.caveat == (
+        "This depends on what the audit found: the truth contradicts the picture size of some "
+        "recordings; boxes are repeated."
+    )
 
 
 def test_every_caveat_is_about_a_finding_that_the_audit_has():

@@ -68,8 +68,8 @@ def test_encounters_of_one_frame_are_not_tested_one_by_one():
 @pytest.mark.parametrize(
     ("lead_s", "end"),
     [
-        ((0.5, 0.3, 0.4), "Of 3 encounters that both match, X matches 3 first, Y 0, and 0 at once. "
-         "X's lead is +0.40 s on average, median +0.40 s."),
+        ((0.5, 0.3, 0.4), "Of 3 encounters that both match, X matches 3 first, Y 0, and both match "
+         "0 at the same time. X's lead is +0.40 s on average, median +0.40 s."),
         ((0.0, 0.0), "median +0.00 s: neither leads."),
         ((0.9, 0.0, 0.0), "the mean comes from those that differ."),
         ((1.8, -0.1, -0.1), "point in different directions, so neither leads clearly."),

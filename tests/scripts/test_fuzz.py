@@ -95,3 +95,11 @@ def test_counts_go_on_where_the_process_before_ended(trial_of, tmp_path: Path):
     trial = trial_of(lambda _content, _folder: None)
     trial(b"")
     assert (trial.counts["read"], trial.counts["refused"], trial.counts["faults"]) == (8, 1, 0)
+
+
+@pytest.mark.usefixtures("trial_of")
+def test_a_target_whose_seeds_have_no_words_is_fuzzed_without(tmp_path: Path):
+    worker = sys.modules["scripts.fuzz.worker"]
+    for name, n_flags in (("rules", 1), ("frames", 0)):
+        prepare(name, tmp_path)
+        assert len(worker.dictionary(tmp_path / "seeds" / f"{name}.dict")) == n_flags

@@ -8,10 +8,12 @@ from pathlib import Path
 
 import pytest
 import streamlit as st
+from data_page import Edit
 from places import SAMPLE
 from streamlit.components.v2 import manifest_scanner
 
 from nvcore.pictures import Pictures, open_pictures, recordings
+from ui.session import sample
 from ui.session.workspace import Workspace
 
 open_once = cache(open_pictures)
@@ -26,6 +28,9 @@ def surroundings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[No
     monkeypatch.delenv("NVCORE_SESSION", raising=False)
     monkeypatch.setattr(recordings, "open_pictures", open_sample_once)
     monkeypatch.setattr(manifest_scanner, "scan_component_manifests", scan_once)
+    for shared in sample._samples.values():  # what other tests moved is not known to this one
+        for kind in [kind for kind in shared._caches if kind == sample._moved(kind.split(",")[0])]:
+            del shared._caches[kind]
     yield
     # tests without a session of their own share one
     space = st.session_state.pop("workspace", None)
@@ -47,3 +52,9 @@ def space(surroundings: None) -> Iterator[Workspace]:
     space = Workspace()
     yield space
     space.close()
+
+
+@pytest.fixture
+def edit(monkeypatch: pytest.MonkeyPatch) -> Edit:
+    """Cells of the Data page's table of recordings are changed by it."""
+    return Edit(monkeypatch)

@@ -29,7 +29,7 @@ _PAGE: Final = Template("""<!DOCTYPE html>
 <style>
 :root { color-scheme: light dark; font: 15px/1.5 "Source Sans", Arial, sans-serif; }
 body { margin: 0; min-height: 100vh; display: grid; place-items: center;
-  color: light-dark(#1B232B, #E6EAF0); background: light-dark(#F2F4F6, #11161B); }
+  color: light-dark(#10161C, #E6EAF0); background: light-dark(#F2F4F6, #11161B); }
 main { box-sizing: border-box; width: min(26rem, 100vw - 2rem); padding: 2rem; border-radius: 6px;
   border: 1px solid light-dark(#D5DBE1, #323C46); background: light-dark(#FFFFFF, #1B2229); }
 h1 { margin: 0 0 1rem; font-size: 0; }
@@ -38,7 +38,7 @@ p { margin: 0 0 1.2rem; overflow-wrap: anywhere; }
 a { display: block; margin-top: 0.6rem; padding: 0.6rem; border-radius: 6px; text-align: center;
   text-decoration: none; font-weight: 600; color: light-dark(#FFFFFF, #11161B);
   background: light-dark(#1F5F6B, #57B8C7); }
-a:focus-visible { outline: 3px solid light-dark(#1B232B, #E6EAF0); outline-offset: 2px; }
+a:focus-visible { outline: 3px solid light-dark(#10161C, #E6EAF0); outline-offset: 2px; }
 </style>
 </head>
 <body><main><h1 aria-label="nvcore">$logo</h1><p>$text</p>$links</main></body>

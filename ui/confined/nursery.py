@@ -23,16 +23,30 @@ from nvcore.errors import NvcoreError
 from ui.confined.transfer import send_answer
 from ui.settings.limits import MEBI
 
+ENDS_FIRST = "900"
+"""Of 1000: several large pictures at a time may fill the machine, though none fills its process."""
+
 
 def main(control: socket.socket) -> None:
-    """Fork a process for each connection that is sent, until the server is gone."""
+    """Fork a process for each connection that is sent, until the server is gone.
+
+    It is the first of its process group.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # ^C is for the server, which ends us
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for the processes
+    with contextlib.suppress(OSError):  # Linux only: where memory runs out, these end first
+        Path("/proc/self/oom_score_adj").write_text(ENDS_FIRST, encoding="ascii")
     while True:
         message, descriptors, _, _ = socket.recv_fds(control, 1, 1)
         if not message:
+            if os.getpgrp() == os.getpid():  # with all that it forked: nobody waits for them
+                os.killpg(0, signal.SIGKILL)
             return
-        if os.fork() == 0:
+        try:
+            number = os.fork()
+        except OSError:  # no room for another: whoever asked hears that the connection has ended
+            number = -1
+        if number == 0:
             control.close()
             with contextlib.suppress(EOFError, OSError):
                 answer_calls(Connection(descriptors[0]))
@@ -60,8 +74,8 @@ def _limit_memory(n_mb: int) -> None:
     """Let the process have so much more address space than it has now; Linux only."""
     statistics = Path("/proc/self/statm")
     if statistics.exists():
-        taken = int(statistics.read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
-        resource.setrlimit(resource.RLIMIT_AS, (taken + n_mb * MEBI,) * 2)
+        n_bytes_now = int(statistics.read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
+        resource.setrlimit(resource.RLIMIT_AS, (n_bytes_now + n_mb * MEBI,) * 2)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
@@ -93,6 +93,12 @@ class ConfinedPictures:
         picture.setflags(write=False)
         return picture
 
+    def file_names(self, indices: Sequence[int]) -> list[str] | None:
+        """See `Pictures.file_names`."""
+        return self._process.call(
+            _file_names, self._path, list(indices), what=f"reading the names in {self.name}"
+        )
+
     def close(self) -> None:
         """See `Pictures.close`."""
         with contextlib.suppress(MediaError):
@@ -111,9 +117,18 @@ def _open(path: Path) -> dict[str, Any]:
 
 
 def _read(path: Path, index: int) -> Picture:
-    if path not in _opened:  # by a process that has ended
+    return _again(path).read(index)
+
+
+def _file_names(path: Path, indices: list[int]) -> list[str] | None:
+    return _again(path).file_names(indices)
+
+
+def _again(path: Path) -> Pictures:
+    """What was opened, perhaps by a process that has ended."""
+    if path not in _opened:
         _opened[path] = open_pictures(path)
-    return _opened[path].read(index)
+    return _opened[path]
 
 
 def _close(path: Path) -> None:

@@ -49,13 +49,16 @@ class Process:
 
         Raises
         ------
-        OSError
-            If there is no room for another process.
+        InputError
+            If there is no room for another process, or the server is about to end.
         """
         self._allowance = allowance
-        self._ours = _nursery.connect()
-        self._number: int = self._ours.recv()
-        self._ours.send(allowance.memory_mb)
+        try:
+            self._ours = _nursery.connect()
+            self._number: int = self._ours.recv()
+            self._ours.send(allowance.memory_mb)
+        except (EOFError, OSError) as error:  # what it is forked from has ended just now
+            raise InputError("there is no room for another process; try again later") from error
 
     def call(self, function: Callable[..., T], *arguments: Any, what: str) -> T:
         """What a function returns there; after any error but its own the process has ended.
@@ -87,10 +90,10 @@ class Process:
         if value is not None and not isinstance(value, MemoryError):
             raise value
         self.end()
-        taken = f"{self._allowance.seconds:g} s"
+        budget = f"{self._allowance.seconds:g} s"
         if is_ready:
-            taken = f"{self._allowance.memory_mb} MB of memory"
-        raise InputError(f"{what} took more than {taken}, and was stopped")
+            budget = f"{self._allowance.memory_mb} MB of memory"
+        raise InputError(f"{what} took more than {budget}, and was stopped")
 
     @property
     def has_ended(self) -> bool:
@@ -134,7 +137,7 @@ class _Nursery:
         with theirs, self._lock:
             try:
                 socket.send_fds(self._started(), [b"+"], [theirs.fileno()])
-            except BrokenPipeError:  # it was killed
+            except (BrokenPipeError, ConnectionResetError):  # it was killed
                 self._control = None
                 socket.send_fds(self._started(), [b"+"], [theirs.fileno()])
         return Connection(ours.detach())
@@ -147,6 +150,7 @@ class _Nursery:
                 self._process = subprocess.Popen(  # noqa: S603  # our own module
                     [sys.executable, "-m", "ui.confined.nursery", str(number)],
                     pass_fds=[number],
+                    process_group=0,  # with its own processes it ends after the server, at once
                     env={
                         **os.environ,
                         "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +15,15 @@ from nvcore.inputs.evaluated_frames import parse_frames
 from nvcore.inputs.files import find_files
 from nvcore.inputs.load import load, read_source
 from nvcore.inputs.readers.base import Reading, Role
-from nvcore.inputs.session import Session, Source
+from nvcore.inputs.recordings_file import read_recordings_file, with_recordings_file
+from nvcore.inputs.session import RecordingEntry, Session, Source
+from nvcore.inputs.session_toml import read_session
 from ui.confined.process import Allowance, call
 from ui.settings.limits import limits_of_environment
 
 WHAT = "reading the files"
+SMALL: Final = Allowance(memory_mb=1000, seconds=20.0)
+"""For a session file or a table of recordings of the largest size."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +78,43 @@ def frames_confined(path: str, folder: Path) -> NDArray[np.int64]:
         Also if it takes more memory or time than the server allows.
     """
     return call(parse_frames, path, folder, allowance=_allowance(), what=WHAT)
+
+
+def session_confined(path: Path) -> Session:
+    """As `nvcore.inputs.session_toml.read_session`.
+
+    Raises
+    ------
+    InputError
+        Also if it takes too much memory or time, as keys of thousands of parts do.
+    """
+    return call(read_session, path, allowance=SMALL, what="reading the session file")
+
+
+def recordings_confined(path: Path, name: str) -> dict[str, tuple[int, RecordingEntry]]:
+    """As `nvcore.inputs.recordings_file.read_recordings_file`.
+
+    Raises
+    ------
+    InputError
+        Also if it takes too much memory or time.
+    """
+    what = "reading the table of recordings"
+    return call(read_recordings_file, path, name, allowance=SMALL, what=what)
+
+
+def with_recordings_confined(session: Session) -> Session:
+    """As `nvcore.inputs.recordings_file.with_recordings_file`.
+
+    Raises
+    ------
+    InputError
+        Also if it takes too much memory or time.
+    """
+    if session.recordings_file is None:
+        return session
+    what = "reading the table of recordings"
+    return call(with_recordings_file, session, allowance=SMALL, what=what)
 
 
 def _find(source: Source, folder: Path, role: Role) -> FilesFound:

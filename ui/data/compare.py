@@ -108,8 +108,8 @@ def _draw_system(letter: str, name: str) -> None:
         _draw_lowest(letter)
     point = _point(dataset, name, params, threshold)
     n_all = len(dataset.system(name))
-    kept, alarms = st.columns(2)
-    kept.metric("Detections kept", f"{point.n_kept:,} of {n_all:,}")
+    detections, alarms = st.columns(2)
+    detections.metric("Detections kept", f"{point.n_kept:,} of {n_all:,}")
     alarms.metric(
         "False alarms per minute",
         number(point.false_alarms_per_minute, ".1f"),

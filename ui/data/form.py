@@ -17,6 +17,8 @@ from ui.data.missing_inputs import MissingInputs, ask_for_missing, forget_missin
 from ui.data.names import with_recording_name
 from ui.data.opening import draw_trouble, forget_trouble
 from ui.data.pictures import ChosenPictures
+from ui.data.recordings import before
+from ui.data.recordings.before import TypedRecordings
 from ui.data.recordings_table import RecordingsTable
 from ui.session.opening import (
     guess_pictures,
@@ -46,6 +48,7 @@ class Form:
     place: str = ""
     unnamed: tuple[str, ...] = ()
     sizes: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+    typed: TypedRecordings = field(default_factory=TypedRecordings)
 
     def check(self, *, has_truth: bool, has_systems: bool) -> None:
         """Raise `InputError` if something needed is missing or cannot be used."""
@@ -60,6 +63,7 @@ class Form:
             self.frames.stops,
             self.recordings.stops,
             self.pictures.stops,
+            self.typed.trouble,
         ):
             if wrong:
                 raise InputError(wrong)
@@ -87,11 +91,11 @@ class Form:
         )
 
     def with_pictures(self, session: Session, paths: Mapping[str, str]) -> Session:
-        """The session with pictures, given by their labels, and the name of the recording.
+        """The session with pictures, given by their labels, and what was typed of recordings.
 
         Pictures that its table of recordings names stay.
         """
-        if not paths and not self.recording and not self.sizes:
+        if not (paths or self.recording or self.sizes or self.typed.changes):
             return session
         with st.spinner("Reading the ground truth"):
             names = recording_names(session)
@@ -105,6 +109,9 @@ class Form:
             if name in names and recording_entry(session, names, name).width is None:
                 size = {"width": float(width), "height": float(height)}
                 changes[name] = {**changes.get(name, {}), **size}
+        for name, change in self.typed.changes.items():
+            if name in names:
+                changes[name] = {**changes.get(name, {}), **change}
         return with_recording_name(with_recordings(session, names, changes), names, self.recording)
 
 
@@ -127,8 +134,11 @@ def finish_form(
     unknown -= table.known([] if first is None else first.recordings)
     sizes = {} if first is None else first.sizes
     facts = ask_for_missing(place, pictures.usable.values(), unknown, format_name, sizes)
-    draw_trouble(place)
     others = {name: size for name, size in sizes.items() if len({*sizes.values()}) > 1}
+    typed = TypedRecordings()
+    if unknown:
+        typed = before.draw(place, first, table.entries, facts, others)
+    draw_trouble(place)
     return Form(
         names=names,
         recording=recording,
@@ -144,4 +154,5 @@ def finish_form(
             if check is not None and name == f"System {number + 1}"
         ),
         sizes=others,
+        typed=typed,
     )

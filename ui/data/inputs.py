@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Final
 
@@ -12,14 +11,11 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.dataset import Dataset
-from nvcore.inputs.session import Session
 from nvcore.tables.inputs import inputs_table, left_out_table
-from nvcore.wording import UNDEFINED
-from ui.data import context
-from ui.data.opening import draw_trouble, try_to_open
+from ui.data.opening import draw_trouble
 from ui.data.recordings import editor, names
 from ui.session import state
-from ui.session.opening import recording_entry, relative_path, with_recordings
+from ui.session.opening import relative_path
 from ui.session.workspace import Stored, Workspace
 from ui.shell.messages import without_paths
 from ui.widgets.text import plain
@@ -27,9 +23,8 @@ from ui.widgets.text import plain
 _OLD_NAME: Final = re.compile(
     r"\b(the (?:only|truth's only) recording),? (?:'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\")"
 )
-NONE: Final = "no pictures"
-MOST_IN_TABLE: Final = 12
-"""Recordings that are shown without scrolling."""
+MOST_TROUBLES: Final = 5
+"""Pictures that cannot be opened and are named."""
 IMAGES: Final = "single pictures sent"
 
 
@@ -44,23 +39,29 @@ def draw() -> None:
             f"{row.subject}: {row.n_rows:,} {row.reason}" for row in left_out.itertuples()
         )
         st.caption(f"Rows that could not be placed: {plain(counts)}.")
-    recordings = _recordings(space, dataset)
-    if len(recordings) > MOST_IN_TABLE:
-        st.dataframe(recordings, hide_index=True, width="stretch")
-    else:  # shows long texts in full, but takes them for Markdown
-        st.table(recordings.map(plain), width="stretch", hide_index=True)
     for note in dataset.notes:
         st.caption(plain(note[:1].upper() + note[1:]))
-    draw_trouble("session")
-    names.draw_done()
-    with st.expander("Change the recordings: names, sizes, rates, traffic, tags, pictures"):
-        editor.draw(*_all_pictures(space))
     with st.expander("Change the names of the systems"):
         names.draw_systems()
-    with st.expander("Traffic context of the recordings"):
-        context.draw()
-    with st.expander("Pictures of the recordings"):
-        _draw_pictures(space)
+    st.subheader("Recordings")
+    draw_trouble("session")
+    names.draw_done()
+    _draw_picture_troubles(space)
+    notes = {state.recording_names()[row]: note for row, note in space.picture_notes.items()}
+    editor.draw(*_all_pictures(space), notes)
+
+
+def _draw_picture_troubles(space: Workspace) -> None:
+    """Pictures that cannot be opened."""
+    troubles = {row: note for row, note in space.picture_notes.items() if row not in space.pictures}
+    if not troubles:
+        return
+    every = state.recording_names()
+    lines = [f"- {plain(every[row])}: {plain(note)}" for row, note in troubles.items()]
+    if len(lines) > MOST_TROUBLES:
+        lines[MOST_TROUBLES:] = [f"- and {len(lines) - MOST_TROUBLES:,} more"]
+    text = "\n".join(lines)
+    st.warning(f"Recordings whose pictures cannot be opened:\n{text}", icon=":material/warning:")
 
 
 def _inputs(dataset: Dataset) -> pd.DataFrame:
@@ -96,32 +97,6 @@ def _without_old_name(conversion: str) -> str:
     return _OLD_NAME.sub(r"\1", conversion)
 
 
-def _recordings(space: Workspace, dataset: Dataset) -> pd.DataFrame:
-    table, first = dataset.recordings, dataset.frame_columns.first
-    n_rows = len(table)
-    return pd.DataFrame(
-        {
-            "Recording": table["name"],
-            "Size (px)": [
-                f"{w:g} × {h:g}" for w, h in zip(table["width"], table["height"], strict=True)
-            ],
-            "Frames per second": [f"{fps:g}" for fps in table["fps"]],
-            "Traffic": [context.context_text(value) for value in table["context"]],
-            "Tags": [", ".join(tags) or UNDEFINED for tags in table["tags"]],
-            "Evaluated frames": first[1:] - first[:-1],
-            "Pictures": [_pictures_text(space, recording) for recording in range(n_rows)],
-        }
-    )
-
-
-def _pictures_text(space: Workspace, recording: int) -> str:
-    note = space.picture_notes.get(recording, "")
-    pictures = space.pictures.get(recording)
-    if pictures is None:
-        return note or NONE
-    return ": ".join(part for part in (pictures.name, note) if part)
-
-
 def _all_pictures(space: Workspace) -> tuple[dict[str, str | None], dict[str, str]]:
     """Pictures to choose from for all recordings, by label; and the label of each one's own."""
     session = state.opened().session
@@ -143,54 +118,6 @@ def _all_pictures(space: Workspace) -> tuple[dict[str, str | None], dict[str, st
         if relative not in choices.values():
             choices[label if label not in choices else f"{label} (sent)"] = relative
     return choices, labels
-
-
-def _draw_pictures(space: Workspace) -> None:
-    session, label = state.opened().session, state.opened().label
-    every = state.opened().whole.recordings["name"].tolist()
-    name = every[0]
-    if len(every) > 1:
-        name = st.selectbox("Recording", every, key="pictures_recording")
-    entry = recording_entry(session, every, name)
-    choices = picture_choices(space, session, entry.pictures)
-    entries = [NONE, *choices]
-    now = next((label for label, path in choices.items() if path == entry.pictures), NONE)
-    with st.form(f"pictures_{every.index(name)}", border=False):
-        left, right = st.columns([2, 1])
-        picture = left.selectbox(
-            "Pictures",
-            entries,
-            index=entries.index(now),
-            help="Send pictures under “Open another comparison”, Upload; they appear here.",
-        )
-        first_picture = right.number_input(
-            "Frame number of the first picture",
-            value=entry.first_picture,
-            step=1,
-            placeholder="as guessed",
-            help="Only where boxes and pictures do not belong together: the number, as in the "
-            "truth, of the frame that the first picture shows. Empty: from the file names.",
-        )
-        is_wanted = st.form_submit_button("Use these pictures")
-    if is_wanted:
-        first = None if first_picture is None else int(first_picture)
-        change = {"pictures": choices.get(picture), "first_picture": first}
-        changed = with_recordings(session, every, {name: change})
-        try_to_open(replace(changed, params=state.params()), label=label)
-
-
-def picture_choices(
-    space: Workspace, session: Session, current: str | None
-) -> dict[str, str | None]:
-    """Pictures to choose from for a recording: its own and those that were sent; paths by label."""
-    choices: dict[str, str | None] = {}
-    if current is not None:
-        choices[PurePosixPath(current).name] = current
-    for label, path in sent_pictures(space).items():
-        relative = relative_path(path, session.folder)
-        if relative != current:
-            choices[label if label not in choices else f"{label} (sent)"] = relative
-    return choices
 
 
 def sent_pictures(space: Workspace) -> dict[str, Path]:

@@ -11,10 +11,9 @@ import streamlit as st
 
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.readers.base import Role
-from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
-from nvcore.inputs.session_toml import read_session
-from ui.confined.reading import find_confined
+from nvcore.wording import count_text
+from ui.confined.reading import find_confined, session_confined, with_recordings_confined
 from ui.data.file_check import FileCheck, check_files, draw_file_check
 from ui.data.form import Form, finish_form, forget_outcome
 from ui.data.frames import FRAMES_HELP, FRAMES_LABEL, FrameList, check_frame_list, draw_frame_list
@@ -185,12 +184,15 @@ def _state_of(root: LocalRoot, files: Sequence[Path]) -> tuple[tuple[str, int, i
 
 def _draw_folder(current: str, entries: list[Entry]) -> None:
     folders = [entry.path for entry in entries if entry.is_folder]
+    n_files = len(entries) - len(folders)
     st.selectbox(
         f"Folder: {plain(current) or TOP}",
         [*([UP] if current else []), *folders],
         index=None,
         key="local_next",
-        placeholder=f"{len(folders)} folders, {len(entries) - len(folders)} files; go to a folder",
+        placeholder=(
+            f"{count_text(len(folders), 'folder')}, {count_text(n_files, 'file')}; go to a folder"
+        ),
         format_func=lambda path: "one up" if path == UP else path.rpartition("/")[2] + "/",
         on_change=_go,
     )
@@ -235,14 +237,14 @@ def _last(path: str) -> str:
 
 
 def _session_file(root: LocalRoot, path: str, facts: MissingInputs) -> Session:
-    session = facts.added_to(read_session(root.find(path)))
+    session = facts.added_to(session_confined(root.find(path)))
     return _with_recordings(root, session)
 
 
 def _with_recordings(root: LocalRoot, session: Session) -> Session:
     """The session with its table of recordings read; nothing that it names leaves the root."""
     check_confined(session, root.folder)
-    session = with_recordings_file(session)
+    session = with_recordings_confined(session)
     check_confined(session, root.folder)
     return session
 

@@ -61,5 +61,5 @@ def _draw_unmatched(usable: Mapping[str, Path], recordings: Sequence[str]) -> No
     if left:
         st.caption(
             f"Of no recording by their names: {plain(', '.join(left))}. After opening, choose "
-            "whose they are under “Pictures of the recordings”."
+            "whose they are in the table “Recordings”."
         )

@@ -10,18 +10,18 @@ from typing import Final
 import streamlit as st
 
 from nvcore.inputs.recordings import MOST_NAMED, no_such_recording
-from nvcore.inputs.recordings_file import read_recordings_file
 from nvcore.inputs.session import RecordingEntry, RecordingsFile
 from nvcore.wording import count_text, listed
+from ui.confined.reading import recordings_confined
 from ui.data.file_check import read_unless_known
 from ui.session.uploads import safe_name
 from ui.widgets.text import plain
 
 RECORDINGS_LABEL: Final = "Recordings (table, one line each)"
 RECORDINGS_HELP: Final = (
-    "A CSV file with the columns recording, width, height, fps, context, tags and pictures; all "
-    "but the first may be missing. Context is that of the traffic: urban, rural, or a number from "
-    "0 to 1. Tags are separated by semicolons; pictures are names of files or folders."
+    "A CSV file with the columns recording, width, height, fps, context, tags, pictures, "
+    "first_picture and title; all but the first may be missing. Context: urban, rural, or a number "
+    "from 0 to 1. Tags are separated by semicolons; pictures are names of files or folders."
 )
 _PARTS: Final = {
     "width": "sizes",
@@ -75,7 +75,7 @@ def check_recordings(path: str, folder: Path) -> RecordingsTable:
     file = folder / path
 
     def read() -> RecordingsTable:
-        rows = read_recordings_file(file, path)
+        rows = recordings_confined(file, path)
         entries = {name: entry for name, (_, entry) in rows.items()}
         return RecordingsTable(path, entries, line_of={name: n for name, (n, _) in rows.items()})
 

@@ -17,10 +17,10 @@ from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.params.metadata import MATCH
 from nvcore.protocols import Protocol
 from nvcore.tables.scorecard import curve_rows
-from nvcore.wording import capitalised, count_text
+from nvcore.wording import capitalised, count_text, minus
 from ui.detection.protocol import filtered
 from ui.session import state
-from ui.session.evidence import miss_rate_evidence
+from ui.session.results.evidence import miss_rate_evidence
 from ui.widgets.charts import clicked_chart
 from ui.widgets.choices import choose_side_by_side, draw_measures
 from ui.widgets.table_columns import measures_as_text
@@ -108,9 +108,10 @@ def _draw_evidence(result: Result, remarks: list[str]) -> None:
     if np.isnan(evidence.difference):  # the table above says why
         return
     words = "Difference of the log-average miss rates, X less Y:"
-    parts = [f"{words} {100 * evidence.difference:+.2f} pp"]
+    parts = [f"{words} {minus(f'{100 * evidence.difference:+.2f}')} pp"]
     if np.isfinite(evidence.low):
-        parts.append(f"95 % interval {100 * evidence.low:+.2f} to {100 * evidence.high:+.2f} pp")
+        ends = minus(f"{100 * evidence.low:+.2f} to {100 * evidence.high:+.2f}")
+        parts.append(f"95 % interval {ends} pp")
     elif np.isfinite(evidence.p):
         parts.append("no interval (see below)")
     if np.isfinite(evidence.p):

@@ -14,6 +14,7 @@ from nvcore.detection.miss_rate import explain_few
 from nvcore.protocols import OCCLUSION_WORDS, OWN, PROTOCOLS, Protocol, protocol_from
 from nvcore.wording import capitalised, count_text
 from ui.session import state
+from ui.session.chosen import PROTOCOL_RECORDINGS
 from ui.widgets.text import plain
 
 OF_SESSION: Final = "filters of the session"
@@ -50,7 +51,7 @@ def choose(dataset: Dataset) -> Protocol:
         chosen = (right if tags else middle).multiselect(
             "Recordings",
             names,
-            key="protocol_recordings",
+            key=PROTOCOL_RECORDINGS,
             placeholder="all recordings",
             persist_state="session",
             help="Only these count, such as those at night.",

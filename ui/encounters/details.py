@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 import pandas as pd
 import streamlit as st
@@ -10,10 +10,17 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.schema import CATEGORY_TEXT, Category
 from nvcore.tables.moments import NEVER, encounter_time
+from nvcore.wording import minus
 from ui.encounters import picture, selection
 from ui.shell.navigate import open_row
 from ui.widgets.table_columns import class_words
 from ui.widgets.text import UNDEFINED, number, plain
+
+MEANINGS: Final = (
+    "Peak cost: what the worst of its frames costs, 0 to 1. Lag: how long after coming near enough "
+    "to count it was first matched. Longest gap: between two matches. Tail: after the last match, "
+    "until it no longer counts."
+)
 
 
 def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
@@ -26,11 +33,15 @@ def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
     picture.draw(result, encounter, int(moments["shown_row"]))
     _draw_ways(result, row, moments)
     st.table(_both(row))
-    st.caption(
-        f"Up to {row['peak_height']:.0f} px tall (k {row['peak_k']:.2f}); mean position "
-        f"{row['lateral_position']:+.2f} (-1 left edge, 1 right edge); pose z-score "
-        f"{number(row['aspect_z'], '+.1f')}; frames {row['first_frame']} to {row['last_frame']}."
+    st.caption(MEANINGS)
+    pose = number(row["aspect_z"], "+.1f")
+    text = (
+        f"Up to {row['peak_height']:.0f} px tall, where the weight for how near it is (k, 0 to 1) "
+        f"is {row['peak_k']:.2f}; mean position {row['lateral_position']:+.2f} (-1 left edge, 1 "
+        f"right edge); height by width {pose} standard deviations from the mean of all "
+        f"encounters; frames {row['first_frame']} to {row['last_frame']}."
     )
+    st.caption(plain(minus(text)))
 
 
 def _who_missed(result: Result, row: pd.Series[Any]) -> str:

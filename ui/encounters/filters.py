@@ -13,6 +13,7 @@ import streamlit as st
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category, MissClass
 from nvcore.wording import shortened
 from ui.session import state
+from ui.session.chosen import recordings_key
 from ui.widgets.table_columns import MISS_WORDS, category_words, class_words
 from ui.widgets.text import plain
 
@@ -65,6 +66,8 @@ class Filters:
 
 def key(name: str) -> str:
     """Key of a filter's widget; other data have other recordings and ranges."""
+    if name == "recording":
+        return recordings_key("encounters")
     return f"encounters_{name}_{state.workspace().n_opened}"
 
 

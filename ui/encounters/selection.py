@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -13,6 +14,7 @@ from nvcore.params.metadata import SEVERITY, THRESHOLD
 from nvcore.tables.moments import encounter_moments
 from ui.session import state
 from ui.session.chosen import choose_encounter, chosen_encounter
+from ui.widgets import steps
 
 _IS_NEW: Final = "encounters_just_chosen"
 _HAS_STEPPED: Final = "encounters_stepped"
@@ -68,31 +70,13 @@ def go_along(result: Result) -> None:
 
 
 def draw_steps(listed: pd.DataFrame, encounter: int) -> None:
-    """Previous, "3 of 57", next: through the list as it is filtered and sorted."""
+    """The way through the list as it is filtered and sorted."""
     st.session_state[_HAS_STEPPED] = False
-    at = place_of(listed, encounter)
-    with st.container(
-        horizontal=True, horizontal_alignment="distribute", vertical_alignment="center"
-    ):
-        _step("Previous", "p", listed, at - 1, icon=":material/chevron_left:")
-        st.markdown(f"**{at + 1:,}** of {len(listed):,}", width="content")
-        _step("Next", "n", listed, at + 1, icon=":material/chevron_right:")
-
-
-def _step(label: str, shortcut: str, listed: pd.DataFrame, at: int, *, icon: str) -> None:
-    is_there = 0 <= at < len(listed)
-    st.button(
-        label,
-        key=f"encounters_{label.lower()}",
-        shortcut=shortcut,
-        icon=icon,
-        icon_position="right" if label == "Next" else "left",
-        disabled=not is_there,
-        on_click=_choose_by_button,
-        args=(int(listed.index[at]) if is_there else -1,),
+    steps.draw_steps(
+        place_of(listed, encounter), len(listed), partial(_step, listed.index), key="encounters"
     )
 
 
-def _choose_by_button(encounter: int) -> None:
-    choose(encounter)
+def _step(index: pd.Index, at: int) -> None:
+    choose(int(index[at]))
     st.session_state[_HAS_STEPPED] = True

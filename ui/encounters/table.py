@@ -93,7 +93,10 @@ def draw_switch() -> None:
 
 def draw(listed: pd.DataFrame, encounter: int) -> None:
     """The list, with the row of this encounter selected."""
-    others = [name for name in listed if name not in FIRST_COLUMNS]
+    others = [str(name) for name in listed if name not in FIRST_COLUMNS]
+    first: tuple[str, ...] = FIRST_COLUMNS
+    if len(state.recording_names()) == 1:  # its name says nothing there, and takes room
+        first = FIRST_COLUMNS[1:]
     table = as_shown(listed[[*FIRST_COLUMNS, *others]].head(MOST_ROWS))
     # a key for these rows: a selection must not move to another pedestrian
     key = f"encounters_table_{hash(tuple(table.index))}"
@@ -108,7 +111,7 @@ def draw(listed: pd.DataFrame, encounter: int) -> None:
         height=table_height(len(table)),
         placeholder=UNDEFINED,
         key=key,
-        column_order=None if st.session_state[ALL_COLUMNS] else FIRST_COLUMNS,
+        column_order=(*first, *others) if st.session_state[ALL_COLUMNS] else first,
         selection_mode=("single-row", "single-cell", "single-column"),
         on_select=partial(_click, key, table.index),
     )

@@ -18,12 +18,13 @@ from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress
 from nvcore.protocols import Protocol
 from nvcore.report.html import Inscription, write_html_report
-from nvcore.report.html.cover import MOST_SIGNS
+from nvcore.report.html.cover import MAX_CHARACTERS
 from nvcore.report.html.evidence_sections import AT_ONCE
 from ui.export.session import public_findings, with_public_names
 from ui.jobs.background import FileJob, JobState, new_path, while_open
 from ui.jobs.progress import draw_file, draw_job, start_as_made
 from ui.session import drawing, state
+from ui.session.results.findings import input_findings
 from ui.session.workspace import Workspace
 from ui.shell.messages import path_remover
 from ui.widgets.text import plain
@@ -110,7 +111,7 @@ def _ask_for_first_page() -> Inscription:
     with st.expander("Title, author, question and date on its first page"):
         texts = {
             name: st.text_input(
-                label, key=f"html_{name}", max_chars=MOST_SIGNS, persist_state="session"
+                label, key=f"html_{name}", max_chars=MAX_CHARACTERS, persist_state="session"
             )
             for name, label in LABELS.items()
         }
@@ -122,7 +123,7 @@ def _start(result: Result, key: ReportKey) -> None:
     space.drop_job(JOB)
     pictures = RecordingPictures(dict(space.pictures), dict(space.picture_rows), drawing.stretch())
     public = path_remover()
-    findings = public_findings(state.findings(), public)
+    findings = public_findings(input_findings(), public)
     path = new_path(space, ".html")
     job = start_job(
         space, key, shown_result(result, public), state.opened().session, findings, path, pictures

@@ -25,6 +25,7 @@ from ui.export.session import (
 )
 from ui.session import state
 from ui.session.opening import live_session
+from ui.session.results.findings import input_findings
 from ui.shell.messages import path_remover, shown_root
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
@@ -93,7 +94,8 @@ def draw(result: Result) -> None:
         icon=":material/folder_zip:",
         key="export_zip",
     )
-    _draw_files(result, report, public)
+    with st.expander("Single files"):
+        _draw_files(result, report, public)
     st.markdown(TERMS)
     with st.expander("What the columns mean"):
         _draw_columns()
@@ -110,7 +112,7 @@ def _report(result: Result, remove_paths: Callable[[object], str]) -> _Report:
         recordings=names_in_files(session, state.opened().whole),
         root=shown_root(),
     )
-    return _Report(portable, public_findings(state.findings(), remove_paths))
+    return _Report(portable, public_findings(input_findings(), remove_paths))
 
 
 def _draw_files(result: Result, report: _Report, public: Callable[[], Result]) -> None:

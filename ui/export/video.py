@@ -91,7 +91,7 @@ def _draw_form(result: Result, *, is_busy: bool) -> None:
         icon=":material/movie:",
         key="make_video",
         disabled=bool(trouble) or is_busy,
-    ):
+    ) and not (trouble or is_busy):  # a browser can be made to click what is disabled
         _start(result, recording, interval, labels=labels)
         st.rerun()
 

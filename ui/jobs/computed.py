@@ -39,7 +39,7 @@ class Computation(Generic[Output]):
             if job_state is JobState.DONE:
                 output = space.cached(self.kind, self.key, lambda: job.output, most=self.most)
                 return output, False
-        if not is_quick and space.peek(self.kind, self.key) is None:
+        if not is_quick and state.known(self.kind, self.key) is None:
             return None, True
         result = state.cached(
             self.kind, self.key, lambda: self.compute(no_progress), most=self.most

@@ -11,16 +11,22 @@ from nvcore.evidence.companions import Companions, find_companions
 from nvcore.progress import Progress
 from ui.jobs.computed import Computation
 from ui.session import state
-from ui.session.evidence import comparison_key
+from ui.session.results.evidence import comparison_key
 
 KIND: Final = "companions"
+MOST: Final = 4
 QUICK_BOXES: Final = 50_000
 """Up to so many boxes it takes a fraction of a second and is done at once."""
 
 
+def is_quick(result: Result) -> bool:
+    """Whether the companions are computed at once."""
+    return len(result.dataset.boxes) <= QUICK_BOXES
+
+
 def known_companions(result: Result) -> Companions | None:
     """The companions of the comparison, if they are computed already."""
-    companions: Companions | None = state.workspace().peek(KIND, comparison_key(result))
+    companions: Companions | None = state.known(KIND, comparison_key(result))
     return companions
 
 
@@ -36,9 +42,9 @@ def wait_for_companions(result: Result, evidence: pd.DataFrame) -> Companions | 
         compute=compute,
         thing="the comparison at equal false alarms",
         doing="comparing",
-        most=4,
+        most=MOST,
     )
-    companions, is_missing = computation.draw(is_quick=len(result.dataset.boxes) <= QUICK_BOXES)
+    companions, is_missing = computation.draw(is_quick=is_quick(result))
     job = state.workspace().job(computation.kind)
     if is_missing and (job is None or job.key != computation.key):  # not one that was cancelled
         computation.start()

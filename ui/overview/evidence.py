@@ -22,7 +22,7 @@ from nvcore.measures import EVIDENCE_KEYS, evidence_form, inference_of
 from nvcore.wording import capitalised, difference, interval_text, minus, number
 from ui.session import state
 from ui.shell.messages import draw_as_set_note
-from ui.widgets.charts import draw_chart
+from ui.widgets.charts import draw_chart, kept_figure
 from ui.widgets.html import MeasureRow, measures_html, with_arrow
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
@@ -91,7 +91,11 @@ def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
     if nothing := forest_in_words(table):
         st.markdown(plain(nothing))
     else:
-        draw_chart(subgroup_forest(table, theme=state.theme()), "subgroups")
+        theme = state.theme()
+        figure = kept_figure(
+            "subgroups_figure", (*key, theme), lambda: subgroup_forest(table, theme=theme)
+        )
+        draw_chart(figure, "subgroups")
     if why := inference_of(measure).not_of_pedestrians:
         st.caption(
             f"{UNDEFINED} Near, far, centre, edge, occlusion, pose: {why}. "

@@ -7,13 +7,13 @@ from functools import partial
 from typing import Any, Final
 
 import cv2
+import numpy as np
 import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.overlay.annotate import LAYERS, annotate
-from nvcore.pictures import Pictures, jpeg
-from nvcore.tables.moments import worst_moments
+from nvcore.pictures import jpeg
+from nvcore.tables.moments import encounter_box, worst_moments
 from nvcore.tables.windows import windows_table, worst_windows_text
 from ui.session import drawing, state
 from ui.shell.messages import draw_as_set_note
@@ -65,7 +65,8 @@ def draw(result: Result) -> None:
     theme = state.theme()
     st.caption(
         "The stretches of low similarity that weigh most, and those in which the systems differ "
-        "most. The picture is the worst frame: pedestrians white, "
+        "most. The picture is of the worst frame, around the pedestrian who is named: pedestrians "
+        "white, "
         f"X {theme.style('x').words}, Y {theme.style('y').words}."
     )
     kind = choose_side_by_side(
@@ -137,35 +138,59 @@ def _window_column(name: str, result: Result) -> Any:
 
 def _moment(result: Result, kind: str, title: str, moment: Mapping[Hashable, Any]) -> None:
     row = int(moment["row"])
-    recording, in_recording = state.place_of(row)
-    picture = _thumbnail(result, recording, in_recording, row)
-    if picture is not None:
-        st.image(picture, width="stretch", alt=f"{title}: frame {moment['frame']}")
-    st.markdown(
-        f"**{plain(moment['recording'])}**, {moment['time_s']:.2f} s  \n{plain(moment['reason'])}"
-    )
-    st.caption(
-        f"similarity X {moment['similarity_x']:.2f}, Y {moment['similarity_y']:.2f}; "
-        f"{moment['duration_s']:.2f} s"
-    )
+    with st.container(height="stretch"):  # so that the buttons stand in a line
+        picture = _thumbnail(result, moment)
+        if picture is not None:
+            st.image(picture, width="stretch", alt=f"{title}: frame {moment['frame']}")
+        st.markdown(
+            f"**{plain(moment['recording'])}**, {moment['time_s']:.2f} s  \n"
+            f"{plain(moment['reason'])}"
+        )
+        st.caption(
+            f"similarity X {moment['similarity_x']:.2f}, Y {moment['similarity_y']:.2f}; "
+            f"{moment['duration_s']:.2f} s"
+        )
     if st.button("Open frame", key=f"moment_{kind}_{row}", width="stretch"):
         open_row(row)
 
 
-def _thumbnail(result: Result, recording: int, in_recording: int, row: int) -> bytes | None:
-    pictures, index = state.workspace().picture_of(recording, in_recording)
+def _thumbnail(result: Result, moment: Mapping[Hashable, Any]) -> bytes | None:
+    row, track = int(moment["row"]), moment["track"]
+    pictures, index = state.workspace().picture_of(*state.place_of(row))
     if pictures is None or index < 0:
         return None
-    return drawing.thumbnail(row, lambda: _draw(result, pictures, row, index))
-
-
-def _draw(result: Result, pictures: Pictures, row: int, index: int) -> bytes:
-    lo, hi = drawing.stretch()
-    annotated = annotate(
-        result, pictures, index, row, lo=lo, hi=hi, layers=LAYERS, labels=False, caption=False
+    return drawing.thumbnail(
+        (row, None if pd.isna(track) else int(track)),
+        lambda: _draw(result, row, named_box(result, moment)),
     )
-    scale = THUMBNAIL_PX / annotated.shape[1]
-    small = cv2.resize(annotated, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+
+
+def named_box(result: Result, moment: Mapping[Hashable, Any]) -> np.ndarray | None:
+    """Box of the pedestrian whom the moment's reason names, px; None: nobody, or not in its frame.
+
+    Parameters
+    ----------
+    moment
+        Row of `nvcore.tables.moments.worst_moments`.
+    """
+    if pd.isna(moment["track"]):
+        return None
+    encounters = result.encounters
+    is_named = (encounters.recording == moment["recording_index"]) & (
+        encounters.track == moment["track"]
+    )
+    for encounter in np.flatnonzero(is_named):  # a track that is used again has several
+        try:
+            return encounter_box(result, int(encounter), int(moment["row"]))
+        except ValueError:
+            continue
+    return None
+
+
+def _draw(result: Result, row: int, xywh: np.ndarray | None) -> bytes:
+    part = drawing.part_of_frame(result, row, xywh, labels=False)
+    scale = min(THUMBNAIL_PX / part.shape[1], 1.0)
+    small = cv2.resize(part, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
     return jpeg(small)
 
 

@@ -23,7 +23,7 @@ from nvcore.report.plan import verdict_plan
 from nvcore.wording import capitalised, count_text
 from ui.jobs.computed import Computation
 from ui.session import state
-from ui.session.evidence import comparison_key
+from ui.session.results.evidence import comparison_key
 from ui.widgets.charts import draw_chart
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import docs_link, plain
@@ -56,7 +56,7 @@ class _Answer(NamedTuple):
 
 def known_sentence(result: Result) -> str:
     """What the verdict says of more recordings, once any plan was computed; else empty."""
-    sentence: str | None = state.workspace().peek("verdict_plan", comparison_key(result))
+    sentence: str | None = state.known("verdict_plan", comparison_key(result))
     return sentence or ""
 
 

@@ -20,12 +20,13 @@ from nvcore.report.equal_alarms import (
     weights_text,
 )
 from nvcore.report.terminal import SHORT_ROWS
+from nvcore.tables.influence import lead_text
 from nvcore.tables.result import recordings_table
 from nvcore.tables.scorecard import score_rows
 from ui.session import state
 from ui.shell.messages import draw_as_set_note
 from ui.shell.navigate import open_frame
-from ui.widgets.charts import clicked_chart
+from ui.widgets.charts import clicked_chart, kept_figure
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.html import measures_html, score_row
 from ui.widgets.text import docs_link, plain
@@ -144,16 +145,25 @@ def _rule(result: Result) -> str:
 
 
 def by_recording(result: Result) -> None:
-    """Mean similarity of each recording as paired points; a click opens it."""
-    st.header("By recording")
+    """Mean similarity of each recording as paired points; a click opens it.
+
+    Below, whether one of them decides who is ahead.
+    """
+    st.header("Recordings side by side")
     draw_as_set_note(result)
     names = (result.x.name, result.y.name)
     if count_recordings(result) == 1:
         x, y = (f"{system.summary.mean:.3f}" for _, system in result.sides)
         st.markdown(f"There is one recording: mean similarity X {x}, Y {y} (1 is best).")
         return
-    recording = clicked_chart(
-        recordings_plot(recordings_table(result), names, theme=state.theme()), "by_recording"
+    theme = state.theme()
+    figure = kept_figure(
+        "by_recording",
+        (result.params, *names, theme),
+        lambda: recordings_plot(recordings_table(result), names, theme=theme),
     )
+    recording = clicked_chart(figure, "by_recording")
+    if text := lead_text(result):
+        st.caption(plain(text))
     if recording is not None:
         open_frame(int(recording), 0)

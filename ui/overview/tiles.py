@@ -20,14 +20,13 @@ def _tile(tile: Tile) -> str:
         f"<i>{letter.upper()}</i>{escape(value)}</span>"
         for letter, value in (("x", tile.x), ("y", tile.y))
     )
-    interval = f"95 % interval {escape(minus(tile.interval))}" if tile.interval else "no interval"
     chip = f'<span class="chip {tile.winner}">{escape(tile.chip)}</span>'
     return (
         f'<section class="nv-tile" aria-label="{escape(tile.title, quote=True)}">'
         f"<h3>{escape(tile.title)}</h3><p>{escape(tile.unit)}</p>"
         f'<div class="values">{values}</div>'
         f"<p>X − Y &nbsp;<b>{escape(minus(tile.difference))}</b></p>{_bar(tile)}"
-        f"<p>{interval}</p>{chip}</section>"
+        f"<p>{escape(minus(tile.interval))}</p>{chip}</section>"
     )
 
 

@@ -14,12 +14,17 @@ from nvcore.tables.severity import weighed_encounters
 from ui.session import state
 from ui.shell.messages import draw_as_set_note
 from ui.shell.navigate import open_encounters, open_row
-from ui.widgets.charts import clicked_chart
+from ui.widgets.charts import clicked_chart, kept_figure
 from ui.widgets.clicks import clicked_row
 from ui.widgets.table_columns import as_shown, column_config
 from ui.widgets.text import UNDEFINED, docs_link
 
 WORDS: Final = {"both": "Both", "x_only": "Only X", "y_only": "Only Y", "neither": "Neither"}
+OF_VERSIONS: Final = {
+    "x_only": "If Y is the next version of X, it newly misses these.",
+    "y_only": "If Y is the next version of X, it mends the misses of these.",
+}
+"""What a region means where two versions of one system are compared, as in `nvcore gate`."""
 N_WORST: Final = 5
 WORST_COLUMNS: Final = {"recording": 104, "track": 80, "severity_s_x": 66, "severity_s_y": 66}
 """Columns of the heaviest failures and their widths, px: in all, that of half a small window."""
@@ -36,13 +41,15 @@ def draw(result: Result) -> None:
     row = st.session_state.pop(OPEN, None)
     if row is not None:
         open_row(row)
-    encounters = weighed_encounters(result)
-    names = (result.x.name, result.y.name)
-    clicked = clicked_chart(
-        venn_figure(result.venn, names, theme=state.theme(), encounters=encounters),
+    names, theme = (result.x.name, result.y.name), state.theme()
+    key = (result.params, *names)
+    encounters = state.cached("weighed_encounters", key, lambda: weighed_encounters(result))
+    figure = kept_figure(
         "venn",
-        alt=_in_words(result),
+        (*key, theme),
+        lambda: venn_figure(result.venn, names, theme=theme, encounters=encounters),
     )
+    clicked = clicked_chart(figure, "venn", alt=_in_words(result))
     if isinstance(clicked, str):
         _open(clicked)
     elif clicked is not None:
@@ -61,9 +68,15 @@ def draw(result: Result) -> None:
         )
     )
     counts = result.venn.counts()
-    columns = st.columns(4)
+    with st.container(key="venn_open"):
+        columns = st.columns(4)
     for column, (category, words) in zip(columns, WORDS.items(), strict=True):
-        if column.button(f"{words} {counts[category]}", key=f"open_{category}", width="stretch"):
+        if column.button(
+            f"{words} {counts[category]}",
+            key=f"open_{category}",
+            width="stretch",
+            help=OF_VERSIONS.get(category),
+        ):
             _open(category)
     _draw_worst(encounters)
 

@@ -68,13 +68,10 @@ class Room:
         self._words.markdown(f"## {words}")
         st.session_state[LAST] = self._opening(), words
         self._draw_tiles(evidence, companions)
-        if conclusion.caveat:
-            with self._basis.container(horizontal=True, vertical_alignment="center"):
-                st.markdown(f":material/warning: {plain(conclusion.caveat)}", width="stretch")
-                if st.button("See the findings on the Data page"):
-                    open_page("data")
-        else:
-            self._basis.caption(_short_extent(result, companions))
+        with self._basis.container():
+            st.caption(_short_extent(result, companions))
+            if conclusion.caveat:
+                _draw_caveat(conclusion.caveat)
         with self._rest:
             st.markdown(
                 "\n".join(
@@ -87,14 +84,21 @@ class Room:
                 st.caption(note)
 
 
+def _draw_caveat(caveat: str) -> None:
+    with st.container(horizontal=True, vertical_alignment="center"):
+        st.markdown(f":material/warning: {plain(caveat)}", width="stretch")
+        if st.button("See the findings on the Data page"):
+            open_page("data")
+
+
 def _short_extent(result: Result, companions: Companions | None) -> str:
-    data = (
+    extent = (
         f"{count_text(len(result.dataset.recordings), 'recording')}, "
         f"{count_text(len(result.dataset.frames), 'frame')}, {result.duration_s:,.1f} s."
     )
     if companions is not None and equal_alarms_of(result, companions) is not None:
-        data += f" Tiles: {plain(equal_alarms_title(companions))}."
-    return f"{data} Bars: 95 % interval of X − Y, on the right of the line X is better."
+        extent += f" Tiles: {plain(equal_alarms_title(companions))}."
+    return f"{extent} Bars: 95 % interval of X − Y, on the right of the line X is better."
 
 
 def _extent(result: Result) -> str:

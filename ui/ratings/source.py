@@ -15,6 +15,7 @@ from nvcore.errors import InputError
 from nvcore.studies.ratings.reading import DELAY, RATINGS_FILE, parse_ratings, read_ratings
 from ui.ratings import links, typed
 from ui.session import state
+from ui.settings.limits import MEBI
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import plain
 
@@ -100,7 +101,11 @@ def _file(_: Result) -> pd.DataFrame | None:
         help="The clip is the name of a recording, the system that of X or Y. A higher rating is "
         "more annoying; only the order counts, so any scale will do. An empty rating is missing.",
     )
-    return None if sent is None else parse_ratings(sent.getvalue(), name=sent.name)
+    if sent is None:
+        return None
+    if sent.size > MOST_MB * MEBI:  # the browser refuses it, unless it is made not to
+        raise InputError(f"the file is larger than {MOST_MB} MB", file=sent.name)
+    return parse_ratings(sent.getvalue(), name=sent.name)
 
 
 def _session(result: Result) -> pd.DataFrame | None:

@@ -14,6 +14,7 @@ from nvcore.tables.columns import column_names
 from nvcore.tables.result import located_events
 from ui.saliency.figures import CLICKED_RECORDING, OPEN
 from ui.session import state
+from ui.session.chosen import recordings_key
 from ui.shell.navigate import open_row
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.clicks import clicked_row
@@ -35,21 +36,22 @@ def choose_recording() -> int | None:
     names = state.recording_names()
     if len(names) == 1:
         return None
-    key = f"saliency_recording_{state.opened().dataset.fingerprint[:12]}"
+    key = recordings_key("saliency")
     clicked_row = st.session_state.pop(CLICKED_RECORDING, None)
     if clicked_row is not None:
-        st.session_state[key] = clicked_row
-    row: int | None = st.selectbox(
+        st.session_state[key] = names[clicked_row]
+    if st.session_state.get(key) not in (None, *names):  # tags leave other recordings
+        st.session_state[key] = None
+    name: str | None = st.selectbox(
         "Recording",
-        range(len(names)),
+        names,
         index=None,
-        format_func=names.__getitem__,
         key=key,
         placeholder="all recordings",
         persist_state="session",
         width=360,
     )
-    return row
+    return None if name is None else names.index(name)
 
 
 def draw_table(result: Result, recording: int | None) -> None:

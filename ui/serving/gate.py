@@ -30,7 +30,7 @@ from ui.access.page import (
     refusal_page,
 )
 from ui.access.people import Person, end_log_in, is_same, key_of, person_of
-from ui.serving.answers import PRIVATE, text_answer
+from ui.answers import PRIVATE, text_answer
 from ui.serving.visitors import METRICS, STREAM, UPLOAD
 from ui.session.workspace import workspace_of_session
 from ui.settings.start import base_path
@@ -135,8 +135,8 @@ class Gate:
         if person is not None:
             page = refusal_page(person.email, base=self._base)
         else:
-            wanted = quote(connection.url.path)
-            wanted += f"?{connection.url.query}" if connection.url.query else ""
+            query = connection.scope["query_string"].decode("utf-8", "replace")
+            wanted = quote(connection.scope["path"]) + (f"?{query}" if query else "")
             page = log_in_page(settings.providers, base=self._base, wanted=wanted)
         return HTMLResponse(page, status, PRIVATE)
 

@@ -7,8 +7,12 @@ import threading
 
 from nvcore.comparison import compare
 from nvcore.errors import NvcoreError
+from nvcore.evidence.companions import find_companions
 from ui.confined import process
-from ui.session.evidence import evidence_kept_by
+from ui.overview import companions
+from ui.session.results.comparison import result_kept_by
+from ui.session.results.evidence import comparison_key, evidence_kept_by
+from ui.session.results.findings import findings_kept_by
 from ui.session.state import shared_start
 
 
@@ -24,12 +28,20 @@ def _prepare() -> None:
 
 
 def prepare_start() -> None:
-    """Compare what every visitor starts with; by the way this compiles the loops."""
+    """Compare and audit what every visitor starts with; by the way this compiles the loops."""
     shared = shared_start()
-    dataset, protocol = shared.opened.dataset, shared.opened.session.protocol
+    opened, cached = shared.opened, shared.cached
+    dataset, protocol, settings = opened.dataset, opened.session.protocol, opened.params
     x, y = dataset.compared()
     if x is None or y is None:
         return
-    settings = dataset.params_of()
-    result = shared.cached("result", (settings, x, y), lambda: compare(dataset, settings, x=x, y=y))
-    evidence_kept_by(shared.cached, result, protocol)
+    result = result_kept_by(cached, settings, x, y, lambda: compare(dataset, settings, x=x, y=y))
+    evidence = evidence_kept_by(cached, result, protocol)
+    if companions.is_quick(result):
+        cached(
+            companions.KIND,
+            comparison_key(result, protocol),
+            lambda: find_companions(result, evidence),
+            most=companions.MOST,
+        )
+    findings_kept_by(cached, dataset, settings, x, y)

@@ -10,6 +10,7 @@ import asyncio
 import os
 import re
 import secrets
+import time
 from collections import Counter
 from http import HTTPStatus
 from typing import Final
@@ -19,13 +20,18 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from streamlit import runtime
 
-from ui.serving.answers import text_answer
+from ui.answers import text_answer
+from ui.serving.life import is_ending
 from ui.settings.limits import MEBI, Limits
 
 METRICS_TOKEN: Final = "NVCORE_METRICS_TOKEN"  # noqa: S105  # its name
 """Whoever sends it (``Authorization: Bearer``) may read the metrics; without it nobody may."""
 IDLE_S: Final = 60.0
 """How long an upload may send nothing."""
+SLOWEST: Final = 10_000
+"""Bytes per second that an upload has to bring, beyond `IDLE_S`: while it lasts it takes room."""
+LOOK_S: Final = 0.5
+"""How often a waiting upload looks whether the server is about to end."""
 TRY_AGAIN_LATER: Final = 1013
 """Close code of a WebSocket."""
 STREAM: Final = "/_stcore/stream"
@@ -108,14 +114,29 @@ class VisitorLimits:
         return None
 
 
+async def _receive_until(receive: Receive, until: float) -> Message:
+    """The next message; at that time (`time.monotonic`) or the server's end, that there is none."""
+    message = asyncio.ensure_future(receive())
+    while not is_ending() and (left_s := until - time.monotonic()) > 0:
+        if (await asyncio.wait({message}, timeout=min(LOOK_S, left_s)))[0]:
+            return message.result()
+    message.cancel()
+    return {"type": "http.disconnect"}
+
+
 def _impatient(receive: Receive) -> Receive:
-    """The same messages; a sender that falls silent counts as gone."""
+    """The same messages; who falls silent or only drips counts as gone, and all do at the end."""
+    begin, n_bytes, is_whole = time.monotonic(), 0, False
 
     async def receive_in_time() -> Message:
-        try:
-            return await asyncio.wait_for(receive(), IDLE_S)
-        except TimeoutError:
-            return {"type": "http.disconnect"}
+        nonlocal n_bytes, is_whole
+        if is_whole:
+            return await receive()
+        until = min(time.monotonic(), begin + n_bytes / SLOWEST) + IDLE_S
+        message = await _receive_until(receive, until)
+        n_bytes += len(message.get("body", b""))
+        is_whole = not message.get("more_body", False)
+        return message
 
     return receive_in_time
 

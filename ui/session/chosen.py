@@ -1,4 +1,4 @@
-"""Who is chosen, on whichever page: known by name, since rows depend on what is compared."""
+"""Who is chosen on any page, and which recordings: by name, as rows change with what is open."""
 
 from __future__ import annotations
 
@@ -14,6 +14,10 @@ from ui.session.address import is_whole_number
 CHOSEN: Final = "encounters_chosen"
 """Where the chosen encounter is kept: number of the opening, and the encounter's name in an
 address, "recording:track"."""
+CHOOSING_PAGES: Final = ("encounters", "saliency")
+"""Pages with a `recordings_key`."""
+PROTOCOL_RECORDINGS: Final = "protocol_recordings"
+"""Key of the widget that chooses the recordings that count in the detection measures."""
 
 
 def choose_encounter(result: Result, encounter: int) -> None:
@@ -53,11 +57,22 @@ def encounter_of(result: Result, name: str) -> int | None:
     return int(is_it.argmax()) if is_it.any() else None
 
 
+def recordings_key(page: str) -> str:
+    """Key of the widget by which a page chooses recordings of what is open, by their names."""
+    return f"{page}_recording_{state.workspace().n_opened}"
+
+
 def rename_chosen(titles: Mapping[str, str]) -> None:
-    """Keep the chosen encounter where recordings are called otherwise; `titles` by old names."""
+    """Keep what is chosen where recordings are called otherwise; `titles` by old names."""
     recording, colon, track = _chosen_name().rpartition(":")
     if recording in titles:
         choose_named(f"{titles[recording]}{colon}{track}")
+    for key in (*map(recordings_key, CHOOSING_PAGES), PROTOCOL_RECORDINGS):
+        chosen: str | list[str] | None = st.session_state.get(key)
+        if isinstance(chosen, str):
+            st.session_state[key] = titles.get(chosen, chosen)
+        elif chosen:
+            st.session_state[key] = [titles.get(name, name) for name in chosen]
 
 
 def _chosen_name() -> str:

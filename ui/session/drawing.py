@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from typing import Any, Final
 
 import numpy as np
@@ -10,11 +10,18 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.metrics.cost_map import CostMap, map_cost
+from nvcore.overlay.annotate import LAYERS, annotate
 from nvcore.params.metadata import COST
 from nvcore.pictures.recordings import STRETCH
 from ui.session import state
 
 MOST_THUMBNAILS: Final = 64
+HEIGHTS: Final = 2.2
+"""Height of a cut-out in heights of the pedestrian."""
+LEAST: Final = 0.4
+"""Least height of a cut-out, as a share of the picture's."""
+ASPECT: Final = 1.6
+"""Width of a cut-out over its height."""
 LEAST_STRETCH: Final = 0.1
 """Least distance of the two percentiles of the display stretch."""
 
@@ -30,10 +37,42 @@ def cost_map_of(recording: int) -> CostMap:
     )
 
 
-def thumbnail(row_of_all: int, draw: Callable[[], bytes]) -> bytes:
-    """A drawn picture, cached while nothing that shows in it changes."""
-    key = (state.workspace().version, stretch(), row_of_all)  # other pictures forget all
+def thumbnail(what: Hashable, draw: Callable[[], bytes]) -> bytes:
+    """A drawn picture of a frame or a part of it, cached while nothing that shows in it changes."""
+    key = (state.workspace().version, stretch(), what)  # other pictures forget all
     return state.cached("thumbnails", key, draw, most=MOST_THUMBNAILS)
+
+
+def part_of_frame(result: Result, row: int, xywh: np.ndarray | None, *, labels: bool) -> np.ndarray:
+    """The part of a frame around a box of the recording, px, with the boxes of truth, X and Y.
+
+    Without a box the whole frame; without pictures the boxes on a blank.
+    """
+    recording, in_recording = state.place_of(row)
+    pictures, picture = state.workspace().picture_of(recording, in_recording)
+    lo, hi = stretch()
+    annotated = annotate(
+        result, pictures, picture, row, lo=lo, hi=hi, layers=LAYERS, labels=labels, caption=False
+    )
+    if xywh is None:
+        return annotated
+    frames = result.dataset.frame_columns
+    scale = (
+        annotated.shape[1] / frames.width[recording],
+        annotated.shape[0] / frames.height[recording],
+    )
+    return np.ascontiguousarray(cut_out(annotated, xywh * np.tile(scale, 2)))
+
+
+def cut_out(picture: np.ndarray, xywh: np.ndarray) -> np.ndarray:
+    """The part of a picture around a box, wide enough to see where it is; inside the picture."""
+    x, y, w, h = xywh
+    n_rows, n_columns = picture.shape[:2]
+    high = int(min(n_rows, max(HEIGHTS * h, LEAST * n_rows)))
+    wide = int(min(n_columns, ASPECT * high))
+    top = int(np.clip(y + h / 2 - high / 2, 0, n_rows - high))
+    left = int(np.clip(x + w / 2 - wide / 2, 0, n_columns - wide))
+    return picture[top : top + high, left : left + wide]
 
 
 def stretch() -> tuple[float, float]:

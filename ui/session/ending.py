@@ -18,6 +18,8 @@ from typing import Final, Protocol
 from streamlit import runtime
 from streamlit.runtime.scriptrunner import get_script_run_ctx
 
+from ui.settings.limits import limits_of_environment
+
 GRACE_S: Final = 150.0
 """How long a browser may stay away.
 
@@ -95,14 +97,24 @@ def is_in_use(what: Closable) -> bool:
 
 
 def sweep(now_s: float) -> None:
-    """Close what has been without its browser for too long; `now_s` is by ``time.monotonic``."""
+    """Close what has been without its browser for too long; `now_s` is by ``time.monotonic``.
+
+    Of more than the server takes visitors, those that have been away longest end at once: who opens
+    and closes tabs all the time should not fill the memory.
+    """
     with _lock:
         watched = list(_watched)
+    away = []
     for entry in watched:
-        what = entry.what()
-        if what is not None and entry.is_alive():
+        if entry.what() is not None and entry.is_alive():
             entry.seen_s = now_s
-        elif what is None or now_s - entry.seen_s > GRACE_S:
+        else:
+            away.append(entry)
+    away.sort(key=lambda entry: entry.seen_s)
+    n_too_many = len(away) - limits_of_environment().max_visitors
+    for number, entry in enumerate(away):
+        what = entry.what()
+        if what is None or number < n_too_many or now_s - entry.seen_s > GRACE_S:
             with _lock:
                 _watched.remove(entry)  # first: what cannot be closed is not tried again
                 is_last = not any(other.what() is what for other in _watched)
@@ -116,7 +128,7 @@ def _close(what: Closable | None) -> None:
     try:
         if what is not None:
             what.close()
-    except OSError as error:  # the others are closed all the same
+    except Exception as error:  # noqa: BLE001  # the others are closed all the same
         _LOG.warning("what a session left could not be removed: %s", error)
 
 

@@ -19,20 +19,23 @@ from typing import Final, TypeVar
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, SessionError
 from nvcore.findings import Finding
+from nvcore.inputs.facts import is_frame_range
 from nvcore.inputs.files import NAME_PARTS
-from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import (
     RecordingEntry,
     RecordingsFile,
     Session,
     Source,
     SystemSource,
-    is_frame_range,
 )
-from nvcore.inputs.session_toml import read_session
 from nvcore.params import Params
 from nvcore.pictures.open import is_below
-from ui.confined.reading import load_confined, read_confined
+from ui.confined.reading import (
+    load_confined,
+    read_confined,
+    session_confined,
+    with_recordings_confined,
+)
 from ui.session.uploads import ANNOTATION_FOLDERS, safe_name
 from ui.session.workspace import Workspace, opened_by_others
 from ui.settings.limits import limits_of_environment
@@ -108,7 +111,7 @@ def uploaded_session(content: bytes, folder: Path, files: Sequence[str], picture
     place = folder / "session.toml"
     place.write_bytes(content)
     try:
-        session = read_session(place)
+        session = session_confined(place)
     finally:
         place.unlink()  # it is read; no upload accounts for its size
     sent = _Sent(folder, files)
@@ -141,7 +144,7 @@ def with_uploaded_recordings(session: Session, pictures: Path) -> Session:
     InputError
         If the table cannot be used.
     """
-    session = with_recordings_file(session)
+    session = with_recordings_confined(session)
     entries = tuple(
         replace(entry, pictures=_uploaded_pictures(entry.pictures, pictures, session.folder))
         for entry in session.recordings

@@ -19,9 +19,10 @@ from dataclasses import asdict
 from http import HTTPStatus
 from typing import Final
 
+from anyio.to_thread import run_sync
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import JSONResponse, PlainTextResponse, RedirectResponse, Response
+from starlette.responses import JSONResponse, RedirectResponse, Response
 from starlette.routing import Route
 
 from nvcore.errors import MediaError
@@ -29,6 +30,7 @@ from nvcore.overlay.explain import explain_boxes
 from nvcore.pictures.stretch import jpeg
 from ui.access.origins import is_own_origin
 from ui.access.people import is_same, key_of
+from ui.answers import PRIVATE, text_answer
 from ui.session.packed_boxes import pack_boxes
 from ui.session.uploads import SLOTS, UploadError, receive
 from ui.session.workspace import Workspace, workspace_of
@@ -37,13 +39,13 @@ from ui.settings.start import base_path
 ROWS_PER_CHUNK: Final = 1024
 QUALITY: Final = 85
 MOST_DIGITS: Final = 12
-CACHED: Final = "private, max-age=3600"
-NOT_CACHED: Final = "no-store"
-GUARDS: Final = {
+_GUARDS: Final = {
     "X-Content-Type-Options": "nosniff",
     "Cross-Origin-Resource-Policy": "same-origin",
     "Referrer-Policy": "no-referrer",
 }
+CACHED: Final = {"Cache-Control": "private, max-age=3600", **_GUARDS}
+NOT_CACHED: Final = {**PRIVATE, **_GUARDS}
 
 
 async def frame(request: Request) -> Response:
@@ -62,12 +64,13 @@ async def frame(request: Request) -> Response:
         return _not_found("no picture for this frame")
     index = int(rows[row])
     try:
-        content = await run_in_threadpool(
-            lambda: jpeg(pictures.read(index), lo=lo, hi=hi, quality=QUALITY)
+        content = await run_sync(
+            lambda: jpeg(pictures.read(index), lo=lo, hi=hi, quality=QUALITY),
+            limiter=space.picture_turns,
         )
     except MediaError as error:
         return _not_found(error.message)
-    return Response(content, media_type="image/jpeg", headers=_headers(CACHED))
+    return Response(content, media_type="image/jpeg", headers=CACHED)
 
 
 async def boxes(request: Request) -> Response:
@@ -88,9 +91,9 @@ async def boxes(request: Request) -> Response:
     if start >= end:
         return _not_found("there are no such frames")
     # boxes of a newer result than the address says are shown, but not cached under that address
-    cache_control = CACHED if request.query_params.get("v") == compared.version else NOT_CACHED
+    headers = CACHED if request.query_params.get("v") == compared.version else NOT_CACHED
     content = await run_in_threadpool(pack_boxes, result, start, min(start + ROWS_PER_CHUNK, end))
-    return Response(content, media_type="application/octet-stream", headers=_headers(cache_control))
+    return Response(content, media_type="application/octet-stream", headers=headers)
 
 
 async def reasons(request: Request) -> Response:
@@ -109,7 +112,7 @@ async def reasons(request: Request) -> Response:
     if row_in_all >= int(first_rows[recording + 1]):
         return _not_found("there is no such frame")
     boxes = await run_in_threadpool(explain_boxes, compared.result, row_in_all)
-    return JSONResponse([asdict(box) for box in boxes], headers=_headers(NOT_CACHED))
+    return JSONResponse([asdict(box) for box in boxes], headers=NOT_CACHED)
 
 
 async def upload(request: Request) -> Response:
@@ -136,15 +139,15 @@ async def upload(request: Request) -> Response:
     return JSONResponse(
         {"name": stored.name, "kind": stored.kind, "bytes": stored.n_bytes},
         status_code=HTTPStatus.CREATED,
-        headers=_headers(NOT_CACHED),
+        headers=NOT_CACHED,
     )
 
 
 async def overview(request: Request) -> Response:
     """The Overview under its own name: Streamlit knows the page that it opens on as ``/`` only."""
-    query = request.url.query
+    query = request.scope["query_string"].decode("utf-8", "replace")
     # relative, so that it holds behind any path
-    return RedirectResponse(f"./{'?' if query else ''}{query}", headers=_headers(NOT_CACHED))
+    return RedirectResponse(f"./{'?' if query else ''}{query}", headers=NOT_CACHED)
 
 
 def routes_below(start: str) -> list[Route]:
@@ -200,12 +203,8 @@ def _is_own_page(request: Request) -> bool:
     return is_own_origin(request.headers.get("origin"), request.headers.get("host"))
 
 
-def _headers(cache_control: str) -> dict[str, str]:
-    return {"Cache-Control": cache_control, **GUARDS}
-
-
 def _text(status: int, text: str) -> Response:
-    return PlainTextResponse(text, status_code=status, headers=_headers(NOT_CACHED))
+    return text_answer(status, text, NOT_CACHED)
 
 
 def _not_found(text: str) -> Response:

@@ -1,18 +1,19 @@
-"""What all visitors may open (sample, start), and what is computed of it as it opens: made once.
+"""What all visitors may open (sample, start), and what is computed of it: made once.
 
 The sample recordings, and the session that the app was started with. Nothing of a visitor's own
 gets in here: a session takes part only while it has the very object `SharedSample.opened` open,
-which is never changed but replaced, with the settings that it opens with. Pictures stay with each
-session: their files have a position.
+which is never changed but replaced. Of the settings that it opens with all is kept; of others what
+was asked for last, where the recordings are short. Pictures stay with each session: their files
+have a position.
 """
 
 from __future__ import annotations
 
 import threading
-from collections import OrderedDict, defaultdict
+from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from pathlib import Path
-from typing import Final, TypeVar
+from typing import Any, Final, TypeVar
 
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
@@ -21,6 +22,10 @@ from ui.session.cache import Caching
 from ui.session.workspace import Opened
 
 MOST_SAMPLES: Final = 2
+MOST_MOVED: Final = 24
+"""Settings other than those that it opens with, whose values are kept."""
+MOVED_FRAMES: Final = 200_000
+"""Frames of all of these together: a result holds some 200 bytes for each."""
 T = TypeVar("T")
 
 
@@ -29,14 +34,38 @@ class SharedSample(Caching):
 
     def __init__(self, path: Path, label: str) -> None:
         super().__init__()
-        self._turns: defaultdict[str, threading.RLock] = defaultdict(threading.RLock)
+        self._turns: dict[tuple[str, Hashable], threading.RLock] = {}
         session = read_session(path)
         self.opened: Final = Opened.of(session, load(session.of_all), label)
+        n_frames = max(len(self.opened.dataset.frames), 1)
+        self.most_moved: Final = min(MOST_MOVED, MOVED_FRAMES // n_frames)
 
     def cached(self, kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
         """As `Caching.cached`; of several visitors at once one makes it, the others wait."""
-        with self._turns[kind]:
-            return super().cached(kind, key, make, most=most)
+        turn = (kind, key)
+        try:
+            with self._turns.setdefault(turn, threading.RLock()):
+                return super().cached(kind, key, make, most=most)
+        finally:
+            self._turns.pop(turn, None)  # who waits has it; who comes now finds the value
+
+    def cached_moved(self, kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
+        """The same with other settings than those that it opens with: kept apart, and not all."""
+        known: T | None = self.peek(kind, key)  # what these settings do not move
+        if known is not None:
+            return known
+        if not self.most_moved:
+            return make()
+        return self.cached(_moved(kind), key, make, most=max(most, self.most_moved))
+
+    def known(self, kind: str, key: Hashable) -> Any:
+        """What either of them has for this key; None: there is nothing."""
+        value = self.peek(kind, key)
+        return self.peek(_moved(kind), key) if value is None else value
+
+
+def _moved(kind: str) -> str:
+    return f"{kind}, moved"
 
 
 _samples: OrderedDict[Path, SharedSample] = OrderedDict()

@@ -5,22 +5,19 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
 import numpy as np
 import streamlit as st
 
-from nvcore.auditing import audit_inputs, audit_pair, audit_system, role_of
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.detection.operating_point import span_of_scores
-from nvcore.findings import Finding, worst_first
 from nvcore.inputs.session import Session
 from nvcore.palette import Scheme, Shade, scheme_for
 from nvcore.params import SETTINGS, Params
-from nvcore.params.metadata import MATCH, PROXIMITY, SALIENT, THRESHOLD
+from nvcore.params.metadata import SALIENT, THRESHOLD
 from nvcore.pictures.recordings import session_pictures
 from nvcore.protocols import Protocol
 from ui.access.people import is_same
@@ -28,6 +25,7 @@ from ui.session import address
 from ui.session.address import PLACE, read_place, read_systems
 from ui.session.ending import end_with_session, is_in_use
 from ui.session.opening import load_for, with_systems
+from ui.session.results.comparison import result_kept_by
 from ui.session.sample import SharedSample, as_shared, sample_of, shared_opening, shared_sample
 from ui.session.workspace import Compared, Opened, Workspace, workspace_of
 from ui.settings.start import start_file
@@ -149,15 +147,21 @@ def reset_params() -> None:
 
 
 def cached(kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
-    """As `Workspace.cached`; of the sample as it opens, made once for all sessions.
+    """As `Workspace.cached`; of what all visitors may open, made once for all of them.
 
     For values that follow from what is open and the key alone, and that nobody changes.
     """
-    space, is_changed = workspace(), params() != session_params()
-    sample = None if is_changed else sample_of(opened())
+    space, sample = workspace(), sample_of(opened())
     if sample is None:
         return space.cached(kind, key, make, most=most)
-    return space.cached(kind, key, lambda: sample.cached(kind, key, make, most=most), most=most)
+    keep = sample.cached if params() == session_params() else sample.cached_moved
+    return space.cached(kind, key, lambda: keep(kind, key, make, most=most), most=most)
+
+
+def known(kind: str, key: Hashable) -> Any:
+    """The value that `cached` would not have to make; None: it would."""
+    value, sample = workspace().peek(kind, key), sample_of(opened())
+    return sample.known(kind, key) if value is None and sample is not None else value
 
 
 def score_span(system: str) -> tuple[float, float] | None:
@@ -168,7 +172,7 @@ def score_span(system: str) -> tuple[float, float] | None:
 
 def session_params() -> Params:
     """The parameters that the open session starts with."""
-    return opened().dataset.params_of()
+    return opened().params
 
 
 def params() -> Params:
@@ -192,8 +196,8 @@ def result() -> Result | None:
         space.compared = None
         return None
     settings = params()
-    newest = cached(
-        "result", (settings, x, y), lambda: _compare(dataset, settings, x, y, space.result)
+    newest = result_kept_by(
+        cached, settings, x, y, lambda: _compare(dataset, settings, x, y, space.result)
     )
     if newest is not space.result:
         key = f"{dataset.fingerprint}{of_boxes(settings)!r}{x}\0{y}"
@@ -214,38 +218,6 @@ def of_boxes(settings: Params) -> Params:
     The others have their defaults: drawn boxes stay valid while only those others change.
     """
     return settings.only_for(THRESHOLD, SALIENT)
-
-
-def findings() -> tuple[Finding, ...]:
-    """What the audit found in the open inputs, worst first."""
-    relevant, x, y = key = _findings_key()
-    return cached("findings", key, lambda: _audit(relevant, x, y))
-
-
-def known_findings() -> tuple[Finding, ...] | None:
-    """The same, if they are known already."""
-    known: tuple[Finding, ...] | None = workspace().peek("findings", _findings_key())
-    return known
-
-
-def _findings_key() -> tuple[Params, str, str | None]:
-    return (params().only_for(THRESHOLD, MATCH, PROXIMITY), *systems())
-
-
-def _audit(settings: Params, x: str, y: str | None) -> tuple[Finding, ...]:
-    """As `nvcore.auditing.audit`, in parts: another threshold audits no file again."""
-    dataset = opened().dataset
-    with st.spinner("Auditing the inputs"):
-        findings = [*cached("audit_inputs", (), lambda: audit_inputs(dataset))]
-        for name in dataset.systems:
-            threshold, letter = role_of(name, (x, y), settings)
-            findings += cached(
-                "audit_system",
-                (name, threshold, letter),
-                partial(audit_system, dataset, name, threshold, letter=letter),
-                most=2 * len(dataset.systems),
-            )
-        return worst_first([*findings, *audit_pair(dataset, settings, x=x, y=y)])
 
 
 def protocol() -> Protocol:

@@ -25,7 +25,8 @@ from starlette.requests import ClientDisconnect
 from nvcore.errors import MediaError, NvcoreError
 from nvcore.file_kinds import unpacked_name
 from nvcore.pictures.archive import Archive, ArchiveLimits
-from ui.session.workspace import PICTURES, Kind, Stored, Workspace
+from ui.session.workspace import PICTURES, Kind, Stored, Workspace, used_by_all
+from ui.settings.limits import MEBI, limits_of_environment
 
 SLOTS: Final = frozenset({PICTURES})
 """What the upload route takes; annotations come with a form."""
@@ -317,7 +318,8 @@ def _unpack(space: Workspace, packed: Path) -> tuple[Path, int]:
 def _room(space: Workspace) -> int:
     """Bytes that the session may still take."""
     on_disk = shutil.disk_usage(space.folder).free - SPARE_BYTES
-    return max(min(MAX_SESSION_BYTES - space.used_bytes, on_disk), 0)
+    of_all = limits_of_environment().max_disk_mb * MEBI - used_by_all()
+    return max(min(MAX_SESSION_BYTES - space.used_bytes, on_disk, of_all), 0)
 
 
 def _check_room(space: Workspace, n_bytes: int, *, so_far: int) -> None:
@@ -332,6 +334,11 @@ def _check_room(space: Workspace, n_bytes: int, *, so_far: int) -> None:
             f"A session takes {MAX_SESSION_BYTES / 2**30:g} GiB in all; remove uploads that are "
             "no longer needed.",
             HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
+        )
+    if used_by_all() + n_bytes > limits_of_environment().max_disk_mb * MEBI:
+        raise UploadError(
+            "The server holds as many uploads as it may; try again later.",
+            HTTPStatus.INSUFFICIENT_STORAGE,
         )
     if shutil.disk_usage(space.folder).free - n_bytes < SPARE_BYTES:
         raise UploadError(

@@ -8,14 +8,17 @@ import threading
 import weakref
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import Any, Final, Literal, NamedTuple, Protocol
 
 import numpy as np
+from anyio import CapacityLimiter
 
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.inputs.session import Session
+from nvcore.params import Params
 from nvcore.pictures.base import Pictures
 from nvcore.pictures.recordings import RecordingPictures
 from ui.access.people import owner_of_session
@@ -26,6 +29,8 @@ from ui.session.folders import new_folder
 
 PICTURES: Final = "pictures"
 """Folder of the session's pictures."""
+MOST_AT_ONCE: Final = 4
+"""Pictures that are read at a time for the browser of one session."""
 
 Kind = Literal["video", "zip", "image"]
 
@@ -73,6 +78,11 @@ class Opened:
         session = session.choosing_from(whole.recordings["name"].tolist())
         whole = whole if whole.settings is session else whole.with_settings(session)
         return cls(session, whole.only(session.only_tags, session.only), label, whole)
+
+    @cached_property
+    def params(self) -> Params:
+        """The parameters that the session starts with."""
+        return self.dataset.params_of()
 
     @property
     def rows(self) -> np.ndarray:
@@ -134,6 +144,8 @@ class Workspace(Caching):
         Held while those are changed.
     picture_process
         Opens the pictures that were sent.
+    picture_turns
+        In which they are read for the browser: whose take long keep no thread from other visitors.
     notes
         What a page remembers of its user, by a name of its own: outlasts `forget`, unlike the
         values of `cached`, and a reload, unlike ``st.session_state``.
@@ -153,6 +165,7 @@ class Workspace(Caching):
         self._all_pictures = RecordingPictures()
         self.lock = threading.Lock()
         self.picture_process = PictureProcess()
+        self.picture_turns = CapacityLimiter(MOST_AT_ONCE)
         self.stored: dict[str, Stored] = {}
         self.used_bytes = 0
         self.upload_bytes: dict[Path, int] = {}
@@ -262,6 +275,11 @@ def workspace_of_session(session_id: str) -> Workspace | None:
     """The workspace of a session of Streamlit's; None where it has none yet, or has ended."""
     spaces = (space for space in of_session(session_id) if isinstance(space, Workspace))
     return next(spaces, None)
+
+
+def used_by_all() -> int:
+    """Bytes on disk of the uploads of all sessions."""
+    return sum(space.used_bytes for space in list(_workspaces.values()))
 
 
 def opened_by_others(space: Workspace) -> list[Opened]:

@@ -7,6 +7,8 @@ from dataclasses import dataclass, fields
 from functools import cache
 from typing import Final
 
+from nvcore.errors import InputError
+
 MEBI: Final = 1 << 20
 PREFIX: Final = "NVCORE_"
 
@@ -23,6 +25,8 @@ class Limits:
         Annotation files of one tab, MiB: they are held in memory until they are opened.
     max_uploads_mb
         Those of all tabs together, MiB.
+    max_disk_mb
+        Uploads of all tabs on disk, MiB.
     max_frames
         Evaluated frames of what a tab has open.
     max_frames_of_all
@@ -34,6 +38,7 @@ class Limits:
     max_visitors: int = 50
     max_upload_mb: int = 512
     max_uploads_mb: int = 2048
+    max_disk_mb: int = 65536
     max_frames: int = 2_000_000
     max_frames_of_all: int = 10_000_000
     reading_mb: int = 3000
@@ -46,7 +51,7 @@ def limits_of_environment() -> Limits:
 
     Raises
     ------
-    ValueError
+    InputError
         If a variable is no positive integer.
     """
     values = {}
@@ -56,6 +61,6 @@ def limits_of_environment() -> Limits:
         if not text:
             continue
         if not (text.isascii() and text.isdigit() and 0 < int(text) < 10**9):
-            raise ValueError(f"{variable}: expected a whole number above 0, got {text!r}")
+            raise InputError(f"{variable}: expected a whole number above 0, got {text!r}")
         values[field.name] = int(text)
     return Limits(**values)

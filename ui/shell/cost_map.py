@@ -6,10 +6,10 @@ import streamlit as st
 
 from nvcore.errors import ParameterError
 from nvcore.figures.cost_map import cost_plot
-from nvcore.figures.style import CONFIG
 from nvcore.wording import capitalised
 from ui.session import state
 from ui.session.drawing import cost_map_of
+from ui.widgets.charts import draw_chart
 from ui.widgets.text import plain
 
 
@@ -24,9 +24,7 @@ def draw() -> None:
     except ParameterError:  # the sidebar says it below
         return
     with place:
-        st.plotly_chart(
-            cost_plot(cost, theme=state.theme()), theme=None, config=CONFIG, key="cost_plot"
-        )
+        draw_chart(cost_plot(cost, theme=state.theme()), "cost_plot")
         st.caption(
             f"k × border of a pedestrian with the feet there, 0 to 1, in "
             f"{plain(state.recording_names()[recording])}. {plain(capitalised(cost.text))}. Over "

@@ -17,6 +17,7 @@ from nvcore.report.html.words import SHORT_ENCOUNTERS
 from nvcore.report.verdict import CAVEATS
 from ui.session import local_files, state
 from ui.session.opening import public_text
+from ui.session.results.findings import input_findings
 from ui.session.workspace import Workspace
 from ui.settings.start import start_file
 from ui.shell.navigate import open_page
@@ -29,7 +30,7 @@ def draw_warnings(result: Result, *, is_of_encounters: bool = True) -> None:
         st.warning(SHORT_ENCOUNTERS, icon=":material/warning:")
     caveats = [
         CAVEATS[finding.code]
-        for finding in state.findings()
+        for finding in input_findings()
         if finding.severity is not Severity.NOTE
         and finding.code in CAVEATS
         and finding.code != "short-encounters"

@@ -7,12 +7,14 @@ from typing import Final, NoReturn
 import streamlit as st
 
 from ui.session import state
+from ui.shell import review
 
 PAGES: Final = state.ROOT / "pages"
 
 
 def open_frame(recording_index: int, row_in_recording: int) -> NoReturn:
-    """Show a frame on the Timeline page."""
+    """Show a frame on the Timeline page; a list that was walked through there is closed."""
+    review.end()
     state.go_to(recording_index, row_in_recording)
     open_page("timeline")
 

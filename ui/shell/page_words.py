@@ -21,7 +21,7 @@ _WORDS: Final = tuple(
         (r" \(\[\[system\]\] in the session file(?:, or --[^)]*)?\)", " (the button does it)"),
         (r", or --(?:scale|offset-frames|offset-px)-\S*", ""),
         (r" \(--(?:size|fps)\)", ""),
-        (r" \(--recordings\)", " (“Change the recordings”)"),
+        (r" \(--recordings\)", " (“Recordings”, below)"),
         (r" \(--frames(?: [^)]*)?\)", f" ({_FRAMES})"),
         (r" \(--classes\)", f" ({_CLASSES} {_READING})"),
         (r"(?:with )?--frames\b", _FRAMES),

@@ -8,12 +8,12 @@ from typing import Any, Final
 import streamlit as st
 
 from nvcore.figures.inputs import proximity_plot
-from nvcore.figures.style import CONFIG
 from nvcore.params import SETTINGS, settings_for
 from nvcore.params.metadata import MATCH, PROXIMITY, THRESHOLD, Setting, Stage
 from nvcore.params.traffic import count_contexts
 from ui.session import state
 from ui.shell import cost_map, live_params, operating_point, presets, recordings_filter
+from ui.widgets.charts import draw_chart
 from ui.widgets.text import plain
 
 SLIDER_OF_HEIGHT: Final = {"midpoint": (0.0, 0.5, 0.1), "spread": (1.0, 0.15, 0.1)}
@@ -141,7 +141,7 @@ def _proximity_plot() -> None:
         lambda: proximity_plot(dataset, names, theme=theme),
         most=8,
     )
-    st.plotly_chart(figure, theme=None, config=CONFIG, key="proximity_plot")
+    draw_chart(figure, "proximity_plot")
 
 
 def _threshold(name: str) -> None:

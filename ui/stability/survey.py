@@ -38,7 +38,9 @@ def draw(result: Result) -> None:
     )
     st.caption(
         "Who is better as analysed, and in which share of the plausible range of these settings "
-        "that holds, all else as in the sidebar. The maps below show where it turns."
+        "that holds, all else as in the sidebar. The maps below show where it turns. That X or Y "
+        "is better at many settings is no evidence against chance: the Overview says what is "
+        "claimed."
     )
 
 

@@ -28,7 +28,7 @@ from ui.jobs.background import BackgroundJob
 from ui.jobs.computed import Computation
 from ui.jobs.progress import start_as_made
 from ui.session import state
-from ui.session.evidence import measure_evidence
+from ui.session.results.evidence import measure_evidence
 from ui.widgets.charts import clicked_chart
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import plain
@@ -106,16 +106,17 @@ def _stability_map(result: Result, key: MapKey) -> StabilityMap | None:
 def _draw_map(result: Result, stability: StabilityMap) -> None:
     short = describe_in_short(stability)
     st.markdown(f"**{plain(short)}**")
+    chance = st.empty()  # filled last
     cell = clicked_chart(
         stability_map(stability, theme=state.theme()),
         f"stability_{stability.plane}_{stability.criterion}",
         clicks="stability",
     )
     st.caption("Click a place to take its settings into the sidebar.")
-    with st.expander("More in words: chance, each setting by itself, equal false alarms"):
-        chance = st.empty()  # filled last
-        for sentence in describe_stability(stability):
-            if sentence not in short:
+    more = [sentence for sentence in describe_stability(stability) if sentence not in short]
+    if more:
+        with st.expander("More in words: each setting by itself, equal false alarms"):
+            for sentence in more:
                 st.markdown(plain(sentence))
     if cell is not None:
         settings = stability.settings(int(cell[0] if isinstance(cell, list) else cell))

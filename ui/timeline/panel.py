@@ -106,7 +106,7 @@ def _choose(result: Result, tracks: list[int], row: int) -> None:
     if clicked is None or not clicked[1].isdigit():
         return
     truth = result.dataset.truth
-    rows = slice(int(truth.offsets[row]), int(truth.offsets[row + 1]))
+    rows = truth.rows_of(row, row + 1)
     is_chosen = result.tracks.track[rows] == tracks[int(clicked[1])]
     for encounter in result.encounters.encounter_of[rows][is_chosen & ~truth.ignore[rows]][:1]:
         choose_encounter(result, int(encounter))

@@ -16,7 +16,7 @@ from nvcore.figures.over_time.similarity import TimeLayout, similarity_plot
 from ui.session import state
 from ui.session.chosen import choose_encounter, chosen_encounter
 from ui.shell import title
-from ui.timeline import panel, viewer
+from ui.timeline import listed, panel, viewer
 from ui.widgets.charts import clicked_chart
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import docs_link
@@ -43,13 +43,19 @@ LOSSES_TEXT: Final = (
 
 
 @st.fragment
-def draw_all(result: Result) -> None:
-    """Everything that shows the current frame; a click in one part moves all."""
+def draw_all(result: Result, recording: int) -> None:
+    """Everything that shows the current frame; a click in one part moves all.
+
+    The rest of the page is drawn for this recording.
+    """
+    if state.recording() != recording:  # an entry of a list is in another one
+        st.rerun()
     settled = viewer.settled()
     if settled != state.row():
         state.settle(state.recording(), settled)
     title.follow_frame()
     cursor = state.row_in_all()
+    listed.draw()
     left, right = st.columns([5, 2], gap="medium")
     with st.container():  # first: while a slider moves, the plot is what people wait for
         _draw_plot(result, cursor)

@@ -13,6 +13,7 @@ from nvcore.tables.moments import next_misses
 from ui.session import drawing, state
 from ui.session.chosen import choose_encounter, chosen_encounter
 from ui.session.drawing import cost_map_of, viewer_arguments
+from ui.timeline import listed
 from ui.widgets.viewer import settled_in, viewer
 
 HEIGHT_PX = 700
@@ -46,6 +47,7 @@ def draw(result: Result) -> None:
         cost=cost_map_of(recording),
         chosen=_chosen_track(result, recording),
         on_choose=partial(choose_encounter, result),
+        listed=listed.box_in(recording),
         height_px=HEIGHT_PX,
         key=KEY,
     )
@@ -57,9 +59,8 @@ def _chosen_track(result: Result, recording: int) -> int | None:
     if encounter is None or result.encounters.recording[encounter] != recording:
         return None
     row = int(result.encounters.first_row[encounter])
-    start = int(result.dataset.truth.offsets[row])
-    stop = int(result.dataset.truth.offsets[row + 1])
-    is_chosen = result.encounters.encounter_of[start:stop] == encounter
+    rows = result.dataset.truth.rows_of(row, row + 1)
+    is_chosen = result.encounters.encounter_of[rows] == encounter
     return int(gather_boxes(result, row, row + 1).truth.track[is_chosen][0])
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from html import unescape
 from typing import Any, Final
 
@@ -10,6 +10,7 @@ import plotly.graph_objects as go
 import streamlit as st
 
 from nvcore.figures.style import HEADING_PX, split_heading
+from ui.session import state
 from ui.widgets.clicks import is_new_click
 from ui.widgets.figure_menu import CONFIG_WITH_EXPORT
 
@@ -57,19 +58,26 @@ def clicked_chart(
     return None
 
 
-def _draw_heading(figure: go.Figure) -> str | None:
-    """Draw title and subtitle as text of the page, which wraps; they leave the figure.
+def kept_figure(kind: str, key: Hashable, make: Callable[[], go.Figure]) -> go.Figure:
+    """A figure, made anew when `key` changes (see `state.cached`), ready to be drawn."""
+    return state.cached(kind, key, lambda: _without_heading(make()))
 
-    A figure that is drawn again has them in ``layout.meta``, where the menu finds them too.
-    """
+
+def _draw_heading(figure: go.Figure) -> str | None:
+    """Draw title and subtitle as text of the page, which wraps; they leave the figure."""
+    title, subtitle = _without_heading(figure).layout.meta
+    if not title:
+        return None
+    st.html(f'<div class="nv-figure"><p><strong>{title}</strong> <span>{subtitle}</span></p></div>')
+    return unescape(f"{title}: {subtitle}" if subtitle else title)
+
+
+def _without_heading(figure: go.Figure) -> go.Figure:
+    """The figure, its title and subtitle moved to ``layout.meta``, where the menu finds them."""
     layout = figure.layout
     if layout.meta is None:
         heading = split_heading(layout.title.text)
         top = max(layout.margin.t - HEADING_PX, LEAST_TOP_PX) if any(heading) else layout.margin.t
         height = None if layout.height is None else layout.height - layout.margin.t + top
         figure.update_layout(meta=heading, title_text=None, margin_t=top, height=height)
-    title, subtitle = layout.meta
-    if not title:
-        return None
-    st.html(f'<div class="nv-figure"><p><strong>{title}</strong> <span>{subtitle}</span></p></div>')
-    return unescape(f"{title}: {subtitle}" if subtitle else title)
+    return figure

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import streamlit as st
 
+from nvcore.pictures.index import USUAL
 from ui.session import state
 from ui.widgets.text import plain
 
 
 def recording_choice() -> None:
-    """The recording selector, and by which rule pictures show frames."""
+    """The recording selector; by which rule pictures show frames, where it is not the usual one."""
     names = state.recording_names()
     left, right = st.columns([2, 3], vertical_alignment="bottom")
     key = f"recording_choice_{state.workspace().n_opened}_{state.recording()}"
@@ -24,4 +25,5 @@ def recording_choice() -> None:
         state.go_to(recording, 0)
         st.rerun()
     note = state.workspace().picture_notes.get(state.recording())
-    right.caption(plain(note or "This recording has no pictures: boxes are drawn on a blank."))
+    if note not in USUAL:
+        right.caption(plain(note or "This recording has no pictures: boxes are drawn on a blank."))

@@ -17,7 +17,7 @@ from nvcore.figures.style import (
     empty_figure,
     faded,
     plain,
-    write,
+    written,
 )
 from nvcore.figures.venn.circles import Circles, Frame
 from nvcore.figures.venn.labels import BASE_PX, Label, Labels, Line, anchor_of
@@ -113,7 +113,7 @@ def venn_figure(
     for kind, part in parts.items():
         if len(plan.x.get(kind, ())):
             figure.add_trace(_marks(part, kind, plan, look))
-    _write_labels(figure, venn, plan, labels, look)
+    figure.update_layout(annotations=_label_texts(venn, plan, labels, look))
     return figure
 
 
@@ -210,9 +210,10 @@ def _marks(part: pd.DataFrame, kind: Category, plan: Plan, look: Look) -> go.Sca
     )
 
 
-def _write_labels(figure: go.Figure, venn: Venn, plan: Plan, labels: Labels, look: Look) -> None:
+def _label_texts(venn: Venn, plan: Plan, labels: Labels, look: Look) -> list[dict[str, Any]]:
     """Count and words in each region, beside it with a line where it is too narrow; the names."""
     circles, frame = plan.circles, plan.frame
+    texts = []
     for kind in labels.inside:
         anchor = anchor_of(kind, circles, frame, plan.is_inside)
         place: dict[str, Any] = {"x": anchor.x, "y": anchor.y}
@@ -222,28 +223,23 @@ def _write_labels(figure: go.Figure, venn: Venn, plan: Plan, labels: Labels, loo
             line = {"arrowhead": 0, "arrowwidth": 1, "arrowcolor": look.muted}
             ends = {"x": sum(circles.region_ends(kind)) / 2, "y": 0, "ax": anchor.x, "ay": anchor.y}
             place = {"showarrow": True, "axref": "x", "ayref": "y", **line, **ends}
-        _write(figure, text, kind.value, look.ink, place, anchor.xanchor, anchor.yanchor)
+        texts.append(_text(text, kind.value, look.ink, place, anchor.xanchor, anchor.yanchor))
     for letter, label in (("x", labels.x), ("y", labels.y)):
         anchor = anchor_of(letter, circles, frame, plan.is_inside)
         place = {"x": anchor.x, "y": anchor.y}
         name = f"system {letter}"
-        _write(figure, label.html, name, look.ink, place, anchor.xanchor, anchor.yanchor)
+        texts.append(_text(label.html, name, look.ink, place, anchor.xanchor, anchor.yanchor))
     place = {"x": frame.right, "y": frame.bottom, "yshift": -4}
     text = f'<span style="font-size:12px">{venn.distant:,} too far to count</span>'
-    _write(figure, text, Category.DISTANT.value, look.muted, place, "right", "top")
+    texts.append(_text(text, Category.DISTANT.value, look.muted, place, "right", "top"))
+    return texts
 
 
-def _write(
-    figure: go.Figure,
-    text: str,
-    name: str,
-    colour: str,
-    place: dict[str, Any],
-    xanchor: str,
-    yanchor: str,
-) -> None:
+def _text(
+    text: str, name: str, colour: str, place: dict[str, Any], xanchor: str, yanchor: str
+) -> dict[str, Any]:
     place |= {"xanchor": xanchor, "yanchor": yanchor, "align": xanchor}
-    write(figure, text, size=BASE_PX, color=colour, name=name, borderpad=0, **place)
+    return written(text, size=BASE_PX, color=colour, name=name, borderpad=0, **place)
 
 
 def _clicks(venn: Venn, plan: Plan) -> go.Scatter:

@@ -294,4 +294,4 @@ def csv_content(file: SourceFile, *, role: Role) -> bytes:
             "the file is empty; expected a header line such as frame,x,y,w,h,track (the ground "
             "truth of a recording without pedestrians has the header only)"
         )
-    return content
+    return content if b"\n" in content else content + b"\n"  # pyarrow wants the header's end

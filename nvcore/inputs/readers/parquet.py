@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 MAGIC: Final = "PAR1"
 MAX_TEXT_BYTES: Final = 1 << 14
 """Longest text, several times the longest path that systems take."""
+TEXTS_AT_ONCE: Final = 4096
+"""Rows of a column of text that are decoded at a time: sizes in the file are claims."""
 _BYTES_OF_A_NUMBER: Final = 8
 
 
@@ -63,10 +65,9 @@ def _named_columns(file: SourceFile) -> NamedColumns:
 
     content = pa.BufferReader(read_bytes(file))
     with _faults_named(file):
-        schema = pq.read_schema(content)
+        metadata = pq.read_metadata(content)
         # one text many times takes no more than its number: a small file may hold a million rows
-        texts = [field.name for field in schema if _is_text(field.type)]
-        table = pq.ParquetFile(content, read_dictionary=texts)
+        table = pq.ParquetFile(content, read_dictionary=_numbered_texts(metadata))
         header = header_of([name.strip() for name in table.schema_arrow.names])
         problem = missing_columns(header)
         if problem is not None:
@@ -74,7 +75,7 @@ def _named_columns(file: SourceFile) -> NamedColumns:
         places = sorted(header.place.values())
         _check(table, header, places, content.size(), file)
         names = [table.schema_arrow.names[place] for place in places]
-        columns = dict(zip(places, _read(table, names, content.size(), file).columns, strict=True))
+        columns = dict(zip(places, _read(table, names, content.size(), file).values(), strict=True))
         series = {name: _series(columns[place]) for name, place in header.place.items()}
         n_rows = len(columns[places[0]])
     parse = partial(parse_columns, series.__getitem__, n_rows, file, header)
@@ -105,10 +106,11 @@ def _check(
             raise file.fault(
                 f"expected numbers or text in column {title}, found {shortened(str(kind), 60)}"
             )
-    n_rows = table.metadata.num_rows
+    groups = [table.metadata.row_group(i).num_rows for i in range(table.num_row_groups)]
+    n_rows = max(table.metadata.num_rows, sum(groups))  # one of them may lie
     needed = n_rows * len(places) * _BYTES_OF_A_NUMBER
     needed += _text_bytes(table.metadata, {names[place] for place in places})
-    if n_rows < 0 or _is_too_much(needed, n_bytes):
+    if min(n_rows, *groups, 0) < 0 or _is_too_much(needed, n_bytes):
         raise _too_much(f"declares {n_rows:,} rows, which would take", needed, n_bytes, file)
 
 
@@ -123,31 +125,78 @@ def _text_bytes(metadata: pq.FileMetaData, names: Collection[str]) -> int:
     )
 
 
-def _read(table: pq.ParquetFile, names: list[str], n_bytes: int, file: SourceFile) -> pa.Table:
-    """These columns, part by part; FormatError once they take more than they may."""
-    if not table.num_row_groups:
-        return table.read(columns=names)
-    parts, n_read = [], 0
-    for number in range(table.num_row_groups):
-        part = table.read_row_group(number, columns=names)
-        n_read += part.nbytes
-        if _is_too_much(n_read, n_bytes):
-            raise _too_much("takes more than", n_read, n_bytes, file)
-        for column in part.columns:
-            _check_texts(column, file)
-        parts.append(part)
-    return pa.concat_tables(parts)
+class _Budget:
+    """Counts what is decoded; FormatError once it is more than a file of this size may hold."""
+
+    def __init__(self, file: SourceFile, n_bytes: int):
+        self._file, self._n_bytes, self._n_read = file, n_bytes, 0
+
+    def take(self, n_read: int) -> None:
+        self._n_read += n_read
+        if _is_too_much(self._n_read, self._n_bytes):
+            raise _too_much("takes more than", self._n_read, self._n_bytes, self._file)
 
 
-def _check_texts(column: pa.ChunkedArray, file: SourceFile) -> None:
+def _numbered_texts(metadata: pq.FileMetaData) -> list[str]:
+    """Columns stored as numbers of texts throughout; pyarrow decodes others as texts alone."""
+    groups = (metadata.row_group(i) for i in range(metadata.num_row_groups))
+    chunks = [group.column(i) for group in groups for i in range(group.num_columns)]
+    others = {
+        chunk.path_in_schema
+        for chunk in chunks
+        if any("DELTA" in encoding for encoding in chunk.encodings)
+    }
+    texts = [field.name for field in metadata.schema.to_arrow_schema() if _is_text(field.type)]
+    return [name for name in texts if name not in others]
+
+
+def _read(
+    table: pq.ParquetFile, names: Sequence[str], n_bytes: int, file: SourceFile
+) -> dict[str, pa.ChunkedArray]:
+    """These columns by name; FormatError once they take more than they may."""
+    budget = _Budget(file, n_bytes)
+    texts = [name for name in names if _holds_text(table.schema_arrow.field(name).type)]
+    numbers = [name for name in names if name not in texts]
+    groups = [_numbers(table, number, numbers, budget) for number in range(table.num_row_groups)]
+    columns = pa.concat_tables(groups or [table.schema_arrow.empty_table().select(numbers)])
+    for name in texts:
+        columns = columns.append_column(name, _texts(table, name, budget, file))
+    return {name: columns.column(name) for name in names}
+
+
+def _numbers(table: pq.ParquetFile, group: int, names: list[str], budget: _Budget) -> pa.Table:
+    """Numbers of a row group at once: they take what the number of rows says."""
+    part = table.read_row_group(group, columns=names)
+    budget.take(part.nbytes)
+    return part
+
+
+def _texts(table: pq.ParquetFile, name: str, budget: _Budget, file: SourceFile) -> pa.ChunkedArray:
+    """Texts by number, a few rows at a time: how long they are is known when they are decoded."""
+    chunks: list[pa.DictionaryArray] = []
+    for batch in table.iter_batches(batch_size=TEXTS_AT_ONCE, columns=[name]):
+        chunk = batch.column(0)
+        if not pa.types.is_dictionary(chunk.type):
+            chunk = chunk.dictionary_encode()
+        if chunks and chunk.dictionary.equals(chunks[-1].dictionary):  # each comes with a copy
+            chunk = pa.DictionaryArray.from_arrays(chunk.indices, chunks[-1].dictionary)
+            budget.take(chunk.indices.nbytes)
+        else:
+            budget.take(chunk.nbytes)
+            _check_texts(chunk.dictionary, file)
+        chunks.append(chunk)
+    if not chunks:
+        return table.schema_arrow.empty_table().column(name)
+    return pa.chunked_array(chunks)
+
+
+def _check_texts(texts: pa.Array, file: SourceFile) -> None:
     """Raise FormatError for a text that no name is as long as."""
-    for chunk in column.chunks:
-        texts = chunk.dictionary if pa.types.is_dictionary(chunk.type) else chunk
-        longest = (pc.max(pc.binary_length(texts)).as_py() if _is_text(texts.type) else None) or 0
-        if longest > MAX_TEXT_BYTES:
-            raise file.fault(
-                f"expected texts of at most {MAX_TEXT_BYTES:,} bytes, found one of {longest:,}"
-            )
+    longest = pc.max(pc.binary_length(texts)).as_py() or 0
+    if longest > MAX_TEXT_BYTES:
+        raise file.fault(
+            f"expected texts of at most {MAX_TEXT_BYTES:,} bytes, found one of {longest:,}"
+        )
 
 
 def _is_too_much(needed: int, n_bytes: int) -> bool:
@@ -188,6 +237,10 @@ def _series(column: pa.ChunkedArray) -> pd.Series:
         column = column.dictionary_encode()
     series: pd.Series = column.to_pandas()
     return series
+
+
+def _holds_text(kind: pa.DataType) -> bool:
+    return _is_text(kind.value_type if pa.types.is_dictionary(kind) else kind)
 
 
 def _is_text(kind: pa.DataType) -> bool:

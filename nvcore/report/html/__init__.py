@@ -25,7 +25,7 @@ from nvcore.inputs.session import Session
 from nvcore.output.files import write_whole
 from nvcore.pictures.recordings import RecordingPictures, session_pictures
 from nvcore.progress import Progress, no_progress
-from nvcore.report.html.blocks import Chart
+from nvcore.report.html.blocks import Chart, Table
 from nvcore.report.html.charts import figure_json, packed_plotly
 from nvcore.report.html.content import Content, report_content
 from nvcore.report.html.cover import Inscription
@@ -38,6 +38,8 @@ __all__ = ["Inscription", "css_text", "render", "write_html_report"]
 NO_INSCRIPTION: Final = Inscription()
 FOLDER: Final = Path(__file__).parent
 LONG_WORD: Final = 24
+SHORT_ROWS: Final = 12
+SHORT_SIGNS: Final = 900
 CHART_CONFIG: Final = {**CONFIG, "responsive": True}
 
 
@@ -129,6 +131,7 @@ def render(content: Content) -> str:
         config=CHART_CONFIG,
         base64=lambda picture: base64.b64encode(picture).decode(),
         is_long=_is_long,
+        is_short=_is_short,
         css_text=css_text,
     )
 
@@ -140,6 +143,12 @@ def css_text(text: str, most: int) -> Markup:
         for sign in shortened(text, most)
     )
     return Markup(f'"{"".join(signs)}"')  # noqa: S704  # nothing but letters, digits, escapes
+
+
+def _is_short(block: Table) -> bool:
+    """Whether a printed table goes to the next page whole: longer ones would leave a page empty."""
+    n_signs = sum(len(cell) for row in block.rows for cell in row)
+    return len(block.rows) < SHORT_ROWS and n_signs < SHORT_SIGNS
 
 
 def _is_long(cell: str) -> bool:

@@ -17,6 +17,7 @@ from plotly.offline import get_plotlyjs
 from nvcore.figures.style import LOOK, axis, empty_figure, layout, plain
 from nvcore.measures import evidence_form, inference_of
 from nvcore.palette import Theme
+from nvcore.report.tiles import REACH
 from nvcore.wording import difference, interval_text, minus
 
 INTERVAL_PX: Final = 82
@@ -26,8 +27,6 @@ STRIP_PX: Final = (28, 56)
 """Top and bottom of the axis within its row."""
 MARGIN_PX: Final = (76, 16)
 """Above and below the rows."""
-REACH: Final = 1.12
-"""Half the length of an axis, as a multiple of the largest value on it."""
 
 
 @cache

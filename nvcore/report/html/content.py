@@ -22,7 +22,7 @@ from nvcore.report.html.encounter_sections import encounters_section, only_one_s
 from nvcore.report.html.evidence_sections import (
     detection_section,
     frames_section,
-    judged,
+    planned_verdict,
     significance_section,
     stability_section,
     subgroups_section,
@@ -108,7 +108,7 @@ def report_content(
     plans = plan_measures(result, evidence, protocol, progress=part_of(progress, 0.2, 0.3))
     progress(0.3, "tables")
     theme = result.scheme("light")
-    conclusion = judged(result, findings, evidence, companions, plans)
+    conclusion = planned_verdict(result, findings, evidence, companions, plans)
     sections = [
         verdict_section(conclusion),
         scorecard_section(result, companions),

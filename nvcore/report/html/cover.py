@@ -20,7 +20,7 @@ from nvcore.report.verdict import Verdict
 from nvcore.report.words import sampling_note
 from nvcore.wording import count_text, duration_text, one_line, shortened
 
-MOST_SIGNS: Final = 400
+MAX_CHARACTERS: Final = 400
 """Of a title, an author or a question; an ellipsis replaces the rest."""
 N_PHOTOS: Final = 2
 
@@ -45,7 +45,7 @@ class Inscription:
     def in_short(self) -> Inscription:
         """Each as one harmless line."""
         texts = (self.title, self.author, self.question, self.date)
-        return Inscription(*(shortened(one_line(text.strip()), MOST_SIGNS) for text in texts))
+        return Inscription(*(shortened(one_line(text.strip()), MAX_CHARACTERS) for text in texts))
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
         "cameras they say nothing."
     )
     topics = ("More recordings", "Thresholds")
-    said = [point.text for point in conclusion.points if point.topic in topics]
+    points = [point.text for point in conclusion.points if point.topic in topics]
     return tuple(
         filter(
             None,
@@ -149,7 +149,7 @@ def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
                 _operating_points(result),
                 words.SHORT_ENCOUNTERS if result.is_short else "",
                 few,
-                *said,
+                *points,
                 sampling_note(result.dataset.frame_columns),
             ),
         )

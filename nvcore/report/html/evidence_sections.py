@@ -74,14 +74,14 @@ AT_ONCE: Final = 20_000
 """Most frames for which the stability maps are computed by default."""
 
 
-def judged(
+def planned_verdict(
     result: Result,
     findings: Sequence[Any],
     evidence: pd.DataFrame,
     companions: Companions,
     plans: Mapping[str, StudyPlan],
 ) -> Verdict:
-    """What the comparison supports.
+    """What the comparison supports, and how many recordings would show more.
 
     Parameters
     ----------

@@ -103,9 +103,10 @@ class Moment(NamedTuple):
 def decisive_moments(result: Result) -> list[Moment]:
     """The frames of the report, at most `MOST`, each scene once.
 
-    First encounters that only one system detects, those in which similarity differs most; then the
-    worst moments of each system and those in which they differ most. Of the frames of a recording
-    in which the same system does badly within `APART_S`, the first in this order is taken.
+    First encounters that only one system detects, those whose failure weighs most (severity), each
+    at the frame in which similarity differs most; then the worst moments of each system and those
+    in which they differ most. Of the frames of a recording in which the same system does badly
+    within `APART_S`, the first in this order is taken.
     """
     # the worst of each kind before the second worst of any
     ranked = worst_moments(result, n=MOST)
@@ -209,6 +210,11 @@ def _exclusive(
     order = np.argsort(-lead, kind="stable")
     _, first = np.unique(of[order], return_index=True)
     order = order[np.sort(first)]  # the clearest frame of each encounter
+    # an encounter that the other nearly detects, too, says little, whatever a single frame shows
+    missed_s, detected_s = (
+        system.failures["severity_s"].to_numpy() for system in (missed_by, detected_by)
+    )
+    order = order[np.argsort((detected_s - missed_s)[of[order]], kind="stable")]
     recording = result.dataset.frame_columns.recording[frame_rows]
     time_s = result.dataset.frames["time_s"].to_numpy()[frame_rows]
     clearest: list[int] = []

@@ -24,6 +24,7 @@ from nvcore.report.html.blocks import Block, Section, Sentences, Table, table
 from nvcore.tables.inputs import inputs_table, left_out_table
 from nvcore.wording import UNDEFINED, capitalised, count_text, number
 
+NOT_SET: Final = "not set"
 MOST_FILES: Final = 60
 """Most input files that are listed one by one; the hash of all is always shown."""
 
@@ -114,7 +115,7 @@ def span_in_use(result: Result, name: str) -> str:
     """The setting in use, px: "48", or "48 to 57.6" where recordings differ."""
     values = in_use(result.params, name, result.dataset.frame_columns)
     if not len(values):
-        return "not set"
+        return NOT_SET
     low, high = float(values.min()), float(values.max())
     return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
 
@@ -157,18 +158,12 @@ def parameters_section(result: Result) -> Section:
     rows = []
     for name, setting in SETTINGS.items():
         value = getattr(result.params, name)
-        rows.append(
-            (
-                name,
-                _value(value) if value is not None else _fallback(result, name),
-                setting.unit,
-                "default" if value == setting.default else "changed",
-                _value(setting.default),
-                setting.range_text,
-                setting.meaning,
-            )
-        )
-    head = ("Parameter", "Value", "Unit", "Changed", "Default", "Range", "Meaning")
+        shown = _value(value) if value is not None else _fallback(result, name)
+        in_unit = f"{shown} {setting.unit}" if setting.unit and shown != NOT_SET else shown
+        changed = "" if value == setting.default else ", changed"
+        default = _value(setting.default)
+        rows.append((name, f"{in_unit}{changed}", default, setting.range_text, setting.meaning))
+    head = ("Parameter", "Value", "Default", "Range", "Meaning")
     constants = (
         ("weight of nearness from which a frame counts", f"{RELEVANT_K:g}"),
         ("share of a detection on an ignored region that absorbs it", f"{ABSORB_SHARE:g}"),
@@ -185,7 +180,7 @@ def parameters_section(result: Result) -> Section:
         "Parameters",
         words.PARAMETERS,
         (
-            table("Parameters", head, rows, right=(1,)),
+            table("Parameters", head, rows),
             table("Fixed numbers", ("What", "Value"), constants, right=(1,)),
         ),
     )
@@ -193,7 +188,7 @@ def parameters_section(result: Result) -> Section:
 
 def _fallback(result: Result, name: str) -> str:
     """The value in place of a setting that is not set, in words."""
-    return "not set" if SETTINGS[name].height_share is None else span_in_use(result, name)
+    return NOT_SET if SETTINGS[name].height_share is None else span_in_use(result, name)
 
 
 def _value(value: Any) -> str:

@@ -27,6 +27,7 @@ from nvcore.report.words import (
     score_cells,
     scorecard_cells,
 )
+from nvcore.tables.influence import lead_text
 from nvcore.tables.loss_strip import loss_strip
 from nvcore.tables.result import (
     recordings_table,
@@ -74,6 +75,7 @@ def similarity_section(result: Result) -> Section:
     """Mean similarity by recording, and the worst intervals."""
     recordings = recordings_table(result)
     recordings_shown, note = _most_different(recordings)
+    note = f"{note} {lead_text(result)}".strip()
     rows = [
         (
             row["recording"],

@@ -18,6 +18,7 @@ SYSTEM: Final = "system"
 DELAY: Final = "delay_s"
 """Column with the seconds from a clip's end to its rating."""
 MOST_ROWS: Final = 1_000_000
+MOST_COLUMNS: Final = 100
 SEPARATORS: Final = ",;\t"
 MISSING: Final = frozenset({"", "na", "nan", "-", "\u2013"})
 
@@ -78,6 +79,12 @@ def _rows(text: str, separator: str, name: str) -> tuple[list[list[str]], np.nda
         for row in reader:
             if not any(field.strip() for field in row):
                 continue
+            if len(row) > MOST_COLUMNS:
+                raise FormatError(
+                    f"expected {MOST_COLUMNS} columns at the most, found {len(row):,}",
+                    file=name,
+                    line=reader.line_num,
+                )
             if rows and len(row) != len(rows[0]):
                 raise FormatError(
                     f"expected {len(rows[0])} fields, as in the first line; found {len(row)}",

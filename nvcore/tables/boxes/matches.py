@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 import pandas as pd
 
-from nvcore.columns import BOX_COLUMNS, BoxColumns
+from nvcore.columns import BoxColumns
 from nvcore.comparison import Result
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.matching import iou_of_pairs
 from nvcore.metrics.proximity import in_use
 from nvcore.metrics.similarity import border_of, miss_terms
 from nvcore.output.parquet import to_parquet_bytes
-from nvcore.schema import NO_TRACK, DetectionState, TruthState
+from nvcore.schema import (
+    NO_TRACK,
+    DetectionState,
+    TruthState,
+    categories_of,
+    integers_of,
+)
 from nvcore.scoring import SystemResult
 from nvcore.tables.column import Column, Kind
 
@@ -155,41 +160,24 @@ def _finished(result: Result, columns: dict[str, np.ndarray]) -> pd.DataFrame:
     file = np.where(has_line & (columns["file"] < len(inputs)), columns["file"], -1)
     made: dict[str, Any] = {
         **columns,
-        "source": _categories(columns["source"], SOURCES),
+        "source": categories_of(columns["source"], SOURCES),
         "recording": _texts(columns["recording"], names),
-        "track": _integers(columns["track"], columns["track"] != NO_TRACK),
+        "track": integers_of(columns["track"], columns["track"] != NO_TRACK),
         "file": _texts(file, inputs),
-        "line": _integers(columns["line"], has_line),
+        "line": integers_of(columns["line"], has_line),
     }
     for side in "xy":
         match = columns[f"match_{side}"]
-        made[f"match_{side}"] = _integers(match, match >= 0)
+        made[f"match_{side}"] = integers_of(match, match >= 0)
         codes = columns[f"outcome_{side}"]
-        made[f"outcome_{side}"] = _categories(codes, _OUTCOMES)
+        made[f"outcome_{side}"] = categories_of(codes, _OUTCOMES)
     return pd.DataFrame({column.name: made[column.name] for column in MATCH_COLUMNS})
 
 
 def _texts(codes: np.ndarray, texts: pd.Series[str]) -> Any:
     """Texts by their numbers, -1 none; two numbers may have the same text."""
     number, unique = pd.factorize(texts.to_numpy(dtype=object))
-    return _categories(np.append(number, -1)[codes], unique)
-
-
-def _categories(codes: np.ndarray, texts: Iterable[str]) -> Any:
-    categorical: Any = pd.Categorical  # the stubs want codes as a list
-    return categorical.from_codes(codes, [*texts])
-
-
-def _integers(values: np.ndarray, is_known: np.ndarray) -> Any:
-    return pd.arrays.IntegerArray(values.astype(np.int64), ~is_known)
-
-
-def _rows_of(boxes: BoxColumns, start: int, stop: int) -> tuple[slice, BoxColumns]:
-    """The boxes of frames ``start:stop``, and where they are among those of their source."""
-    rows = slice(int(boxes.offsets[start]), int(boxes.offsets[stop]))
-    columns = {name: getattr(boxes, name)[rows] for name in BOX_COLUMNS}
-    first_row = boxes.first_row + rows.start
-    return rows, replace(boxes, **columns, offsets=boxes.offsets[:1], first_row=first_row)
+    return categories_of(np.append(number, -1)[codes], unique)
 
 
 def _common(result: Result, boxes: BoxColumns, source: int, first: int) -> dict[str, np.ndarray]:
@@ -218,7 +206,7 @@ def _common(result: Result, boxes: BoxColumns, source: int, first: int) -> dict[
 
 def _truth_rows(result: Result, start: int, stop: int) -> dict[str, np.ndarray]:
     dataset, frames = result.dataset, result.dataset.frame_columns
-    rows, truth = _rows_of(dataset.truth, start, stop)
+    rows, truth = dataset.truth.rows_of(start, stop), dataset.truth.of_frames(start, stop)
     half_width, k = frames.half_width[truth.frame_index], result.k_truth.k[rows]
     columns = _common(result, truth, 0, rows.start)
     for side, system in result.sides:
@@ -245,7 +233,8 @@ def _system_rows(
     result: Result, side: str, system: SystemResult, start: int, stop: int
 ) -> dict[str, np.ndarray]:
     dataset, frames = result.dataset, result.dataset.frame_columns
-    rows, boxes = _rows_of(dataset.system(system.name), start, stop)
+    detections = dataset.system(system.name)
+    rows, boxes = detections.rows_of(start, stop), detections.of_frames(start, stop)
     columns = _common(result, boxes, SOURCES.index(side), rows.start)
     k, state = system.weights.k[rows], system.matches.state[rows]
     is_counted = (state == DetectionState.MATCHED) | (state == DetectionState.FALSE_ALARM)

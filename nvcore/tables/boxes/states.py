@@ -91,7 +91,7 @@ def gather_boxes(result: Result, row_start: int, row_stop: int) -> FrameBoxes:
 
 def _gather_truth(result: Result, row_start: int, row_stop: int) -> TruthBoxes:
     truth = result.dataset.truth
-    boxes = _rows_of_boxes(truth, row_start, row_stop)
+    boxes = truth.rows_of(row_start, row_stop)
     is_pedestrian = ~truth.ignore[boxes]
     return TruthBoxes(
         frame=truth.frame_index[boxes] - row_start,
@@ -112,7 +112,7 @@ def _gather_detections(
     result: Result, system: SystemResult, row_start: int, row_stop: int
 ) -> DetectedBoxes:
     detections = result.dataset.system(system.name)
-    boxes = _rows_of_boxes(detections, row_start, row_stop)
+    boxes = detections.rows_of(row_start, row_stop)
     track = _short_tracks(
         detections.track, detections.offsets, result.dataset.frame_columns, row_start, row_stop
     )
@@ -125,10 +125,6 @@ def _gather_detections(
         track=track[is_used],
         state=state[is_used],
     )
-
-
-def _rows_of_boxes(boxes: BoxColumns, row_start: int, row_stop: int) -> slice:
-    return slice(int(boxes.offsets[row_start]), int(boxes.offsets[row_stop]))
 
 
 def _xywh(boxes: BoxColumns, rows: slice) -> np.ndarray:

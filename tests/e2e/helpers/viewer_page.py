@@ -9,13 +9,13 @@ import numpy as np
 import streamlit as st
 import viewer_scene as scene
 
-from ui.widgets.viewer import viewer
+from ui.widgets.viewer import ListedBox, viewer
 
 RECORDINGS = ["video", "boxes only", "sampled", "long", "slow", "ended", "empty"]
 
 st.set_page_config(layout="wide")
 START = {"seek": (5, 0), "alpha": 0.7, "kind": RECORDINGS[0], "hi": 100.0, "show": True, "runs": 0}
-START["chosen"] = None
+START.update(chosen=None, list=False)
 state = st.session_state
 
 
@@ -35,6 +35,7 @@ if columns[1].button("seek 123"):
 kind = columns[2].selectbox("recording", RECORDINGS, key="kind")
 hi = columns[3].number_input("hi", 50.0, 100.0, key="hi")
 columns[3].button("start anew", on_click=start_anew)
+is_listed = columns[3].checkbox("list", key="list")
 
 if not columns[1].checkbox("show", key="show"):
     st.stop()
@@ -70,6 +71,7 @@ settled = viewer(
     key=f"viewer_{state.visit}",
     chosen=state.chosen,
     on_choose=lambda encounter: state.update(chosen=encounter),
+    listed=ListedBox(5, scene.LISTED) if is_listed else None,
 )
 state.runs += 1
 st.text(f"settled {settled} alpha {alpha} kind {kind} run {state.runs} visit {state.visit}")

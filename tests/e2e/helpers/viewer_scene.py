@@ -27,6 +27,7 @@ MISSED_BY_X = range(100, 120)
 MISSED_BY_Y = range(200, 230)
 MISSED_BY_BOTH = range(300, 320)
 FALSE_ALARM = range(50, 130)
+LISTED = (300.0, 100.0, 60.0, 80.0)  # x, y, w, h of an entry of a list, px
 
 
 class Drawn(NamedTuple):

@@ -194,6 +194,48 @@ def test_texts_count_and_a_very_long_one_is_refused(
     assert "expected texts of at most 16,384 bytes, found one of 20,000" in refusal(file)
 
 
+def test_texts_that_grow_as_they_are_decoded_are_refused_before_all_of_them_are(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    # each text is stored as what it has more than the one before: 4 MB in some kB of one row group
+    n = 2000
+    numbers = {name: np.ones(n) for name in ("frame", "x", "y", "w", "h")}
+    path = tmp_path / "a.parquet"
+    names = ["a" * 2000 + f"{i:04}" for i in range(n)]
+    ways = dict.fromkeys(numbers, "PLAIN") | {"recording": "DELTA_BYTE_ARRAY"}
+    table = pa.table(numbers | {"recording": names})
+    pq.write_table(table, path, use_dictionary=False, column_encoding=ways)
+    file = SourceFile(path, "a.parquet")
+    assert path.stat().st_size < 100_000
+    assert read(file).boxes["recording"].tolist() == names
+    monkeypatch.setattr(parquet, "TEXTS_AT_ONCE", 50)
+    monkeypatch.setattr(parquet, "RATIO_FROM_BYTES", 500_000)
+    monkeypatch.setattr(parquet, "MAX_RATIO", 5)
+    before = pa.default_memory_pool()
+    pool = pa.proxy_memory_pool(before)
+    pa.set_memory_pool(pool)
+    try:
+        assert "takes more than" in refusal(file)
+    finally:
+        pa.set_memory_pool(before)
+    assert pool.max_memory() < 2_000_000
+
+
+def test_rows_that_the_file_as_a_whole_does_not_tell_of_are_counted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    n = 1_200_000
+    path = tmp_path / "a.parquet"
+    pq.write_table(pa.table({name: np.ones(n) for name in ("frame", "x", "y", "w", "h")}), path)
+    # the number of all rows, as Thrift writes it, becomes 10; those of the two row groups stay
+    content, stored, lie = path.read_bytes(), b"\x80\xbe\x92\x01", b"\x94\x80\x80\x00"
+    assert content.count(stored) == 1
+    path.write_bytes(content.replace(stored, lie))
+    assert pq.read_metadata(path).num_rows == 10
+    monkeypatch.setattr(parquet, "RATIO_FROM_BYTES", 1 << 20)
+    assert "declares 1,200,000 rows" in refusal(SourceFile(path, "a.parquet"))
+
+
 GOOD = pa.BufferOutputStream()
 pq.write_table(pa.table(BOX | {"recording": ["a", "b"], "score": [0.5, 0.25]}), GOOD)
 CONTENT = GOOD.getvalue().to_pybytes()

@@ -22,7 +22,7 @@ def test_it_writes_one_file_with_the_parameters_given_and_nothing_else(tmp_path:
     assert "fir (X) and nir (Y) compared" in content
     assert "Which is safer?" in content
     assert "Ann, 2026-05-01" in content
-    assert '<td>alpha</td><td class="right">0.75</td>' in content
+    assert "<td>alpha</td><td>0.75, changed</td>" in content
     assert "fir, detections with a score of 0.85 or more" in content
     assert "Protocol near:" in content
     assert "Not computed for these 40 frames" not in content

@@ -57,6 +57,18 @@ def test_a_frame_that_both_miss_does_not_tell_the_two_apart():
     assert (first.title, first.row) == ("Only X detects", 1)
 
 
+def test_the_encounter_whose_failure_weighs_more_comes_first():
+    truth = [at(t, 30, track=1) for t in range(10)]
+    truth += [at(t, 50, track=2, recording=1) for t in range(5)]
+    # straight ahead Y misses but a frame more than X, beside that somebody all the time
+    x = [at(t, 30) for t in range(10)] + [at(t, 50, recording=1) for t in range(3)]
+    y = [at(t, 50, recording=1) for t in (3, 4)]
+    places = [Place([*range(10)]), Place([*range(5)])]
+    first, second = decisive_moments(result_of(make_dataset(truth, x, y, places=places)))[:2]
+    assert [first.encounter, second.encounter] == [0, 1]
+    assert second.text == ("Pedestrian 2: X matches 60% of the frames that count, Y 40% (brief).")
+
+
 def test_there_are_a_dozen_at_most_and_no_frame_twice():
     centres = [10 + 3 * i for i in range(14)]
     truth = [at(0, c, track=1, recording=i) for i, c in enumerate(centres)]

@@ -100,3 +100,8 @@ def test_participants_spelt_in_two_ways_are_one(tmp_path):
     lines = ["participant,clip,rating", "Anna  K,A,3", "anna k,B,4", "Bob,A,1"]
     table = read_ratings(write(tmp_path / "r.csv", *lines))
     assert table["participant"].tolist() == ["Anna  K", "Anna  K", "Bob"]
+
+
+def test_columns_without_end_are_refused():
+    with pytest.raises(FormatError, match="expected 100 columns at the most, found 1,000,001"):
+        parse_ratings(b"a," * 1_000_000 + b"\n", name="r.csv")

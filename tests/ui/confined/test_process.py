@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 import time
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 from inputs import drive, session_of
-from picture_files import number_in, write_numbered_video
+from picture_files import number_in, numbered, write_numbered_video, write_picture
+from places import ROOT
 
 from nvcore.errors import InputError, MediaError, MissingFactError
 from nvcore.inputs.load import load
+from ui.confined import process as confined
 from ui.confined.pictures import PictureProcess
 from ui.confined.process import Allowance, Process, call
 
+OOM_SCORE = Path("/proc/self/oom_score_adj")
 ENOUGH = Allowance(memory_mb=1000, seconds=300)
 
 
@@ -52,17 +59,17 @@ def large() -> tuple[np.ndarray, np.ndarray, str]:
 
 @pytest.mark.skipif(not hasattr(os, "memfd_create"), reason="memory is shared on Linux only")
 def test_large_arrays_come_in_shared_memory_and_not_through_the_socket():
-    process = Process(ENOUGH)
+    other = Process(ENOUGH)
     try:
-        numbers, halves, text = process.call(large, what="making")
+        numbers, halves, text = other.call(large, what="making")
         assert np.array_equal(numbers, np.arange(4_000_000))
         assert halves.shape == (100_001,)
         assert (halves == 0.5).all()
         assert text == "beside them"
         assert not numbers.flags.writeable  # what is mapped, rather than copied, is read-only
-        assert process.call(process_id, what="asking") != os.getpid()  # and it goes on to answer
+        assert other.call(process_id, what="asking") != os.getpid()  # and it goes on to answer
     finally:
-        process.end()
+        other.end()
     assert int(numbers[-1]) == 3_999_999  # the memory outlives the process
 
 
@@ -74,11 +81,30 @@ def test_too_much_memory_is_an_error_in_words():
         call(take, 400, allowance=small, what="reading")
 
 
+@pytest.mark.skipif(not OOM_SCORE.exists(), reason="Linux only")
+def test_where_memory_runs_out_the_processes_end_before_the_server():
+    theirs = call(OOM_SCORE.read_text, allowance=ENOUGH, what="asking")
+    assert int(theirs) == 900 > int(OOM_SCORE.read_text())
+
+
 def test_too_much_time_and_a_fault_are_errors_in_words():
     with pytest.raises(InputError, match=r"waiting took more than 0\.1 s"):
         call(time.sleep, 1000, allowance=Allowance(1000, 0.1), what="waiting")
     with pytest.raises(InputError, match="reading took too much memory, or ended in a fault"):
         call(end, allowance=ENOUGH, what="reading")
+
+
+def test_a_process_that_cannot_be_started_is_an_error_in_words(monkeypatch: pytest.MonkeyPatch):
+    def end_at_once(self: object) -> Connection:
+        ours, theirs = Pipe()
+        theirs.close()  # as when what it is forked from is killed
+        return ours
+
+    monkeypatch.setattr(confined._Nursery, "connect", end_at_once)
+    with pytest.raises(InputError, match="no room for another process"):
+        call(process_id, allowance=ENOUGH, what="asking")
+    with pytest.raises(MediaError, match="no room for another process"):
+        PictureProcess().open(Path("a.mp4"))
 
 
 def test_errors_keep_what_they_say():
@@ -96,12 +122,15 @@ def test_pictures_are_those_of_the_video(tmp_path: Path):
         pictures = process.open(write_numbered_video(tmp_path / "a.mp4"))
         assert (pictures.n, pictures.is_video, pictures.fps) == (100, True, 20.0)
         assert [number_in(pictures.read(index)) for index in (3, 99, 0)] == [3, 99, 0]
+        assert pictures.file_names([3]) is None
         with pytest.raises(MediaError, match="there is no picture 100"):
             pictures.read(100)
         with pytest.raises(MediaError, match="no such file"):
             process.open(tmp_path / "b.mp4")
         process.close()
         assert number_in(pictures.read(7)) == 7  # by a new process
+        write_picture(tmp_path / "b" / "I07.png", numbered(7))
+        assert process.open(tmp_path / "b").file_names([0]) == ["I07.png"]
         pictures.close()
     finally:
         process.close()
@@ -119,3 +148,26 @@ def test_a_picture_that_fills_the_memory_ends_neither_the_server_nor_the_others(
         assert small.read(0).tolist() == np.full((20, 30), 9).tolist()
     finally:
         process.close()
+
+
+def test_what_is_under_way_ends_with_a_server_that_is_killed():
+    script = (
+        "import time\nfrom ui.confined.process import *\n"
+        "process = Process(Allowance(memory_mb=100, seconds=600))\n"
+        "print(process._number, flush=True)\nprocess.call(time.sleep, 600, what='waiting')\n"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", script], cwd=ROOT, stdout=subprocess.PIPE, text=True
+    ) as server:
+        number = int(server.stdout.readline())
+        assert is_alive(number)
+        server.kill()
+    deadline = time.monotonic() + 60
+    while is_alive(number) and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert not is_alive(number)
+
+
+def is_alive(number: int) -> bool:
+    state = subprocess.run(["ps", "-o", "stat=", "-p", str(number)], capture_output=True).stdout
+    return bool(state.strip()) and not state.startswith(b"Z")

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 from data_page import (
     ON_SAMPLE,
+    Edit,
     asked,
     late_drive,
     late_page,
     open_files,
     opened,
     press,
-    press_labelled,
+    recordings_of,
     send_video,
     sent,
+    sizes_of,
     space_of,
 )
 from streamlit.testing.v1 import AppTest
@@ -25,13 +28,15 @@ from pages import checked, texts
 def test_the_page_opens_on_the_sample():
     page = opened()
     assert ON_SAMPLE in texts(page)
-    inputs, recordings = (page.table[number].value for number in range(2))
+    inputs, recordings = page.table[0].value, recordings_of(page)
     assert inputs["Source"].tolist() == ["Truth", "X: FIR", "Y: NIR"]
     names = [name.replace("\\", "") for name in inputs["Files"]]
     assert names == ["truth.csv", "fir.csv", "nir.csv"]  # without folders of the machine
     assert inputs["Read as"].str.contains("pixels").all()
     assert len(recordings) == 10
-    assert recordings["Pictures"].str.contains("mp4", regex=False).all()
+    assert recordings["pictures"].str.contains("mp4", regex=False).all()
+    assert recordings["note"].str.contains("shows frame").all()
+    assert (recordings["frames"] > 0).all()
     assert "per frame; 57 in all" in texts(page)
     assert "frame is evaluated" not in texts(page)
     # the files of the machine are out of reach unless asked for
@@ -70,7 +75,9 @@ def test_what_only_may_be_looked_at_is_not_said_to_change_no_figure():
     assert "change" not in label
 
 
-def test_a_video_proposes_size_and_rate_finds_its_recording_and_can_be_shifted(tmp_path: Path):
+def test_a_video_proposes_size_and_rate_finds_its_recording_and_can_be_shifted(
+    tmp_path: Path, edit: Edit
+):
     page = send_video(late_page(tmp_path), "drive.mp4")
     assert asked(page) == {
         "Width of the pictures (px)": 640,
@@ -78,31 +85,31 @@ def test_a_video_proposes_size_and_rate_finds_its_recording_and_can_be_shifted(t
         "Frames per second of the camera": 20.0,
     }
     press(page, "open_upload")
-    recordings = page.table[1].value
-    assert recordings["Size (px)"].tolist() == ["640 × 480"]
-    assert "drive.mp4" in recordings["Pictures"][0].replace("\\", "")
+    assert sizes_of(page) == [(640, 480)]
+    assert recordings_of(page)["pictures"].tolist() == ["drive.mp4"]
     assert (space_of(page).picture_rows[0] == range(60)).all()
-    (field,) = [field for field in page.number_input if "first picture" in field.label]
-    field.set_value(1)
-    press_labelled(page, "Use these pictures")
+    edit.apply(page, first_picture=1)
     assert space_of(page).picture_rows[0].tolist() == list(range(-1, 59))
-    assert "1 of 60 listed frames have no picture" in page.table[1].value["Pictures"][0]
+    assert "1 of 60 listed frames have no picture" in recordings_of(page)["note"][0]
+    assert recordings_of(page)["first_picture"].tolist() == [1]
+    edit.apply(page, first_picture=None)
+    assert (space_of(page).picture_rows[0] == range(60)).all()
 
 
-def choose_pictures(page: AppTest, name: str) -> None:
-    (choice,) = [choice for choice in page.selectbox if choice.label == "Pictures"]
-    choice.set_value(name)
-    press_labelled(page, "Use these pictures")
+def picture_choices(page: AppTest) -> str:
+    """What the table's column of pictures offers."""
+    (table,) = [item for item in page.dataframe if "note" in item.value]
+    return json.loads(table.proto.columns)["pictures"]["type_config"]["options"]
 
 
-def test_pictures_sent_later_can_be_chosen_and_taken_away_again():
+def test_pictures_sent_later_can_be_chosen_and_taken_away_again(edit: Edit):
     page = send_video(opened(), "more.mp4")
     checked(page.slider(key="midpoint").set_value(60.0).run())
-    choose_pictures(page, "more.mp4")
+    assert "more.mp4" in str(picture_choices(page))
+    edit.apply(page, pictures="more.mp4")
     assert space_of(page).pictures[0].name == "more.mp4"
-    choose_pictures(page, "no pictures")
+    edit.apply(page, pictures="no pictures")
     assert 0 not in space_of(page).pictures
     press(page, "remove_pictures")
-    (choice,) = [choice for choice in page.selectbox if choice.label == "Pictures"]
-    assert "more.mp4" not in choice.options
+    assert "more.mp4" not in str(picture_choices(page))
     assert page.session_state["params"].midpoint == 60  # outlives corrections of the session

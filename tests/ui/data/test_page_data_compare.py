@@ -11,7 +11,7 @@ from data_page import open_files, opened, opened_drive, press, sent, space_of
 from inputs import drive
 
 from nvcore.comparison import compare
-from nvcore.dataset import dataset_from_tables
+from nvcore.dataset.tables import dataset_from_tables
 from nvcore.evidence.companions import find_companions
 from nvcore.evidence.table import evidence_table
 from nvcore.report.words import sampling_note

@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
+from builders import Box, make_dataset
 from data_page import open_files, sent
+from picture_files import numbered, write_picture
 from streamlit.testing.v1 import AppTest
 
+from nvcore.findings import Cases, Finding, Severity
+from nvcore.pictures import open_pictures
 from pages import checked, press, texts
 from ui.data.audit import entries
 
@@ -46,12 +54,13 @@ def test_an_entry_leads_to_its_frame_and_is_then_seen(monkeypatch: pytest.Monkey
     def draw_and_click(finding, number):
         draw(finding, number)
         if finding.code == CODE and not wishes:
-            entries._go("table", finding, finding.cases)
+            entries._go("table", finding)
 
     monkeypatch.setattr(entries, "draw", draw_and_click)
     page = open_files(sent(TRUTH, ("a.csv", BOTH), ("b.csv", BOTH + THIRD)))
     assert wishes == ["timeline"]
     assert page.session_state["place"] == (0, 2)
+    assert page.session_state["review"].at == 1
     (button,) = [button for button in page.button if button.label == "Show all 2 boxes"]
     assert listed(press(page, button.key))["seen"].fillna("").tolist() == ["", "✓"]
 
@@ -70,6 +79,19 @@ def test_other_thresholds_list_other_boxes():
 def test_the_list_is_offered_as_csv_and_for_annotators(page: AppTest):
     labels = [button.label for button in page.get("download_button")]
     assert {"List (CSV)", "For annotators (CVAT)"} <= {*labels}
+
+
+def test_pictures_of_a_folder_have_their_files_names_for_annotators(tmp_path: Path):
+    for number in range(3):
+        write_picture(tmp_path / f"I{number:02d}.png", numbered(number))
+    made = make_dataset([Box(frame, 5, 5, 5, 9, 1) for frame in range(3)])
+    cases = Cases("boxes", np.array([2]))
+    finding = Finding(Severity.NOTE, "odd", "truth", 1, "m", "a", cases=cases)
+    space = SimpleNamespace(pictures={0: open_pictures(tmp_path)}, picture_rows={0: np.arange(3)})
+    assert b'name="I02.png"' in entries._cvat(space, made, finding, cases)
+    assert b'name="r0/000002.png"' in entries._cvat(
+        SimpleNamespace(pictures={}, picture_rows={}), made, finding, cases
+    )
 
 
 def test_rows_without_a_frame_say_so():

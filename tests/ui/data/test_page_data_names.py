@@ -8,14 +8,23 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-import streamlit as st
-from data_page import PAGE, opened, press_labelled, send, space_of
-from streamlit.testing.v1 import AppTest
+from builders import Place, make_dataset, tagged
+from data_page import (
+    PAGE,
+    Edit,
+    opened,
+    press_labelled,
+    recordings_of,
+    send,
+    sizes_of,
+    space_of,
+)
 
 from nvcore.errors import InputError
-from nvcore.inputs.session import RecordingEntry
+from nvcore.inputs.recordings_file import read_recordings_file
+from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from pages import alone, begin_with, checked, scripted, session, texts
-from ui.data.recordings.edited import changes_in, filled
+from ui.data.recordings.edited import changes_in, filled, saved
 from ui.session import state
 from ui.session.chosen import CHOSEN
 
@@ -28,6 +37,7 @@ BEFORE = pd.DataFrame(
         "context": ["", "rural"],
         "tags": ["night", ""],
         "pictures": ["a.mp4", "no pictures"],
+        "first_picture": [np.nan, np.nan],
     }
 )
 
@@ -52,6 +62,43 @@ def test_pictures_are_chosen_by_their_label_and_taken_away():
     assert changes_in(BEFORE, edited(0, pictures="no pictures"), paths) == {"a": {"pictures": None}}
 
 
+def test_the_frame_of_the_first_picture_is_given_and_taken_back():
+    given = edited(0, first_picture=7.0)
+    assert changes_in(BEFORE, given, {}) == {"a": {"first_picture": 7}}
+    assert changes_in(given, BEFORE, {}) == {"a": {"first_picture": None}}
+
+
+def test_a_csv_finds_pictures_by_label_or_file_name_and_names_those_that_are_not_there():
+    paths = {"a.mp4": "up/a.mp4", "night.mp4 (b)": "x/night.mp4", "my_own.mp4": "up/my_own.mp4"}
+    rows = {"a": RecordingEntry("a", pictures="night.mp4"), "b": RecordingEntry("b", pictures="c")}
+    table, lost = filled(BEFORE, rows, paths)
+    assert table["pictures"].tolist() == ["night.mp4 (b)", "no pictures"]
+    assert lost == ["c"]
+    table, lost = filled(BEFORE, {"b": RecordingEntry("b", pictures="my:own.mp4")}, paths)
+    assert (table["pictures"][1], lost) == ("my_own.mp4", [])
+
+
+def test_the_table_is_saved_as_a_csv_that_fills_it_again(tmp_path: Path):
+    made = tagged(
+        make_dataset(places=[Place(range(3)), Place(range(3), context=1.0)]), ("a", "b"), ()
+    )
+    entries = (RecordingEntry("r0", pictures="../x/p.mp4", first_picture=-2),)
+    systems = (SystemSource("x", name="x"), SystemSource("y", name="y"))
+    session = Session(folder=tmp_path, truth=Source("t"), systems=systems, recordings=entries)
+    made = made.with_settings(session)
+    named = made.renamed({}, {"r0": "=1"})
+    file = tmp_path / "recordings.csv"
+    file.write_bytes(saved(named, named.settings))
+    rows = {name: row for name, (_, row) in read_recordings_file(file, "recordings.csv").items()}
+    facts = {"width": 100, "height": 100, "fps": 10}
+    assert rows == {
+        "r0": RecordingEntry(
+            "r0", **facts, tags=("a", "b"), pictures="p.mp4", first_picture=-2, title="=1"
+        ),
+        "r1": RecordingEntry("r1", **facts, context=1.0),
+    }
+
+
 @pytest.mark.parametrize(
     ("values", "words"),
     [
@@ -59,6 +106,10 @@ def test_pictures_are_chosen_by_their_label_and_taken_away():
         ({"fps": -3}, "recording 'a': fps: expected a positive number, found -3"),
         ({"name": " "}, "recording 'a': name: expected a name"),
         ({"context": "city"}, "recording 'a': context"),
+        (
+            {"first_picture": 1.5},
+            "recording 'a': first_picture: expected a frame number, found 1.5",
+        ),
     ],
 )
 def test_a_value_that_cannot_be_is_refused_with_its_recording(values, words: str):
@@ -67,63 +118,53 @@ def test_a_value_that_cannot_be_is_refused_with_its_recording(values, words: str
 
 
 def test_a_csv_fills_only_what_it_says():
-    table = filled(BEFORE, [RecordingEntry("b", width=1224, height=370, tags=("day",), title="t")])
-    assert table.loc[0].tolist() == BEFORE.loc[0].tolist()
+    row = RecordingEntry("b", width=1224, height=370, tags=("day",), title="t")
+    table, lost = filled(BEFORE, {"b": row})
+    assert lost == []
+    assert table.loc[0].equals(BEFORE.loc[0])
     assert table.loc[1, ["name", "width", "height", "fps", "tags"]].tolist() == [
         *("t", 1224, 370, 20, "day")
     ]
 
 
-def with_edit(
-    monkeypatch: pytest.MonkeyPatch, page: AppTest | None = None, **values: object
-) -> AppTest:
-    """The page on which a person changed cells of the first recording and applied it."""
-    page = page or opened()
-    editor = st.data_editor
-    changes = dict(values)
-
-    def edit(table: pd.DataFrame, **more: object) -> pd.DataFrame:
-        editor(table, **more)
-        after = table.copy().astype(object)
-        for column in list(changes):
-            after.loc[0, column] = changes.pop(column)
-        return after
-
-    monkeypatch.setattr(st, "data_editor", edit)
-    return press_labelled(page, "Apply to the recordings")
-
-
-def test_a_recording_is_called_otherwise_without_reading_it_again(monkeypatch: pytest.MonkeyPatch):
+def test_a_recording_is_called_otherwise_without_reading_it_again(
+    monkeypatch: pytest.MonkeyPatch, edit: Edit
+):
     monkeypatch.setattr(state, "load_for", None)  # whoever reads again fails
-    page = with_edit(monkeypatch, name="Crossing", tags="wet")
+    page = edit.apply(opened(), name="Crossing", tags="wet")
     assert "are used from now on" in texts(page)
     space = space_of(page)
     assert space.opened.dataset.recordings["name"][0] == "Crossing"
-    assert page.table[1].value["Recording"][0] == "Crossing"
-    assert page.table[1].value["Tags"][0] == "wet"
+    assert recordings_of(page).loc[0, ["name", "tags"]].tolist() == ["Crossing", "wet"]
     entry = space.opened.session.recordings[0]
     assert (entry.name, entry.title, entry.tags) == ("urban_crossing", "Crossing", ("wet",))
     assert space.pictures[0].name == "urban_crossing.mp4"  # they stay open
 
 
-def test_a_rename_keeps_who_is_chosen_and_which_preset(monkeypatch: pytest.MonkeyPatch):
+def test_a_rename_keeps_who_is_chosen_and_which_preset(edit: Edit):
     page = opened()
     page.session_state[CHOSEN] = (1, "urban_crossing:2")
+    page.session_state["encounters_recording_1"] = ["urban_crossing", "rural_child"]
+    page.session_state["saliency_recording_1"] = "urban_crossing"
+    page.session_state["protocol_recordings"] = ["urban_crossing"]
     page = checked(page.button_group(key="preset").set_value("Rural").run())
-    page = with_edit(monkeypatch, page, name="Crossing")
+    page = edit.apply(page, name="Crossing")
     assert space_of(page).opened.dataset.recordings["name"][0] == "Crossing"
     assert page.session_state[CHOSEN] == (1, "Crossing:2")
+    assert page.session_state["encounters_recording_1"] == ["Crossing", "rural_child"]
+    assert page.session_state["saliency_recording_1"] == "Crossing"
+    assert page.session_state["protocol_recordings"] == ["Crossing"]
     assert not [button for button in page.button if (button.key or "").startswith("reset_")]
 
 
-def test_a_size_is_used_by_reading_again(monkeypatch: pytest.MonkeyPatch):
-    page = with_edit(monkeypatch, width=720.0)
-    assert page.table[1].value["Size (px)"][0] == "720 × 480"
+def test_a_size_is_used_by_reading_again(edit: Edit):
+    page = edit.apply(opened(), width=720.0)
+    assert sizes_of(page)[0] == (720, 480)
     assert "Changed, and opened again" in texts(page)
 
 
-def test_an_impossible_change_is_said_and_changes_nothing(monkeypatch: pytest.MonkeyPatch):
-    page = with_edit(monkeypatch, name="urban_sidewalk")
+def test_an_impossible_change_is_said_and_changes_nothing(edit: Edit):
+    page = edit.apply(opened(), name="urban_sidewalk")
     assert "two recordings would be called 'urban_sidewalk'" in texts(page)
     assert space_of(page).opened.dataset.recordings["name"][0] == "urban_crossing"
 
@@ -132,6 +173,13 @@ def test_a_table_of_strangers_is_refused_at_its_field():
     page = opened()
     send(page, "recordings_csv_1_0", ("r.csv", b"recording,width\nnowhere,3\n"))
     assert "there is no recording 'nowhere'" in texts(checked(page.run()))
+
+
+def test_a_table_may_name_a_recording_as_the_data_do_after_it_was_called_otherwise(edit: Edit):
+    page = edit.apply(opened(), name="Crossing")
+    send(page, "recordings_csv_1_1", ("r.csv", b"recording,tags\nurban_crossing,wet\n"))
+    page = press_labelled(checked(page.run()), "Apply to the recordings")
+    assert recordings_of(page).loc[0, ["name", "tags"]].tolist() == ["Crossing", "wet"]
 
 
 def test_a_table_with_titles_is_applied_once():
@@ -192,6 +240,21 @@ def test_the_frame_stays_with_its_recording_alone():
     page = checked(page.multiselect(key="tags_chosen").set_value(["winter"]).run())
     assert "rural_child" not in space_of(page).opened.dataset.recordings["name"].tolist()
     assert page.session_state["place"] == (0, 0)
+
+
+def test_tags_taken_from_the_recordings_that_are_compared_choose_no_longer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, edit: Edit
+):
+    """Another recording, which is not compared, still has the tag."""
+    of_both = session(tmp_path, "fir.csv", "nir.csv")
+    entries = (RecordingEntry("urban", tags=("night",)), RecordingEntry("rural", tags=("night",)))
+    begin_with(
+        replace(of_both, recordings=entries, only=("urban",), only_tags=("night",)), monkeypatch
+    )
+    page = edit.apply(opened(), tags="day")
+    space = space_of(page)
+    assert space.opened.session.only_tags == ()
+    assert space.opened.dataset.recordings["name"].tolist() == ["urban"]
 
 
 def test_tags_are_chosen_where_the_recording_has_no_evaluated_frame(

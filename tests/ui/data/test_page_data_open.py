@@ -7,7 +7,18 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from data_page import ASKED, PNG, ROOT, answer, opened, press, send, space_of
+from data_page import (
+    ASKED,
+    PNG,
+    ROOT,
+    answer,
+    opened,
+    press,
+    recordings_of,
+    send,
+    sizes_of,
+    space_of,
+)
 from inputs import drive, mot_layout, write
 from streamlit.testing.v1 import AppTest
 
@@ -46,7 +57,7 @@ def test_a_session_file_that_lacks_facts_asks_for_them_and_opens(tmp_path: Path)
     answer(page, "session_file", **ASKED)
     press(page, "open_session_file")
     assert "Open now: mine.toml (" in texts(page)
-    assert page.table[1].value["Size (px)"].tolist() == ["640 × 480"] * 2
+    assert sizes_of(page) == [(640, 480)] * 2
 
 
 def test_a_session_file_cannot_name_files_of_the_machine(tmp_path: Path):
@@ -90,7 +101,8 @@ def test_a_local_session_that_lacks_facts_asks_for_them_and_opens(tmp_path: Path
     answer(page, "local_session", **ASKED)
     press(page, "open_local_session")
     assert "Open now: mine.toml (" in texts(page)
-    assert "cannot be opened" in " ".join(page.table[1].value["Pictures"])
+    assert "Recordings whose pictures cannot be opened" in texts(page)
+    assert "cannot be opened" in " ".join(recordings_of(page)["note"])
 
 
 def test_a_local_session_that_names_files_outside_is_refused(tmp_path: Path, local):

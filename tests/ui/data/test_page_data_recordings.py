@@ -4,8 +4,23 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pandas as pd
 import pytest
-from data_page import open_files, opened, opened_drive, press, send, sent_drive, space_of
+from data_page import (
+    ON_SAMPLE,
+    Edit,
+    answer,
+    late_page,
+    open_files,
+    opened,
+    opened_drive,
+    press,
+    recordings_of,
+    send,
+    sent_drive,
+    sizes_of,
+    space_of,
+)
 from inputs import drive, write
 from streamlit.testing.v1 import AppTest
 
@@ -24,7 +39,61 @@ def with_table(folder: Path, content: bytes) -> AppTest:
 
 
 def contexts(page: AppTest) -> list[str]:
-    return [text.replace("\\", "") for text in page.table[1].value["Traffic"]]
+    return recordings_of(page)["context"].tolist()
+
+
+def proposed(page: AppTest) -> pd.DataFrame:
+    """The table of the recordings that are not open yet."""
+    (table,) = [item.value for item in page.dataframe if {"fps", "note"} & {*item.value} == {"fps"}]
+    return table
+
+
+def test_facts_of_each_recording_are_typed_before_they_are_opened(tmp_path: Path, edit: Edit):
+    page = sent_drive(tmp_path, "fir.csv", "nir.csv")
+    assert proposed(page)["name"].tolist() == ["urban", "rural"]
+    assert proposed(page)[["width", "fps"]].isna().all(axis=None)
+    answer(page, width=640, height=480, fps=20.0)
+    page = checked(page.run())
+    assert proposed(page)[["width", "height", "fps"]].to_numpy().tolist() == [[640, 480, 20]] * 2
+    page = edit.open_files(page, fps=10.0, width=720, tags="night")
+    assert sizes_of(page) == [(720, 480), (640, 480)]
+    recordings = space_of(page).opened.dataset.recordings
+    assert recordings["fps"].tolist() == [10, 20]
+    assert recordings["tags"].tolist() == [("night",), ()]
+
+
+def test_what_cannot_be_is_refused_before_opening(tmp_path: Path, edit: Edit):
+    page = sent_drive(tmp_path, "fir.csv", "nir.csv")
+    answer(page, width=640, height=480, fps=20.0)
+    page = edit.open_files(page, context="suburb")
+    assert "recording 'urban': context: expected urban" in texts(page)
+    assert "The table of the recordings cannot be used" in texts(page)
+    assert ON_SAMPLE in texts(page)
+
+
+def test_a_table_sent_along_is_what_is_proposed_of_the_recordings(tmp_path: Path):
+    page = with_table(tmp_path, b"recording,width,height,fps,tags\nrural,640,480,20,wet\n")
+    assert proposed(page).loc[1, ["width", "height", "fps", "tags"]].tolist() == [
+        640,
+        480,
+        20,
+        "wet",
+    ]
+    assert proposed(page).loc[0, "tags"] == ""
+
+
+def test_a_table_of_one_line_fills_that_of_the_only_recording(tmp_path: Path):
+    page = open_files(late_page(tmp_path))
+    (field,) = [
+        item for item in page.file_uploader if (item.key or "").startswith("recordings_csv")
+    ]
+    send(page, field.key, ("r.csv", b"recording,tags\nanother,wet\n"))
+    assert recordings_of(checked(page.run()))["tags"].tolist() == ["wet"]
+
+
+def test_one_recording_or_all_facts_need_no_table(tmp_path: Path):
+    page = with_table(tmp_path, TABLE)
+    assert not [item for item in page.dataframe if "fps" in item.value and "note" not in item.value]
 
 
 def test_a_table_of_recordings_answers_what_the_files_do_not_say(tmp_path: Path):
@@ -84,7 +153,7 @@ def test_a_table_sent_names_no_pictures_of_the_machine(tmp_path: Path):
     )
     page = with_table(tmp_path, lines.encode())
     press(page, "open_upload")
-    assert page.table[1].value["Pictures"].tolist() == ["no pictures"] * 2
+    assert recordings_of(page)["pictures"].tolist() == ["no pictures"] * 2
     assert space_of(page).pictures == {}
 
 
@@ -123,31 +192,22 @@ def test_a_local_table_is_read_where_it_lies_and_names_nothing_outside(
     assert contexts(page) == ["urban", "0.75"]
 
 
-def state_context(page: AppTest, text: str | None, *names: str) -> AppTest:
-    page.multiselect(key="context_recordings").set_value(list(names))
-    page.selectbox(key="context_value").set_value(text)
-    (button,) = [button for button in page.button if button.label == "State this context"]
-    return checked(button.click().run())
-
-
-def test_the_traffic_context_is_stated_of_some_recordings_or_of_all(tmp_path: Path):
+def test_the_traffic_context_is_stated_and_taken_back(tmp_path: Path, edit: Edit):
     page = opened_drive(tmp_path, "fir.csv", "nir.csv")
-    assert contexts(page) == ["–", "–"]
+    assert contexts(page) == ["", ""]
     before = space_of(page).opened.dataset.fingerprint
-    state_context(page, "rural", "rural")
-    assert contexts(page) == ["–", "rural"]
-    assert "Now: 1 rural and 1 without (as urban)." in texts(page)
+    edit.apply(page, context="rural")
+    assert contexts(page) == ["rural", ""]
+    assert "1 rural and 1 without (as urban)." in texts(page)
     assert space_of(page).opened.dataset.fingerprint != before
-    state_context(page, "urban")
-    assert contexts(page) == ["urban"] * 2
-    state_context(page, "not stated")
+    edit.apply(page, context="")
     assert space_of(page).opened.dataset.fingerprint == before
 
 
-def test_an_impossible_context_changes_nothing(tmp_path: Path):
+def test_an_impossible_context_changes_nothing(tmp_path: Path, edit: Edit):
     page = opened_drive(tmp_path, "fir.csv", "nir.csv")
-    assert "Choose a traffic context first." in texts(state_context(page, None))
-    assert contexts(page) == ["–", "–"]
+    assert "context: expected urban" in texts(edit.apply(page, context="suburb"))
+    assert contexts(page) == ["", ""]
 
 
 def test_a_value_in_the_sidebar_is_said_to_go_before_the_context(tmp_path: Path):

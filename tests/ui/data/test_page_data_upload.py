@@ -19,10 +19,12 @@ from data_page import (
     opened,
     opened_drive,
     press,
+    recordings_of,
     send,
     send_video,
     sent,
     sent_drive,
+    sizes_of,
     space_of,
 )
 from inputs import drive, mot_layout
@@ -45,7 +47,7 @@ def test_an_upload_asks_for_what_the_files_do_not_say_and_opens_with_it(tmp_path
     *sources, hostile = page.table[0].value["Source"]
     assert sources == ["Truth", "X: fir"]
     assert "\\[x\\]\\(https:small[]\\://evil" in hostile  # shown as text, and no link
-    assert page.table[1].value["Size (px)"].tolist() == ["640 × 480"] * 2
+    assert sizes_of(page) == [(640, 480)] * 2
     other = opened()
     assert ON_SAMPLE in texts(other)
     assert space_of(page).token != space_of(other).token
@@ -92,7 +94,7 @@ def test_a_fact_that_the_files_hold_is_not_asked_for(tmp_path: Path):
     page.text_input(key="upload_name_1").set_value("<b>two</b>")
     press(page, "open_upload")
     assert page.error == []
-    assert page.table[1].value["Recording"].tolist() == ["A", "B"]
+    assert recordings_of(page)["name"].tolist() == ["A", "B"]
     assert space_of(page).opened.dataset.systems == ("one", "<b>two</b>")
 
 
@@ -220,7 +222,7 @@ def test_files_of_one_name_get_numbered_names_and_typed_ones_name_systems_and_re
     page.text_input(key="recording_name_upload").set_value("crossing")
     press(page, "open_upload")
     assert space_of(page).opened.dataset.systems == ("RRC", "PointRCNN")
-    assert page.table[1].value["Recording"].tolist() == ["crossing"]
+    assert recordings_of(page)["name"].tolist() == ["crossing"]
     assert not any("0016" in text for text in page.table[0].value["Read as"])
 
 
@@ -254,7 +256,7 @@ def test_a_video_that_cannot_be_opened_stops_until_one_goes_on_without(tmp_path:
     checked(without.check().run())
     press(page, "open_upload")
     assert "Open now: Uploaded files (1 recording)" in texts(page)
-    assert page.table[1].value["Pictures"].tolist() == ["no pictures"]
+    assert recordings_of(page)["pictures"].tolist() == ["no pictures"]
 
 
 def test_pictures_of_no_recording_are_named(tmp_path: Path):

@@ -14,7 +14,6 @@ from ui.encounters import details, figures, table
 from ui.encounters.address import Choice, from_address, to_address
 from ui.encounters.filters import Filters
 from ui.encounters.order import Order
-from ui.encounters.picture import cut_out
 from ui.session import state
 from ui.session.chosen import CHOSEN, encounter_of, name_of
 from ui.session.workspace import Opened
@@ -61,7 +60,14 @@ def test_all_encounters_of_the_sample_are_listed_the_heaviest_failures_first():
     assert {"lag_s_y", "gap_s_x", "tail_s_x", "peak_k", "aspect_z", "occluded_share"} <= {*rows}
     assert list(page.dataframe[0].proto.column_order) == list(table.FIRST_COLUMNS)
     checked(page.toggle(key="encounters_columns").set_value(True).run())
-    assert list(page.dataframe[0].proto.column_order) == []
+    assert len(page.dataframe[0].proto.column_order) == len(listed(page).columns)
+
+
+def test_what_the_measures_of_one_encounter_mean_stands_below_them():
+    captions = " ".join(text.value for text in opened().caption)
+    for term in ("Peak cost: ", "Lag: ", "Longest gap: ", "Tail: ", "standard deviations"):
+        assert term in captions
+    assert "mean position −0.48" in captions.replace("\\", "")
 
 
 def test_a_click_in_the_venn_diagram_presets_the_category_which_can_be_changed():
@@ -303,6 +309,16 @@ def test_without_pictures_the_boxes_are_drawn_all_the_same(tmp_path, monkeypatch
     assert "Pedestrian 1 in urban" in texts(choose(page, 0))
 
 
+def test_the_column_of_recordings_is_left_out_where_there_is_one(tmp_path, monkeypatch):
+    one = replace(session(tmp_path, "fir.csv", "nir.csv"), only=("urban",))
+    begin_with(one, monkeypatch)
+    page = opened()
+    assert "Pedestrian 1 in urban" in texts(choose(page, 0))
+    assert list(page.dataframe[0].proto.column_order) == list(table.FIRST_COLUMNS[1:])
+    checked(page.toggle(key="encounters_columns").set_value(True).run())
+    assert "recording" not in page.dataframe[0].proto.column_order
+
+
 def test_of_very_many_encounters_the_first_are_listed_and_a_fusion_waits_to_be_asked_for(
     monkeypatch: pytest.MonkeyPatch,
 ):
@@ -356,14 +372,3 @@ def test_the_heavier_failure_comes_first_then_the_taller_and_distant_ones_last()
 )
 def test_filters_are_joined_and_keep_the_index(filters: Filters, rows: list[int]):
     assert filters.keep(SIX).index.tolist() == rows
-
-
-def test_a_cut_out_lies_around_the_pedestrian_and_within_the_picture():
-    picture = np.arange(100 * 200).reshape(100, 200)
-    middle = cut_out(picture, np.array([95, 40, 10, 20]))
-    assert middle.shape == (44, 70)
-    assert middle[22, 35] == picture[50, 100]
-    corner = cut_out(picture, np.array([190, 90, 10, 20]))
-    assert (corner[-1, -1], corner.shape) == (picture[-1, -1], (44, 70))
-    tall = cut_out(np.zeros((100, 120)), np.array([10, 0, 40, 100]))
-    assert tall.shape == (100, 120)

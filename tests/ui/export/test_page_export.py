@@ -39,6 +39,8 @@ def test_the_reports_files_are_told_and_can_be_downloaded():
         *("summary.json", "session.toml", "matches.parquet"),
         "Picture (PNG)",
     ]
+    (single,) = [part for part in page.expander if part.label == "Single files"]
+    assert len(single.get("download_button")) == 12  # folded: the ZIP has them all
     assert "3,000 evaluated frames" in texts(page)
     assert "beside its inputs: truth.csv, fir.csv, nir.csv." in texts(page)  # without folders
     assert "`similarity_x`, `similarity_y` | 0 to 1" in texts(page)

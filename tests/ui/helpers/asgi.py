@@ -25,7 +25,12 @@ class Answer:
         return self.body.decode()
 
 
-def ask(
+def ask(address: str, **request: Any) -> Answer:
+    """What `asked` returns, where nothing else is going on."""
+    return asyncio.run(asked(address, **request))
+
+
+async def asked(
     address: str,
     *,
     method: str = "GET",
@@ -40,7 +45,8 @@ def ask(
     scope = {
         "type": "http", "asgi": {"version": "3.0"}, "http_version": "1.1", "method": method,
         "scheme": "http", "path": parts.path, "raw_path": parts.path.encode(), "root_path": "",
-        "query_string": parts.query.encode(), "server": ("testserver", 80), "client": None,
+        "query_string": parts.query.encode(errors="surrogateescape"),
+        "server": ("testserver", 80), "client": None,
         "headers": [(name.lower().encode(), value.encode()) for name, value in sent.items()],
     }  # fmt: skip
     bodies = list(chunks)
@@ -57,7 +63,7 @@ def ask(
     async def send(message: Any) -> None:
         answered.append(message)
 
-    asyncio.run((app or Starlette(routes=ROUTES))(scope, receive, send))
+    await (app or Starlette(routes=ROUTES))(scope, receive, send)
     start, *rest = answered
     return Answer(
         start["status"],

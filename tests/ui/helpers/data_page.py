@@ -5,6 +5,9 @@ from __future__ import annotations
 import asyncio
 from pathlib import Path
 
+import pandas as pd
+import pytest
+import streamlit as st
 from inputs import drive, write
 from places import ROOT
 from streamlit.testing.v1 import AppTest
@@ -78,6 +81,50 @@ def open_files(page: AppTest, **values: float) -> AppTest:
 
 def opened_drive(folder: Path, *systems: str) -> AppTest:
     return open_files(sent_drive(folder, *systems))
+
+
+def recordings_of(page: AppTest) -> pd.DataFrame:
+    """The table of the recordings that are open, as it is offered for editing."""
+    (table,) = [item.value for item in page.dataframe if "note" in item.value]
+    return table
+
+
+def sizes_of(page: AppTest) -> list[tuple[float, float]]:
+    return [*recordings_of(page)[["width", "height"]].itertuples(index=False, name=None)]
+
+
+class Edit:
+    """Changes of the first recording in a table of recordings, as by a person.
+
+    Those of what is not open stay in their table; applied ones have had their time.
+    """
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.changes: dict[str, object] = {}
+        self.is_of_open = True
+        editor = st.data_editor
+
+        def edit(table: pd.DataFrame, **more: object) -> pd.DataFrame:
+            editor(table, **more)
+            after = table.copy().astype(object)
+            if ("note" in table) == self.is_of_open:
+                for column, value in self.changes.items():
+                    after.loc[0, column] = value
+                if self.is_of_open:
+                    self.changes = {}
+            return after
+
+        monkeypatch.setattr(st, "data_editor", edit)
+
+    def apply(self, page: AppTest, **changes: object) -> AppTest:
+        """Change cells of what is open, and apply the table."""
+        self.changes, self.is_of_open = changes, True
+        return press_labelled(page, "Apply to the recordings")
+
+    def open_files(self, page: AppTest, **changes: object) -> AppTest:
+        """Change cells of what is not open yet, and open it."""
+        self.changes, self.is_of_open = changes, False
+        return press(page, "open_upload")
 
 
 def space_of(page: AppTest):

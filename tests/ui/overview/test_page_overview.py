@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+import cv2
+import numpy as np
 import pandas as pd
 import pytest
 from streamlit.testing.v1 import AppTest
@@ -9,13 +13,15 @@ from streamlit.testing.v1 import AppTest
 from nvcore.errors import InputError
 from nvcore.evidence.table import evidence_table
 from nvcore.report.verdict import Verdict, verdict
+from nvcore.tables.moments import worst_moments
 from pages import checked, measures, opened, press, texts, to_page
-from ui.overview import companions, venn
+from ui.overview import companions, moments, venn
 from ui.overview import evidence as evidence_page
 from ui.overview import verdict as verdict_page
 from ui.overview.moments import window_row
 from ui.overview.scorecard import Scorecard
-from ui.session import evidence as overview_evidence
+from ui.session.drawing import cut_out
+from ui.session.results import evidence as overview_evidence
 
 
 @pytest.fixture
@@ -39,6 +45,12 @@ def test_the_app_opens_on_verdict_and_scorecard_which_follow_the_parameters(app:
     assert after["mean similarity ↑"] != before["mean similarity ↑"]
     assert after["encounters detected, of 38 ↑"] == before["encounters detected, of 38 ↑"]
     assert app.query_params["alpha"] == "0.5"
+
+
+def test_the_page_says_whether_one_recording_decides_who_is_ahead(app: AppTest):
+    assert "X is ahead by 0.019 in mean similarity, whichever recording is left out: by" in texts(
+        app
+    )
 
 
 def tiles(app: AppTest) -> str:
@@ -86,6 +98,17 @@ def test_what_is_known_is_drawn_once_and_not_first_as_unknown(
     assert tiles(app).count(">not shown<") == 3
 
 
+def test_a_new_visitor_sees_at_once_what_another_has_waited_for(
+    app: AppTest, monkeypatch: pytest.MonkeyPatch
+):
+    drawn: list[bool] = []
+    monkeypatch.setattr(Scorecard, "draw", lambda _, evidence: drawn.append(evidence is not None))
+    monkeypatch.setattr(verdict_page.Room, "draw_known", lambda *_: drawn.append(False))
+    newcomer = checked(opened())
+    assert newcomer.session_state["workspace"] is not app.session_state["workspace"]
+    assert drawn == [True]
+
+
 @pytest.mark.parametrize(("x", "y"), [("FIR", "NIR"), ("NIR", "FIR")])
 def test_a_system_keeps_its_colour_and_line_as_x_and_as_y(x: str, y: str):
     page = checked(opened(x=x, y=y))
@@ -123,6 +146,11 @@ def test_a_mark_of_the_venn_diagram_opens_its_frame_and_a_region_its_encounters(
     monkeypatch.setattr(venn, "_open", opened_categories.append)
     checked(app.run())
     assert [*opened_rows, *opened_categories] == [clicked]
+
+
+def test_regions_say_what_they_mean_for_the_next_version_of_a_system(app: AppTest):
+    assert "newly misses" in app.button(key="open_x_only").proto.help
+    assert "mends" in app.button(key="open_y_only").proto.help
 
 
 def test_the_encounters_that_weigh_most_are_listed_and_open_by_a_click(
@@ -164,6 +192,31 @@ def test_every_kind_of_moment_can_be_looked_at(app: AppTest):
         app.session_state["moments"] = kind
         checked(app.run())
         assert [button for button in app.button if button.label == "Open frame"]
+
+
+def test_the_picture_of_a_moment_is_around_the_pedestrian_who_is_named(
+    app: AppTest, monkeypatch: pytest.MonkeyPatch
+):
+    drawn: dict[tuple[int, int], bytes] = {}
+
+    def thumbnail(what: tuple[int, int], draw: Callable[[], bytes]) -> bytes:
+        return drawn.setdefault(what, draw())
+
+    monkeypatch.setattr(moments.drawing, "thumbnail", thumbnail)
+    result = checked(app.run()).session_state["workspace"].result
+    table = worst_moments(result, n=moments.N_MOMENTS)
+    for moment in table[table["kind"] == "x"].to_dict("records"):
+        start, stop = result.dataset.truth.offsets[moment["row"] : moment["row"] + 2]
+        at = start + result.tracks.track[start:stop].tolist().index(moment["track"])
+        box = np.array([getattr(result.dataset.truth, name)[at] for name in "xywh"])
+        assert moments.named_box(result, moment).tolist() == box.tolist()
+        content = np.frombuffer(drawn[moment["row"], moment["track"]], np.uint8)
+        shape = cv2.imdecode(content, cv2.IMREAD_COLOR).shape
+        height, width, _ = cut_out(np.zeros((960, 1280, 3)), 2 * box).shape  # drawn twice as large
+        assert shape[1] == min(width, moments.THUMBNAIL_PX)
+        assert shape[1] / shape[0] == pytest.approx(width / height, rel=0.01)
+    assert moments.named_box(result, {**moment, "track": pd.NA}) is None
+    assert moments.named_box(result, {**moment, "track": 10_000}) is None
 
 
 def test_the_page_says_why_many_encounters_have_no_marks(

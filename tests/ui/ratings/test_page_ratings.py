@@ -59,6 +59,7 @@ def test_a_file_that_cannot_be_used_says_why():
         (b"participant,clip,rating\nP1,a,3\nP1,b,often\n", "line 3"),
         (b"participant,clip,rating\nP1,a,3\n", "none of the rated clips"),
         (b"participant,clip,rating\n", "There is no rating yet"),
+        (b"," * ((5 << 20) + 1), "larger than 5 MB"),
     ):
         assert why in words(from_file(content, page=page))
 

@@ -58,7 +58,24 @@ def test_a_click_on_a_recording_leaves_its_events_only():
     table = listed(checked(page.run()))
     assert set(table["recording"]) == {"urban_crossing"}
     (chosen,) = [one for one in page.selectbox if one.label == "Recording"]
-    assert chosen.value == 0
+    assert chosen.value == "urban_crossing"
+
+
+def test_a_chosen_recording_stays_where_tags_leave_it_and_goes_where_they_do_not():
+    script = (
+        "from dataclasses import replace\nfrom ui.session import state\nimport streamlit as st\n"
+    )
+    script += "state.compare_as(replace(state.opened().session, only_tags=st.session_state.only))"
+    page = alone("saliency", before=script)
+    page.session_state["only"] = ()
+    page = checked(page.run())
+    (choice,) = [item for item in page.selectbox if item.label == "Recording"]
+    page = checked(choice.set_value("rural_child").run())
+    for tags, left in ((("rural",), {"rural_child"}), (("winter",), {"winter_frost"})):
+        page.session_state["only"] = tags
+        assert left <= set(listed(checked(page.run()))["recording"])
+    (choice,) = [item for item in page.selectbox if item.label == "Recording"]
+    assert choice.value is None
 
 
 def test_the_first_row_of_every_listed_event_is_known():

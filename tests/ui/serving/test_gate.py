@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,9 +11,11 @@ from typing import Any
 import pytest
 from asgi import ask, put
 from people import cookies, header, log_in_by
+from starlette.applications import Starlette
 from starlette.responses import PlainTextResponse
 from starlette.types import Receive, Scope, Send
 from streamlit.proto.ForwardMsg_pb2 import ForwardMsg
+from streamlit.web.server.starlette.starlette_routes import create_host_config_routes
 
 from ui.access import people as module
 from ui.access.origins import own_names
@@ -59,9 +62,27 @@ def test_who_has_not_logged_in_gets_nothing(behind: Gate, path: str):
     assert "inside" not in page.text
 
 
+def test_an_address_that_is_no_text_is_answered_as_well(behind: Gate):
+    assert ask("/data?x=\udcff", headers=PAGE, app=behind).status == 401
+
+
 @pytest.mark.parametrize("path", ["/oauth2callback", "/auth/login", "/auth/logout"])
 def test_the_way_to_the_provider_and_back_is_open(behind: Gate, path: str):
     assert ask(path, app=behind).text == "inside"
+
+
+def test_what_else_is_open_is_the_same_for_all_and_says_nothing_of_them(behind: Gate):
+    for path in (gate.HEALTH, gate.HOST_CONFIG):
+        assert ask(path, app=behind).text == "inside"
+    streamlit = Starlette(routes=create_host_config_routes(""))
+    answer = json.loads(ask(gate.HOST_CONFIG, app=streamlit).text)
+    origins = answer.pop("allowedOrigins")
+    assert all("streamlit" in origin for origin in origins)  # its own cloud's
+    assert sorted(answer) == [
+        "blockErrorDialogs", "enableCustomParentMessages", "enforceDownloadInNewTab", "metricsUrl",
+        "resourceCrossOriginMode", "useExternalAuthToken",
+    ]  # fmt: skip
+    assert not any(answer.values())
 
 
 def test_who_has_logged_in_gets_all_and_cookies_by_tls_alone(behind: Gate):

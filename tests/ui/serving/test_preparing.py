@@ -1,12 +1,14 @@
-"""The first visitor finds what every visitor starts with compared, and judged."""
+"""The first visitor finds what every visitor starts with compared, judged and audited."""
 
 from __future__ import annotations
 
 import pytest
 
 from pages import alone, checked
+from ui.overview import companions
 from ui.serving.preparing import prepare_start
-from ui.session import evidence, sample, state
+from ui.session import sample, state
+from ui.session.results import evidence, findings
 
 
 def test_the_first_visitor_need_not_wait_for_the_comparison(monkeypatch: pytest.MonkeyPatch):
@@ -18,5 +20,8 @@ def test_the_first_visitor_need_not_wait_for_the_comparison(monkeypatch: pytest.
     monkeypatch.setattr(state, "compare", refuse)
     monkeypatch.setattr(evidence, "evidence_table", refuse)
     monkeypatch.setattr(evidence, "judge_miss_rate", refuse)
+    monkeypatch.setattr(companions, "find_companions", refuse)
+    for name in ("audit_inputs", "audit_system", "audit_pair"):
+        monkeypatch.setattr(findings, name, refuse)
     page = checked(alone("overview").run())
     assert not page.error

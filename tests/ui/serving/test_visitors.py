@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import signal
+import threading
 from typing import Any
 
 import pytest
@@ -10,7 +12,8 @@ from asgi import Answer, ask
 from starlette.responses import PlainTextResponse
 from starlette.types import Receive, Scope, Send
 
-from ui.serving import visitors
+from nvcore.errors import InputError
+from ui.serving import life, visitors
 from ui.serving.headers import SecureHeaders
 from ui.serving.visitors import METRICS_TOKEN, TRY_AGAIN_LATER, VisitorLimits
 from ui.settings.limits import Limits, limits_of_environment
@@ -95,8 +98,15 @@ def test_files_in_memory_are_capped_for_each_visitor_and_for_all(monkeypatch: py
     assert upload(app, "").status == upload(app, "-1").status == 411
 
 
-def test_a_sender_that_falls_silent_counts_as_gone(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(visitors, "IDLE_S", 0.01)
+@pytest.mark.parametrize("why", ["silent", "the server ends"])
+def test_a_sender_that_falls_silent_counts_as_gone_and_all_do_at_the_end(
+    why: str, monkeypatch: pytest.MonkeyPatch
+):
+    if why == "silent":
+        monkeypatch.setattr(visitors, "IDLE_S", 0.01)
+    else:
+        monkeypatch.setattr(life, "_end", threading.Event())
+        life._heard(lambda *_: None)(signal.SIGTERM, None)
     received: list[str] = []
 
     async def read(scope: Scope, receive: Receive, send: Send) -> None:
@@ -114,6 +124,27 @@ def test_a_sender_that_falls_silent_counts_as_gone(monkeypatch: pytest.MonkeyPat
 
     asyncio.run(put())
     assert received == ["http.disconnect"]
+
+
+def test_a_sender_that_only_drips_counts_as_gone(monkeypatch: pytest.MonkeyPatch):
+    now = [0.0]
+    monkeypatch.setattr(visitors.time, "monotonic", lambda: now[0])
+
+    def n_received(n_bytes: int, every_s: float) -> int:
+        async def drip() -> Any:
+            now[0] += every_s
+            return {"type": "http.request", "body": bytes(n_bytes), "more_body": True}
+
+        async def count() -> int:
+            receive, n = visitors._impatient(drip), 0
+            while n < 100 and (await receive())["type"] == "http.request":
+                n += 1
+            return n
+
+        return asyncio.run(count())
+
+    assert n_received(1, 50.0) < 4
+    assert n_received(100 * visitors.SLOWEST, 50.0) == 100
 
 
 def test_metrics_are_for_whoever_has_the_token(monkeypatch: pytest.MonkeyPatch):
@@ -145,5 +176,5 @@ def test_limits_come_from_the_environment(monkeypatch: pytest.MonkeyPatch):
     assert limits_of_environment() == Limits(max_visitors=3)
     limits_of_environment.cache_clear()
     monkeypatch.setenv("NVCORE_MAX_VISITORS", "0")
-    with pytest.raises(ValueError, match="NVCORE_MAX_VISITORS: expected a whole number above 0"):
+    with pytest.raises(InputError, match="NVCORE_MAX_VISITORS: expected a whole number above 0"):
         limits_of_environment()

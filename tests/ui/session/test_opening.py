@@ -10,10 +10,12 @@ import pytest
 from builders import at, make_dataset
 from inputs import write
 
-from nvcore.errors import SessionError
+from nvcore.errors import InputError, SessionError
 from nvcore.findings import Finding, Severity
-from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
+from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session, Source, SystemSource
 from nvcore.params import Params
+from ui.confined import reading
+from ui.confined.process import Allowance
 from ui.session.opening import (
     check_confined,
     checked_frames,
@@ -25,6 +27,7 @@ from ui.session.opening import (
     uploaded_session,
     with_recordings,
     with_systems,
+    with_uploaded_recordings,
 )
 
 
@@ -164,6 +167,20 @@ def test_a_session_file_never_reaches_files_that_were_not_sent(tmp_path: Path, p
     text = TOML.replace("/home/me/mot/A/gt/gt.txt", path.replace("\\", "\\\\"))
     with pytest.raises(SessionError, match="which was not sent"):
         uploaded(tmp_path, text)
+
+
+def test_a_session_file_that_would_be_read_for_hours_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(reading, "SMALL", Allowance(memory_mb=1000, seconds=0.5))
+    with pytest.raises(InputError, match=r"reading the session file took more than 0\.5 s"):
+        uploaded(tmp_path, ".".join("a" * 100_000) + " = 1")
+    table = f"recording\n{chr(10).join(map(str, range(100_000)))}\n"
+    (tmp_path / "upload-1" / "recordings.csv").write_text(table)
+    monkeypatch.setattr(reading, "SMALL", Allowance(memory_mb=1000, seconds=0.01))
+    from_form = session(tmp_path / "upload-1", recordings_file=RecordingsFile("recordings.csv"))
+    with pytest.raises(InputError, match="reading the table of recordings took more than"):
+        with_uploaded_recordings(from_form, tmp_path / "pictures")
 
 
 def test_names_with_signs_that_are_replaced_when_sent_are_found(tmp_path: Path):

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
+import threading
 from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 import streamlit as st
-from asgi import ask, put
+from asgi import ask, asked, put
 from builders import at, make_dataset, result_of
+from starlette.concurrency import run_in_threadpool
 
 from nvcore.errors import MediaError
 from ui.session.packed_boxes import pack_boxes
@@ -36,6 +39,17 @@ class Grey:
         """Nothing to let go of."""
 
 
+class Slow(Grey):
+    """Pictures that take until `go_on` is set."""
+
+    def __init__(self) -> None:
+        self.go_on = threading.Event()
+
+    def read(self, index: int) -> np.ndarray:
+        assert self.go_on.wait(60)
+        return super().read(index)
+
+
 @pytest.fixture
 def space(space: Workspace) -> Workspace:
     """With a comparison of which the first frame has no picture, and the fourth a broken one."""
@@ -59,6 +73,21 @@ def test_a_row_gives_the_picture_that_shows_it_to_its_browser_alone(space: Works
     assert answer.headers["cache-control"] == "private, max-age=3600"
     assert answer.headers["x-content-type-options"] == "nosniff"
     assert answer.headers["cross-origin-resource-policy"] == "same-origin"
+
+
+def test_pictures_that_take_long_keep_no_thread_from_other_visitors(space: Workspace):
+    slow = Slow()
+    space.pictures = {0: slow}
+    url = f"{address(space)}/frame/0/1.jpg"
+
+    async def visit() -> list[int]:
+        many = [asyncio.create_task(asked(url)) for _ in range(60)]
+        other = run_in_threadpool(lambda: "answered")
+        assert await asyncio.wait_for(other, 30) == "answered"
+        slow.go_on.set()
+        return [(await answer).status for answer in many]
+
+    assert asyncio.run(visit()) == [200] * 60
 
 
 @pytest.mark.parametrize(
@@ -215,3 +244,7 @@ def test_routes_and_addresses_lie_below_the_apps_base_path(
 def test_the_overview_s_own_name_leads_to_where_the_app_opens(query: str):
     answer = ask(f"/overview{query}")
     assert (answer.status, answer.headers["location"]) == (307, f"./{query}")
+
+
+def test_an_address_that_is_no_text_is_none_that_is_known():
+    assert ask("/overview?x=\udcff").headers["location"] == "./?x=%EF%BF%BD"

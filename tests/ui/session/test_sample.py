@@ -14,13 +14,13 @@ from nvcore.errors import NvcoreError
 from nvcore.pictures import open_pictures, recordings
 from nvcore.protocols import PROTOCOLS
 from pages import TIMEOUT_S, checked, session
-from ui.session import state
+from ui.session import sample, state
 from ui.session.sample import SharedSample, sample_of, shared_sample
 
 SCRIPT = """
 import streamlit as st
 from ui.session import drawing, state
-from ui.session.evidence import measure_evidence
+from ui.session.results.evidence import measure_evidence
 from ui.shell import live_params
 state.begin_run()
 live_params.read()
@@ -68,15 +68,33 @@ def test_each_visitor_reads_the_pictures_by_himself(monkeypatch: pytest.MonkeyPa
     assert spaces[0].pictures[0] is not spaces[1].pictures[0]
 
 
-@pytest.mark.parametrize(
-    "given", [{"alpha": 0.123}, {"protocol": PROTOCOLS["near"]}], ids=["slider", "protocol"]
-)
-def test_a_change_is_of_its_visitor_alone(given: dict[str, object]):
+def test_a_change_is_of_its_visitor_alone():
     before = visit()
-    changed = visit(b"another drawing", **given)
+    changed = visit(b"another drawing", protocol=PROTOCOLS["near"])
     assert not {id(value) for value in made(changed)} & stored()
     assert made(changed)[2] == b"another drawing"
     assert made(visit())[0] is made(before)[0]
+
+
+def test_who_moves_a_setting_alike_shares_what_it_moves_and_nobody_else():
+    as_opened = visit()
+    first, second = visit(alpha=0.123), visit(alpha=0.123)
+    assert made(first)[0].params.alpha == 0.123
+    assert all(mine is yours for mine, yours in zip(made(first), made(second), strict=True))
+    assert made(first)[0] is not made(as_opened)[0]
+    assert made(first)[1] is not made(as_opened)[1]
+    assert made(first)[2] == made(as_opened)[2]  # the boxes of a picture do not depend on alpha
+    assert made(visit())[0] is made(as_opened)[0]
+
+
+def test_long_recordings_are_not_kept_for_settings_that_were_moved(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(sample, "MOVED_FRAMES", 10)
+    assert SharedSample(SAMPLE, "long").most_moved == 0
+    n_made: list[int] = []
+    long = SharedSample(SAMPLE, "long")
+    for _ in range(2):
+        long.cached_moved("kind", "key", lambda: n_made.append(1))
+    assert len(n_made) == 2
 
 
 def test_a_change_taken_back_shares_again():

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 import pytest
 
 from ui.session import ending
 from ui.session.ending import GRACE_S, end_with_session, sweep, watch
+from ui.settings.limits import Limits
 
 
 class Thing:
@@ -18,8 +20,11 @@ class Thing:
 
 
 class Stuck:
+    def __init__(self, error: Exception) -> None:
+        self.error = error
+
     def close(self) -> None:
-        raise OSError("disk gone")
+        raise self.error
 
 
 class Browser:
@@ -58,10 +63,27 @@ def test_it_is_closed_when_the_browser_stays_away_and_not_before(now_s: float, w
     assert watched == []
 
 
-def test_what_cannot_be_closed_is_told_once_and_keeps_nothing_else_open(
-    now_s: float, watched: list, caplog: pytest.LogCaptureFixture
+def test_of_too_many_that_are_away_the_first_ones_end_at_once(
+    now_s: float, watched: list, monkeypatch: pytest.MonkeyPatch
 ):
-    stuck, thing, browser = Stuck(), Thing(), Browser()
+    monkeypatch.setattr(ending, "limits_of_environment", lambda: Limits(max_visitors=2))
+    things, browsers = [Thing() for _ in range(4)], [Browser() for _ in range(4)]
+    for thing, browser in zip(things, browsers, strict=True):
+        watch(thing, browser)
+    for number in (2, 0, 1):
+        now_s += 1
+        sweep(now_s)
+        browsers[number].is_here = False
+    sweep(now_s + 1)
+    assert [thing.is_closed for thing in things] == [False, False, True, False]
+    assert len(watched) == 3
+
+
+@pytest.mark.parametrize("error", [OSError("disk gone"), RecursionError("disk gone")])
+def test_what_cannot_be_closed_is_told_once_and_keeps_nothing_else_open(
+    now_s: float, watched: list, caplog: pytest.LogCaptureFixture, error: Exception
+):
+    stuck, thing, browser = Stuck(error), Thing(), Browser()
     watch(stuck, browser)
     watch(thing, browser)
     browser.is_here = False
@@ -94,3 +116,32 @@ def test_what_another_session_has_taken_over_stays(now_s: float):
     browser.is_here = False
     sweep(now_s + 4 * GRACE_S)
     assert thing.is_closed
+
+
+def test_streamlit_forgets_the_session_with_the_files_that_it_sent(
+    now_s: float, monkeypatch: pytest.MonkeyPatch
+):
+    """By itself it would keep them in memory until the next visitor comes."""
+
+    forgotten: list[str] = []
+
+    class Server:
+        def close_session(self, session_id: str) -> None:
+            forgotten.append(session_id)
+
+    class Loop:
+        def is_closed(self) -> bool:
+            return False
+
+        def call_soon_threadsafe(self, act: Callable[[str], None], session_id: str) -> None:
+            act(session_id)
+
+    monkeypatch.setattr(ending.runtime, "exists", lambda: True)
+    monkeypatch.setattr(ending.runtime, "get_instance", Server)
+    monkeypatch.setattr(ending, "_loops", [Loop()])
+    thing = Thing()
+    watch(thing, lambda: False, session_id="one")
+    sweep(now_s + 0.9 * GRACE_S)
+    assert forgotten == []
+    sweep(now_s + 1.1 * GRACE_S)
+    assert (thing.is_closed, forgotten) == (True, ["one"])

@@ -16,7 +16,7 @@ from sent_files import Sent
 from nvcore.errors import MediaError
 from nvcore.inputs.readers.meaning.names import NEUTRAL
 from nvcore.inputs.session import Session, Source
-from ui.session import uploads
+from ui.session import uploads, workspace
 from ui.session.uploads import (
     ANNOTATION_FOLDERS,
     UploadError,
@@ -29,6 +29,7 @@ from ui.session.uploads import (
     store_annotations,
 )
 from ui.session.workspace import PICTURES, Opened, Workspace
+from ui.settings.limits import Limits
 
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(100)
 
@@ -165,6 +166,20 @@ def test_a_session_has_a_quota_in_which_removed_pictures_make_room(
     remove_pictures(space, ["a.png", "unknown.png"])
     send(space, "b.png", PNG)
     assert files_in(space.folder) == ["pictures/images/b.png"]
+
+
+def test_all_sessions_together_have_a_quota(space: Workspace, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(uploads, "limits_of_environment", lambda: Limits(max_disk_mb=1))
+    other = Workspace()
+    monkeypatch.setattr(workspace, "_workspaces", {"own": space, "other": other})
+    send(other, "a.png", PNG, bytes((1 << 20) - 150))
+    with pytest.raises(UploadError, match="holds as many uploads as it may") as caught:
+        send(space, "a.png", PNG)
+    assert caught.value.status == HTTPStatus.INSUFFICIENT_STORAGE
+    assert uploads._room(space) < len(PNG)
+    other.close()
+    monkeypatch.setattr(workspace, "_workspaces", {"own": space})
+    send(space, "a.png", PNG)
 
 
 def test_an_upload_that_is_shorter_than_stated_is_dropped(space: Workspace):

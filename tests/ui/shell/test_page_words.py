@@ -11,7 +11,7 @@ from places import ROOT
 from ui.shell.page_words import page_text
 
 ROOMS = ("auditing", "inputs", "metrics", "detection", "pictures")
-COMMANDS_ONLY = ("conversion.py", "convert.py")
+COMMANDS_ONLY = ("conversion.py", "writers.py")
 FLAG = re.compile(r"(?<![\w-])--[a-z]")
 
 

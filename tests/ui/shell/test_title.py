@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 import streamlit as st
+from places import ROOT
 
 from pages import begin_with, checked, opened, rows, to_page, write
 
@@ -38,3 +39,9 @@ def test_a_title_holds_no_signs_that_act_and_no_long_names(titles, tmp_path, mon
     begin_with(path, monkeypatch)
     opened("metrics")
     assert titles[-1] == r"Documentation · a\x1b\u202ebbbbbbbbbbbb… · nvcore"
+
+
+def test_the_logo_is_outlines_that_no_other_font_widens():
+    logo = (ROOT / "ui" / "assets" / "logo.svg").read_text(encoding="utf-8")
+    assert "<path" in logo
+    assert "<text" not in logo

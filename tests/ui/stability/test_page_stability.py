@@ -9,6 +9,7 @@ from streamlit.testing.v1 import AppTest
 import pages
 from pages import begin_with, session
 from ui.jobs.background import JobState
+from ui.session import sample
 from ui.stability import survey, verdict_map
 
 
@@ -57,6 +58,22 @@ def test_the_map_of_the_sample_is_told_for_each_choice_and_setting():
     assert "As analysed, Y has the higher mean similarity" in words(page)
 
 
+def test_that_the_difference_may_be_chance_is_said_without_unfolding_anything():
+    page = opened()
+    (more,) = page.main.expander
+    folded = " ".join(text.value for text in more.markdown)
+    assert "more than chance" in words(page)
+    assert "more than chance" not in folded
+
+
+def test_unequal_operating_points_are_told_as_on_the_other_pages():
+    page = opened()
+    assert "Nothing is claimed from these" not in words(page)
+    checked(page.slider(key="threshold_y").set_value(0.2).run())
+    assert "As set: at unequal operating points" in words(page)
+    assert "Nothing is claimed from these" in words(page)
+
+
 def test_single_frames_are_not_tested_as_if_they_were_persons(tmp_path, monkeypatch):
     frames = session(tmp_path, "fir.csv", "nir.csv")
     rows = [f"urban,{f},100,200,40,100" for f in range(20)]
@@ -97,6 +114,7 @@ def test_what_the_audit_warns_of_stands_above_the_map(tmp_path, monkeypatch: pyt
 
 def test_a_large_map_is_made_on_a_wish_and_then_known(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(verdict_map, "AT_ONCE", 0)
+    monkeypatch.setattr(sample, "_samples", type(sample._samples)())  # nobody has made one before
     page = opened()
     assert "As analysed" not in words(page)
     checked(page.button(key="stability_start").click().run())

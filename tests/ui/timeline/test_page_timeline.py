@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import json
 
-from pages import checked, opened, texts
+import numpy as np
+import pytest
+from streamlit.testing.v1 import AppTest
+
+from nvcore.findings import Cases, Finding, Severity
+from pages import checked, opened, press, texts, to_page
 from ui.session.chosen import CHOSEN
+from ui.shell.review import Review
 from ui.timeline import plots
 
 
@@ -24,6 +30,17 @@ def test_the_page_opens_at_the_frame_of_the_address_which_stays_while_parameters
         checked(app.segmented_control(key="plot_over_time").set_value(kind).run())
     assert app.query_params["recording"] == "rural_child"
     assert app.query_params["frame"] == "57"
+
+
+def test_how_frames_are_numbered_is_said_only_where_it_is_unusual(monkeypatch):
+    app = checked(opened("timeline"))
+    assert "counted from 0" not in texts(app)
+    space = app.session_state["workspace"]
+    note = "Picture i, counted from 0, shows frame i + 1: the frames count from 1."
+    monkeypatch.setattr(space, "picture_notes", {0: note})
+    assert note in texts(checked(app.run()))
+    monkeypatch.setattr(space, "picture_notes", {})
+    assert "has no pictures" in texts(checked(app.run()))
 
 
 def test_another_recording_starts_at_its_first_frame_with_those_missed_in_it():
@@ -86,3 +103,95 @@ def lane_names(app, page=None):
     if page is not None:
         checked(app.selectbox(key="lanes_first").select(page).run())
     return lanes_layout(app)["yaxis"]["ticktext"]
+
+
+def walked(app: AppTest, cases: Cases, at: int = 0) -> AppTest:
+    """The page on which the list of a finding with these cases is walked through."""
+    finding = Finding(
+        Severity.NOTE, "odd", "truth", len(cases), "3 odd boxes.", "Look.", cases=cases
+    )
+    key = (app.session_state["workspace"].opened.dataset.fingerprint, "odd", "truth", "1")
+    app.session_state["review"] = Review(finding, at, key)
+    return checked(app.run())
+
+
+@pytest.fixture
+def of_two_recordings() -> tuple[AppTest, Cases, list[tuple[int, int]]]:
+    """The page, cases in two recordings, and the place of each."""
+    app = checked(opened("timeline"))
+    dataset = app.session_state["workspace"].opened.dataset
+    frames = dataset.frame_columns
+    rows = [
+        int(dataset.truth.offsets[frames.first[recording] + row])
+        for recording, row in ((0, 30), (0, 40), (1, 20))
+    ]
+    in_all = dataset.boxes["frame_index"].to_numpy()[rows]
+    places = [
+        (int(frames.recording[i]), int(i - frames.first[frames.recording[i]])) for i in in_all
+    ]
+    return app, Cases("boxes", np.array(rows)), places
+
+
+def test_a_list_is_walked_through_across_recordings(of_two_recordings):
+    app, cases, places = of_two_recordings
+    app = walked(app, cases)
+    assert "**1** of 3" in texts(app)
+    assert app.button(key="listed_previous").disabled
+    for at in (1, 2):
+        app = press(app, "listed_next")
+        assert app.session_state["place"] == places[at]
+        assert f"**{at + 1}** of 3" in texts(app)
+    names = app.session_state["workspace"].opened.dataset.recordings["name"]
+    (choice,) = [box for box in app.selectbox if box.label == "Recording"]
+    assert choice.value == 1
+    assert app.query_params["recording"] == names[1]
+    assert app.button(key="listed_next").disabled
+    app = press(app, "listed_previous")
+    assert app.session_state["place"] == places[1]
+    (seen,) = app.session_state["entries_seen"].values()
+    assert seen == {1, 2}
+
+
+def test_the_box_of_the_entry_is_said_and_marked(of_two_recordings):
+    app, cases, places = of_two_recordings
+    app = press(walked(app, cases), "listed_next")
+    box = app.session_state["workspace"].opened.dataset.boxes.iloc[cases.rows[1]]
+    assert f"box of {box['w']:.0f} × {box['h']:.0f} px at {box['x']:.0f}, {box['y']:.0f}" in (
+        texts(app)
+    )
+    (sent,) = [
+        json.loads(item.proto.json)
+        for item in app.get("bidi_component")
+        if "listed" in item.proto.json
+    ]
+    assert sent["listed"] == {"row": places[1][1], "box": box[["x", "y", "w", "h"]].tolist()}
+
+
+def test_who_has_left_the_entrys_frame_is_led_back_to_it(of_two_recordings):
+    app, cases, places = of_two_recordings
+    app = press(walked(app, cases), "listed_next")
+    assert "listed_again" not in [button.key for button in app.button]
+    app.session_state["place"] = (0, 3)
+    app = press(checked(app.run()), "listed_again")
+    assert app.session_state["place"] == places[1]
+
+
+def test_a_list_is_closed_and_leads_back_to_where_it_stands(of_two_recordings):
+    app, cases, _ = of_two_recordings
+    app = press(walked(app, cases), "listed_back")
+    assert app.title[0].value == "Data"
+    app = press(to_page(app, "timeline"), "listed_close")
+    assert "listed_next" not in [button.key for button in app.button]
+
+
+def test_an_entry_without_an_evaluated_frame_says_so_and_stays(of_two_recordings):
+    app, _, _ = of_two_recordings
+    dataset = app.session_state["workspace"].opened.dataset
+    one = {"subject": "x", "recording": "urban_crossing", "frame": 9999, "file": 0, "line": 3}
+    left_out = dataset.left_out.reindex([0]).assign(**one)
+    object.__setattr__(dataset, "left_out", left_out)
+    try:
+        app = walked(app, Cases("left_out", np.array([0])))
+        assert "which is not evaluated: there is nothing to show" in texts(app)
+    finally:
+        object.__setattr__(dataset, "left_out", left_out.iloc[:0])

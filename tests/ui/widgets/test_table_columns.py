@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import tomllib
+
 import pandas as pd
 import pytest
+from places import ROOT
 
+from nvcore.palette import rgb
 from nvcore.tables.columns import REPORT_COLUMNS
 from ui.widgets.table_columns import as_shown, column_config, heading, rows_told, table_height
 
@@ -65,3 +69,21 @@ def test_a_table_that_is_cut_short_says_so():
     assert rows_told(5000, "first") == ""
     told = rows_told(12345, "most salient")
     assert told == "The most salient 5,000 of 12,345 are listed; Export has them all."
+
+
+def luminance(colour: list[float]) -> float:
+    linear = [
+        part / 12.92 if part <= 0.03928 else ((part + 0.055) / 1.055) ** 2.4
+        for part in (channel / 255 for channel in colour)
+    ]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+@pytest.mark.parametrize("shade", ["light", "dark"])
+def test_the_first_columns_of_tables_can_be_read(shade: str):
+    """Streamlit draws pinned columns with 60 % of the text's colour; WCAG 2.2 asks for 4.5."""
+    theme = tomllib.loads((ROOT / ".streamlit" / "config.toml").read_text("utf-8"))["theme"][shade]
+    text, ground = rgb(theme["textColor"]), rgb(theme["backgroundColor"])
+    faded = [0.6 * one + 0.4 * other for one, other in zip(text, ground, strict=True)]
+    light, dark = sorted((luminance(faded), luminance([*ground])), reverse=True)
+    assert (light + 0.05) / (dark + 0.05) >= 4.5

@@ -5,17 +5,19 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from functools import partial
-from hashlib import sha256
 from typing import Final
 
-import numpy as np
 import pandas as pd
 import streamlit as st
 
+from nvcore.dataset import Dataset
 from nvcore.findings import Cases, Finding
 from nvcore.output.csv_text import to_csv_bytes
-from nvcore.tables.inputs import NO_ROW, entries_as_cvat, entry_frames, finding_entries
+from nvcore.pictures.recordings import picture_names
+from nvcore.tables.inputs import entries_as_cvat, entry_frames
 from ui.session import state
+from ui.session.workspace import Workspace
+from ui.shell import review
 from ui.shell.messages import path_remover
 from ui.shell.navigate import ask_for_page
 from ui.widgets.clicks import clicked_row
@@ -24,8 +26,6 @@ from ui.widgets.text import UNDEFINED
 
 _OPEN: Final = "entries_open"
 """The finding whose list is open."""
-_SEEN: Final = "entries_seen"
-"""Which entries were looked at, by finding and its cases."""
 _NO_FRAME: Final = "entries_no_frame"
 NOUNS: Final = {
     "boxes": ("box", "boxes"),
@@ -50,7 +50,7 @@ CONFIG: Final = {
 
 def is_open(finding: Finding) -> bool:
     """Whether the list of this finding is on the page."""
-    return st.session_state.get(_OPEN) == _name(finding)
+    return st.session_state.get(_OPEN) == review.finding_key(finding)
 
 
 def draw(finding: Finding, number: int) -> None:
@@ -66,21 +66,10 @@ def draw(finding: Finding, number: int) -> None:
         key=f"entries_{number}",
         icon=":material/list:",
         on_click=_toggle,
-        args=(_name(finding),),
+        args=(review.finding_key(finding),),
     )
     if shown:
         _draw_list(finding, cases)
-
-
-def _name(finding: Finding) -> tuple[str, str, str]:
-    """Says which finding it is, for as long as the same data are open."""
-    return state.opened().dataset.fingerprint, finding.code, finding.subject
-
-
-def _key(finding: Finding, cases: Cases) -> tuple[str, ...]:
-    """Says which cases they are as well: thresholds, matching, X and Y change them."""
-    rows = np.asarray(cases.rows, dtype=np.int64).tobytes()
-    return *_name(finding), sha256(rows).hexdigest()[:12]
 
 
 def _toggle(name: tuple[str, str, str]) -> None:
@@ -91,12 +80,15 @@ def _toggle(name: tuple[str, str, str]) -> None:
 
 
 def _draw_list(finding: Finding, cases: Cases) -> None:
-    name = _key(finding, cases)
-    table = _table(finding, name)
-    seen = st.session_state.get(_SEEN, {}).get(name, frozenset())
+    name = review.list_key(finding)
+    table = review.entries_of(finding, name)
+    seen = review.seen_of(name)
     shown = table.head(MOST_ROWS)
     shown = shown.assign(seen=["✓" if row in seen else "" for row in range(len(shown))])
-    st.caption("Click a row to see its frame on the Timeline; the browser's Back returns here.")
+    st.caption(
+        "Click a row to see its frame on the Timeline, with the way to the next and the previous "
+        "one; the browser's Back returns here."
+    )
     if st.session_state.pop(_NO_FRAME, False):
         st.info("That frame is not evaluated: there is nothing to show.", icon=":material/info:")
     key = f"entries_table_{finding.code}_{finding.subject}_{name[-1]}"
@@ -109,36 +101,23 @@ def _draw_list(finding: Finding, cases: Cases) -> None:
         placeholder=UNDEFINED,
         key=key,
         selection_mode=("single-row", "single-cell"),
-        on_select=partial(_go, key, finding, cases),
+        on_select=partial(_go, key, finding),
     )
     if note := rows_told(len(table), "first"):
         st.caption(note)
     _draw_downloads(finding, cases, table)
 
 
-def _table(finding: Finding, name: tuple[str, ...]) -> pd.DataFrame:
-    dataset = state.opened().dataset
-    table: pd.DataFrame = state.workspace().cached(
-        "finding_entries", name, lambda: finding_entries(dataset, [finding])
-    )
-    return table
-
-
-def _go(key: str, finding: Finding, cases: Cases) -> None:
-    """Show the frame of the row that was clicked."""
+def _go(key: str, finding: Finding) -> None:
+    """Walk through the list on the Timeline, from the row that was clicked."""
     row = clicked_row(key)
     if row is None:
         return
-    seen = st.session_state.setdefault(_SEEN, {})
-    name = _key(finding, cases)
-    seen[name] = seen.get(name, frozenset()) | {row}
-    one = Cases(cases.table, np.asarray(cases.rows)[row : row + 1])
-    frame_row = int(entry_frames(state.opened().dataset, one)[0])
-    if frame_row == NO_ROW:
+    if review.begin(finding, row):
+        ask_for_page("timeline")
+    else:
+        review.end()
         st.session_state[_NO_FRAME] = True
-        return
-    state.go_to(*state.place_of(frame_row))
-    ask_for_page("timeline")
 
 
 def _draw_downloads(finding: Finding, cases: Cases, table: pd.DataFrame) -> None:
@@ -157,15 +136,23 @@ def _draw_downloads(finding: Finding, cases: Cases, table: pd.DataFrame) -> None
         if cases.table != "left_out":
             st.download_button(
                 "For annotators (CVAT)",
-                lambda: entries_as_cvat(dataset, [finding]),
+                partial(_cvat, state.workspace(), dataset, finding, cases),
                 f"{stem}.xml",
                 "application/xml",
                 on_click="ignore",
                 icon=":material/download:",
                 key="entries_cvat",
                 help="CVAT for images XML 1.1: these frames, with the boxes to look at under the "
-                f"label {finding.code}. Pictures are called recording/000012.png.",
+                f"label {finding.code}. CVAT knows pictures by their names: those of the files "
+                "where the pictures are files, else recording/000012.png by the frame's number.",
             )
+
+
+def _cvat(space: Workspace, dataset: Dataset, finding: Finding, cases: Cases) -> bytes:
+    names = picture_names(
+        dataset.frame_columns, entry_frames(dataset, cases), space.pictures, space.picture_rows
+    )
+    return entries_as_cvat(dataset, [finding], file_names=names)
 
 
 def _list_csv(table: pd.DataFrame, remove_paths: Callable[[object], str]) -> bytes:

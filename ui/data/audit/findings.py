@@ -13,9 +13,11 @@ from ui.data.audit import entries
 from ui.data.opening import try_to_open
 from ui.session import state
 from ui.session.opening import corrected, corrections_up_to
+from ui.session.results.findings import input_findings
 from ui.shell.messages import without_paths
 from ui.shell.page_words import page_text
 from ui.shell.recordings_filter import filter_text
+from ui.shell.review import subject_text
 from ui.widgets.text import plain
 
 BADGES: Final = {
@@ -34,7 +36,7 @@ MOST_SHOWN: Final = 4
 
 def draw() -> None:
     """What is open, and all findings about it."""
-    findings = worst_first(state.findings())
+    findings = worst_first(input_findings())
     label, n = state.opened().label, len(state.recording_names())
     which = filter_text() or f"{n:,} recording{'s' if n > 1 else ''}"
     st.header(f"Open now: {plain(label)} ({plain(which)})")
@@ -74,7 +76,7 @@ def _counts(findings: Sequence[Finding]) -> str:
 def _draw_one(findings: Sequence[Finding], finding: Finding, number: int) -> None:
     with st.container(border=True):
         st.markdown(
-            f"{BADGES[finding.severity]} **{_subject(finding.subject)}** "
+            f"{BADGES[finding.severity]} **{plain(subject_text(finding))}:** "
             f"{plain(page_text(finding.message))}"
         )
         where = ", ".join(part for part in (without_paths(finding.file), finding.example) if part)
@@ -95,14 +97,6 @@ def _draw_one(findings: Sequence[Finding], finding: Finding, number: int) -> Non
             else:
                 _draw_correction(findings, finding, number)
         entries.draw(finding, number)
-
-
-def _subject(subject: str) -> str:
-    if subject == "truth":
-        return "Truth:"
-    x, y = state.systems()
-    letter = {x: "X, ", y: "Y, "}.get(subject, "")
-    return f"{letter}{plain(subject)}:"
 
 
 def _draw_threshold(finding: Finding, number: int) -> None:

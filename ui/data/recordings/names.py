@@ -91,9 +91,16 @@ def use_names(systems: Mapping[str, str], changes: Mapping[str, Mapping[str, Any
 
 
 def _tagged(session: Session, whole: Dataset, changes: Mapping[str, Mapping[str, Any]]) -> Session:
-    """The session with these tags; without a choice by such that no recording has any longer."""
+    """The session with these tags; without a choice by such that no recording has any longer.
+
+    Of the recordings that the session compares, if it names some.
+    """
     names, tags = whole.recordings["name"].tolist(), whole.recordings["tags"]
-    is_left = any({*session.only_tags} <= {*of_one} for of_one in tags)
+    is_left = any(
+        {*session.only_tags} <= {*of_one}
+        for name, of_one in zip(names, tags, strict=True)
+        if not session.only or name in session.only
+    )
     return replace(
         with_recordings(session.of_all, names, changes),
         only_tags=session.only_tags if is_left else (),

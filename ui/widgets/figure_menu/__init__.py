@@ -1,6 +1,7 @@
 """Every figure can be taken away: as picture, drawing or table, by a menu of its own.
 
-The browser does it, with what it has drawn: no figure costs the server anything for its menu.
+Where points can be clicked, keys do it as well. The browser does it all, with what it has drawn: no
+figure costs the server anything for that.
 """
 
 from __future__ import annotations
@@ -19,12 +20,13 @@ CONFIG_WITH_EXPORT: Final[dict[str, Any]] = {
 }
 """Plotly's tool bar is there with the one button that the menu presses; the style hides it."""
 
+FOLDER: Final = Path(__file__).parent
 _COMPONENT = st.components.v2.component(
     "nvcore_figure_menu",
-    js=(Path(__file__).parent / "menu.js").read_text(encoding="utf-8"),
+    js="".join((FOLDER / name).read_text(encoding="utf-8") for name in ("points.js", "menu.js")),
 )
 
 
 def draw() -> None:
-    """The invisible part of the page that gives each figure its menu; once on every page."""
+    """The invisible part of each page that gives its figures menu and keys; once on every page."""
     _COMPONENT(key="figure_menu", height=1)

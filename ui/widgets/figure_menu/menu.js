@@ -164,6 +164,7 @@ export default function () {
   const look = () => {
     isAsked = false;
     document.querySelectorAll(".nv-figure:not(:has(.nv-take))").forEach(addMenu);
+    reachPoints();
   };
   new MutationObserver(() => {
     if (isAsked) return;

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import streamlit as st
@@ -41,6 +41,13 @@ SCRIPTS = (
     *("player/player.js", "player/viewer.js", "player/clip.js", "player/show.js"),
 )
 """In the order in which they are joined: the last one exports what Streamlit calls."""
+
+
+class ListedBox(NamedTuple):
+    """An entry of a list: row within the recording, -1 elsewhere; x, y, w, h (px), None: no box."""
+
+    row: int
+    box: tuple[float, float, float, float] | None
 
 
 def _read_script() -> str:
@@ -83,6 +90,7 @@ def viewer(
     cost: CostMap | None = None,
     chosen: int | None = None,
     on_choose: Callable[[int], None] | None = None,
+    listed: ListedBox | None = None,
 ) -> int | None:
     """Draw the viewer and say which row it has settled on.
 
@@ -138,6 +146,9 @@ def viewer(
         Track of the pedestrian who is marked and followed; None: nobody in this recording.
     on_choose
         Called with a row of ``result.encounters`` when its pedestrian is chosen in the picture.
+    listed : ListedBox or None
+        While a list is walked through, its entry: the box is marked, and the keys n and p, which
+        otherwise lead to misses, are left to the page. None: there is no list.
 
     Returns
     -------
@@ -177,6 +188,7 @@ def viewer(
             "only": only,
             "cost": None if cost is None or only else pack_cost(cost),
             "chosen": None if chosen is None or only else int(chosen),
+            "listed": None if listed is None or only else listed._asdict(),
         },
         default={"settled": None},
         on_settled_change=_nothing,

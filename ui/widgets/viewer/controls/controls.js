@@ -28,7 +28,7 @@ const KEYS = [
   ["← →", "one frame back or forward"],
   ["Shift + ← →", "one second back or forward"],
   ["Home End", "first or last frame"],
-  ["n p", "next or previous miss begins"],
+  ["n p", "next or previous miss begins; with Shift while a list is open, whose entries they lead to"],
   ["k Shift + k", "choose the next or previous pedestrian of the frame, and say what it counts and costs"],
   ["x y g", "show or hide X, Y, ground truth"],
   ["l", "show or hide labels"],
@@ -42,7 +42,7 @@ const KEYS = [
 
 // Those of the keys that are told below the picture.
 const USUAL_KEYS = [
-  [["space"], "play"], [["←", "→"], "frame"], [["n", "p"], "next, previous miss"], [["x", "y", "g"], "hide X, Y, truth"],
+  [["space"], "play"], [["←", "→"], "frame"], [["x", "y", "g"], "hide X, Y, truth"],
   [["k"], "why"], [["?"], "all keys"],
 ];
 
@@ -152,14 +152,28 @@ function makeControls(actions) {
   parts.large = iconButton("large", "Back to the large picture", "", actions.large);
   parts.closeDock = iconButton("close", "Close the small viewer", "", actions.closeDock);
   parts.dock = make("div", { class: "dock" }, [parts.large, parts.closeDock]);
-  const keys = USUAL_KEYS.map(([names, meaning]) =>
-    make("span", {}, [...names.flatMap((name) => [make("kbd", { text: name }), " "]), meaning]));
+  parts.missKeys = make("span", {});
+  const keys = USUAL_KEYS.map((usual) => make("span", {}, keyTexts(...usual)));
+  keys.splice(2, 0, parts.missKeys);
   parts.keys = make("div", { class: "keys", "aria-hidden": "true" }, keys); // "?" tells them too
   parts.spoken = make("div", { class: "spoken", role: "status", "aria-live": "polite" });
   parts.root = make("div", {
     class: "viewer", role: "group", tabindex: "0", "aria-label": "Frame viewer; press ? for its keys",
   }, [parts.legend, parts.dock, parts.stage, parts.stripHolder, parts.bar, parts.keys, parts.spoken]);
   return parts;
+}
+
+function keyTexts(names, meaning) {
+  return [...names.flatMap((name) => [make("kbd", { text: name }), " "]), meaning];
+}
+
+// While a list is walked through, n and p lead along it, and Shift with them to misses.
+function showMissKeys({ bar, missKeys }, isListed) {
+  const shift = isListed ? "Shift + " : "";
+  missKeys.replaceChildren(...keyTexts([`${shift}n`, `${shift}p`], "next, previous miss"));
+  for (const [label, key] of [["Next miss", "n"], ["Previous miss", "p"]]) {
+    bar.querySelector(`[aria-label="${label}"]`).title = `${label} (${shift}${key})`;
+  }
 }
 
 function makeHelp(palette, close) {

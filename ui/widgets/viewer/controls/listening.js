@@ -59,6 +59,8 @@ function onKey(viewer, event) {
     return;
   }
   if (event.target.tagName === "SELECT" && event.key.length > 1) return;
+  // while a list is walked through they are the page's
+  if (viewer.sent?.listed && !event.shiftKey && ["n", "p"].includes(event.key)) return;
   const { recording, row } = viewer;
   const sign = event.key === "ArrowLeft" ? -1 : 1;
   const actions = {

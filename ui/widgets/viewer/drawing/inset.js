@@ -6,6 +6,7 @@ const INSET_SHARE = 0.32; // of the canvas's width, and of its height a little m
 const INSET_MARGIN = 8;
 const MAP_PX = 110;
 const INSET_LINE = "#FFFFFF";
+const LISTED_LINE = "#FFD84D"; // of the map's part as well; no system's colour
 
 // Where the chosen pedestrian stands in these boxes, in the recording's pixels; null: nowhere.
 function findTrack(found, track) {
@@ -92,20 +93,29 @@ function drawMap(viewer, ctx, entry) {
   const [left, top] = [Math.max(0, -x / scale), Math.max(0, -y / scale)];
   const right = Math.min(recording.width, (size.width - x) / scale);
   const bottom = Math.min(recording.height, (size.height - y) / scale);
-  ctx.strokeStyle = "#FFD84D";
+  ctx.strokeStyle = LISTED_LINE;
   ctx.lineWidth = 2;
   ctx.strokeRect(area.x + left * share, area.y + top * share, (right - left) * share, (bottom - top) * share);
 }
 
 // Marks the chosen pedestrian in the whole picture.
 function markChosen(viewer, ctx, box) {
+  outline(viewer, ctx, box, { by: 7, width: 2, colour: INSET_LINE });
+}
+
+// Marks the box that an entry of a list speaks of, also where none is drawn: [x, y, w, h] in the
+// recording's pixels.
+function markListed(viewer, ctx, [x, y, w, h]) {
+  outline(viewer, ctx, { x, y, w, h }, { by: 12, width: 3, colour: LISTED_LINE });
+}
+
+// A rounded frame around a box, `by` pixels away from it.
+function outline(viewer, ctx, box, { by, width, colour }) {
   const { scale, x, y } = viewer.view.place;
-  const by = 7;
   ctx.setLineDash([]);
   const around = [x + box.x * scale - by, y + box.y * scale - by, box.w * scale + 2 * by, box.h * scale + 2 * by];
-  for (const [width, colour] of [[4, HALO], [2, INSET_LINE]]) {
-    ctx.lineWidth = width;
-    ctx.strokeStyle = colour;
+  for (const [lineWidth, strokeStyle] of [[width + 2, HALO], [width, colour]]) {
+    Object.assign(ctx, { lineWidth, strokeStyle });
     ctx.beginPath();
     ctx.roundRect(...around, 6);
     ctx.stroke();

@@ -1,7 +1,7 @@
 // One row on the canvas: the picture, what lies over it, and the boxes.
 
 // entry: of the picture's store; found: of the boxes' store. Either may be missing.
-function paintRow(viewer, entry, found) {
+function paintRow(viewer, row, entry, found) {
   const { recording, view } = viewer;
   if (viewer.isFollowing) followChosen(viewer, found);
   const { place } = view;
@@ -19,6 +19,8 @@ function paintRow(viewer, entry, found) {
     ctx.fillRect(frame.x, frame.y, frame.w, frame.h);
   }
   if (viewer.layers.cost) viewer.cost.draw(ctx, frame, view.seen);
+  const { listed } = viewer.sent;
+  if (listed?.box && listed.row === row) markListed(viewer, ctx, listed.box); // labels stand over it
   viewer.drawFound(ctx, found);
   drawMap(viewer, ctx, entry);
   const box = findTrack(found, viewer.chosen);

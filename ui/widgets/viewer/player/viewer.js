@@ -94,6 +94,7 @@ class Viewer extends Player {
       this.parts.cost.hidden = !this.cost.isKnown;
     }
     if (differs("height_px", "width", "height")) this.setHeight();
+    if (differs("listed")) showMissKeys(this.parts, sent.listed !== null);
     const isSeek = isOther || before.seek[1] !== sent.seek[1];
     if (isOther) {
       this.pictures.pin(null);
@@ -103,6 +104,8 @@ class Viewer extends Player {
       showScale(this);
       this.parts.picture.width = 0; // clears it; painting gives it its size again
     }
+    const box = isSeek && sent.listed?.row === sent.seek[0] ? sent.listed.box : null;
+    if (box && this.view.zoom > 1) this.view.centreOn((box[0] + box[2] / 2) / sent.width, (box[1] + box[3] / 2) / sent.height);
     if (isSeek) this.seek(sent.seek[0]);
     else this.load();
     this.isStale = true;
@@ -197,7 +200,7 @@ class Viewer extends Player {
   paint(row, shownEntry = undefined, shownFound = null) {
     const entry = shownEntry ?? (this.recording.hasPicture(row) ? this.pictures.get(row) : undefined);
     const found = this.boxes.ofRow(row) ?? shownFound;
-    paintRow(this, entry, found);
+    paintRow(this, row, entry, found);
     this.pictures.pin(entry ?? null);
     this.shown = { row, entry, found };
     this.isStale = false;

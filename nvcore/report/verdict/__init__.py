@@ -13,8 +13,8 @@ from nvcore.evidence.claims import Basis, Claim, find_claims
 from nvcore.evidence.companions import Companions
 from nvcore.findings import Finding, Severity
 from nvcore.report.shown import comparison_shown
-from nvcore.report.verdict_headline import headline
-from nvcore.report.verdict_words import (
+from nvcore.report.verdict.headline import headline
+from nvcore.report.verdict.words import (
     describe_chance,
     describe_encounters,
     describe_measures,
@@ -43,6 +43,24 @@ CAVEATS: Final = {
     "threshold-keeps-nothing": "a threshold leaves no detection",
 }
 """What a finding of the audit means for the verdict, by its code."""
+
+LESSER: Final = {
+    "kitti-size": "the truth contradicts the picture size of some recordings",
+    "outside-picture": "boxes lie outside the picture",
+    "boxes-in-fractions": "boxes seem to be in fractions of the picture rather than in pixels",
+    "duplicate-box": "boxes are repeated",
+    "duplicate-track": "pedestrians of one frame share a track id",
+    "box-disputed-by-both": "both systems agree on other boxes than the ground truth's",
+    "missing-score": "some detections have no score and pass every threshold",
+    "threshold-without-scores": "a threshold has no effect, as no detection has a score",
+    "truth-every-nth-frame": "most evaluated frames have no ground truth",
+    "detections-every-nth-frame": "a system has no detections in most evaluated frames",
+    "detections-in-part-of-recording": "a system has detections in parts of recordings only",
+    "recording-without-detections": "a system has no detections in whole recordings",
+    "unknown-recording": "recordings without ground truth are left out",
+    "frame-not-listed": "rows of frames that are not evaluated are left out",
+}
+"""The same of findings that no page but Overview and Data warns of."""
 
 SAME_BOXES: Final = "same-boxes"
 NO_TWO_SYSTEMS: Final = (
@@ -170,10 +188,11 @@ def verdict(
 
 
 def _caveat(serious: Sequence[Finding]) -> str:
+    known = CAVEATS | LESSER
     causes = list(
-        dict.fromkeys(CAVEATS[finding.code] for finding in serious if finding.code in CAVEATS)
+        dict.fromkeys(known[finding.code] for finding in serious if finding.code in known)
     )
-    others = [finding.code for finding in serious if finding.code not in CAVEATS]
+    others = [finding.code for finding in serious if finding.code not in known]
     if others:
         causes.append(
             f"{len(others)} {'other ' if causes else ''}finding{'s' if len(others) > 1 else ''} "

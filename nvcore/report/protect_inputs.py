@@ -8,8 +8,9 @@ from pathlib import Path
 
 from nvcore.errors import InputError
 from nvcore.file_kinds import IMAGE_SUFFIXES
+from nvcore.inputs.facts import is_frame_range
 from nvcore.inputs.files import find_files
-from nvcore.inputs.session import Session, is_frame_range
+from nvcore.inputs.session import Session
 
 
 def replaced_input(outputs: Iterable[Path], inputs: Iterable[Path]) -> Path | None:

@@ -16,6 +16,7 @@ from nvcore.evidence.claims import (
     count_tests,
     is_turned,
     values_of,
+    winner_of,
 )
 from nvcore.evidence.companions import (
     STRICT_KEYS,
@@ -274,17 +275,20 @@ def _claim_text(claim: Claim, row: Mapping[Hashable, Any], n_tests: int) -> str:
 
 
 def describe_strict(result: Result, strict: Result) -> tuple[str, ...]:
-    """Where strict pairing puts the other system first; empty where it agrees."""
-    parts = []
+    """Where strict pairing puts the other system first, and which; empty where it agrees."""
+    parts: dict[str, list[str]] = {"x": [], "y": []}
     for quality in QUALITIES:
         if quality.key in STRICT_KEYS and is_turned(quality.key, result, strict):
-            x, y = (format(value, quality.form) for value in values_of(quality.key, strict))
-            parts.append(f"{inference_of(quality.key).noun} (X {x}, Y {y}{quality.unit})")
-    if not parts:
+            values = values_of(quality.key, strict)
+            x, y = (format(value, quality.form) for value in values)
+            winner = winner_of(values[0] - values[1], measure_of(quality.key).better)
+            parts[winner].append(f"{inference_of(quality.key).noun} (X {x}, Y {y}{quality.unit})")
+    who = [f"{winner.upper()} is better in {listed(of)}" for winner, of in parts.items() if of]
+    if not who:
         return ()
     return (
-        "Paired strictly, so that false alarms cannot stand in for matches, the other system is "
-        f"better in {listed(parts)}.",
+        "Paired strictly, so that false alarms cannot stand in for matches, it is the other way "
+        f"round: {listed(who)}.",
     )
 
 

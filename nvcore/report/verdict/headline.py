@@ -15,7 +15,7 @@ from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS
 from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
 from nvcore.measures import count_recordings, evidence_form, inference_of
-from nvcore.report.verdict_words import shown_value
+from nvcore.report.verdict.words import shown_value
 from nvcore.wording import capitalised, count_text, listed, p_text
 
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import pandas as pd
 
 from nvcore.comparison import Result
@@ -15,9 +12,7 @@ from nvcore.evidence.units import Units, find_units
 from nvcore.params.metadata import MATCH
 from nvcore.protocols import Protocol
 from ui.session import state
-
-Cached = Callable[..., Any]
-"""`ui.session.cache.Caching.cached`."""
+from ui.session.results.comparison import Cached
 
 
 def comparison_key(result: Result, protocol: Protocol | None = None) -> tuple[object, ...]:
@@ -32,7 +27,7 @@ def measure_evidence(result: Result) -> pd.DataFrame:
 
 def known_evidence(result: Result) -> pd.DataFrame | None:
     """The same, if it is known already."""
-    known: pd.DataFrame | None = state.workspace().peek("evidence", comparison_key(result))
+    known: pd.DataFrame | None = state.known("evidence", comparison_key(result))
     return known
 
 
@@ -44,8 +39,8 @@ def evidence_kept_by(cached: Cached, result: Result, protocol: Protocol) -> pd.D
         miss_rate = _miss_rate_kept_by(cached, result, units, protocol)
         return evidence_table(result, protocol, units=units, miss_rate=miss_rate)
 
-    kept: pd.DataFrame = cached("evidence", comparison_key(result, protocol), make)
-    return kept
+    evidence: pd.DataFrame = cached("evidence", comparison_key(result, protocol), make)
+    return evidence
 
 
 def miss_rate_evidence(result: Result) -> Evidence:

@@ -1,0 +1,220 @@
+"""``nvcore compare`` and ``nvcore check``: load, audit, analyse, report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from nvcore.cli.options import (
+    OUTPUT,
+    GroupedCommand,
+    examples,
+    grouped_option,
+    input_options,
+    parameter_options,
+    protocol_option,
+    strict_option,
+)
+from nvcore.cli.progress import TerminalProgress
+from nvcore.cli.session_options import session_from
+from nvcore.cli.steps import (
+    ShownPath,
+    as_loaded,
+    errors_of,
+    exit_on_findings,
+    findings_at_paths,
+    refuse_among_inputs,
+    refuse_to_replace,
+    shown_paths,
+)
+from nvcore.inputs.session import Session
+from nvcore.params.metadata import THRESHOLD
+from nvcore.wording import one_line
+
+if TYPE_CHECKING:
+    from nvcore.dataset import Dataset
+    from nvcore.report.files import TableFormat
+
+MAX_CONVERSION = 160
+"""Letters of a conversion's text that `compare` shows: some two lines with the path."""
+
+
+@click.command(
+    cls=GroupedCommand,
+    epilog=examples(
+        "nvcore compare night.toml",
+        "nvcore compare --truth gt.csv --x fir.csv --y nir.csv --size 640x480 --fps 20 --out night",
+        "nvcore compare --truth drives --x 'drives/*/fir/det.txt' --y 'drives/*/nir/det.txt'",
+        "nvcore compare night.toml --alpha 0.8 --proximity distance --json",
+    ),
+)
+@input_options
+@grouped_option(
+    OUTPUT,
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Write the tables, summary.json and session.toml into this folder.",
+)
+@grouped_option(
+    OUTPUT,
+    "--tables",
+    type=click.Choice(["csv", "parquet"]),
+    help="Format of the tables in that folder. Default: csv.",
+)
+@grouped_option(
+    OUTPUT,
+    "--matches",
+    is_flag=True,
+    help="Write matches.parquet there, too: every box, and whom it matches (docs/report.md).",
+)
+@grouped_option(
+    OUTPUT, "--json", "as_json", is_flag=True, help="Print summary.json, not the scorecard."
+)
+@strict_option
+@protocol_option
+@parameter_options
+def compare(
+    out: Path | None,
+    tables: TableFormat | None,
+    matches: bool,
+    as_json: bool,
+    strict: bool,
+    **options: Any,
+) -> None:
+    """Compare systems X and Y against the ground truth.
+
+    Inputs come from SESSION_FILE (TOML) or from --truth, --x and --y. The audit of the inputs is
+    printed first. Exit code 0: fine, 1: the audit found errors (with --strict: or warnings), 2: bad
+    input.
+    """
+    from nvcore.auditing import audit
+    from nvcore.comparison import compare
+    from nvcore.inputs.load import load
+    from nvcore.report.files import REPORT_FILES, summary_json, write_report
+    from nvcore.report.terminal import render_findings, render_inputs, render_scorecard
+
+    if out is None and (tables is not None or matches):
+        flag = "--matches" if tables is None else "--tables"
+        raise click.UsageError(f"{flag} is about the files that --out writes; give --out DIR, too")
+    session = session_from(options, needs_y=True)
+    _protect_inputs(session, options["session_file"], out, REPORT_FILES)
+    n_steps = 6 + len(session.systems) + (11 if out is not None else 0)
+    with errors_of(session), TerminalProgress(n_steps) as steps:
+        dataset = load(session, progress=steps)
+        session = as_loaded(session, dataset)
+        steps.begin("auditing the inputs")
+        findings = audit(dataset)
+        steps.begin("analysing")
+        result = compare(dataset)
+        steps.begin("what fusion would do")
+        text = (
+            summary_json(result, session.protocol)
+            if as_json
+            else render_scorecard(result, findings, session.protocol)
+        )
+        if out is not None:
+            kinds: dict[str, Any] = {"tables": tables or "csv", "matches": matches}
+            write_report(result, session, out, findings, progress=steps, **kinds)
+    path = shown_paths(session.folder, session.sources, dataset.systems)
+    short = _for_terminal(dataset, path, longest=MAX_CONVERSION)
+    click.echo(render_inputs(replace(result, dataset=short)), err=as_json)
+    click.echo("\n" + render_findings(findings_at_paths(findings, path)) + "\n", err=as_json)
+    click.echo(text, nl=not as_json)
+    if out is not None:
+        click.echo(one_line(f"written to {out}"), err=True)
+    exit_on_findings(findings, strict)
+
+
+def _protect_inputs(
+    session: Session, file: Path | None, out: Path | None, names: Iterable[str]
+) -> None:
+    """Refuse to write files into a folder of inputs or over one of them.
+
+    A session.toml that the program wrote itself may be written again.
+    """
+    if out is None:
+        return
+    from nvcore.report.files import SESSION_FILE
+    from nvcore.report.protect_inputs import files_read
+
+    names = [*names]
+    is_written_by_hand = not session.hashes
+    if (
+        file is not None
+        and is_written_by_hand
+        and SESSION_FILE in names
+        and file.resolve() == (out / SESSION_FILE).resolve()
+    ):
+        raise click.UsageError("the report would replace the session file; give another --out")
+    refuse_among_inputs(out, session)
+    refuse_to_replace((out / name for name in names if name != SESSION_FILE), files_read(session))
+
+
+@click.command(
+    cls=GroupedCommand,
+    epilog=examples(
+        "nvcore check night.toml --out audit",
+        "nvcore check --truth drives/A/gt/gt.txt --x fir.txt --size 640x480 --fps 20 --strict",
+    ),
+)
+@input_options
+@grouped_option(
+    OUTPUT,
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Write findings.csv and finding_entries.csv, the whole audit, into this folder.",
+)
+@grouped_option(OUTPUT, "--strict", is_flag=True, help="Warnings give exit code 1, too.")
+@grouped_option(THRESHOLD.group, "--threshold-x", type=float, help="Audit X at this threshold.")
+@grouped_option(THRESHOLD.group, "--threshold-y", type=float, help="Audit Y at this threshold.")
+def check(out: Path | None, strict: bool, **options: Any) -> None:
+    """Audit the inputs without scoring them.
+
+    Exit code 0: no errors, 1: errors (with --strict: or warnings), 2: bad input.
+    """
+    from nvcore.auditing import audit
+    from nvcore.inputs.load import load
+    from nvcore.report.files import AUDIT_FILES, write_audit
+    from nvcore.report.terminal import render_dataset, render_findings
+
+    session = session_from(options, needs_y=False)
+    _protect_inputs(session, options["session_file"], out, AUDIT_FILES)
+    with (
+        errors_of(session),
+        TerminalProgress(4 + len(session.systems)) as steps,
+    ):
+        dataset = load(session, progress=steps)
+        steps.begin("auditing the inputs")
+        findings = audit(dataset)
+        if out is not None:
+            write_audit(out, dataset, findings)
+    path = shown_paths(session.folder, session.sources, dataset.systems)
+    click.echo(render_dataset(_for_terminal(dataset, path)))
+    click.echo("\n" + render_findings(findings_at_paths(findings, path)))
+    if out is not None:
+        click.echo(one_line(f"written to {out}"), err=True)
+    exit_on_findings(findings, strict)
+
+
+def _for_terminal(dataset: Dataset, path: ShownPath, *, longest: int | None = None) -> Dataset:
+    """The dataset with its files' paths and conversions as the terminal shows them."""
+    inputs = dataset.inputs
+    changed = inputs.assign(
+        file=[path(*names) for names in zip(inputs["subject"], inputs["file"], strict=True)],
+        conversion=[_shortened(text, longest) for text in inputs["conversion"]],
+    )
+    return replace(dataset, inputs=changed)
+
+
+def _shortened(text: str, longest: int | None) -> str:
+    """The first facts of a conversion, as many as fit; at least one."""
+    if longest is None or len(text) <= longest:
+        return text
+    end = text.rfind("; ", 0, longest)
+    return (text[:end] if end > 0 else text[:longest]) + "; ... (all of it: nvcore check)"

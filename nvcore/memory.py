@@ -1,0 +1,82 @@
+"""Whether there is memory for so many frames: known before they take it.
+
+A machine that runs out of memory stands still for minutes, and then ends any program that it likes.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Final
+
+from nvcore.errors import InputError
+
+BYTES_OF_FRAME: Final = 500
+"""What a comparison takes for each evaluated frame, few boxes assumed."""
+MANY_FRAMES: Final = 1_000_000
+"""So many are taken without a question."""
+_UNLIMITED: Final = 1 << 60
+
+
+def check_room(n_frames: int) -> None:
+    """Refuse more frames than there is memory for.
+
+    Raises
+    ------
+    InputError
+        If they would take more than is free.
+    """
+    if n_frames <= MANY_FRAMES:
+        return
+    needed, free = n_frames * BYTES_OF_FRAME, free_bytes()
+    if free is not None and needed > free:
+        raise InputError(
+            f"there are {n_frames:,} evaluated frames, which take about {needed / 1e9:.1f} GB of "
+            f"memory; {max(free, 0) / 1e9:.1f} GB are free. Correct the frame numbers, compare "
+            "fewer recordings at a time, or use a larger machine"
+        )
+
+
+def free_bytes(system: Path = Path("/")) -> int | None:
+    """Memory that this process may still take; None where that is not known, as outside Linux.
+
+    The least of what the machine has, what a container or service may take, and what ``ulimit -v``
+    leaves.
+    """
+    try:
+        lines = (system / "proc/meminfo").read_text(encoding="ascii").splitlines()
+        values = dict(line.split(":", 1) for line in lines)
+        page = os.sysconf("SC_PAGE_SIZE")
+        statistics = (system / "proc/self/statm").read_text(encoding="ascii").split()
+        size, held = (page * int(n_pages) for n_pages in statistics[:2])
+        rooms = [1024 * sum(int(values[name].split()[0]) for name in ("MemAvailable", "SwapFree"))]
+    except (OSError, ValueError, KeyError):
+        return None
+    import resource  # which Windows has not
+
+    rooms += [limit - held for limit in _group_limits(system)]
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    rooms += [] if limit == resource.RLIM_INFINITY else [limit - size]
+    return min(rooms)
+
+
+def _group_limits(system: Path) -> list[int]:
+    """Limits on memory of the control group, of both versions; a container sees its own as root."""
+    groups = system / "sys/fs/cgroup"
+    files = [groups / "memory.max", groups / "memory/memory.limit_in_bytes"]
+    try:
+        own = (system / "proc/self/cgroup").read_text(encoding="ascii").splitlines()
+        files += [
+            groups / line.removeprefix("0::").lstrip("/") / "memory.max"
+            for line in own
+            if line.startswith("0::")
+        ]
+    except (OSError, ValueError):
+        pass
+    limits = []
+    for file in files:
+        try:
+            limits.append(int(file.read_text(encoding="ascii")))
+        except (OSError, ValueError):  # not there, or "max"
+            continue
+    return [limit for limit in limits if limit < _UNLIMITED]

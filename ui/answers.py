@@ -1,0 +1,16 @@
+"""Answers of the server itself, in place of the app's pages."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from starlette.responses import PlainTextResponse, Response
+
+PRIVATE: Final = {"Cache-Control": "no-store"}
+"""Headers of an answer that no cache keeps."""
+
+
+def text_answer(status: int, text: str, headers: Mapping[str, str] = PRIVATE) -> Response:
+    """A sentence; kept by no cache unless the headers say otherwise."""
+    return PlainTextResponse(text, status, headers)

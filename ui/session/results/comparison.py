@@ -1,0 +1,20 @@
+"""The comparison of X and Y, cached while nothing that it depends on changes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from nvcore.comparison import Result
+from nvcore.params import Params
+
+Cached = Callable[..., Any]
+"""`ui.session.cache.Caching.cached`."""
+
+
+def result_kept_by(
+    cached: Cached, params: Params, x: str, y: str, make: Callable[[], Result]
+) -> Result:
+    """The comparison that `make` makes, kept as `cached` keeps values while the data are open."""
+    result: Result = cached("result", (params, x, y), make)
+    return result

@@ -1,0 +1,60 @@
+"""What the audit says of the open inputs, cached in parts that depend on different settings."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import streamlit as st
+
+from nvcore.auditing import audit_inputs, audit_pair, audit_system, role_of
+from nvcore.dataset import Dataset
+from nvcore.findings import Finding, worst_first
+from nvcore.params import Params
+from nvcore.params.metadata import MATCH, PROXIMITY, THRESHOLD
+from ui.session import state
+from ui.session.results.comparison import Cached
+
+
+def input_findings() -> tuple[Finding, ...]:
+    """The findings about the open inputs, worst first."""
+    with st.spinner("Auditing the inputs"):
+        return findings_kept_by(
+            state.cached, state.opened().dataset, state.params(), *state.systems()
+        )
+
+
+def known_findings() -> tuple[Finding, ...] | None:
+    """The same, if they are known already."""
+    known: tuple[Finding, ...] | None = state.known(
+        "findings", _key(state.params(), *state.systems())
+    )
+    return known
+
+
+def findings_kept_by(
+    cached: Cached, dataset: Dataset, params: Params, x: str, y: str | None
+) -> tuple[Finding, ...]:
+    """The same, kept as `cached` keeps values: `state.cached`, or of what all visitors share.
+
+    As `nvcore.auditing.audit`, in parts: another threshold audits no file again.
+    """
+    relevant, *_ = key = _key(params, x, y)
+
+    def make() -> tuple[Finding, ...]:
+        findings = [*cached("audit_inputs", (), lambda: audit_inputs(dataset))]
+        for name in dataset.systems:
+            threshold, letter = role_of(name, (x, y), relevant)
+            findings += cached(
+                "audit_system",
+                (name, threshold, letter),
+                partial(audit_system, dataset, name, threshold, letter=letter),
+                most=2 * len(dataset.systems),
+            )
+        return worst_first([*findings, *audit_pair(dataset, relevant, x=x, y=y)])
+
+    findings: tuple[Finding, ...] = cached("findings", key, make)
+    return findings
+
+
+def _key(params: Params, x: str, y: str | None) -> tuple[Params, str, str | None]:
+    return params.only_for(THRESHOLD, MATCH, PROXIMITY), x, y

@@ -1,0 +1,131 @@
+"""The list of a finding, walked through on the Timeline: at which entry, and what was seen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from hashlib import sha256
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+import streamlit as st
+
+from nvcore.auditing.cases import TRUTH_NAME
+from nvcore.findings import Cases, Finding
+from nvcore.tables.inputs import NO_ROW, entry_frames, finding_entries
+from ui.session import state
+
+_REVIEW: Final = "review"
+_SEEN: Final = "entries_seen"
+"""Which entries were looked at, by finding and its cases."""
+
+ListKey = tuple[str, ...]
+"""Data, code and subject of a finding, and which cases it has."""
+
+
+@dataclass(frozen=True)
+class Review:
+    """A list that is walked through.
+
+    Attributes
+    ----------
+    finding
+        Whose cases are the entries.
+    at
+        The entry that is looked at, counted from 0.
+    key
+        Says which list of which data it is.
+    """
+
+    finding: Finding
+    at: int
+    key: ListKey
+
+    @property
+    def cases(self) -> Cases:
+        """All entries."""
+        assert self.finding.cases is not None
+        return self.finding.cases
+
+    @cached_property
+    def frame_row(self) -> int:
+        """Row of the entry's frame in the frames table; `NO_ROW`: it is not evaluated."""
+        one = Cases(self.cases.table, np.asarray(self.cases.rows)[self.at : self.at + 1])
+        return int(entry_frames(state.opened().dataset, one)[0])
+
+    @property
+    def entry(self) -> pd.Series[Any]:
+        """The entry as the list has it."""
+        return entries_of(self.finding, self.key).iloc[self.at]
+
+
+def finding_key(finding: Finding) -> tuple[str, str, str]:
+    """Says which finding it is, for as long as the same data are open."""
+    return state.opened().dataset.fingerprint, finding.code, finding.subject
+
+
+def subject_text(finding: Finding) -> str:
+    """What a finding is about: the truth, or a system with its letter; not yet plain."""
+    if finding.subject == TRUTH_NAME:
+        return "Truth"
+    x, y = state.systems()
+    letter = {x: "X, ", y: "Y, "}.get(finding.subject, "")
+    return f"{letter}{finding.subject}"
+
+
+def list_key(finding: Finding) -> ListKey:
+    """Says which cases it has as well: thresholds, matching, X and Y change them."""
+    assert finding.cases is not None
+    rows = np.asarray(finding.cases.rows, dtype=np.int64).tobytes()
+    return *finding_key(finding), sha256(rows).hexdigest()[:12]
+
+
+def entries_of(finding: Finding, key: ListKey) -> pd.DataFrame:
+    """All entries of a list, a row each: `nvcore.tables.finding_entries`."""
+    dataset = state.opened().dataset
+    table: pd.DataFrame = state.workspace().cached(
+        "finding_entries", key, lambda: finding_entries(dataset, [finding])
+    )
+    return table
+
+
+def seen_of(key: ListKey) -> frozenset[int]:
+    """The entries of a list that were looked at."""
+    seen: frozenset[int] = st.session_state.get(_SEEN, {}).get(key, frozenset())
+    return seen
+
+
+def current() -> Review | None:
+    """The list that is walked through; None: none of the data that are open."""
+    review: Review | None = st.session_state.get(_REVIEW)
+    is_of_these = review and review.key[0] == state.opened().dataset.fingerprint
+    return review if is_of_these else None
+
+
+def begin(finding: Finding, at: int) -> bool:
+    """Walk through a list from this entry on; False: its frame is not evaluated."""
+    return _show(Review(finding, at, list_key(finding)))
+
+
+def go_to(at: int) -> None:
+    """Look at another entry of the list. For callbacks."""
+    review = current()
+    if review is not None and 0 <= at < len(review.cases):
+        _show(Review(review.finding, at, review.key))
+
+
+def end() -> None:
+    """Walk through no list any longer."""
+    st.session_state.pop(_REVIEW, None)
+
+
+def _show(review: Review) -> bool:
+    """Look at an entry: its frame becomes the current one, if it is evaluated."""
+    st.session_state[_REVIEW] = review
+    seen = st.session_state.setdefault(_SEEN, {})
+    seen[review.key] = seen_of(review.key) | {review.at}
+    row = review.frame_row
+    if row != NO_ROW:
+        state.go_to(*state.place_of(row))
+    return row != NO_ROW

@@ -1,0 +1,234 @@
+// A figure whose points can be clicked is worked by keys as well: arrows go from point to point,
+// Enter clicks. A second click on a point acts like the first.
+
+const STEP_OF_PAGE = 0.1;
+const MOST_IN_ROW = 0.5; // rows are rows if there are no more of them than this share of the points
+const MOST_DISTINCT = 0.5; // marks with fewer meanings than this share of them are of regions
+const INSIDE_PX = 4;
+const HOVER_MS = 80; // Plotly answers a movement of the mouse within so long
+const spots = new WeakMap(); // of each figure, the point that is marked
+
+function areClicked(plot) {
+  return Boolean(plot._fullLayout?.clickmode?.includes("select"));
+}
+
+function axesOf(plot, trace) {
+  return [plot._fullLayout[axisKey(trace.xaxis, "x")], plot._fullLayout[axisKey(trace.yaxis, "y")]];
+}
+
+// Where a point is, in pixels of its axes; of a bar just inside its end. Nothing of an empty bar.
+function placeOf(plot, trace, curve, index) {
+  const [xaxis, yaxis] = axesOf(plot, trace);
+  if (trace.type !== "bar") return [xaxis.d2p(trace.x[index]), yaxis.d2p(trace.y[index])];
+  const { p0, p1, s, s0, s1 } = plot.calcdata[curve]?.[index] ?? {};
+  if (!s) return [];
+  const isFlat = trace.orientation === "h";
+  const [along, across] = isFlat ? [xaxis, yaxis] : [yaxis, xaxis];
+  const [base, end] = [along.c2p(s0), along.c2p(s1)];
+  const inside = end + Math.sign(base - end) * Math.min(INSIDE_PX, Math.abs(base - end) / 2);
+  const middle = across.c2p((p0 + p1) / 2);
+  return isFlat ? [inside, middle] : [middle, inside];
+}
+
+// What leads to the same place counts once: X and Y of a frame, and the many marks of a region.
+function namesOf(trace, curve, what, point, isRegion) {
+  if (isRegion || trace.type === "bar") return [`${curve} ${what}`];
+  return [`${what} x${point.x}`, `${what} y${point.y}`];
+}
+
+// A place in the plot for each thing that a click could mean, in pixels of the figure.
+function pointsOf(plot) {
+  const known = new Set();
+  const points = [];
+  plot._fullData.forEach((trace, curve) => {
+    if (trace.visible !== true || !trace.customdata || !trace.x) return;
+    const [xaxis, yaxis] = axesOf(plot, trace);
+    const whats = Array.from(trace.customdata, (of) => JSON.stringify(of ?? null));
+    const isRegion = new Set(whats).size <= MOST_DISTINCT * whats.length;
+    for (let index = 0; index < trace.x.length; index += 1) {
+      const [left, top] = placeOf(plot, trace, curve, index);
+      const isSeen = left >= -1 && left <= xaxis._length + 1 && top >= -1 && top <= yaxis._length + 1;
+      if (!isSeen || whats[index] === "null") continue;
+      const point = { curve, index, x: Math.round(left + xaxis._offset), y: Math.round(top + yaxis._offset) };
+      const names = namesOf(trace, curve, whats[index], point, isRegion);
+      if (names.some((name) => known.has(name))) continue;
+      names.forEach((name) => known.add(name));
+      points.push(point);
+    }
+  });
+  return points;
+}
+
+function along(first, second) {
+  return (one, other) => one[first] - other[first] || one[second] - other[second];
+}
+
+function step(list, current, by) {
+  const at = list.indexOf(current);
+  return list[Math.min(Math.max(at + by, 0), list.length - 1)];
+}
+
+// Lanes and maps have rows, through which one goes; other points lie in the order of their axes.
+function target(points, current, key) {
+  const rows = [...new Set(points.map((point) => point.y))].sort((a, b) => a - b);
+  const hasRows = rows.length > 1 && rows.length <= MOST_IN_ROW * points.length;
+  const across = [...points].sort(hasRows ? along("y", "x") : along("x", "y"));
+  const page = Math.max(Math.round(STEP_OF_PAGE * points.length), 1);
+  if (!current) return across[0];
+  if (key === "Home") return across[0];
+  if (key === "End") return across.at(-1);
+  if (key === "ArrowRight") return step(across, current, 1);
+  if (key === "ArrowLeft") return step(across, current, -1);
+  if (key === "PageDown") return step(across, current, page);
+  if (key === "PageUp") return step(across, current, -page);
+  const way = key === "ArrowDown" ? 1 : -1;
+  if (!hasRows) return step([...points].sort(along("y", "x")), current, way);
+  const row = rows[rows.indexOf(current.y) + way];
+  const inRow = points.filter((point) => point.y === row);
+  return inRow.reduce((best, point) => (
+    Math.abs(point.x - current.x) < Math.abs(best.x - current.x) ? point : best
+  ), inRow[0] ?? current);
+}
+
+function marked(plot, points) {
+  const spot = spots.get(plot);
+  return points.find((point) => point.curve === spot?.curve && point.index === spot?.index);
+}
+
+function press(plot, { curve, index }) {
+  const trace = plot._fullData[curve];
+  plot.emit("plotly_selected", { points: [{
+    curveNumber: curve, pointNumber: index, pointIndex: index, data: trace,
+    x: trace.x[index], y: trace.y[index], customdata: trace.customdata[index],
+  }] });
+}
+
+function speaker() {
+  let box = document.querySelector(".nv-says");
+  if (box) return box;
+  box = document.createElement("div");
+  box.className = "nv-says";
+  box.setAttribute("role", "status");
+  document.body.append(box);
+  return box;
+}
+
+// Plotly writes its text beside the point that it thinks the mouse is at.
+function hover(plot, point) {
+  const { left, top } = plot.getBoundingClientRect();
+  const [clientX, clientY] = [left + point.x, top + point.y];
+  const area = [...plot.querySelectorAll(".nsewdrag")].find((drag) => {
+    const box = drag.getBoundingClientRect();
+    return clientX >= box.left - 1 && clientX <= box.right + 1 && clientY >= box.top - 1
+      && clientY <= box.bottom + 1;
+  });
+  area?.dispatchEvent(new MouseEvent("mousemove", { bubbles: true, clientX, clientY }));
+}
+
+function unhover(plot) {
+  plot.querySelector(".nv-mark")?.remove();
+  plot.querySelectorAll(".nsewdrag").forEach((area) => (
+    area.dispatchEvent(new MouseEvent("mouseout", { bubbles: true }))
+  ));
+}
+
+function wordsOf(plot, { curve, index }) {
+  const trace = plot._fullData[curve];
+  const own = trace.type === "bar" ? null : trace.hovertext?.[index] ?? trace.text?.[index];
+  if (typeof own === "string" && own.length > 1) return asText(own.replace(/<br>/g, ", "));
+  const lines = [...plot.querySelectorAll(".hoverlayer .hovertext :is(.name, .nums)")].flatMap(
+    (text) => (text.querySelector("tspan") ? [...text.querySelectorAll("tspan.line")] : [text]),
+  );
+  const written = lines.map((line) => line.textContent.trim()).filter(Boolean);
+  return written.join(", ") || `${trace.name}: ${trace.x[index]}, ${trace.y[index]}`;
+}
+
+function mark(plot, points, point) {
+  spots.set(plot, point);
+  let ring = plot.querySelector(".nv-mark");
+  if (!ring) {
+    ring = document.createElement("div");
+    ring.className = "nv-mark";
+    plot.append(ring);
+  }
+  ring.style.left = `${point.x}px`;
+  ring.style.top = `${point.y}px`;
+  hover(plot, point);
+  setTimeout(() => {
+    if (spots.get(plot) !== point || document.activeElement !== plot) return;
+    speaker().textContent = `${wordsOf(plot, point)} (${points.length} points)`;
+  }, HOVER_MS);
+}
+
+function isKey(key) {
+  return key.startsWith("Arrow") || ["Home", "End", "PageUp", "PageDown"].includes(key);
+}
+
+function onKey(event) {
+  const plot = event.currentTarget;
+  const isPress = event.key === "Enter" || event.key === " ";
+  if (event.target !== plot || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (!isPress && !isKey(event.key)) return;
+  event.preventDefault();
+  event.stopPropagation();
+  const points = pointsOf(plot);
+  const current = marked(plot, points);
+  if (isPress && current) press(plot, current);
+  else if (points.length) mark(plot, points, target(points, current, event.key));
+}
+
+function onFocus(event) {
+  const plot = event.currentTarget;
+  const points = pointsOf(plot);
+  if (!points.length || !plot.matches(":focus-visible")) return;
+  mark(plot, points, marked(plot, points) ?? target(points, null, ""));
+}
+
+// Streamlit sends a selection that is another one than the last. So each click has its time, and one
+// that would take a selection back is a click on the point below the mouse.
+function renewClicks(plot) {
+  const emit = plot.emit;
+  plot.emit = (name, data) => {
+    if (name === "plotly_deselect") {
+      const { curveNumber: curve, pointNumber: index } = plot._hoverdata?.[0] ?? {};
+      const isPoint = Number.isInteger(index) && plot._fullData[curve]?.customdata;
+      return isPoint ? press(plot, { curve, index }) : emit(name, data);
+    }
+    if (name === "plotly_selected") {
+      data?.points?.forEach((point) => { point.time = Date.now(); });
+    }
+    return emit(name, data);
+  };
+}
+
+function makeReachable(plot) {
+  if (spots.has(plot) || !areClicked(plot) || !plot.emit) return;
+  spots.set(plot, null);
+  renewClicks(plot);
+  plot.addEventListener("keydown", onKey);
+  plot.addEventListener("focus", onFocus);
+  plot.addEventListener("blur", () => unhover(plot));
+  plot.on("plotly_afterplot", () => {
+    const point = marked(plot, pointsOf(plot));
+    if (!point || !plot.querySelector(".nv-mark")) return;
+    mark(plot, pointsOf(plot), point);
+  });
+}
+
+function nameFor(plot) {
+  if (!areClicked(plot) || plot.tabIndex === 0) return;
+  const title = asText(headingOf(plot).title);
+  plot.tabIndex = 0;
+  plot.setAttribute("role", "application");
+  plot.setAttribute(
+    "aria-label", `${title}. Arrow keys go from point to point, Enter does what a click does.`,
+  );
+}
+
+function reachPoints() {
+  for (const plot of document.querySelectorAll(".stPlotlyChart .js-plotly-plot")) {
+    if (!plot._fullLayout) continue;
+    makeReachable(plot);
+    nameFor(plot);
+  }
+}
