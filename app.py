@@ -11,6 +11,7 @@ from ui.serving.gate import Gate, OwnPages
 from ui.serving.headers import SecureHeaders
 from ui.serving.life import lifespan
 from ui.serving.starting import check_start
+from ui.serving.styles import OwnStyles
 from ui.serving.visitors import VisitorLimits
 from ui.session.routes import ROUTES
 from ui.settings.limits import limits_of_environment
@@ -32,6 +33,7 @@ app = st.App(
         Middleware(OwnPages),
         Middleware(Gate),
         Middleware(VisitorLimits, limits=limits_of_environment()),
+        Middleware(OwnStyles),
     ],
     lifespan=lifespan,
     on_script_error=error_banner,

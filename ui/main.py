@@ -32,8 +32,6 @@ st.set_page_config(
     initial_sidebar_state="auto",
 )
 st.logo(str(state.ROOT / "ui" / "assets" / "logo.svg"), size="large")
-for name in ("style", "measures"):
-    st.html(state.ROOT / "ui" / "assets" / f"{name}.css")
 
 if not account.is_welcome():
     account.draw_farewell()

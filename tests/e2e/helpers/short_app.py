@@ -5,11 +5,18 @@ import os
 from pathlib import Path
 
 import streamlit as st
+from starlette.middleware import Middleware
 
+from ui.serving.styles import OwnStyles
 from ui.session import state
 from ui.session.routes import ROUTES
 from ui.shell.messages import error_banner
 
 gc.freeze()  # as app.py does
 state.SAMPLE = Path(os.environ["NVCORE_TEST_SESSION"])
-app = st.App(state.ROOT / "ui" / "main.py", routes=ROUTES, on_script_error=error_banner)
+app = st.App(
+    state.ROOT / "ui" / "main.py",
+    routes=ROUTES,
+    middleware=[Middleware(OwnStyles)],
+    on_script_error=error_banner,
+)

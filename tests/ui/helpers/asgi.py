@@ -43,8 +43,9 @@ async def asked(
     parts = urlsplit(address)
     sent = {"host": "testserver", **(headers or {})}
     scope = {
-        "type": "http", "asgi": {"version": "3.0"}, "http_version": "1.1", "method": method,
-        "scheme": "http", "path": parts.path, "raw_path": parts.path.encode(), "root_path": "",
+        "type": "http", "asgi": {"version": "3.0", "spec_version": "2.4"}, "http_version": "1.1",
+        "method": method, "scheme": "http", "root_path": "",
+        "path": parts.path, "raw_path": parts.path.encode(),
         "query_string": parts.query.encode(errors="surrogateescape"),
         "server": ("testserver", 80), "client": None,
         "headers": [(name.lower().encode(), value.encode()) for name, value in sent.items()],
