@@ -64,6 +64,13 @@ class Pictures(Protocol):
         """File name of each of these pictures, without folders; None: they are of one video."""
         ...
 
+    def another(self) -> Pictures:
+        """The same pictures for another reader, with a place of its own; nothing is listed again.
+
+        This one is to stay open as long.
+        """
+        ...
+
     def close(self) -> None:
         """Release files and memory."""
         ...

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
+from copy import copy
 from pathlib import Path, PurePosixPath
 from threading import Lock
 from typing import Final
@@ -74,6 +75,13 @@ class Images:
     def file_names(self, indices: Sequence[int]) -> list[str]:
         """See `Pictures.file_names`."""
         return [PurePosixPath(self._names[index]).name for index in indices]
+
+    def another(self) -> Images:
+        """See `Pictures.another`."""
+        other = copy(self)
+        other._recent, other._lock = RecentPictures(), Lock()
+        other._close = lambda: None  # the files are this one's
+        return other
 
     def close(self) -> None:
         """See `Pictures.close`."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
@@ -46,6 +46,11 @@ class RecordingPictures:
     def troubles(self) -> dict[int, str]:
         """Why pictures cannot be opened, by recording."""
         return {number: note for number, note in self.notes.items() if number not in self.sources}
+
+    def another(self) -> RecordingPictures:
+        """The same for another reader; see `Pictures.another`."""
+        sources = {number: pictures.another() for number, pictures in self.sources.items()}
+        return replace(self, sources=sources)
 
     def close(self) -> None:
         """Release files and memory."""

@@ -8,6 +8,7 @@ wanted one. Containers whose times cannot be trusted (H.264 in AVI) are counted 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from copy import copy
 from pathlib import Path
 from threading import Lock
 from typing import Any, Final
@@ -47,12 +48,8 @@ class Video:
         """
         self.name = one_line(path.name)
         self.numbers: NDArray[np.int64] | None = None
-        self._path, self._lock, self._recent = path, Lock(), RecentPictures()
-        self._container: Any = None
-        self._stream: Any = None
-        self._frames: Iterator[Any] = iter(())
-        self._at = -1
-        self._lost: set[int] = set()
+        self._path = path
+        self._start()
         self._format = format_of_file(path, self.name)
         try:
             stream = self._open()
@@ -80,6 +77,15 @@ class Video:
             stated = f" of {self._table.n_stated}" if self._table.n_stated else ""
             self.note = f"the video is cut off or damaged; {self.n}{stated} pictures can be read"
 
+    def _start(self) -> None:
+        """As nobody has read anything yet."""
+        self._lock, self._recent = Lock(), RecentPictures()
+        self._container: Any = None
+        self._stream: Any = None
+        self._frames: Iterator[Any] = iter(())
+        self._at = -1
+        self._lost: set[int] = set()
+
     def read(self, index: int) -> Picture:
         """See `Pictures.read`."""
         check_index(index, self)
@@ -102,6 +108,12 @@ class Video:
 
     def file_names(self, indices: Sequence[int]) -> None:
         """See `Pictures.file_names`."""
+
+    def another(self) -> Video:
+        """See `Pictures.another`."""
+        other = copy(self)
+        other._start()
+        return other
 
     def close(self) -> None:
         """See `Pictures.close`; reading opens the file again."""

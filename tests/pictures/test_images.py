@@ -236,6 +236,15 @@ def test_a_closed_archive_lets_go_of_its_file(tmp_path: Path):
         pictures.read(0)
 
 
+def test_another_reader_of_an_archive_leaves_it_open(tmp_path: Path):
+    members = {f"{number}.png": encoded(numbered(number)) for number in (1, 2)}
+    pictures = open_pictures(write_zip(tmp_path / "a.zip", members))
+    other = pictures.another()
+    assert number_in(other.read(1)) == 2
+    other.close()
+    assert number_in(pictures.read(1)) == 2
+
+
 def test_an_archive_without_pictures_or_with_a_bad_first_one_is_refused(tmp_path: Path):
     with pytest.raises(MediaError, match=r"a\.zip: holds no PNG, JPEG, TIFF or BMP"):
         open_pictures(write_zip(tmp_path / "a.zip", {"gt.txt": b"1"}))

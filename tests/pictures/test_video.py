@@ -46,6 +46,16 @@ def test_pictures_shown_last_survive_closing_and_reading_again(tmp_path: Path):
     assert number_in(video.read(99)) == 99
 
 
+def test_another_reader_of_a_video_has_a_place_of_its_own(tmp_path: Path):
+    video = Video(write_numbered_video(tmp_path / "a.mp4", g="50"))
+    other = video.another()
+    order = [(video, 0), (other, 70), (video, 1), (other, 71), (video, 40)]
+    assert [number_in(reader.read(index)) for reader, index in order] == [0, 70, 1, 71, 40]
+    picture = other.read(71)
+    video.close()
+    assert other.read(71) is picture  # what it has decoded stays
+
+
 def test_a_video_states_its_frame_rate_and_a_picture_none(tmp_path: Path):
     video = open_pictures(ROOT / "sample_data" / "odd_pose.mp4")
     (tmp_path / "a.png").write_bytes(png(video.read(0)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import threading
 from collections.abc import Callable, Sequence
+from copy import copy
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
@@ -98,6 +99,10 @@ class ConfinedPictures:
         return self._process.call(
             _file_names, self._path, list(indices), what=f"reading the names in {self.name}"
         )
+
+    def another(self) -> ConfinedPictures:
+        """See `Pictures.another`."""
+        return copy(self)
 
     def close(self) -> None:
         """See `Pictures.close`."""

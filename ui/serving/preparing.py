@@ -30,6 +30,7 @@ def _prepare() -> None:
 def prepare_start() -> None:
     """Compare and audit what every visitor starts with; by the way this compiles the loops."""
     shared = shared_start()
+    shared.new_pictures()
     opened, cached = shared.opened, shared.cached
     dataset, protocol, settings = opened.dataset, opened.session.protocol, opened.params
     x, y = dataset.compared()

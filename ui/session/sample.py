@@ -3,8 +3,8 @@
 The sample recordings, and the session that the app was started with. Nothing of a visitor's own
 gets in here: a session takes part only while it has the very object `SharedSample.opened` open,
 which is never changed but replaced. Of the settings that it opens with all is kept; of others what
-was asked for last, where the recordings are short. Pictures stay with each session: their files
-have a position.
+was asked for last, where the recordings are short. Which pictures there are is
+looked up once as well; each session reads them by itself, since their files have a position.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from typing import Any, Final, TypeVar
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import read_session
+from nvcore.pictures.recordings import RecordingPictures, session_pictures
 from ui.session.cache import Caching
 from ui.session.workspace import Opened
 
@@ -35,10 +36,20 @@ class SharedSample(Caching):
     def __init__(self, path: Path, label: str) -> None:
         super().__init__()
         self._turns: dict[tuple[str, Hashable], threading.RLock] = {}
+        self._pictures: RecordingPictures | None = None
+        self._pictures_turn = threading.Lock()
         session = read_session(path)
         self.opened: Final = Opened.of(session, load(session.of_all), label)
         n_frames = max(len(self.opened.dataset.frames), 1)
         self.most_moved: Final = min(MOST_MOVED, MOVED_FRAMES // n_frames)
+
+    def new_pictures(self) -> RecordingPictures:
+        """Its pictures, for one more visitor; where some cannot be opened, the next call tries."""
+        with self._pictures_turn:
+            if self._pictures is None or self._pictures.troubles:
+                session = self.opened.session.of_all
+                self._pictures = session_pictures(session, self.opened.whole)
+            return self._pictures.another()
 
     def cached(self, kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
         """As `Caching.cached`; of several visitors at once one makes it, the others wait."""

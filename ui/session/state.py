@@ -366,7 +366,10 @@ def frame_numbers(recording_index: int) -> np.ndarray:
 
 
 def _open(space: Workspace, opened: Opened) -> Opened:
-    opener = None if sample_of(opened) else space.picture_process.open
+    shared = sample_of(opened)
+    if shared is not None:
+        return space.show(opened, shared.new_pictures())
+    opener = space.picture_process.open
     return space.show(opened, session_pictures(opened.session.of_all, opened.whole, opener=opener))
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import streamlit as st
 
-from nvcore.pictures.recordings import session_pictures
 from nvcore.wording import count_text
 from ui.session import state
 from ui.session.uploads import remove_pictures
@@ -54,8 +53,8 @@ def _remove(space: Workspace) -> None:
 
 
 def _go_back(space: Workspace) -> None:
-    opened = state.shared_start().opened
-    space.show(opened, session_pictures(opened.session.of_all, opened.whole))
+    shared = state.shared_start()
+    space.show(shared.opened, shared.new_pictures())
 
 
 def _start_over() -> None:

@@ -10,8 +10,8 @@ import pytest
 from places import SAMPLE
 from streamlit.testing.v1 import AppTest
 
-from nvcore.errors import NvcoreError
-from nvcore.pictures import open_pictures, recordings
+from nvcore.errors import MediaError, NvcoreError
+from nvcore.pictures import Pictures, open_pictures, recordings
 from nvcore.protocols import PROTOCOLS
 from pages import TIMEOUT_S, checked, session
 from ui.session import sample, state
@@ -62,10 +62,22 @@ def test_two_visitors_share_what_is_read_and_computed():
     assert {id(value) for value in made(first)} <= stored()
 
 
-def test_each_visitor_reads_the_pictures_by_himself(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(recordings, "open_pictures", open_pictures)  # tests share them otherwise
-    spaces = [visit().session_state["workspace"] for _ in range(2)]
-    assert spaces[0].pictures[0] is not spaces[1].pictures[0]
+def test_pictures_are_opened_once_and_each_visitor_reads_them_by_himself(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    def refuse(_path: Path) -> Pictures:
+        raise MediaError("not at hand")
+
+    shared = SharedSample(SAMPLE, "")
+    monkeypatch.setattr(recordings, "open_pictures", refuse)
+    assert shared.new_pictures().sources == {}
+    monkeypatch.setattr(recordings, "open_pictures", open_pictures)
+    first = shared.new_pictures()  # tried again
+    monkeypatch.setattr(recordings, "open_pictures", refuse)
+    second = shared.new_pictures()
+    first.close()
+    assert first.sources[0] is not second.sources[0]
+    assert second.sources[0].read(0).any()
 
 
 def test_a_change_is_of_its_visitor_alone():
