@@ -17,8 +17,8 @@ from ui.session.routes import ROUTES
 from ui.settings.limits import limits_of_environment
 from ui.shell.messages import error_banner
 
-# Streamlit collects garbage after every run, of a fragment too: without this, each time it would
-# look through all that the imports have left, for a fifth of a second.
+# What the imports have left stays: looking through it each time that Python collects garbage would
+# take a fifth of a second.
 gc.freeze()
 
 log_in = login()

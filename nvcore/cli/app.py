@@ -65,9 +65,8 @@ def app(
             import_module(package)
         from streamlit.web.cli import main as streamlit
 
-    # Streamlit takes packages outside a folder "site-packages" for its own checkout, and watches
-    # scripts for changes
-    flags = ["--global.developmentMode=false", "--server.fileWatcherType=none"]
+    # Streamlit takes packages outside a folder "site-packages" for its own checkout
+    flags = ["--global.developmentMode=false"]
     flags += [] if address is None else [f"--server.address={address}"]
     flags += [] if port is None else [f"--server.port={port}"]
     flags += ["--server.headless=true"] if no_browser else []
