@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from app_files import N_FRAMES, RECORDING, Sent, send, write_files
@@ -70,6 +71,19 @@ def test_a_reload_keeps_what_was_uploaded_with_place_and_parameters(sent):
     expect(sent.recording_field(RECORDING)).to_be_visible()
     expect(sent.slider("alpha")).to_have_value(alpha)
     expect(sent.page.get_by_text("could not be followed")).to_have_count(0)
+
+
+def test_a_page_gets_the_files_that_another_has_once_that_one_has_gone(visit, tmp_path: Path):
+    old, new = visit("data"), visit("timeline")
+    send(old, write_files(tmp_path, 40))
+    token = old.page.evaluate("sessionStorage.getItem('nvcore-workspace')")
+    new.page.evaluate("token => sessionStorage.setItem('nvcore-workspace', token)", token)
+    with new.page.expect_websocket() as socket:
+        new.page.reload()
+    for _ in range(2):  # it asks again, so it was refused
+        socket.value.wait_for_event("framesent", lambda frame: token.encode() in frame)
+    old.close()
+    expect(new.recording_field(RECORDING)).to_be_visible()
 
 
 @pytest.fixture

@@ -90,18 +90,24 @@ def shared_start() -> SharedSample:
     return shared_sample(path, label=path.name)
 
 
-def restore(token: str) -> None:
-    """Go on with the workspace of that token, unless another page uses it."""
-    space = workspace_of(token)
-    if space is None or space.opened is None or is_in_use(space):
-        return
-    if not is_same(space.owner, workspace().owner):
-        return
+def restore(token: str) -> bool:
+    """Go on with the workspace of that token; False: another page uses it, so far.
+
+    What cannot be had at all is left alone, and so is a page on which something was opened since.
+    """
+    space, own = workspace_of(token), workspace()
+    if space is None or space.opened is None or not is_same(space.owner, own.owner):
+        return True
+    if space is own or own.n_opened > 1:
+        return True
+    if is_in_use(space):
+        return False
     st.session_state["workspace"] = space
     end_with_session(space)
     for name in ("seen_opening", "place", "bad_link"):
         st.session_state.pop(name, None)
     st.query_params.from_dict(st.session_state["first_query"])
+    return True
 
 
 def begin_run() -> None:

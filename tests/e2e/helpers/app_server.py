@@ -53,7 +53,6 @@ def serve(script: Path, *, base: str = "") -> Iterator[str]:
     """
     command = [sys.executable, "-m", "streamlit", "run", str(script), "--server.headless=true"]
     command += ["--browser.gatherUsageStats=false", "--server.address=127.0.0.1"]
-    command += ["--server.fileWatcherType=none"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     command += [f"--server.baseUrlPath={base}"] if base else []
     command += ["--server.port"]

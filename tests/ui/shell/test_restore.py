@@ -20,14 +20,16 @@ from ui.ratings import fit
 from ui.session import state
 from ui.session.address import changed_parameters
 from ui.session.workspace import Workspace
+from ui.shell.tab import restore
 from ui.stability import survey, verdict_map
 
 SCRIPT = """
 import streamlit as st
 from ui.session import state
 from ui.shell import live_params
+from ui.shell.tab import restore
 if token := st.session_state.pop("claims", None):
-    state.restore(token)
+    restore.claim(token)
 state.begin_run()
 live_params.read()
 """
@@ -72,12 +74,38 @@ def test_an_unknown_name_or_a_closed_workspace_gives_nothing():
     assert claiming(app, other.token) is own  # nothing is open in it
 
 
-def test_a_workspace_that_another_page_uses_is_not_shared(monkeypatch: pytest.MonkeyPatch):
-    before = page().session_state["workspace"]
-    monkeypatch.setattr(state, "is_in_use", lambda one: one is before)
+@pytest.fixture
+def used(monkeypatch: pytest.MonkeyPatch) -> Workspace:
+    """The workspace of another page."""
+    space: Workspace = page().session_state["workspace"]
+    monkeypatch.setattr(state, "is_in_use", lambda one: one is space)
+    return space
+
+
+def test_a_workspace_is_not_shared_and_had_once_its_page_has_gone(
+    used: Workspace, monkeypatch: pytest.MonkeyPatch
+):
+    app = page()
+    assert claiming(app, used.token) is not used
+    assert not app.session_state[restore.SETTLED]
+    monkeypatch.setattr(state, "is_in_use", lambda _: False)
+    assert claiming(app, used.token) is used
+    assert app.session_state[restore.SETTLED]
+
+
+def test_a_workspace_that_stays_in_use_is_given_up(used: Workspace):
+    app = page()
+    for n_claims in range(1, restore.MOST_CLAIMS + 1):
+        assert claiming(app, used.token) is not used
+        assert app.session_state[restore.SETTLED] is (n_claims == restore.MOST_CLAIMS)
+
+
+def test_who_has_opened_something_meanwhile_keeps_it(used: Workspace):
     app = page()
     own = app.session_state["workspace"]
-    assert claiming(app, before.token) is own
+    own.n_opened += 1
+    assert claiming(app, used.token) is own
+    assert app.session_state[restore.SETTLED]
 
 
 class Gate:

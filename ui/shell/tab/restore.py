@@ -2,7 +2,8 @@
 
 A reload starts a new Streamlit session. The tab keeps the workspace's token in the browser's
 ``sessionStorage``, which ends with the tab, and claims the workspace with it, unless that has been
-closed or another page uses it.
+closed or another page uses it. The page from before the reload may be that other one for a moment:
+the server hears of its end when it hears of it. So the claim is repeated for a while.
 """
 
 from __future__ import annotations
@@ -16,16 +17,32 @@ from ui.session import state
 KEY: Final = "tab"
 _SCRIPT: Final = """
 const NAME = "nvcore-workspace";
+let pauseMs = 1000; // doubled each time
+let again = null;
+let send = null;
 export default function ({ data, setTriggerValue }) {
   let kept = null;
   try { kept = sessionStorage.getItem(NAME); } catch { return; }
-  if (kept === data.token) return;
-  if (kept && !data.is_settled) setTriggerValue("claim", kept);
-  else sessionStorage.setItem(NAME, data.token);
+  send = setTriggerValue;
+  const claim = () => {
+    again = setTimeout(claim, pauseMs);
+    pauseMs *= 2;
+    send("claim", kept);
+  };
+  if (kept && kept !== data.token && !data.is_settled) {
+    if (again === null) claim();
+    return;
+  }
+  clearTimeout(again);
+  sessionStorage.setItem(NAME, data.token);
 }
 """
 _COMPONENT = st.components.v2.component("nvcore_tab", js=_SCRIPT)
-_SETTLED: Final = "tab_is_settled"
+SETTLED: Final = "tab_is_settled"
+"""Whether it is known what the tab has open: nothing is claimed any more."""
+_CLAIMS: Final = "tab_claims"
+MOST_CLAIMS: Final = 7
+"""The last one comes after a minute: by then the server has noticed a connection that broke off."""
 
 
 def draw() -> None:
@@ -36,13 +53,18 @@ def draw() -> None:
         height=1,
         data={
             "token": state.workspace().token,
-            "is_settled": st.session_state.get(_SETTLED, False),
+            "is_settled": st.session_state.get(SETTLED, False),
         },
     )
 
 
 def _claim() -> None:
-    token = st.session_state[KEY].claim
-    st.session_state[_SETTLED] = True
-    if isinstance(token, str):
-        state.restore(token)
+    claim(st.session_state[KEY].claim)
+
+
+def claim(token: object) -> None:
+    """Go on with the workspace of that token; where another page has it, later claims try again."""
+    n_claims = st.session_state[_CLAIMS] = st.session_state.get(_CLAIMS, 0) + 1
+    st.session_state[SETTLED] = (
+        not isinstance(token, str) or state.restore(token) or n_claims >= MOST_CLAIMS
+    )
