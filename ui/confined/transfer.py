@@ -14,8 +14,8 @@ from typing import Any, Final
 
 LEAST_OF_ONE: Final = 1 << 16
 """Bytes of an array from which on it goes by itself ..."""
-LEAST_OF_ALL: Final = 1 << 24
-"""... if all together have so many: for a picture, say, the socket is as quick."""
+LEAST_OF_ALL: Final = 1 << 18
+"""... if all together have so many: a picture of 640x480 in colour takes half the time."""
 ALIGNED: Final = 64
 """Bytes that each array starts at a multiple of."""
 
