@@ -21,8 +21,14 @@ _MARKUP: Final = re.compile(r"([\\`*_{}\[\]<>()#+.!|$~:&^=@-])")
 
 
 def number(value: float | None, form: str) -> str:
-    """The number in this format, a dash where it is undefined."""
-    return UNDEFINED if value is None or math.isnan(value) else format(value, form)
+    """The number in this format, a dash where it is undefined.
+
+    Examples
+    --------
+    >>> number(2439.4, ".0f")
+    '2,439'
+    """
+    return UNDEFINED if value is None or math.isnan(value) else format(value, f",{form}")
 
 
 def difference(x: float, y: float, form: str) -> str:
@@ -36,15 +42,17 @@ def difference(x: float, y: float, form: str) -> str:
     '+0.002'
     >>> difference(0.0046, 0.0068, ".1%")
     '-0.2 pp'
+    >>> difference(0.00184, 0.00176, ".3f")
+    '0.000'
     """
     if math.isnan(x) or math.isnan(y):
         return UNDEFINED
     if form == "d":
-        return format(x - y, "+d")
+        return format(x - y, "+,d") if x != y else "0"
     shown_x, shown_y = (Decimal(format(value, form).replace("%", "")) for value in (x, y))
     unit = " pp" if form.endswith("%") else ""
-    # z: no negative zero
-    return format(float(shown_x - shown_y), "+z" + form.replace("%", "f")) + unit
+    sign = "+" if shown_x != shown_y else ""
+    return format(float(shown_x - shown_y), f"{sign}z,{form.replace('%', 'f')}") + unit
 
 
 def minus(text: str) -> str:

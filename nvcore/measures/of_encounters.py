@@ -110,7 +110,7 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
     ),
     Measure(
         key="encounters_detected",
-        label="encounters detected, of {n_near}",
+        label="encounters detected, of {n_near:,}",
         form="d",
         better=HIGHER,
         of=lambda _, system: int(system.encounters["is_detected"].sum()),
@@ -207,7 +207,7 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
     *(_miss_class(kind) for kind in MissClass),
     Measure(
         key="boxes_matched",
-        label="boxes matched, near or far, of {n_boxes}",
+        label="boxes matched, near or far, of {n_boxes:,}",
         form="d",
         better=HIGHER,
         of=lambda _, system: int(system.matched.sum()),

@@ -148,10 +148,10 @@ def _heading(result: Result) -> str:
     ]
     lines.append(
         f"{n_recordings} recording{'s' if n_recordings > 1 else ''}, "
-        f"{len(result.dataset.frames)} frames, {result.duration_s:.1f} s, "
-        f"{int(result.n_truth.sum())} pedestrian boxes, {result.venn.n_near} "
+        f"{len(result.dataset.frames):,} frames, {result.duration_s:,.1f} s, "
+        f"{int(result.n_truth.sum()):,} pedestrian boxes, {result.venn.n_near:,} "
         f"encounter{'s' if result.venn.n_near != 1 else ''} "
-        f"(and {result.venn.distant} distant, not counted)"
+        f"(and {result.venn.distant:,} distant, not counted)"
     )
     return _text(lines)
 
@@ -205,7 +205,7 @@ def _head(letter: str, system: SystemResult) -> str:
 def _venn(result: Result) -> str:
     lines = [
         f"encounters detected by: {detected_text(result)} "
-        f"({result.venn.distant} distant, not counted)",
+        f"({result.venn.distant:,} distant, not counted)",
         "severity (1 s: a pedestrian straight ahead and near is missed for 1 s), of encounters "
         f"detected by {weights_text(result)}",
     ]
@@ -213,11 +213,11 @@ def _venn(result: Result) -> str:
     lines.append(_lead(result))
     boxes = result.boxes
     lines.append(
-        f"boxes matched by: both {boxes.both}, only X {boxes.x_only}, only Y {boxes.y_only}, "
-        f"neither {boxes.neither} (all boxes, distant ones too)"
+        f"boxes matched by: both {boxes.both:,}, only X {boxes.x_only:,}, "
+        f"only Y {boxes.y_only:,}, neither {boxes.neither:,} (all boxes, distant ones too)"
     )
     n_absorbed = [
-        f"{letter.upper()} {system.matches.n_absorbed}" for letter, system in result.sides
+        f"{letter.upper()} {system.matches.n_absorbed:,}" for letter, system in result.sides
     ]
     lines.append(
         "detections on people or regions that the truth ignores, not counted: "

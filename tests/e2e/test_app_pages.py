@@ -188,6 +188,8 @@ def test_nothing_is_cut_in_a_narrow_window(visit, width):
     )
     assert main.evaluate("main => main.scrollWidth") == width
     assert one.page.evaluate(CUT) == []
+    wide = visit("")  # of the same browser
+    expect(wide.keyed("alpha")).to_be_in_viewport()
 
 
 def test_as_many_pages_back_as_were_visited(visit):

@@ -77,7 +77,7 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
         "boxes matched by: both 20, only X 20, only Y 0, neither 0 (all boxes, distant ones too)",
         "detections on people or regions that the truth ignores, not counted: X 0, Y 0",
         "",
-        "fusion X or Y: 2 of 2 encounters, 1800.0 false-alert episodes/h, mean similarity "
+        "fusion X or Y: 2 of 2 encounters, 1,800.0 false-alert episodes/h, mean similarity "
         f"{result.fusion.x.summary.mean:.4f}",
         "fusion X and Y: 1 of 2 encounters, 0.0 false-alert episodes/h, mean similarity "
         f"{result.fusion.y.summary.mean:.4f}",
@@ -135,7 +135,7 @@ def test_a_difference_agrees_with_the_values_beside_it():
     assert difference(0.0184, 0.0156, ".3f") == "+0.002"
     assert difference(2.106, 4.224, ".2f") == "-2.11"
     assert difference(0.0046, 0.0068, ".1%") == "-0.2 pp"
-    assert difference(0.01, 0.0100001, ".3f") == "+0.000"
+    assert difference(0.01, 0.0100001, ".3f") == "0.000"
     assert difference(7, 9, "d") == "-2"
 
 
@@ -145,7 +145,7 @@ def test_counts_and_shares_stand_side_by_side_with_their_difference(scorecard: l
     assert cells(scorecard, "boxes matched") == ["40", "20", "+20", "higher"]
     assert cells(scorecard, "false alarms per frame") == ["0.000", "0.100", "-0.100", "lower"]
     assert cells(scorecard, "false-alert episodes") == ["0", "1", "-1", "lower"]
-    assert cells(scorecard, "per hour") == ["0.0", "1800.0", "-1800.0", "lower"]
+    assert cells(scorecard, "per hour") == ["0.0", "1,800.0", "-1,800.0", "lower"]
     assert cells(scorecard, "longest (s)") == ["–", "0.20", "–", "lower"]  # undefined
     (share,) = [line for line in scorecard if line.startswith("frames with")]
     assert share.split()[-6:] == ["0.9", "0.0%", "100.0%", "-100.0", "pp", "lower"]
@@ -157,7 +157,7 @@ def test_a_difference_too_small_to_show_has_no_minus_sign():
     result = result_of(make_dataset(truth, y, truth))
     assert result.x.summary.mean < result.y.summary.mean
     lines = render_scorecard(result).splitlines()
-    assert cells(lines, "mean similarity") == ["1.0000", "1.0000", "+0.0000", "higher"]
+    assert cells(lines, "mean similarity") == ["1.0000", "1.0000", "0.0000", "higher"]
 
 
 def test_a_long_name_is_shortened_in_the_head_only(result: Result):

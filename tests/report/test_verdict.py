@@ -263,7 +263,7 @@ def test_a_difference_says_for_whom_it_speaks_with_its_unit_and_no_exponent(bett
         verdict_by(better_x, episodes | {"difference": -1.0}, saliency, miss_rate), "Chance"
     )
     assert (
-        "(for X, X - Y 95 % interval -358.2 to -12000.0 per hour, p = 0.005; 0.01 after" in chance
+        "(for X, X - Y 95 % interval -358.2 to -12,000.0 per hour, p = 0.005; 0.01 after" in chance
     )
     assert "saliency per recording (for Y, X - Y 95 % interval +0.50 to +2.00 s, p =" in chance
     assert (

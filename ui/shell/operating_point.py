@@ -207,4 +207,4 @@ def _threshold(point: OperatingPoint) -> str:
 
 
 def _rate(point: OperatingPoint) -> str:
-    return number(point.false_alarms_per_hour, ",.0f")
+    return number(point.false_alarms_per_hour, ".0f")

@@ -38,7 +38,7 @@ class Kept(Generic[AnyWindow]):
         is_sound = False
         try:
             yield window
-            assert window.complaints == []
+            assert window.complaints == [], window.complaints
             is_sound = not request.node.stash.get(HAS_FAILED, False)
         finally:
             if not is_sound:

@@ -1,4 +1,4 @@
-"""In a narrow window the settings begin folded away, so that results have room."""
+"""In a narrow window the settings begin folded away, so that results have room; in no other."""
 
 from __future__ import annotations
 
@@ -9,10 +9,19 @@ import streamlit as st
 _SCRIPT: Final = """
 const NARROW_PX = 1100;
 const FOLD = '[data-testid="stSidebarCollapseButton"] button[aria-expanded="true"]';
+const KEPT = "stSidebarCollapsed-"; // where Streamlit keeps it for all windows of the browser
+const kept = () => {
+  try { return Object.entries(localStorage).filter(([name]) => name.startsWith(KEPT)); }
+  catch { return []; } // storage is not allowed
+};
 export default function () {
   if (window.nvcoreNarrow) return;
   window.nvcoreNarrow = true;
-  if (window.innerWidth < NARROW_PX) document.querySelector(FOLD)?.click();
+  if (window.innerWidth >= NARROW_PX) return;
+  const before = kept();
+  document.querySelector(FOLD)?.click();
+  kept().forEach(([name]) => localStorage.removeItem(name));
+  before.forEach((entry) => localStorage.setItem(...entry));
 }
 """
 _COMPONENT = st.components.v2.component("nvcore_narrow", js=_SCRIPT)

@@ -6,7 +6,13 @@ const MOST_IN_ROW = 0.5; // rows are rows if there are no more of them than this
 const MOST_DISTINCT = 0.5; // marks with fewer meanings than this share of them are of regions
 const INSIDE_PX = 4;
 const HOVER_MS = 80; // Plotly answers a movement of the mouse within so long
-const spots = new WeakMap(); // of each figure, the point that is marked
+const spots = new Map(); // by the figure's key, which outlives a plot, the point that is marked
+const reachable = new WeakSet();
+
+function keyOf(plot) {
+  const classes = plot.closest('[class*="st-key-"]')?.classList ?? [];
+  return [...classes].find((name) => name.startsWith("st-key-"));
+}
 
 function areClicked(plot) {
   return Boolean(plot._fullLayout?.clickmode?.includes("select"));
@@ -91,7 +97,7 @@ function target(points, current, key) {
 }
 
 function marked(plot, points) {
-  const spot = spots.get(plot);
+  const spot = spots.get(keyOf(plot));
   return points.find((point) => point.curve === spot?.curve && point.index === spot?.index);
 }
 
@@ -144,7 +150,7 @@ function wordsOf(plot, { curve, index }) {
 }
 
 function mark(plot, points, point) {
-  spots.set(plot, point);
+  spots.set(keyOf(plot), point);
   let ring = plot.querySelector(".nv-mark");
   if (!ring) {
     ring = document.createElement("div");
@@ -155,7 +161,7 @@ function mark(plot, points, point) {
   ring.style.top = `${point.y}px`;
   hover(plot, point);
   setTimeout(() => {
-    if (spots.get(plot) !== point || document.activeElement !== plot) return;
+    if (spots.get(keyOf(plot)) !== point || document.activeElement !== plot) return;
     speaker().textContent = `${wordsOf(plot, point)} (${points.length} points)`;
   }, HOVER_MS);
 }
@@ -202,8 +208,8 @@ function renewClicks(plot) {
 }
 
 function makeReachable(plot) {
-  if (spots.has(plot) || !areClicked(plot) || !plot.emit) return;
-  spots.set(plot, null);
+  if (reachable.has(plot) || !areClicked(plot) || !plot.emit) return;
+  reachable.add(plot);
   renewClicks(plot);
   plot.addEventListener("keydown", onKey);
   plot.addEventListener("focus", onFocus);
