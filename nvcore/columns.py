@@ -92,8 +92,8 @@ class FrameColumns:
         Frames to the next listed frame (last one: the median gap), float64, shape (n_frames,).
     first
         First row of each recording, int64, shape (n_recordings + 1,).
-    width, height, fps, horizon, context
-        float64, shape (n_recordings,); horizon and context NaN where unknown.
+    width, height, fps, horizon, context, speed_kmh
+        float64, shape (n_recordings,); horizon, context and speed NaN where unknown.
     """
 
     recording: np.ndarray
@@ -105,6 +105,7 @@ class FrameColumns:
     fps: np.ndarray
     horizon: np.ndarray
     context: np.ndarray
+    speed_kmh: np.ndarray
 
     def __len__(self) -> int:
         return len(self.frame)

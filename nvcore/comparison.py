@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
+import pandas as pd
 
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
@@ -19,6 +20,7 @@ from nvcore.metrics.matching import count_per_frame
 from nvcore.metrics.proximity import Weights, in_use, weigh_proximity
 from nvcore.metrics.saliency import saliency_by_recording
 from nvcore.metrics.severity import cost_of_miss
+from nvcore.metrics.time_left import Contact, curve_over_speed, find_urgent, measure_contact
 from nvcore.metrics.venn import (
     MIN_DISCORDANT,
     BoxVenn,
@@ -31,8 +33,8 @@ from nvcore.metrics.venn import (
 )
 from nvcore.palette import Scheme, Shade, scheme_for
 from nvcore.params import Params
-from nvcore.params.metadata import COST, ENCOUNTERS, MATCH, PROXIMITY
-from nvcore.schema import Category, DetectionState
+from nvcore.params.metadata import CONTACT, COST, ENCOUNTERS, MATCH, PROXIMITY, URGENCY
+from nvcore.schema import Category, DetectionState, Urgency
 from nvcore.scoring import Memo, SystemResult, score_system
 
 LEAST_FOR_THREADS: Final = 5_000
@@ -57,6 +59,10 @@ class Result:
         Proximity weight of every truth box.
     cost
         What missing each truth box would cost (`nvcore.metrics.severity.cost_of_miss`).
+    contact
+        Time to contact of every truth box (`nvcore.metrics.time_left.measure_contact`).
+    urgency
+        Whether and when each encounter becomes urgent (`nvcore.metrics.time_left.find_urgent`).
     category
         Venn category of every encounter; object, shape (n_encounters,).
     venn, exclusivity, boxes
@@ -75,6 +81,8 @@ class Result:
     encounters: Encounters
     k_truth: Weights
     cost: np.ndarray
+    contact: Contact
+    urgency: pd.DataFrame
     n_truth: np.ndarray
     category: np.ndarray
     venn: Venn
@@ -131,6 +139,31 @@ class Result:
         """What a system's failures weigh in the encounters of each category, seconds, 0 is best."""
         severity_s = system.failures["severity_s"].to_numpy()
         return {kind: float(severity_s[self.category == kind.value].sum()) for kind in Category}
+
+    @property
+    def is_urgent(self) -> np.ndarray:
+        """Encounters in which the driver had to be told in time; bool, shape (n_encounters,)."""
+        urgent: np.ndarray = (self.urgency["urgency"] == Urgency.URGENT.value).to_numpy()
+        return urgent
+
+    def count_urgency(self) -> dict[Urgency, int]:
+        """Encounters of each urgency."""
+        return {kind: int((self.urgency["urgency"] == kind.value).sum()) for kind in Urgency}
+
+    @property
+    def has_assumed_speed(self) -> np.ndarray:
+        """Recordings that do not state the car's speed; bool, shape (n_recordings,)."""
+        is_assumed: np.ndarray = np.isnan(self.dataset.frame_columns.speed_kmh)
+        return is_assumed
+
+    @cached_property
+    def over_speed(self) -> pd.DataFrame:
+        """Time left of both over the car's speed (`nvcore.metrics.time_left.curve_over_speed`)."""
+        return curve_over_speed(
+            *(self.contact, self.dataset.truth, self.encounters),
+            [system.confirmed for _, system in self.sides],
+            *(self.dataset.frame_columns, self.params),
+        )
 
     @cached_property
     def fusion(self) -> Result:
@@ -198,7 +231,15 @@ def compare(
         lambda: cost_of_miss(truth, k_truth.k, frames, in_use(params, "edge_weight", frames)),
         COST,
     )
-    shared = (dataset, params, tracks, encounters, k_truth, cost)
+    contact = memo.get(
+        "contact",
+        lambda: measure_contact(truth, encounters, frames, ttc_window=params.ttc_window),
+        CONTACT,
+    )
+    urgency = memo.get(
+        "urgency", lambda: find_urgent(contact, truth, encounters, frames, params), URGENCY
+    )
+    shared = (dataset, params, tracks, encounters, k_truth, cost, contact, urgency)
     pairs = list(zip(names, (params.threshold_x, params.threshold_y), strict=True))
 
     def score(pair: tuple[str, float | None]) -> SystemResult:
@@ -238,6 +279,8 @@ def compare(
         encounters=encounters,
         k_truth=k_truth,
         cost=cost,
+        contact=contact,
+        urgency=urgency,
         n_truth=n_truth,
         category=category,
         venn=venn,
@@ -252,7 +295,7 @@ def _same_numbers(a: Dataset, b: Dataset) -> bool:
     """Whether two datasets differ in names, tags or settings at most."""
     if a is b:
         return True
-    columns = ["width", "height", "fps", "horizon", "context"]
+    columns = ["width", "height", "fps", "horizon", "context", "speed_kmh"]
     is_same_table = a.frames is b.frames and a.boxes is b.boxes
     return is_same_table and a.recordings[columns].equals(b.recordings[columns])
 

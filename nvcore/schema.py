@@ -64,6 +64,7 @@ RECORDING_DTYPES: Final[dict[str, str]] = {
     "fps": "float64",  # frames per second
     "horizon": "float64",  # row of the horizon, px; NaN: unknown
     "context": "float64",  # traffic: 0 urban to 1 rural; NaN: not stated
+    "speed_kmh": "float64",  # speed of the car; NaN: not stated
     "tags": "object",  # words for choosing recordings, tuple of str
 }
 
@@ -115,6 +116,40 @@ MISS_CLASS_TEXT: Final[dict[MissClass, str]] = {
     MissClass.LOST_EARLY: "Lost too long before the pedestrian was too far to count again.",
     MissClass.BRIEF: "Detected in too few frames that count, in none of the other ways.",
     MissClass.NONE: "Detected without a failure worth naming.",
+}
+
+
+class Urgency(StrEnum):
+    """Whether an encounter leaves time to brake; the first that holds, in this order."""
+
+    UNKNOWN = "unknown"
+    NOT_URGENT = "not_urgent"
+    OUTSIDE = "outside"
+    NO_CHANCE = "no_chance"
+    URGENT = "urgent"
+
+
+URGENCY_TEXT: Final[dict[Urgency, str]] = {
+    Urgency.UNKNOWN: "In no frame is the time to contact known.",
+    Urgency.NOT_URGENT: "The car could still have stopped in every frame.",
+    Urgency.OUTSIDE: "Too far to the side when the car could no longer have stopped.",
+    Urgency.NO_CHANCE: "Too near to stop from the first frame in which that is known.",
+    Urgency.URGENT: "The driver had to be told before a moment that is known.",
+}
+
+
+class TimeLeft(StrEnum):
+    """Whether a system confirmed an urgent pedestrian while the car could still stop."""
+
+    IN_TIME = "in_time"
+    LATE = "late"
+    NEVER = "never"
+
+
+TIME_LEFT_TEXT: Final[dict[TimeLeft, str]] = {
+    TimeLeft.IN_TIME: "Confirmed while the car could still stop.",
+    TimeLeft.LATE: "Confirmed when the car could no longer stop.",
+    TimeLeft.NEVER: "Never confirmed.",
 }
 
 

@@ -33,8 +33,11 @@ from nvcore.metrics.similarity import (
     summarise_similarity,
     trace_similarity,
 )
+from nvcore.metrics.time_left import Contact, confirm, judge_time_left
 from nvcore.params import Params
 from nvcore.params.metadata import (
+    CONFIRMED,
+    CONTACT,
     DISTANCES,
     ENCOUNTERS,
     EVENTS,
@@ -43,6 +46,7 @@ from nvcore.params.metadata import (
     PROXIMITY,
     SALIENT,
     SEVERITY,
+    TIME_LEFT,
     Stage,
 )
 
@@ -95,6 +99,10 @@ class SystemResult:
         How the system did in each encounter (`nvcore.metrics.encounters.judge_encounters`).
     failures
         What its failures weigh in each encounter (`nvcore.metrics.severity.weigh_failures`).
+    confirmed
+        When it is sure of each pedestrian (`nvcore.metrics.time_left.confirm`).
+    time_left
+        Whether that is in time (`nvcore.metrics.time_left.judge_time_left`).
     episodes
         False-alert episodes (`nvcore.metrics.false_alarms.find_episodes`).
     summary
@@ -120,6 +128,8 @@ class SystemResult:
     events: pd.DataFrame
     encounters: pd.DataFrame
     failures: pd.DataFrame
+    confirmed: pd.DataFrame
+    time_left: pd.DataFrame
     episodes: pd.DataFrame
     summary: SimilaritySummary
     false_alarm_summary: FalseAlarmSummary
@@ -201,10 +211,15 @@ def score_system(
     encounters: Encounters,
     k_truth: Weights,
     cost: np.ndarray,
+    contact: Contact,
+    urgency: pd.DataFrame,
     memo: Memo,
 ) -> SystemResult:
     """Everything about one system, without reference to the other."""
-    scoring = _Scoring(name, threshold, dataset, params, tracks, encounters, k_truth, cost, memo)
+    scoring = _Scoring(
+        *(name, threshold, dataset, params, tracks, encounters, k_truth, cost),
+        *(contact, urgency, memo),
+    )
     frames = dataset.frame_columns
     matches = scoring.matches()
     counts = scoring.counts(matches)
@@ -212,6 +227,7 @@ def score_system(
     similarity = trace_similarity(distances, frames, alpha=params.alpha)
     salient_row, events = scoring.salient(nearest, distances)
     outcomes, failures = scoring.outcomes(matches)
+    confirmed, time_left = scoring.time_left(matches)
     return SystemResult(
         name=name,
         threshold=threshold,
@@ -227,6 +243,8 @@ def score_system(
         events=events,
         encounters=outcomes,
         failures=failures,
+        confirmed=confirmed,
+        time_left=time_left,
         episodes=counts.episodes,
         summary=summarise_similarity(similarity, low=params.low),
         false_alarm_summary=summarise_false_alarms(
@@ -262,6 +280,8 @@ class _Scoring:
     encounters: Encounters
     k_truth: Weights
     cost: np.ndarray
+    contact: Contact
+    urgency: pd.DataFrame
     memo: Memo
 
     def _get(self, what: str, make: Callable[[], T], *stages: Stage) -> T:
@@ -364,3 +384,19 @@ class _Scoring:
             SEVERITY,
         )
         return outcomes, failures
+
+    def time_left(self, matches: Matches) -> tuple[pd.DataFrame, pd.DataFrame]:
+        """When the system confirms each pedestrian, and whether that is in time."""
+        frames, params = self.dataset.frame_columns, self.params
+        confirmed = self._get(
+            "confirmed",
+            lambda: confirm(self.contact, self.encounters, matches.is_matched, params),
+            CONTACT,
+            CONFIRMED,
+        )
+        time_left = self._get(
+            "time_left",
+            lambda: judge_time_left(self.urgency, confirmed, frames, params),
+            TIME_LEFT,
+        )
+        return confirmed, time_left

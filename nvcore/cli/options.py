@@ -99,7 +99,8 @@ def flag_of(name: str) -> str:
 def parameter_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Flags for all live parameters, made from the fields of `Params`."""
     for name, setting in reversed(SETTINGS.items()):
-        kind: Any = float if setting.words is None else click.Choice(list(setting.words))
+        number = int if setting.is_whole else float
+        kind: Any = number if setting.words is None else click.Choice(list(setting.words))
         text = setting.meaning
         if setting.default is not None:  # else the meaning says what replaces it
             text += f" Default: {setting.default} {setting.unit}".rstrip() + "."

@@ -33,7 +33,8 @@ class Dataset:
     ----------
     recordings
         One row per recording: name, width, height (px), fps, horizon (px, NaN unknown), context
-        (0 urban to 1 rural, NaN not stated), tags (tuple of str).
+        (0 urban to 1 rural, NaN not stated), speed_kmh (of the car, NaN not stated), tags (tuple
+        of str).
     frames
         One row per listed frame, frames without boxes too: recording (row of `recordings`),
         frame, time_s, step_s. Sorted by recording, then frame.
@@ -77,7 +78,7 @@ class Dataset:
         frame = self.frames["frame"].to_numpy()
         numbers = {
             name: self.recordings[name].to_numpy()
-            for name in ("width", "height", "fps", "horizon", "context")
+            for name in ("width", "height", "fps", "horizon", "context", "speed_kmh")
         }
         gap = frame_gaps(frame, first)
         return FrameColumns(recording, frame, gap, first.astype(np.int64), **numbers)

@@ -51,7 +51,7 @@ def dataset_from_tables(
     Parameters
     ----------
     recordings
-        Columns name, width, height, fps, and optionally horizon, context and tags.
+        Columns name, width, height, fps, and optionally horizon, context, speed_kmh and tags.
     frames_by_recording
         Listed frame numbers of each recording, sorted, unique.
     boxes
@@ -67,20 +67,22 @@ def dataset_from_tables(
     Raises
     ------
     InputError
-        If the size or the frame rate of a recording is not a positive number.
+        If the size, the frame rate or the speed of a recording is not a positive number.
     """
     if "tags" not in recordings:
         recordings = recordings.assign(tags=pd.Series([()] * len(recordings), dtype=object).array)
     columns: dict[str, object] = {str(name): recordings[name].to_numpy() for name in recordings}
     recordings = conform(columns, RECORDING_DTYPES, n_rows=len(recordings))
-    for name in ("width", "height", "fps"):
+    for name in ("width", "height", "fps", "speed_kmh"):
         values = recordings[name].to_numpy()
         bad = ~((values > 0) & np.isfinite(values))
+        if name == "speed_kmh":
+            bad &= ~np.isnan(values)
         if bad.any():
             first = int(np.argmax(bad))
             raise InputError(
                 f"recording {recordings['name'][first]!r}: expected a positive {name}, found "
-                f"{values[first]:g}; correct the size or the frame rate"
+                f"{values[first]:g}; correct the size, the frame rate or the speed"
             )
     is_rate = recordings["fps"].between(MIN_FPS, MAX_FPS).to_numpy()
     if not is_rate.all():
@@ -105,11 +107,15 @@ def dataset_from_tables(
 
 
 def what_is_stated(recordings: pd.DataFrame) -> pd.DataFrame:
-    """The recordings as a fingerprint includes them: without tags or context if none has any.
+    """The recordings as a fingerprint includes them: without tags, context, speed if none has any.
 
-    So data that state neither keep the fingerprint of before there were such columns.
+    So data that state none of these keep the fingerprint of before there were such columns.
     """
-    is_empty = {"tags": not any(recordings["tags"]), "context": recordings["context"].isna().all()}
+    is_empty = {
+        "tags": not any(recordings["tags"]),
+        "context": recordings["context"].isna().all(),
+        "speed_kmh": recordings["speed_kmh"].isna().all(),
+    }
     return recordings.drop(columns=[name for name, empty in is_empty.items() if empty])
 
 

@@ -32,6 +32,7 @@ from nvcore.evidence.units import (
 from nvcore.measures import (
     EVIDENCE_KEYS,
     Better,
+    evidence_keys,
     evidence_label,
     inference_of,
     measure_of,
@@ -150,7 +151,8 @@ def significance_table(
 
     Encounters detected come twice: encounter by encounter (McNemar), which is about these drives
     alone, and by units, which allows for encounters of one recording being alike. Then come the
-    other measures that `nvcore.measures.Inference` judges by units, and `extra`. Where the data are
+    other measures that `nvcore.measures.Inference` judges so (without those that do not apply, such
+    as those of urgent encounters where nobody is urgent), and `extra`. Where the data are
     too few for a measure, or most encounters are single frames, it is NaN and `note` says why.
 
     Parameters
@@ -172,15 +174,17 @@ def significance_table(
     >>> significance_table(result)[["figure", "difference", "low", "high"]]  # doctest: +SKIP
     """
     units = find_units(result) if units is None else units
-    by_unit = [
-        with_mean_over_recordings(
-            result, units, judge_measure(measure, units, has_interval=has_intervals)
-        )
-        for measure in unit_measures(result, units)
-    ]
-    encounters = judge_encounters_detected(result)
-    rows = [encounters.values_only() if result.is_short else encounters, *by_unit, *extra]
-    table = pd.DataFrame([vars(row) for row in rows])
+    by_unit = {measure.key: measure for measure in unit_measures(result, units)}
+
+    def judge(key: str) -> Evidence:
+        if inference_of(key).test == "encounters":
+            encounters = judge_encounters(result, key)
+            return encounters.values_only() if result.is_short else encounters
+        row = judge_measure(by_unit[key], units, has_interval=has_intervals)
+        return with_mean_over_recordings(result, units, row)
+
+    keys = [key for key in evidence_keys(result) if inference_of(key).test != "curve"]
+    table = pd.DataFrame([vars(row) for row in (*map(judge, keys), *extra)])
     table["p_holm"] = corrected(table)
     return table
 
@@ -195,16 +199,23 @@ def corrected(table: pd.DataFrame) -> np.ndarray:
     return holm(np.where(is_repeated, np.nan, table["p"].to_numpy(dtype=float)))
 
 
-def judge_encounters_detected(result: Result) -> Evidence:
-    """Share of encounters detected, encounter by encounter: McNemar's test."""
-    test = mcnemar(result.venn)
+def judge_encounters(result: Result, key: str = "encounters_detected") -> Evidence:
+    """A share of encounters, encounter by encounter: McNemar's test.
+
+    Parameters
+    ----------
+    key
+        Of a measure of which `nvcore.measures.Inference` says how encounters split.
+    """
+    split = inference_of(key).split
+    assert split is not None, key
+    test = mcnemar(split(result))
     notes = [test.reason]
     if result.is_short:
         notes.append(
             "most encounters are one frame long, so they are frames rather than persons, and not "
             "independent: go by the measure by recordings or blocks"
         )
-    key = "encounters_detected"
     return Evidence(
         figure=key,
         label=evidence_label(key, result, units=""),

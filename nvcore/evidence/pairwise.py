@@ -14,7 +14,7 @@ from nvcore.dataset import Dataset
 from nvcore.errors import InputError
 from nvcore.evidence.measures import (
     Evidence,
-    judge_encounters_detected,
+    judge_encounters,
     judge_measure,
     unit_measures,
 )
@@ -109,7 +109,7 @@ def pairwise_table(
 def _row(result: Result) -> dict[str, Any]:
     units = find_units(result)
     measures = {measure.key: measure for measure in unit_measures(result, units)}
-    split = judge_encounters_detected(result)
+    split = judge_encounters(result)
     split = split.values_only() if result.is_short else split
     by_unit = judge_measure(measures["encounters_detected_by_unit"], units)
     similarity = judge_measure(measures["mean_similarity"], units)

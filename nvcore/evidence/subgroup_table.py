@@ -15,7 +15,7 @@ from nvcore.evidence.measures import COLUMNS as EVIDENCE_COLUMNS
 from nvcore.evidence.measures import (
     Evidence,
     corrected,
-    judge_encounters_detected,
+    judge_encounters,
     judge_measure,
     unit_measures,
     with_mean_over_recordings,
@@ -25,10 +25,10 @@ from nvcore.evidence.paired_tests import mcnemar
 from nvcore.evidence.subgroups import ALL, Subgroup, everyone, find_subgroups
 from nvcore.evidence.table import mark_undecided
 from nvcore.evidence.units import Units, find_units, units_within
-from nvcore.measures import EVIDENCE_KEYS, inference_of
+from nvcore.measures import evidence_keys, inference_of
 from nvcore.metrics.venn import count_categories
 from nvcore.protocols import PROTOCOLS, Protocol
-from nvcore.schema import Category
+from nvcore.schema import Category, Urgency
 from nvcore.scoring import SystemResult
 
 _COUNTS: Final = ("n", "unit", "both", "x_only", "y_only", "neither")
@@ -46,7 +46,7 @@ COLUMNS: Final = (
 
 def subgroup_table(
     result: Result,
-    keys: Sequence[str] = EVIDENCE_KEYS,
+    keys: Sequence[str] | None = None,
     *,
     protocol: Protocol = PROTOCOLS["all"],
     units: Units | None = None,
@@ -63,7 +63,7 @@ def subgroup_table(
     Parameters
     ----------
     keys
-        Some of `nvcore.measures.EVIDENCE_KEYS`.
+        Some of `nvcore.measures.EVIDENCE_KEYS`; None: all that the comparison has.
     protocol
         Which pedestrians count in the log-average miss rate.
     units
@@ -85,6 +85,7 @@ def subgroup_table(
     >>> subgroup_table(result, ["saliency"])[["group", "n", "difference"]]  # doctest: +SKIP
     """
     units = find_units(result) if units is None else units
+    keys = evidence_keys(result) if keys is None else keys
     parts = (everyone(result), *find_subgroups(result))
     by_part = [_judge_part(result, part, keys, units=units, protocol=protocol) for part in parts]
     tables = []
@@ -104,8 +105,9 @@ def _row(result: Result, part: Subgroup, evidence: Evidence) -> dict[str, Any]:
     venn = count_categories(result.category[part.is_member])
     counts = venn.counts()
     odds = (np.nan, np.nan)
-    if inference_of(evidence.figure).test == "encounters":
-        test = mcnemar(venn)
+    split = inference_of(evidence.figure).split
+    if split is not None:
+        test = mcnemar(split(_narrow(result, part)))
         odds = test.odds_low, test.odds_high
     return {
         "factor": part.factor,
@@ -129,7 +131,7 @@ def _judge_part(
     def judge(key: str) -> Evidence:
         inference = inference_of(key)
         if inference.test == "encounters":
-            split = judge_encounters_detected(part_result)
+            split = judge_encounters(part_result, key)
             return split.values_only() if result.is_short else split
         if inference.test == "curve":
             return _miss_rate(result, part, units, protocol)
@@ -148,9 +150,15 @@ def _judge_part(
 def _narrow(result: Result, part: Subgroup) -> Result:
     """The result in which only the encounters and events of a group count."""
     category = np.where(part.is_member, result.category, Category.DISTANT.value)
+    # distant encounters can be urgent, and belong to groups of recordings alone
+    is_of_part = part.is_member
+    if part.has_frames:
+        is_of_part = part.recordings[result.encounters.recording]
+    urgency = np.where(is_of_part, result.urgency["urgency"], Urgency.NOT_URGENT.value)
     return replace(
         result,
         category=category,
+        urgency=result.urgency.assign(urgency=urgency),
         venn=count_categories(category),
         x=_with_events_of(part, result.x),
         y=_with_events_of(part, result.y),

@@ -125,7 +125,7 @@ def no_such_recording(name: str, names: Sequence[str]) -> str:
 
 
 def describe_recordings(session: Session, truth: Reading) -> pd.DataFrame:
-    """Name, width, height, fps, horizon, context, tags of recordings.
+    """Name, width, height, fps, horizon, context, speed_kmh, tags of recordings.
 
     Raises
     ------
@@ -141,10 +141,10 @@ def describe_recordings(session: Session, truth: Reading) -> pd.DataFrame:
         table = pd.concat([table, extra], ignore_index=True)
     if table.empty:
         raise InputError(NO_BOX, file=session.truth.path[0])
-    table = table.assign(horizon=np.nan, context=np.nan)
+    table = table.assign(horizon=np.nan, context=np.nan, speed_kmh=np.nan)
     for row, name in enumerate(table["name"]):  # a loop over recordings: at most hundreds
         entry = entries.get(name)
-        for column in ("width", "height", "fps", "horizon", "context"):
+        for column in ("width", "height", "fps", "horizon", "context", "speed_kmh"):
             value = None if entry is None else getattr(entry, column)
             if value is not None:
                 table.loc[row, column] = value

@@ -34,9 +34,9 @@ class RecordingEntry:
     """A ``[[recording]]`` of a session; None: as in the data.
 
     `pictures` is a video, a folder or an archive, `first_picture` the number of the frame that
-    its first picture shows. `context` is that of the traffic, from 0 (urban) to 1 (rural). `tags`
-    are words by which recordings can be chosen, such as "night". `title` is what it is called in
-    place of its name in the data.
+    its first picture shows. `context` is that of the traffic, from 0 (urban) to 1 (rural),
+    `speed_kmh` the speed of the car. `tags` are words by which recordings can be chosen, such as
+    "night". `title` is what it is called in place of its name in the data.
     """
 
     name: str
@@ -50,13 +50,14 @@ class RecordingEntry:
     tags: tuple[str, ...] = ()
     context: float | None = None
     title: str | None = None
+    speed_kmh: float | None = None
 
     def __post_init__(self) -> None:
         if not self.name:
             raise SessionError("expected a name of the recording")
         if self.title is not None and not self.title.strip():
             raise SessionError("title: expected a name, found nothing")
-        for name in ("width", "height"):
+        for name in ("width", "height", "speed_kmh"):
             check_positive(name, getattr(self, name))
         check_rate(self.fps)
         check_finite("horizon", self.horizon)

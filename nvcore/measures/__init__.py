@@ -42,10 +42,12 @@ __all__ = [
     "Measure",
     "MeasureTable",
     "Parts",
+    "applies_to",
     "count_recordings",
     "difference_text",
     "duration_of_recordings",
     "evidence_form",
+    "evidence_keys",
     "evidence_label",
     "has_several_recordings",
     "inference_of",
@@ -85,6 +87,7 @@ def label_words(result: Result, units: str = "") -> dict[str, Any]:
         "aggregate": "largest event" if is_largest else "sum of events",
         "n_near": result.venn.n_near,
         "n_boxes": int(result.n_truth.sum()),
+        "n_urgent": int(result.is_urgent.sum()),
         "units": units,
     }
 
@@ -107,6 +110,16 @@ def measures_in(table: MeasureTable) -> tuple[Measure, ...]:
 def measure_of(key: str) -> Measure:
     """The measure with this key."""
     return _BY_KEY[key]
+
+
+def applies_to(result: Result, measure: Measure) -> bool:
+    """Whether a comparison has what it measures, such as urgent encounters."""
+    return measure.applies is None or measure.applies(result)
+
+
+def evidence_keys(result: Result) -> tuple[str, ...]:
+    """Those of `EVIDENCE_KEYS` that a comparison has."""
+    return tuple(key for key in EVIDENCE_KEYS if applies_to(result, _BY_KEY[key]))
 
 
 def inference_of(key: str) -> Inference:

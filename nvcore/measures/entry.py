@@ -11,6 +11,7 @@ import numpy as np
 
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import CurveSummary
+from nvcore.metrics.venn import Venn
 from nvcore.scoring import SystemResult
 
 Better = Literal["higher", "lower", ""]
@@ -83,6 +84,8 @@ class Inference:
         Scale of its axes.
     label, form
         Where they differ from the measure's; a label may contain ``{units}``.
+    split
+        For ``encounters``: how many of those that count are good for both, one, or neither.
     parts, per, factor
         For ``units``: the measure is `factor` times the sum of its parts over the sum of `per`, a
         column of `nvcore.evidence.units.sum_units`. Parts are None where they cannot be shared out
@@ -103,7 +106,10 @@ class Inference:
     label: str = ""
     form: str = ""
     parts: Callable[[Result, SystemResult], Parts | None] | None = None
-    per: Literal["n_encounters", "n_frames", "duration_s", "share_of_recording", ""] = ""
+    split: Callable[[Result], Venn] | None = None
+    per: Literal["n_encounters", "n_urgent", "n_frames", "duration_s", "share_of_recording", ""] = (
+        ""
+    )
     factor: float = 1.0
     not_in_blocks: str = ""
     not_of_pedestrians: str = ""
@@ -143,8 +149,9 @@ class Measure:
         Tables in which it has a row.
     part
         Its label where it is a part of the row above.
-    of_several
-        Whether it is shown only if two recordings or more have frames.
+    applies
+        Whether a comparison has what it measures; without it no table shows the measure, and a rule
+        of the gate finds it undefined. None: always.
     rule
         Its name in rules of the gate, for detection curves; others go by their key.
     inference
@@ -164,6 +171,6 @@ class Measure:
     meaning_by_recording: str = ""
     tables: tuple[MeasureTable, ...] = ()
     part: str = ""
-    of_several: bool = False
+    applies: Callable[[Result], bool] | None = None
     rule: str = ""
     inference: Inference | None = None

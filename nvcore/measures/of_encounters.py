@@ -123,6 +123,7 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
             scale=AxisScale(".0%", least=1.0, least_reach=1.0),
             label="share of encounters detected, within these recordings",
             form=".1%",
+            split=lambda result: result.venn,
             per="n_encounters",
             repeats="encounters_detected_by_unit",
         ),

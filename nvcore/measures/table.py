@@ -9,10 +9,12 @@ from nvcore.measures.of_alarms import ALARM_MEASURES
 from nvcore.measures.of_curves import CURVE_MEASURES
 from nvcore.measures.of_encounters import ENCOUNTER_MEASURES
 from nvcore.measures.of_frames import FRAME_MEASURES
+from nvcore.measures.of_time_left import TIME_LEFT_MEASURES
 
 MEASURES: Final[tuple[Measure, ...]] = (
     *FRAME_MEASURES,
     *ENCOUNTER_MEASURES,
+    *TIME_LEFT_MEASURES,
     *ALARM_MEASURES,
     *CURVE_MEASURES,
 )

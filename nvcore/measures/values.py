@@ -9,7 +9,8 @@ import numpy as np
 
 from nvcore.comparison import Result
 from nvcore.measures.entry import Parts
-from nvcore.schema import Category
+from nvcore.metrics.venn import Venn, categorise, count_categories
+from nvcore.schema import Category, TimeLeft
 from nvcore.scoring import SystemResult
 
 
@@ -154,3 +155,55 @@ def similarity_by_recording(name: str) -> Callable[[Result, SystemResult], list[
         return [getattr(summary, name) for summary in system.summary_of_recordings]
 
     return values
+
+
+def is_in_time(system: SystemResult) -> np.ndarray:
+    """Urgent encounters that the system confirmed in time; bool, shape (n_encounters,)."""
+    in_time: np.ndarray = (system.time_left["time_left"] == TimeLeft.IN_TIME.value).to_numpy()
+    return in_time
+
+
+def count_time_left(system: SystemResult, kind: TimeLeft) -> int:
+    """Urgent encounters of a class."""
+    return int(np.count_nonzero(system.time_left["time_left"] == kind.value))
+
+
+def time_left_by_recording(kind: TimeLeft) -> Callable[[Result, SystemResult], np.ndarray]:
+    """Urgent encounters of a class by recording; int64, shape (n_recordings,)."""
+
+    def counts(result: Result, system: SystemResult) -> np.ndarray:
+        is_kind = (system.time_left["time_left"] == kind.value).to_numpy()
+        return per_recording(result, is_kind, result.encounters.recording).astype(np.int64)
+
+    return counts
+
+
+def split_in_time(result: Result) -> Venn:
+    """Urgent encounters by who confirmed them in time; all others count as distant."""
+    is_urgent = result.is_urgent
+    x, y = (is_in_time(system) & is_urgent for _, system in result.sides)
+    return count_categories(categorise(~is_urgent, x, y))
+
+
+def in_time_parts(result: Result, system: SystemResult) -> Parts:
+    """The urgent encounters that the system confirmed in time."""
+    is_part = result.is_urgent & is_in_time(system)
+    return Parts(result.encounters.first_row[is_part], None)
+
+
+def impact_parts(result: Result, system: SystemResult) -> Parts:
+    """Impact speed of each urgent encounter, km/h."""
+    is_urgent = result.is_urgent
+    impact_kmh = system.time_left["impact_kmh"].to_numpy()
+    return Parts(result.encounters.first_row[is_urgent], impact_kmh[is_urgent])
+
+
+def impact_by_recording(result: Result, system: SystemResult) -> np.ndarray:
+    """Mean impact speed of each recording's urgent encounters, km/h; NaN without any."""
+    is_urgent, recording = result.is_urgent, result.encounters.recording
+    impact_kmh = np.where(is_urgent, system.time_left["impact_kmh"], 0.0)
+    with np.errstate(invalid="ignore"):
+        mean: np.ndarray = per_recording(result, impact_kmh, recording) / per_recording(
+            result, is_urgent, recording
+        )
+    return mean

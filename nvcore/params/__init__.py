@@ -2,7 +2,7 @@
 
 The command line makes its flags from `Params`, the dashboard its sliders, `compare` the keys of
 what it need not repeat. A new setting is a field of the topic that it belongs to (`similarity`,
-`judging`, `saliency`); that is all it takes, but for its use, test and docs.
+`judging`, `saliency`, `time_left`); that is all it takes, but for its use, test and docs.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ from nvcore.params.similarity import (
     Proximity,
     SimilaritySettings,
 )
+from nvcore.params.time_left import TimeLeftSettings
 from nvcore.wording import did_you_mean
 
 __all__ = [
@@ -53,7 +54,9 @@ __all__ = [
 
 
 @dataclass(frozen=True)
-class Params(SaliencySettings, JudgingSettings, SimilaritySettings):  # the last one's fields first
+class Params(
+    TimeLeftSettings, SaliencySettings, JudgingSettings, SimilaritySettings
+):  # the last one's fields first
     """Settings of one comparison, checked when made.
 
     The metadata of each field is a `Setting`. None means: taken from the data (`edge_weight`,

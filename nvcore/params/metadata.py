@@ -51,8 +51,12 @@ SEVERITY: Final = Stage("severity of encounters", "Encounters", (MATCH, COST), "
 SALIENT: Final = Stage("most salient miss of frames", "Saliency", (DISTANCES,))
 EVENTS: Final = Stage("saliency events", "Saliency", (SALIENT,))
 SALIENCY: Final = Stage("saliency of recordings", "Saliency", (EVENTS,), "saliency")
+CONTACT: Final = Stage("time to contact", "Time left")
+URGENCY: Final = Stage("urgent encounters", "Time left", (CONTACT,))
+CONFIRMED: Final = Stage("pedestrians confirmed", "Time left", (MATCH,))
+TIME_LEFT: Final = Stage("time left", "Time left", (URGENCY, CONFIRMED), "time left")
 
-RESULTS: Final = (MATCH, SIMILARITY, LOW, ENCOUNTERS, SEVERITY, SALIENCY)
+RESULTS: Final = (MATCH, SIMILARITY, LOW, ENCOUNTERS, SEVERITY, SALIENCY, TIME_LEFT)
 """The stages whose results are shown, in the order in which they are named."""
 
 
@@ -76,6 +80,8 @@ class Setting:
         Of a number.
     is_above_low
         Whether the lower end is outside the range.
+    is_whole
+        Whether it is a whole number.
     slider_high
         Where its slider ends, if the whole range is more than anyone needs.
     slider_format
@@ -100,6 +106,7 @@ class Setting:
     step: float = 1.0
     unit: str = ""
     is_above_low: bool = False
+    is_whole: bool = False
     slider_high: float | None = None
     slider_format: str | None = None
     height_share: float | None = None
@@ -153,6 +160,8 @@ class Setting:
             raise ParameterError(f"{name}: expected a number, got {value!r}")
         if not self.low <= value <= self.high or (self.is_above_low and value == self.low):
             raise ParameterError(f"{name}: expected {self.range_text}, got {value:g}")
+        if self.is_whole and not float(value).is_integer():
+            raise ParameterError(f"{name}: expected a whole number, got {value:g}")
 
 
 def setting(stage: Stage, default: float | str | None, **known: Any) -> Any:

@@ -22,6 +22,8 @@ SHORT_KEYS: Final = (
     "severity_s",
     "severity_s_per_encounter",
     "worst_severity_s",
+    "in_time",
+    "mean_impact_kmh",
     "false_alarms_per_frame",
     "false_alert_episodes",
 )

@@ -20,7 +20,7 @@ from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
 from nvcore.findings import Finding, Severity
-from nvcore.measures import MEASURES, measure_of
+from nvcore.measures import MEASURES, applies_to, measure_of
 from nvcore.protocols import Protocol
 from nvcore.report.plan import evidence_of
 from nvcore.report.rules import COMPARISONS, Rule, check_name, parse_rule
@@ -173,6 +173,13 @@ def gate_measures(
     for letter, system in result.sides:
         for name, value in _numbers(system_summary(result, system)):
             values[f"{name}_{letter}"] = value
+    # of nobody nothing can be late: undefined, so that no rule passes because of that
+    lacking = [measure.key for measure in MEASURES if not applies_to(result, measure)]
+    values |= {
+        name: math.nan
+        for name in (f"{key}_{letter}" for key in lacking for letter in "xy")
+        if name in values
+    }
     if any(name.rsplit("_", 1)[0] in _OF_CURVE for name in needed):
         values |= _of_curves(result, protocol)
     for name in [key.removesuffix("_x") for key in values if key.endswith("_x")]:

@@ -25,6 +25,7 @@ from nvcore.report.verdict import Verdict, verdict
 from nvcore.report.words import (
     FUSION_RULE,
     count_leads,
+    describe_urgency,
     saliency_caveat,
     sampling_note,
     score_cells,
@@ -211,6 +212,8 @@ def _venn(result: Result) -> str:
     ]
     lines.append(describe_exclusivity(result))
     lines.append(_lead(result))
+    urgency = describe_urgency(result)
+    lines += [f"time left: {urgency[0].lower()}{urgency[1:-1]}"] if urgency else []
     boxes = result.boxes
     lines.append(
         f"boxes matched by: both {boxes.both:,}, only X {boxes.x_only:,}, "

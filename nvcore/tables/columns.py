@@ -40,6 +40,7 @@ _SHARE = "0 to 1"
 _RECORDING = Column("recording", _TEXT, "", "Name of the recording.")
 _SYSTEM = Column("system", _TEXT, "", "Which system it is about: `x` or `y`.")
 _DISTANT = "too far to count"
+_NOT_URGENT = "`urgency` is not `urgent`"
 _UNMATCHED = "too far to count, or matched in no frame that counts"
 
 _FRAMES = (
@@ -52,6 +53,13 @@ _FRAMES = (
     ),
     Column("time_s", _NUMBER, "s", "Time since the recording's first evaluated frame."),
     Column("n_truth", _INTEGER, "boxes", "Annotated pedestrians, ignore regions left out."),
+    Column(
+        "min_ttc_s",
+        _NUMBER,
+        "s",
+        "Least time to contact of its pedestrians; `inf`: none is being approached.",
+        empty="known of no pedestrian",
+    ),
     *_of_both(
         Column(
             "n_det",
@@ -191,6 +199,61 @@ _ENCOUNTERS = (
         ),
     ),
     Column(
+        "min_ttc_s",
+        _NUMBER,
+        "s",
+        "Least time to contact; `inf`: the pedestrian is never being approached.",
+        empty="known in no frame",
+    ),
+    Column(
+        "urgency",
+        _TEXT,
+        "",
+        "Whether there is a last chance to stop, the first that holds: `unknown`, `not_urgent`, "
+        "`outside` (of the `corridor`), `no_chance` (too near from the first known time to contact "
+        "on), `urgent`.",
+    ),
+    Column(
+        "urgent_frame",
+        _INTEGER,
+        "",
+        "First frame from which on the car could no longer stop: the last chance.",
+        empty="`unknown` or `not_urgent`",
+    ),
+    *_of_both(
+        Column(
+            "time_left",
+            _TEXT,
+            "",
+            "Whether the system confirmed the pedestrian before `urgent_frame`: `in_time`, `late`, "
+            "`never`.",
+            empty=_NOT_URGENT,
+        ),
+        Column(
+            "confirmed_frame",
+            _INTEGER,
+            "",
+            "First frame in which `confirm_n` of the last `confirm_m` are matched.",
+            empty="never, or not every frame is evaluated, or the track was linked",
+        ),
+        Column(
+            "margin_s",
+            _NUMBER,
+            "s",
+            "Time from `confirmed_frame` to `urgent_frame`; negative: too late.",
+            "high",
+            f"{_NOT_URGENT}, or never confirmed",
+        ),
+        Column(
+            "impact_kmh",
+            _NUMBER,
+            "km/h",
+            "Speed with which the car reaches him, if it brakes after `confirmed_frame`.",
+            "low",
+            _NOT_URGENT,
+        ),
+    ),
+    Column(
         "lead_time_s",
         _NUMBER,
         "s",
@@ -297,10 +360,18 @@ _RECORDINGS = (
         "Traffic context: 0 urban, 1 rural. Used unless `edge_weight` has a value.",
         empty="not stated: as 0",
     ),
+    Column(
+        "speed_kmh",
+        _NUMBER,
+        "km/h",
+        "Speed of the car.",
+        empty="not stated: the parameter `speed_kmh` is assumed",
+    ),
     Column("n_frames", _INTEGER, "frames", "Evaluated frames."),
     Column("duration_s", _NUMBER, "s", "Sum of their time steps."),
     Column("n_truth", _INTEGER, "boxes", "Annotated pedestrians, ignore regions left out."),
     *VENN_COLUMNS,
+    Column("urgent", _INTEGER, "encounters", "Encounters that are urgent, as in `encounters.csv`."),
     *_of_both(
         *(
             _measure_by_recording(measure)

@@ -34,6 +34,7 @@ def frames_table(result: Result) -> pd.DataFrame:
         "frame": frames["frame"],
         "time_s": frames["time_s"],
         "n_truth": result.n_truth,
+        "min_ttc_s": _least_of_frames(result),
     }
     for letter, system in result.sides:
         row = system.salient_row
@@ -53,6 +54,21 @@ def frames_table(result: Result) -> pd.DataFrame:
             f"salient_track_{letter}": integers_of(track, is_known),
         }
     return pd.DataFrame(columns)
+
+
+def _least_of_frames(result: Result) -> np.ndarray:
+    """Least known time to contact of every frame, s; NaN: none is known."""
+    least = np.full(len(result.dataset.frames), np.nan)
+    np.fmin.at(least, result.dataset.truth.frame_index, result.contact.ttc_s)
+    return least
+
+
+def _frame_numbers(result: Result, row: np.ndarray) -> Any:
+    """Frame numbers of rows of the frames table, missing where the row is -1."""
+    frame, is_known = result.dataset.frames["frame"].to_numpy(), row >= 0
+    numbers = np.zeros(len(row), np.int64)
+    numbers[is_known] = frame[row[is_known]]
+    return integers_of(numbers, is_known)
 
 
 def encounters_table(result: Result) -> pd.DataFrame:
@@ -79,6 +95,21 @@ def encounters_table(result: Result) -> pd.DataFrame:
             f"tail_s_{letter}": outcomes["tail_s"],
             f"severity_s_{letter}": np.where(is_near, failures["severity_s"], np.nan),
             f"peak_cost_{letter}": np.where(is_near, failures["peak_cost"], np.nan),
+        }
+    columns |= {
+        "min_ttc_s": result.urgency["min_ttc_s"],
+        "urgency": result.urgency["urgency"],
+        "urgent_frame": _frame_numbers(result, result.urgency["urgent_row"].to_numpy()),
+    }
+    for letter, system in result.sides:
+        confirmed_row = system.confirmed["confirmed_row"].to_numpy()
+        columns |= {
+            f"time_left_{letter}": system.time_left["time_left"],
+            f"confirmed_frame_{letter}": _frame_numbers(
+                result, np.where(result.contact.is_judged, confirmed_row, -1)
+            ),
+            f"margin_s_{letter}": system.time_left["margin_s"],
+            f"impact_kmh_{letter}": system.time_left["impact_kmh"],
         }
     columns |= {
         "lead_time_s": result.lead_time_s,
@@ -170,6 +201,7 @@ def recordings_table(result: Result) -> pd.DataFrame:
         "height": dataset.recordings["height"],
         "fps": dataset.recordings["fps"],
         "context": dataset.recordings["context"],
+        "speed_kmh": dataset.recordings["speed_kmh"],
         "n_frames": np.diff(frames.first),
         "duration_s": duration_of_recordings(result),
         "n_truth": per_recording(result, result.n_truth, frames.recording).astype(np.int64),
@@ -179,6 +211,8 @@ def recordings_table(result: Result) -> pd.DataFrame:
         columns[category.value] = per_recording(
             result, is_category, result.encounters.recording
         ).astype(np.int64)
+    is_urgent, recording = result.is_urgent, result.encounters.recording
+    columns["urgent"] = per_recording(result, is_urgent, recording).astype(np.int64)
     for letter, system in result.sides:
         columns |= {
             f"{measure.key}_{letter}": measure.by_recording(result, system)

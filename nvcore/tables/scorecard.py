@@ -12,7 +12,7 @@ from nvcore.measures import (
     Better,
     Measure,
     MeasureTable,
-    has_several_recordings,
+    applies_to,
     label_words,
     measures_in,
 )
@@ -72,12 +72,11 @@ def score_rows(
         Only these, each by its full name; None: all.
     """
     words = label_words(result)
-    is_several = has_several_recordings(result)
     rows: list[ScoreRow] = []
     tracked: set[int] = set()  # rows that need tracks, by the row that they are a part of
     whole = 0
     for measure in measures_in(table):
-        if measure.of is None or (measure.of_several and not is_several):
+        if measure.of is None or not applies_to(result, measure):
             continue
         if keys is not None and measure.key not in keys:
             continue

@@ -13,7 +13,7 @@ import numpy as np
 from nvcore import __version__
 from nvcore.comparison import Result
 from nvcore.measures import MEASURES
-from nvcore.schema import Category
+from nvcore.schema import Category, Urgency
 from nvcore.scoring import SystemResult
 from nvcore.tables.column import Column, Kind, measure_column
 from nvcore.tables.columns import VENN_COLUMNS
@@ -63,6 +63,50 @@ def _lead_s(result: Result) -> np.ndarray:
 def _severity_of(result: Result, *, kind: Category, letter: str) -> float:
     return result.severity_of(result.system(letter))[kind]
 
+
+def _count_urgency(result: Result, *, kind: Urgency) -> int:
+    return result.count_urgency()[kind]
+
+
+_URGENCY: Final = (
+    *(
+        _Entry(Column(key, _INTEGER, "encounters", meaning), partial(_count_urgency, kind=kind))
+        for key, kind, meaning in (
+            (
+                "urgent",
+                Urgency.URGENT,
+                "Encounters with a last chance to stop before the pedestrian: of these are "
+                "`in_time`, `late` and `never` of each system.",
+            ),
+            (
+                "no_chance",
+                Urgency.NO_CHANCE,
+                "Encounters too near to stop from the first known time to contact on.",
+            ),
+            ("not_urgent", Urgency.NOT_URGENT, "Encounters in which it could stop throughout."),
+            (
+                "outside_corridor",
+                Urgency.OUTSIDE,
+                "Encounters outside the `corridor` when it could no longer stop.",
+            ),
+            (
+                "urgency_unknown",
+                Urgency.UNKNOWN,
+                "Encounters without any known time to contact: too short, or cut by the picture's "
+                "edge, or not every frame is evaluated, or the tracks were linked.",
+            ),
+        )
+    ),
+    _Entry(
+        Column(
+            "recordings_with_assumed_speed",
+            _INTEGER,
+            "recordings",
+            "Recordings that do not state the car's speed: the parameter `speed_kmh` is assumed.",
+        ),
+        lambda result: int(np.count_nonzero(result.has_assumed_speed)),
+    ),
+)
 
 _ENTRIES: Final[tuple[_Entry, ...]] = (
     _Entry(Column("version", _TEXT, "", "Version of nvcore."), lambda _: __version__),
@@ -127,6 +171,7 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
         ),
         lambda result: result.k_truth.n_without_distance,
     ),
+    *_URGENCY,
     _Entry(
         Column("x", Kind.TABLE, "", "System X; the keys are those of each system, below."),
         lambda result: system_summary(result, result.x),

@@ -15,6 +15,7 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.params import params_from
 from nvcore.scoring import SystemResult
+from nvcore.tables.result import encounters_table
 
 pytestmark = pytest.mark.realdata
 
@@ -130,16 +131,12 @@ WEIGHED = [
     for name in ("TUD-Campus", "TUD-Stadtmitte", "PETS09-S2L1", "ETH-Sunnyday")
     for kind in ("default", "rural", "strict")
 ]
-OF_TIME_LEFT = (
-    "ttc_window", "reaction_s", "deceleration", "speed_kmh", "corridor", "confirm_n", "confirm_m",
-)  # fmt: skip
 
 
 @pytest.mark.parametrize(("name", "kind"), WEIGHED)
 def test_the_weights_agree(name: str, kind: str, golden: Path, realdata: Path) -> None:
     expected = json.loads((golden / name / kind / "weights.json").read_text())
-    settings = {k: v for k, v in expected["parameters"].items() if k not in OF_TIME_LEFT}
-    result = compare_golden(name, settings, realdata)
+    result = compare_golden(name, expected["parameters"], realdata)
     assert result.venn.counts() == expected["venn"]
     for letter, system in result.sides:
         theirs = expected[letter]
@@ -152,3 +149,21 @@ def test_the_weights_agree(name: str, kind: str, golden: Path, realdata: Path) -
         for measure in ("severity_s", "peak_cost"):
             values = system.failures[measure].to_numpy()
             assert values == pytest.approx(encounters[measure].to_numpy(), abs=1e-6)
+
+
+@pytest.mark.parametrize(("name", "kind"), WEIGHED)
+def test_the_time_left_agrees(name: str, kind: str, golden: Path, realdata: Path) -> None:
+    expected = json.loads((golden / name / kind / "weights.json").read_text())
+    result = compare_golden(name, expected["parameters"], realdata)
+    columns = ["urgent_frame", "confirmed_frame", "margin_s", "impact_kmh", "min_ttc_s"]
+    urgency, ours = result.urgency, encounters_table(result)
+    for letter, system in result.sides:
+        theirs = pd.DataFrame(expected[letter]["encounters"])
+        judged = system.time_left["time_left"].where(result.is_urgent, urgency["urgency"])
+        assert judged.tolist() == theirs["time_left"].tolist()
+        is_told = result.is_urgent | (urgency["urgency"] == "unknown").to_numpy()
+        for column in columns:
+            values = ours.get(f"{column}_{letter}", ours.get(column)).to_numpy(float)
+            told = theirs.get(column, pd.Series(np.nan, theirs.index)).to_numpy(float)
+            rows = is_told if column != "min_ttc_s" else np.ones(len(told), bool)
+            assert values[rows] == pytest.approx(told[rows], abs=1e-6, nan_ok=True), column

@@ -21,6 +21,7 @@ from nvcore.report.verdict.words import (
     describe_operating_points,
     describe_strict,
     describe_thresholds,
+    describe_time_left,
     describe_weights,
 )
 
@@ -132,10 +133,10 @@ def verdict(
 
     Where X and Y are set to different operating points the headline says so, and the points are
     about both at equal false alarms, if a threshold gives these. They tell who detects more
-    encounters, what the failures weigh, who is better in the other measures, which of the
-    differences are more than chance, where strict pairing disagrees, and how many recordings would
-    show more. X and Y are called ``X`` and ``Y``; the worst failure is named by its recording and
-    track.
+    encounters, what the failures weigh, who leaves time to stop, who is better in the other
+    measures, which of the differences are more than chance, where strict pairing disagrees, and how
+    many recordings would show more. X and Y are called ``X`` and ``Y``; the worst failure is named
+    by its recording and track.
 
     Parameters
     ----------
@@ -169,6 +170,7 @@ def verdict(
         Point("Operating points", describe_operating_points(result, companions)),
         Point("Encounters", describe_encounters(shown, of_shown, support)),
         Point("Severity", describe_weights(shown)),
+        Point("Time left", describe_time_left(shown)),
         Point("Other measures", describe_measures(shown, of_shown)),
         Point("Chance", describe_chance(of_shown, support, is_short=result.is_short)),
         Point(

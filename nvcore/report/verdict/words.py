@@ -34,7 +34,9 @@ from nvcore.measures import (
     measure_of,
     relevant_share,
 )
-from nvcore.schema import Category
+from nvcore.measures.values import count_time_left
+from nvcore.report.words import speed_text
+from nvcore.schema import Category, TimeLeft
 from nvcore.wording import (
     capitalised,
     count_text,
@@ -168,6 +170,20 @@ def _worst_failure(result: Result) -> str:
     return (
         f"The worst single failure is {'XY'[letter]}'s: pedestrian {encounters.track[row]} in "
         f"{shortened(one_line(name), NAME_WIDTH)}, {severity_s[letter][row]:.1f} s."
+    )
+
+
+def describe_time_left(result: Result) -> tuple[str, ...]:
+    """How many urgent pedestrians each system confirms in time; empty where nobody is urgent."""
+    n = int(result.is_urgent.sum())
+    if not n:
+        return ()
+    in_time_x, in_time_y = (count_time_left(system, TimeLeft.IN_TIME) for _, system in result.sides)
+    impact_x, impact_y = values_of("mean_impact_kmh", result)
+    of_all = "the only urgent encounter" if n == 1 else f"{n} urgent encounters"
+    return (
+        f"Of {of_all} {speed_text(result)}, X confirms {in_time_x} in time and Y {in_time_y}; mean "
+        f"impact speed {impact_x:.1f} km/h with X and {impact_y:.1f} km/h with Y.",
     )
 
 

@@ -1,0 +1,138 @@
+"""Measures of time left: urgent pedestrians confirmed in time, and how fast the others are hit."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from nvcore.comparison import Result
+from nvcore.measures.entry import (
+    HIGHER,
+    LOWER,
+    AxisScale,
+    Better,
+    Inference,
+    Measure,
+    MeasureTable,
+)
+from nvcore.measures.values import (
+    count_time_left,
+    impact_by_recording,
+    impact_parts,
+    in_time_parts,
+    split_in_time,
+    time_left_by_recording,
+)
+from nvcore.schema import TimeLeft
+from nvcore.scoring import SystemResult
+
+_NOBODY: Final = "no encounter is urgent"
+
+
+def has_urgent(result: Result) -> bool:
+    """Whether any encounter is urgent."""
+    return bool(result.is_urgent.any())
+
+
+def _median_margin_s(_: Result, system: SystemResult) -> float:
+    margin_s = system.time_left["margin_s"].dropna()
+    return float(margin_s.median()) if len(margin_s) else np.nan
+
+
+def _count(
+    kind: TimeLeft, label: str, better: Better, meaning: str, inference: Inference | None = None
+) -> Measure:
+    """Number of urgent encounters of a class."""
+    return Measure(
+        key=kind.value,
+        label=label,
+        part="" if inference else label,
+        form="d",
+        better=better,
+        of=lambda _, system: count_time_left(system, kind),
+        unit="encounters",
+        meaning=meaning,
+        by_recording=time_left_by_recording(kind),
+        tables=(MeasureTable.SCORECARD,),
+        applies=has_urgent,
+        inference=inference,
+    )
+
+
+TIME_LEFT_MEASURES: Final[tuple[Measure, ...]] = (
+    _count(
+        TimeLeft.IN_TIME,
+        "urgent encounters in time, of {n_urgent}",
+        HIGHER,
+        "Urgent encounters that the system confirmed while the car could still stop.",
+        Inference(
+            test="encounters",
+            scale=AxisScale(".0%", least=1.0, least_reach=1.0),
+            label="share of urgent encounters in time, within these recordings",
+            form=".1%",
+            split=split_in_time,
+            per="n_urgent",
+            needs_tracks=True,
+            repeats="in_time_by_unit",
+        ),
+    ),
+    Measure(
+        key="in_time_by_unit",
+        label="share of urgent encounters in time, by {units}",
+        form=".1%",
+        better=HIGHER,
+        applies=has_urgent,
+        inference=Inference(
+            test="units",
+            scale=AxisScale(".0%", least=1.0, least_reach=1.0),
+            parts=in_time_parts,
+            per="n_urgent",
+            noun="urgent encounters in time",
+            needs_tracks=True,
+        ),
+    ),
+    _count(
+        TimeLeft.LATE,
+        "confirmed too late",
+        LOWER,
+        "Urgent encounters that it confirmed when the car could no longer stop.",
+    ),
+    _count(TimeLeft.NEVER, "never confirmed", LOWER, "Urgent encounters that it never confirmed."),
+    Measure(
+        key="mean_impact_kmh",
+        label="mean impact speed (km/h)",
+        form=".1f",
+        better=LOWER,
+        of=lambda _, system: float(system.time_left["impact_kmh"].mean()),
+        unit="km/h",
+        meaning="Mean speed with which the car reaches the pedestrians of all urgent encounters: 0 "
+        "if confirmed in time, its full speed if never.",
+        empty=_NOBODY,
+        by_recording=impact_by_recording,
+        tables=(MeasureTable.SCORECARD,),
+        applies=has_urgent,
+        inference=Inference(
+            test="units",
+            scale=AxisScale(".1f", least=1.0, least_reach=1.0, unit="km/h"),
+            parts=impact_parts,
+            per="n_urgent",
+            noun="mean impact speed",
+            noun_unit=" km/h",
+            needs_tracks=True,
+        ),
+    ),
+    Measure(
+        key="median_margin_s",
+        label="median margin before the last chance (s)",
+        form=".2f",
+        better=HIGHER,
+        of=_median_margin_s,
+        unit="s",
+        meaning="Median time from confirmation to the last chance, of the urgent encounters that "
+        "it confirmed; negative: too late.",
+        empty=f"{_NOBODY}, or none of them confirmed",
+        tables=(MeasureTable.SCORECARD,),
+        applies=has_urgent,
+    ),
+)

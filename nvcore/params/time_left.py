@@ -1,0 +1,100 @@
+"""Settings of time left: how long contact is off, what a driver needs, what counts as seen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nvcore.params.metadata import CONFIRMED, CONTACT, URGENCY, setting, share
+
+
+@dataclass(frozen=True)
+class TimeLeftSettings:
+    """The part of `nvcore.params.Params` that the time left to brake depends on."""
+
+    speed_kmh: float = setting(
+        URGENCY,
+        50.0,
+        low=0,
+        high=300,
+        slider_high=130,
+        step=5,
+        unit="km/h",
+        is_above_low=True,
+        label="Assumed speed (km/h)",
+        meaning="Speed of the car in recordings that do not state their own.",
+        is_advanced=True,
+    )
+    reaction_s: float = setting(
+        URGENCY,
+        1.2,
+        low=0,
+        high=10,
+        slider_high=3,
+        step=0.1,
+        unit="s",
+        label="Reaction time",
+        meaning="Time from the warning until the brakes act.",
+        is_advanced=True,
+    )
+    deceleration: float = setting(
+        URGENCY,
+        7.0,
+        low=0,
+        high=20,
+        slider_high=12,
+        step=0.5,
+        unit="m/s²",
+        is_above_low=True,
+        label="Deceleration (m/s²)",
+        meaning="How hard the car brakes.",
+        is_advanced=True,
+    )
+    ttc_window: float = setting(
+        CONTACT,
+        1.0,
+        low=0,
+        high=10,
+        slider_high=3,
+        step=0.1,
+        unit="s",
+        is_above_low=True,
+        label="Window of time to contact",
+        meaning="Span of the frames from which a pedestrian's time to contact is estimated, "
+        "centred on the frame.",
+        is_advanced=True,
+    )
+    corridor: float = share(
+        URGENCY,
+        1.0,
+        unit="of half the image width",
+        label="Corridor (of half the width)",
+        meaning="A pedestrian farther from the middle of the picture than this when he becomes "
+        "urgent is outside and does not count. 1: the whole picture counts.",
+        is_advanced=True,
+    )
+    confirm_n: int = setting(
+        CONFIRMED,
+        3,
+        low=1,
+        high=100,
+        slider_high=10,
+        unit="frames",
+        is_whole=True,
+        label="Confirmed if matched in",
+        meaning="A pedestrian is confirmed at the first frame in which so many of his last "
+        "confirm_m frames are matched. More than confirm_m: nobody is ever confirmed.",
+        is_advanced=True,
+    )
+    confirm_m: int = setting(
+        CONFIRMED,
+        5,
+        low=1,
+        high=100,
+        slider_high=10,
+        unit="frames",
+        is_whole=True,
+        label="Confirmed within the last",
+        meaning="Number of a pedestrian's last frames of which confirm_n have to be matched; at "
+        "his first ones there are fewer.",
+        is_advanced=True,
+    )
