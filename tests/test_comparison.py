@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from approach import PLACE, approach, only
 from builders import Place, at, make_dataset, result_of
 from other_params import OTHER, WITH
 from scenes import draw_scene
@@ -17,6 +18,8 @@ from nvcore.errors import InputError
 from nvcore.metrics import kernels
 from nvcore.params import SETTINGS, Params, settings_for
 from nvcore.params.metadata import (
+    CONFIRMED,
+    CONTACT,
     COST,
     DISTANCES,
     ENCOUNTERS,
@@ -30,6 +33,8 @@ from nvcore.params.metadata import (
     SEVERITY,
     SIMILARITY,
     THRESHOLD,
+    TIME_LEFT,
+    URGENCY,
     Stage,
 )
 
@@ -46,6 +51,8 @@ PARTS: dict[str, tuple[Stage, ...]] = {
     "events": (EVENTS,),
     "encounters": (ENCOUNTERS,),
     "failures": (SEVERITY,),
+    "confirmed": (CONTACT, CONFIRMED),
+    "time_left": (TIME_LEFT,),
 }
 """Parts of a system's result that another comparison may take over, and what makes them."""
 MADE_BY: dict[Stage, set[str]] = {
@@ -60,6 +67,9 @@ MADE_BY: dict[Stage, set[str]] = {
     SALIENT: {"x salient_row"},
     EVENTS: {"x events"},
     SALIENCY: {"x saliency_s"},
+    CONTACT: {"ttc_s"},
+    URGENCY: {"urgency"},
+    CONFIRMED: {"x confirmed"},
 }
 """What a setting of a stage changes first: one of these at least."""
 
@@ -74,6 +84,11 @@ def busy() -> Dataset:
         for target, source in zip(boxes, (scene.truth, scene.x, scene.y), strict=True):
             target += [b._replace(recording=b.recording + len(places)) for b in source]
         places += scene.places
+    for n in range(3):  # driven up to, more or less to the side, found sooner or later
+        person = approach(range(40), 4.6 + 0.1 * n, centre=50 + 15 * n, recording=len(places))
+        for target, found in zip(boxes, (range(40), range(5 + n, 40), range(25, 40)), strict=True):
+            target += only(person, found)
+        places.append(PLACE)
     return make_dataset(*boxes, places=places)
 
 
@@ -82,7 +97,7 @@ def figures(result: Result) -> dict[str, Any]:
     found: dict[str, Any] = {
         "venn": result.venn, "exclusivity": result.exclusivity, "boxes": result.boxes,
         "category": result.category, "k_truth": result.k_truth.k, "n_truth": result.n_truth,
-        "cost": result.cost,
+        "cost": result.cost, "ttc_s": result.contact.ttc_s, "urgency": result.urgency,
         "track": result.tracks.track, "lead": result.lead_time_s, "duration": result.duration_s,
         "without_distance": result.k_truth.n_without_distance,
     }  # fmt: skip
@@ -94,6 +109,7 @@ def figures(result: Result) -> dict[str, Any]:
                 found[f"{letter} {part} {name}"] = value
         for name in ("similarity", "similarity_window", "salient_row", "n_det", "matched",
                      "false_alarms", "events", "encounters", "failures", "episodes", "intervals",
+                     "confirmed", "time_left",
                      "summary", "false_alarm_summary", "saliency_s"):  # fmt: skip
             found[f"{letter} {name}"] = getattr(system, name)
     return found

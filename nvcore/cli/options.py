@@ -219,8 +219,8 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
             FACTS,
             "--recordings",
             metavar="FILE",
-            help="CSV file with a line for each recording: recording,width,height,fps,context,tags,"
-            "title,pictures (docs/formats.md). --size and --fps go before it.",
+            help="CSV file with a line for each recording: recording,width,height,fps,context,"
+            "speed_kmh,tags,title,pictures (docs/formats.md). --size and --fps go before it.",
         ),
         grouped_option(
             FACTS,

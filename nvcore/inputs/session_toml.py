@@ -8,6 +8,7 @@
     frames = "0:299:1"       first:last[:step], or a file with one number a line
     horizon = 236.0
     context = "urban"        of the traffic: "urban", "rural", or a number from 0 to 1
+    speed_kmh = 50           speed of the car
     pictures = "urban_01.mp4" a video, a folder, or an archive
     first_picture = 0        number of the frame that the first picture shows
     tags = ["night", "rain"] words by which recordings can be chosen

@@ -94,7 +94,9 @@ def describe_urgency(result: Result) -> str:
         if counts[kind]
     ]
     n = counts[Urgency.URGENT]
-    if not n and counts[Urgency.UNKNOWN] == len(result.encounters):
+    if counts[Urgency.NOT_URGENT] == len(result.encounters):
+        return f"Nobody is urgent {speed_text(result)}."
+    if counts[Urgency.UNKNOWN] == len(result.encounters):
         return f"Time left to stop is unknown for all encounters{_why_unknown(result)}."
     text = f"{count_text(n, 'encounter is', 'encounters are')} urgent {speed_text(result)}"
     return f"{text}; {', '.join(others)}." if others else f"{text}."

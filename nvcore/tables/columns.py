@@ -197,30 +197,6 @@ _ENCOUNTERS = (
             "low",
             _DISTANT,
         ),
-    ),
-    Column(
-        "min_ttc_s",
-        _NUMBER,
-        "s",
-        "Least time to contact; `inf`: the pedestrian is never being approached.",
-        empty="known in no frame",
-    ),
-    Column(
-        "urgency",
-        _TEXT,
-        "",
-        "Whether there is a last chance to stop, the first that holds: `unknown`, `not_urgent`, "
-        "`outside` (of the `corridor`), `no_chance` (too near from the first known time to contact "
-        "on), `urgent`.",
-    ),
-    Column(
-        "urgent_frame",
-        _INTEGER,
-        "",
-        "First frame from which on the car could no longer stop: the last chance.",
-        empty="`unknown` or `not_urgent`",
-    ),
-    *_of_both(
         Column(
             "time_left",
             _TEXT,
@@ -259,6 +235,28 @@ _ENCOUNTERS = (
         "s",
         "`lag_s_y` - `lag_s_x`: how much earlier X matched it; negative: Y was first.",
         empty="X or Y matched it in no frame that counts",
+    ),
+    Column(
+        "min_ttc_s",
+        _NUMBER,
+        "s",
+        "Least time to contact; `inf`: the pedestrian is never being approached.",
+        empty="known in no frame",
+    ),
+    Column(
+        "urgency",
+        _TEXT,
+        "",
+        "Whether there is a last chance to stop, the first that holds: `unknown`, `not_urgent`, "
+        "`outside` (of the `corridor`), `no_chance` (too near from the first known time to contact "
+        "on), `urgent`.",
+    ),
+    Column(
+        "urgent_frame",
+        _INTEGER,
+        "",
+        "First frame from which on the car could no longer stop: the last chance.",
+        empty="`unknown` or `not_urgent`",
     ),
     Column("n_frames", _INTEGER, "frames", "Evaluated frames in which it is annotated."),
     Column(

@@ -75,6 +75,7 @@ def encounters_table(result: Result) -> pd.DataFrame:
     """One row per encounter: category, how each system did, and facts about the encounter."""
     encounters, frame = result.encounters, result.dataset.frames["frame"].to_numpy()
     is_near = result.category != Category.DISTANT.value
+    urgency, is_judged = result.urgency, result.contact.is_judged
     columns: dict[str, Any] = {
         "recording": _names(result, encounters.recording),
         "track": encounters.track,
@@ -95,24 +96,18 @@ def encounters_table(result: Result) -> pd.DataFrame:
             f"tail_s_{letter}": outcomes["tail_s"],
             f"severity_s_{letter}": np.where(is_near, failures["severity_s"], np.nan),
             f"peak_cost_{letter}": np.where(is_near, failures["peak_cost"], np.nan),
-        }
-    columns |= {
-        "min_ttc_s": result.urgency["min_ttc_s"],
-        "urgency": result.urgency["urgency"],
-        "urgent_frame": _frame_numbers(result, result.urgency["urgent_row"].to_numpy()),
-    }
-    for letter, system in result.sides:
-        confirmed_row = system.confirmed["confirmed_row"].to_numpy()
-        columns |= {
             f"time_left_{letter}": system.time_left["time_left"],
             f"confirmed_frame_{letter}": _frame_numbers(
-                result, np.where(result.contact.is_judged, confirmed_row, -1)
+                result, np.where(is_judged, system.confirmed["confirmed_row"], -1)
             ),
             f"margin_s_{letter}": system.time_left["margin_s"],
             f"impact_kmh_{letter}": system.time_left["impact_kmh"],
         }
     columns |= {
         "lead_time_s": result.lead_time_s,
+        "min_ttc_s": urgency["min_ttc_s"],
+        "urgency": urgency["urgency"],
+        "urgent_frame": _frame_numbers(result, urgency["urgent_row"].to_numpy()),
         "n_frames": encounters.n_frames,
         "lateral_offset": encounters.lateral_offset,
         "lateral_position": encounters.lateral_position,

@@ -15,7 +15,7 @@ def other_value(setting: Setting) -> Any:
     """The last choice; the low end of a range if there is another value than the default."""
     if setting.words is not None:
         return list(setting.words)[-1]
-    if not isinstance(setting.default, float):
+    if setting.default is None:
         return OF_UNIT[setting.unit]
     if setting.low < setting.default and not setting.is_above_low:
         return float(setting.low)

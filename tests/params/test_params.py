@@ -166,7 +166,8 @@ def test_a_setting_is_used_only_with_possible_values_of_another():
         ("saliency_aggregate", "saliency"),
         (
             "threshold_x",
-            "matches and false alarms, similarity, low similarity, encounters, severity, saliency",
+            "matches and false alarms, similarity, low similarity, encounters, severity, saliency, "
+            "time left",
         ),
     ],
 )

@@ -74,6 +74,7 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
         "X alone detects 1, Y alone 0",
         "lead time, in 1 encounter that both match: X is first in 0, Y in 0, both at the same time "
         "in 1; X leads by +0.00 s on average, median +0.00 s",
+        "time left: nobody is urgent at 50 km/h (assumed)",
         "boxes matched by: both 20, only X 20, only Y 0, neither 0 (all boxes, distant ones too)",
         "detections on people or regions that the truth ignores, not counted: X 0, Y 0",
         "",

@@ -19,6 +19,7 @@ from nvcore.report.words import (
     describe_fusion,
     describe_lead,
     describe_misses,
+    describe_urgency,
 )
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category
 from nvcore.tables.miss_classes import fusion_table
@@ -44,7 +45,8 @@ def encounters_section(result: Result) -> Section:
             score_rows(result, MeasureTable.MISS_CLASSES), MISS_CLASS_TEXT, strict=True
         )
     ]
-    sentences = (*describe_misses(result), describe_lead(result))
+    urgency = describe_urgency(result)
+    sentences = (*describe_misses(result), describe_lead(result), *([urgency] if urgency else []))
     fusion = fusion_table(result)
     names = names_of(result)
     encounters = weighed_encounters(result)

@@ -30,7 +30,7 @@ def test_each_difference_that_is_not_shown_has_its_size_and_what_is_excluded(sam
     assert isinstance(plan, Table)
     assert isinstance(sentences, Sentences)
     rows = {row[0]: [cell.replace("\xa0", " ") for cell in row[1:]] for row in plan.rows}
-    assert len(rows) == 7  # lost similarity is mean similarity in other words
+    assert len(rows) == 9  # lost similarity is mean similarity in other words
     difference, below, above, n, span, n_encounters, _ = rows[
         "share of encounters detected, by recordings"
     ]

@@ -1,0 +1,40 @@
+"""Pedestrians that a car drives up to at constant speed: one over their height is a line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from builders import Box, Place
+
+HEIGHT_PX_S = 50.0
+"""Height of a box times the time to contact: 50 px are one second away."""
+
+
+def approach(
+    frames: Iterable[int],
+    contact_s: float,
+    *,
+    fps: float = 10.0,
+    centre: float = 50.0,
+    track: int = 1,
+    recording: int = 0,
+    score: float = 1.0,
+) -> list[Box]:
+    """The boxes of a pedestrian who is reached `contact_s` after frame 0, around row 50."""
+    boxes = []
+    for frame in frames:
+        h = HEIGHT_PX_S / (contact_s - frame / fps)
+        w = min(0.4 * h, 10.0)
+        corner = centre - w / 2, 50 - h / 2
+        boxes.append(Box(frame, *corner, w, h, track, score, recording=recording))
+    return boxes
+
+
+def only(boxes: Iterable[Box], frames: Iterable[int]) -> list[Box]:
+    """The boxes of these frames, as detections."""
+    listed = set(frames)
+    return [box for box in boxes if box.frame in listed]
+
+
+PLACE = Place(range(40), horizon=40.0)
+"""Four seconds at ten frames a second."""
