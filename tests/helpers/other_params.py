@@ -18,7 +18,7 @@ def other_value(setting: Setting) -> Any:
     if setting.default is None:
         return OF_UNIT[setting.unit]
     if setting.low < setting.default and not setting.is_above_low:
-        return float(setting.low)
+        return type(setting.default)(setting.low)
     return (setting.default + (setting.slider_high or setting.high)) / 2
 
 

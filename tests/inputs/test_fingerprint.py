@@ -62,14 +62,15 @@ def test_the_fingerprint_does_not_change_with_live_parameters_and_without_tags(t
     assert fingerprint(changed) == fingerprint(session)
 
 
-def test_tables_without_tags_and_context_have_none_and_keep_their_fingerprint():
+def test_tables_without_tags_context_and_speed_have_none_and_keep_their_fingerprint():
     dataset = make_dataset(n_frames=2)
     assert dataset.recordings["tags"].tolist() == [()]
     assert dataset.recordings["context"].isna().all()
     frames = [dataset.frames["frame"].to_numpy()]
     again = dataset_from_tables(dataset.recordings, frames, dataset.boxes, dataset.systems)
     assert again.fingerprint == dataset.fingerprint
-    before = dataset.recordings.drop(columns=["tags", "context"])  # as there were no such columns
+    # as there were no such columns
+    before = dataset.recordings.drop(columns=["tags", "context", "speed_kmh"])
     tables = [before, dataset.frames, dataset.boxes]
     assert tables_fingerprint(tables, dataset.systems) == dataset.fingerprint
 
