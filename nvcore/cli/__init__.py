@@ -13,6 +13,7 @@ from nvcore.cli.app import app
 from nvcore.cli.compare import check, compare
 from nvcore.cli.convert import convert
 from nvcore.cli.gate import gate
+from nvcore.cli.matrix import matrix
 from nvcore.cli.options import examples
 from nvcore.cli.plan import plan
 from nvcore.cli.program import Program
@@ -32,5 +33,5 @@ def main() -> None:
     """Compare two pedestrian-detection systems by what the driver notices."""
 
 
-for command in (compare, check, convert, gate, plan, report, app, sample):
+for command in (compare, check, convert, gate, matrix, plan, report, app, sample):
     main.add_command(command)

@@ -2,29 +2,40 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
 from typing import Any, Final
 
+import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
+from nvcore.evidence.claims import find_claims, values_of
+from nvcore.evidence.companions import are_unequal, find_companions
 from nvcore.evidence.measures import (
     Evidence,
     judge_encounters,
     judge_measure,
     unit_measures,
 )
-from nvcore.evidence.paired_tests import holm
+from nvcore.evidence.paired_tests import SIGNIFICANT, holm
 from nvcore.evidence.units import find_units
+from nvcore.measures import inference_of
 from nvcore.params import Params
+from nvcore.progress import Progress, no_progress
 
 COLUMNS: Final = (
     "x",
     "y",
+    "threshold_x",
+    "threshold_y",
+    "false_alarms_per_frame_x",
+    "false_alarms_per_frame_y",
+    "is_unequal",
     "n_encounters",
     "x_only",
     "y_only",
@@ -35,6 +46,7 @@ COLUMNS: Final = (
     "high",
     "odds_ratio",
     "mcnemar_p",
+    "mcnemar_note",
     "n_units",
     "unit",
     "detected_by_unit_low",
@@ -48,9 +60,39 @@ COLUMNS: Final = (
     "similarity_high",
     "similarity_p",
     "similarity_p_holm",
+    "detects_more",
+    "higher_similarity",
+    "withheld",
     "note",
 )
 CORRECTED: Final = ("detected_by_unit_p", "similarity_p")
+CLAIMED: Final = {
+    "encounters_detected_by_unit": "detects_more",
+    "mean_similarity": "higher_similarity",
+}
+"""Columns for the better system of a pair, by the measure."""
+
+
+SYSTEM_COLUMNS: Final = (
+    "system",
+    "threshold",
+    "false_alarms_per_frame",
+    "detected",
+    "similarity",
+)
+
+
+def thresholds_in_use(dataset: Dataset, params: Params) -> dict[str, float | None]:
+    """Score threshold of each system: of X and Y that of the parameters, of others their own.
+
+    Parameters
+    ----------
+    params
+        The live parameters, or ``dataset.params_of()``.
+    """
+    own = dict(zip(dataset.systems, dataset.settings.thresholds, strict=False))
+    live = zip(dataset.compared(), (params.threshold_x, params.threshold_y), strict=True)
+    return own | {name: threshold for name, threshold in live if name is not None}
 
 
 def pairwise_table(
@@ -59,6 +101,7 @@ def pairwise_table(
     *,
     systems: Sequence[str] | None = None,
     thresholds: Mapping[str, float | None] | None = None,
+    progress: Progress = no_progress,
 ) -> pd.DataFrame:
     """Who detects more, and who has the higher similarity, for every two systems.
 
@@ -79,6 +122,11 @@ def pairwise_table(
     corrects the p by units of both measures together over the pairs.
     All differences are X - Y. NaN: undefined, `note` says why.
 
+    `detects_more` and `higher_similarity` name the system of which that may be claimed, by the
+    rules of `nvcore.evidence.claims.find_claims` with p corrected over the pairs; empty: neither.
+    `withheld` says why a p that is small enough is no claim. Nothing is claimed where
+    `is_unequal`: at unequal operating points.
+
     Raises
     ------
     InputError
@@ -94,28 +142,59 @@ def pairwise_table(
         )
     for name in (*names, *thresholds):
         dataset.system(name)
-    rows, previous = [], None
-    for x, y in combinations(names, 2):  # a loop over pairs of systems
+    pairs = list(combinations(names, 2))
+    rows, judged, previous = [], [], None
+    for number, (x, y) in enumerate(pairs):  # a loop over pairs of systems
+        progress(0.6 * number / len(pairs), "comparing every two systems")
         setting = replace(params, threshold_x=thresholds.get(x), threshold_y=thresholds.get(y))
         previous = compare(dataset, setting, x=x, y=y, previous=previous)
-        rows.append(_row(previous))
+        row, evidence = _row(previous)
+        rows.append(row)
+        judged.append(evidence)
     table = pd.DataFrame(rows)
     p_holm = holm(table[list(CORRECTED)].to_numpy(dtype=float).T.ravel())
-    for column, of_column in zip(CORRECTED, p_holm.reshape(len(CORRECTED), -1), strict=True):
+    corrected = p_holm.reshape(len(CORRECTED), -1)
+    for column, of_column in zip(CORRECTED, corrected, strict=True):
         table[f"{column}_holm"] = of_column
+    is_small = (corrected <= SIGNIFICANT).any(axis=0) & ~table["is_unequal"].to_numpy()
+    for number in map(int, np.flatnonzero(is_small)):
+        progress(0.6 + 0.4 * number / len(pairs), "comparing at equal false alarms")
+        x, y = pairs[number]
+        setting = replace(params, threshold_x=thresholds.get(x), threshold_y=thresholds.get(y))
+        previous = compare(dataset, setting, x=x, y=y, previous=previous)
+        of_pair = pd.DataFrame([vars(one) for one in judged[number]])
+        claims = _claims(previous, of_pair.assign(p_holm=corrected[:, number]))
+        table.loc[number, list(claims)] = list(claims.values())
     return table[list(COLUMNS)]
 
 
-def _row(result: Result) -> dict[str, Any]:
+def systems_of(table: pd.DataFrame) -> pd.DataFrame:
+    """Each system of `pairwise_table` by itself: columns `SYSTEM_COLUMNS`, in the table's order."""
+    sides = [
+        table[[letter, *(f"{name}_{letter}" for name in SYSTEM_COLUMNS[1:])]].set_axis(
+            list(SYSTEM_COLUMNS), axis=1
+        )
+        for letter in "xy"
+    ]
+    return pd.concat(sides).drop_duplicates("system", ignore_index=True)
+
+
+def _row(result: Result) -> tuple[dict[str, Any], tuple[Evidence, Evidence]]:
+    """The row without what is corrected over all, and the evidence of the measures in `CLAIMED`."""
     units = find_units(result)
     measures = {measure.key: measure for measure in unit_measures(result, units)}
     split = judge_encounters(result)
     split = split.values_only() if result.is_short else split
-    by_unit = judge_measure(measures["encounters_detected_by_unit"], units)
-    similarity = judge_measure(measures["mean_similarity"], units)
-    return {
+    by_unit, similarity = (judge_measure(measures[key], units) for key in CLAIMED)
+    alarms = values_of("false_alarms_per_frame", result)
+    row = {
         "x": result.x.name,
         "y": result.y.name,
+        "threshold_x": _number(result.x.threshold),
+        "threshold_y": _number(result.y.threshold),
+        "false_alarms_per_frame_x": alarms[0],
+        "false_alarms_per_frame_y": alarms[1],
+        "is_unequal": are_unequal(result),
         "n_encounters": result.venn.n_near,
         "x_only": result.venn.x_only,
         "y_only": result.venn.y_only,
@@ -126,6 +205,7 @@ def _row(result: Result) -> dict[str, Any]:
         "high": split.high,
         "odds_ratio": split.effect,
         "mcnemar_p": split.p,
+        "mcnemar_note": split.note,
         "n_units": len(units),
         "unit": units.kind,
         "detected_by_unit_low": by_unit.low,
@@ -137,10 +217,33 @@ def _row(result: Result) -> dict[str, Any]:
         "similarity_low": similarity.low,
         "similarity_high": similarity.high,
         "similarity_p": similarity.p,
-        "note": _note(split, by_unit, similarity),
+        **dict.fromkeys((*CLAIMED.values(), "withheld"), ""),
+        "note": _note(by_unit, similarity),
     }
+    return row, (by_unit, similarity)
+
+
+def _claims(result: Result, evidence: pd.DataFrame) -> dict[str, str]:
+    """Who is better in what, and why a difference is no claim; the columns of a pair's row."""
+    support = find_claims(result, evidence, find_companions(result, evidence))
+    names = {letter.upper(): system.name for letter, system in result.sides}
+    better = {CLAIMED[claim.key]: names[claim.winner.upper()] for claim in support.claims}
+    reasons = [
+        f"{inference_of(key).noun} ({_named(why, names)})" for key, why in support.withheld.items()
+    ]
+    return {**better, "withheld": "; ".join(reasons)}
+
+
+def _named(text: str, names: Mapping[str, str]) -> str:
+    """The text with the systems' names in place of a leading X or Y."""
+    return re.sub(r"^[XY]\b", lambda letter: names[letter[0]], text)
+
+
+def _number(threshold: float | None) -> float:
+    return np.nan if threshold is None else threshold
 
 
 def _note(*evidence: Evidence) -> str:
     notes = (part for row in evidence for part in row.note.split("; "))
-    return "; ".join(part for part in dict.fromkeys(notes) if part)
+    text = "; ".join(part for part in dict.fromkeys(notes) if part)
+    return text.replace("tell X and Y apart", "tell the two apart")

@@ -1,4 +1,4 @@
-"""What the columns of ``significance.csv`` and ``subgroups.csv`` hold."""
+"""What the columns of ``significance.csv``, ``subgroups.csv`` and ``matrix.csv`` hold."""
 
 from __future__ import annotations
 
@@ -115,5 +115,116 @@ SUBGROUP_COLUMNS: Final[tuple[Column, ...]] = (
     _EVIDENCE["scope"],
     _EVIDENCE["method"],
     _EVIDENCE["doubt"],
+    _EVIDENCE["note"],
+)
+
+_WITHIN = "within these recordings"
+
+
+def _of_both(column: Column) -> tuple[Column, Column]:
+    """The column of the first system, then that of the second."""
+    return replace(column, name=f"{column.name}_x"), replace(column, name=f"{column.name}_y")
+
+
+MATRIX_COLUMNS: Final[tuple[Column, ...]] = (
+    Column("x", _TEXT, "", "The pair's first system."),
+    Column("y", _TEXT, "", "Its second system."),
+    *_of_both(Column("threshold", _NUMBER, "score", "Score threshold.", empty="all scores count")),
+    *_of_both(
+        Column(
+            "false_alarms_per_frame",
+            _NUMBER,
+            "",
+            "Detections that match nobody, per evaluated frame.",
+            "low",
+            empty="no evaluated frames",
+        )
+    ),
+    Column(
+        "is_unequal",
+        Kind.TRUTH_VALUE,
+        "",
+        "1: as set, at unequal operating points, so that nothing is claimed.",
+    ),
+    Column("n_encounters", _INTEGER, "encounters", "Encounters that count."),
+    Column("x_only", _INTEGER, "encounters", "Detected by the first alone."),
+    Column("y_only", _INTEGER, "encounters", "Detected by the second alone."),
+    *_of_both(
+        Column("detected", _NUMBER, "0..1", "Share of encounters detected.", "high", "none counts")
+    ),
+    Column("difference", _NUMBER, "", "First less second.", empty="none counts"),
+    Column("low", _NUMBER, "", f"Lower end of its 95 % interval {_WITHIN}.", empty=_TOO_FEW),
+    Column("high", _NUMBER, "", "Upper end.", empty=_TOO_FEW),
+    Column("odds_ratio", _NUMBER, "", "`x_only` by `y_only`.", empty="undefined or infinite"),
+    Column("mcnemar_p", _NUMBER, "0..1", f"McNemar's exact p {_WITHIN}.", empty=_TOO_FEW),
+    Column(
+        "mcnemar_note",
+        _TEXT,
+        "",
+        "Why there is none, and what it does not say.",
+        empty="nothing to say",
+    ),
+    Column("n_units", _INTEGER, "units", "How many recordings or blocks were compared."),
+    Column("unit", _TEXT, "", "`recordings`, or `blocks` of time within them."),
+    Column(
+        "detected_by_unit_low",
+        _NUMBER,
+        "",
+        "Lower end of the 95 % interval of `difference` over these units.",
+        empty=_TOO_FEW,
+    ),
+    Column("detected_by_unit_high", _NUMBER, "", "Upper end.", empty=_TOO_FEW),
+    Column(
+        "detected_by_unit_p",
+        _NUMBER,
+        "0..1",
+        "How often chance alone makes a difference as large, if the two could be exchanged.",
+        empty=_TOO_FEW,
+    ),
+    Column(
+        "detected_by_unit_p_holm",
+        _NUMBER,
+        "0..1",
+        "The same, corrected for all pairs and both measures.",
+        empty=_TOO_FEW,
+    ),
+    *_of_both(
+        Column(
+            "similarity", _NUMBER, "0..1", "Mean similarity.", "high", empty="no evaluated frames"
+        )
+    ),
+    Column("similarity_difference", _NUMBER, "", "First less second.", empty="no evaluated frames"),
+    Column(
+        "similarity_low",
+        _NUMBER,
+        "",
+        "Lower end of its 95 % interval over the units.",
+        empty=_TOO_FEW,
+    ),
+    Column("similarity_high", _NUMBER, "", "Upper end.", empty=_TOO_FEW),
+    Column("similarity_p", _NUMBER, "0..1", "As `detected_by_unit_p`.", empty=_TOO_FEW),
+    Column("similarity_p_holm", _NUMBER, "0..1", "As `detected_by_unit_p_holm`.", empty=_TOO_FEW),
+    Column(
+        "detects_more",
+        _TEXT,
+        "",
+        "The system of which it is claimed that it detects more encounters.",
+        empty="nothing is claimed",
+    ),
+    Column(
+        "higher_similarity",
+        _TEXT,
+        "",
+        "The system of which it is claimed that it has the higher mean similarity.",
+        empty="nothing is claimed",
+    ),
+    Column(
+        "withheld",
+        _TEXT,
+        "",
+        "Why a difference with a small p is no claim, such as that it does not hold at equal false "
+        "alarms.",
+        empty="no such difference",
+    ),
     _EVIDENCE["note"],
 )

@@ -1,16 +1,27 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
-from drives import by_figure, drives
+from drives import at_thresholds, by_figure, drives, turned_by_strict_pairing
 
 from nvcore.comparison import compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
 from nvcore.errors import InputError
+from nvcore.evidence.claims import find_claims
+from nvcore.evidence.companions import find_companions
 from nvcore.evidence.paired_tests import holm
-from nvcore.evidence.pairwise import COLUMNS, pairwise_table
+from nvcore.evidence.pairwise import (
+    COLUMNS,
+    SYSTEM_COLUMNS,
+    pairwise_table,
+    systems_of,
+    thresholds_in_use,
+)
+from nvcore.evidence.table import evidence_table
 from nvcore.params import Params
 
 
@@ -75,3 +86,72 @@ def test_unknown_systems_are_told() -> None:
         pairwise_table(three(), systems=["x", "w"])
     with pytest.raises(InputError, match="no system 'w'"):
         pairwise_table(three(), thresholds={"w": 0.5})
+
+
+def with_fewer_alarms(dataset: Dataset) -> Dataset:
+    """The dataset without the false alarms of X in the first two recordings."""
+    boxes = dataset.boxes
+    is_gone = (boxes["source"] == 1) & (boxes["x"] > 70) & (boxes["frame_index"] < 40)
+    frames = [np.arange(20)] * len(dataset.recordings)
+    return dataset_from_tables(dataset.recordings, frames, boxes[~is_gone], ["x", "y"])
+
+
+def test_what_is_claimed_of_a_pair_is_what_its_own_verdict_claims() -> None:
+    dataset = with_fewer_alarms(drives(12))
+    (row,) = pairwise_table(dataset).to_dict("records")
+    assert not row["is_unequal"]
+    result = compare(dataset, Params())
+    evidence = evidence_table(result)
+    claims = find_claims(result, evidence, find_companions(result, evidence)).claims
+    winners = {claim.key: claim.winner for claim in claims}
+    assert row["detects_more"] == winners["encounters_detected_by_unit"] == "x"
+    assert row["higher_similarity"] == winners["mean_similarity"] == "x"
+    assert row["withheld"] == ""
+
+
+def test_a_winner_with_more_false_alarms_is_withheld_by_its_name() -> None:
+    (row,) = pairwise_table(drives(12)).to_dict("records")
+    assert row["similarity_p_holm"] <= 0.05
+    assert (row["detects_more"], row["higher_similarity"]) == ("", "")
+    why = "(x also has more false alarms, and without scores nothing sets them alike)"
+    assert row["withheld"] == f"encounters detected {why}; mean similarity {why}"
+
+
+def test_a_difference_that_strict_pairing_turns_is_withheld() -> None:
+    dataset = turned_by_strict_pairing()
+    (row,) = pairwise_table(dataset).to_dict("records")
+    assert row["similarity_p_holm"] <= 0.05
+    assert row["higher_similarity"] == ""
+    assert "mean similarity (" in row["withheld"]
+
+
+def test_nothing_is_claimed_at_unequal_operating_points() -> None:
+    dataset = at_thresholds().dataset
+    (row,) = pairwise_table(dataset).to_dict("records")
+    assert row["is_unequal"]
+    assert row["similarity_p_holm"] <= 0.05
+    assert (row["detects_more"], row["higher_similarity"], row["withheld"]) == ("", "", "")
+    assert row["false_alarms_per_frame_x"] > 1.5 * row["false_alarms_per_frame_y"]
+
+
+def test_each_system_stands_once_with_its_own_numbers() -> None:
+    table = pairwise_table(three(), thresholds={"z": 0.6})
+    systems = systems_of(table)
+    assert tuple(systems) == SYSTEM_COLUMNS
+    assert systems["system"].tolist() == ["x", "y", "z"]
+    assert systems["threshold"].isna().tolist() == [True, True, False]
+    assert systems["detected"].tolist() == [*table["detected_x"].iloc[[0, 2]], 0]
+
+
+def test_x_and_y_have_the_live_thresholds_and_others_their_own() -> None:
+    dataset = three()
+    settings = replace(dataset.settings, x="z", y="x")
+    params = Params(threshold_x=0.7, threshold_y=0.3)
+    assert thresholds_in_use(dataset.with_settings(settings), params) == {"z": 0.7, "x": 0.3}
+
+
+def test_progress_runs_over_the_pairs() -> None:
+    shares: list[float] = []
+    pairwise_table(three(), progress=lambda share, _: shares.append(share))
+    assert shares == sorted(shares)
+    assert len(shares) >= 3

@@ -9,6 +9,7 @@ from builders import at, make_dataset
 from nvcore.api.figures import Figures
 from nvcore.comparison import Result, compare
 from nvcore.figures.style import LOOK
+from nvcore.figures.venn.figure import AREAS
 from nvcore.overlay import annotate
 from nvcore.overlay.brush import X_RGB, Y_RGB
 from nvcore.palette import STYLES, Scheme, scheme_for
@@ -58,3 +59,8 @@ def test_figures_and_pictures_draw_a_system_alike_after_a_swap(names: tuple[str,
     drawn = annotate(result, None, -1, 0, layers=("x", "y"), caption=False)
     assert np.all(drawn == X_RGB, axis=2).any()
     assert not np.all(drawn == Y_RGB, axis=2).any()
+
+
+@pytest.mark.parametrize("place", range(len(STYLES)))
+def test_every_mark_of_a_system_has_an_area_in_the_venn_diagram(place: int):
+    assert STYLES[place].symbol in AREAS

@@ -17,6 +17,7 @@ from inputs import drive, session_of
 from places import ROOT
 
 from nvcore.comparison import compare
+from nvcore.evidence.pairwise import pairwise_table
 from nvcore.findings import Cases, Finding, Severity
 from nvcore.inputs.load import load
 from nvcore.output.csv_text import to_csv_bytes
@@ -25,12 +26,14 @@ from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT
 from nvcore.tables.boxes.matches import MATCH_COLUMNS, MATCHES
 from nvcore.tables.column import Column, Kind
 from nvcore.tables.columns import REPORT_COLUMNS
+from nvcore.tables.evidence_columns import MATRIX_COLUMNS
 from nvcore.tables.summary import SUMMARY_KEYS, SYSTEM_KEYS
 
 PAGE = ROOT / "docs" / "report.md"
 SECTION = re.compile(r"^(#+) (.*?)\n(.*?)(?=^#+ |\Z)", re.DOTALL | re.MULTILINE)
 TABLE = re.compile(r"(?:^\|.*\n)+", re.MULTILINE)
-TABLES = {**REPORT_COLUMNS, MATCHES: MATCH_COLUMNS}
+MATRIX = "matrix.csv"
+TABLES = {**REPORT_COLUMNS, MATCHES: MATCH_COLUMNS, MATRIX: MATRIX_COLUMNS}
 COLUMNS = {**TABLES, "summary.json": SUMMARY_KEYS, "Each system": SYSTEM_KEYS}
 VALUES = {"The column category": CATEGORY_TEXT, "The column miss_class": MISS_CLASS_TEXT}
 SYSTEMS = ("x", "y", "fusion.x_or_y", "fusion.x_and_y")
@@ -57,8 +60,11 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     truth = session.folder / "truth.csv"
     # a box of 2 px: a distant pedestrian
     truth.write_text(truth.read_text(encoding="utf-8") + "rural,3,50,200,1,2,9\n", encoding="utf-8")
-    files = export_files(compare(load(session)), session, FINDINGS, matches=True)
-    return {name: make() for name, make in files.items()}
+    dataset = load(session)
+    files = export_files(compare(dataset), session, FINDINGS, matches=True)
+    return {name: make() for name, make in files.items()} | {
+        MATRIX: to_csv_bytes(pairwise_table(dataset).replace(np.inf, np.nan))
+    }
 
 
 def table_of(report: dict[str, bytes], file: str) -> pd.DataFrame:
@@ -129,7 +135,8 @@ def test_the_page_has_the_table_of_the_code(title: str):
 
 def test_every_file_of_a_report_has_its_section_in_order(report):
     page = PAGE.read_text(encoding="utf-8")
-    assert re.findall(r"^## (\w+\.\w+)$", page, re.MULTILINE) == list(report)
+    files = [name for name in report if name != MATRIX]
+    assert re.findall(r"^## (\w+\.\w+)$", page, re.MULTILINE) == files
 
 
 @pytest.mark.parametrize("file", TABLES)

@@ -29,7 +29,12 @@ SECTIONS: Final = {
         "encounters": "Encounters",
         "saliency": "Saliency",
     },
-    "Evidence": {"detection": "Detection", "stability": "Stability", "ratings": "Ratings"},
+    "Evidence": {
+        "systems": "Systems",
+        "detection": "Detection",
+        "stability": "Stability",
+        "ratings": "Ratings",
+    },
     "Export": {"export": "Export"},
     "Help": {"metrics": "Documentation"},
 }
@@ -41,6 +46,7 @@ SHOWN: Final[dict[str, tuple[Stage, ...]]] = {
     "timeline": (SIMILARITY, LOW, ENCOUNTERS, SEVERITY, EVENTS),
     "encounters": (SIMILARITY, ENCOUNTERS, SEVERITY),
     "saliency": (SALIENCY,),
+    "systems": (SIMILARITY, ENCOUNTERS),
     "detection": (MATCH,),
     "ratings": (SALIENCY,),
     "metrics": (),

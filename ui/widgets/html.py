@@ -37,6 +37,10 @@ class MeasureRow:
         Footnotes, such as ``a b``.
     hint
         What the measure is, shown when the mouse is over its name.
+    lines
+        CSS borders that stand before the name as samples of the lines of systems.
+    colours
+        Of the two systems of this row, where they are not X and Y; else empty.
     """
 
     label: str
@@ -45,6 +49,8 @@ class MeasureRow:
     level: int = 0
     marks: str = ""
     hint: str = ""
+    lines: tuple[str, ...] = ()
+    colours: tuple[str, ...] = ()
 
 
 def with_arrow(label: str, better: Better | str) -> str:
@@ -97,7 +103,12 @@ def _row(row: MeasureRow) -> str:
         else f"<td>{_text(cell)}</td>"
         for cell, letter in zip(row.cells, ("x", "y", *[""] * len(row.cells)), strict=False)
     )
-    return f'<tr><th scope="row"{level}{hint}>{_text(row.label)}{marks}</th>{cells}</tr>'
+    lines = "".join(f'<span class="line" style="border-top:{line}"></span>' for line in row.lines)
+    named = zip("xy", row.colours, strict=False)
+    style = "".join(f"--nv-{letter}:{colour};" for letter, colour in named)
+    own = f' style="{style}"' if style else ""
+    head = f'<th scope="row"{level}{hint}>{lines}{_text(row.label)}{marks}</th>'
+    return f"<tr{own}>{head}{cells}</tr>"
 
 
 def _text(text: str) -> str:

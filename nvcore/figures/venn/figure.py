@@ -41,7 +41,15 @@ WORDS: Final = {
     Category.NEITHER: "neither",
     Category.DISTANT: "distant",
 }
-AREAS: Final = {"circle": 1.0, "diamond": 0.96, "square": 0.886, "circle-open": 1.0}
+AREAS: Final = {
+    "circle": 1.0,
+    "diamond": 0.96,
+    "pentagon": 1.149,
+    "cross": 1.279,
+    "star": 1.195,
+    "square": 0.886,
+    "circle-open": 1.0,
+}
 """Sizes with which symbols have the same area."""
 FAILING: Final = {
     Category.BOTH: "xy",

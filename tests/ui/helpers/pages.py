@@ -87,7 +87,8 @@ def measures(page: AppTest, key: str) -> dict[str, tuple[str, ...]]:
 
 def _said(cell: Element) -> str:
     notes = "".join(f"[{mark.text}]" for mark in cell.iter("sup"))
-    return f"{cell.text or ''}{notes}"
+    text = "".join([cell.text or "", *(part.tail or "" for part in cell)])
+    return f"{text}{notes}"
 
 
 def session(folder: Path, *systems: str) -> Session:

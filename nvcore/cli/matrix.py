@@ -1,0 +1,92 @@
+"""``nvcore matrix``: every two systems of a session against each other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from nvcore.cli.options import (
+    OUTPUT,
+    GroupedCommand,
+    examples,
+    grouped_option,
+    input_options,
+    parameter_options,
+    strict_option,
+)
+from nvcore.cli.progress import TerminalProgress
+from nvcore.cli.session_options import session_from
+from nvcore.cli.steps import (
+    errors_of,
+    exit_on_findings,
+    findings_at_paths,
+    refuse_among_inputs,
+    refuse_to_replace,
+    shown_paths,
+)
+from nvcore.wording import one_line
+
+# As in nvcore/cli/__init__.py, numpy and pandas are imported by the command only.
+
+
+@click.command(
+    cls=GroupedCommand,
+    short_help="Compare every two systems of a session.",
+    epilog=examples(
+        "nvcore matrix three.toml",
+        "nvcore matrix three.toml --alpha 0.8 --out pairs",
+        "nvcore matrix three.toml --json",
+    ),
+)
+@input_options
+@grouped_option(
+    OUTPUT,
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Write matrix.csv and matrix.json into this folder.",
+)
+@grouped_option(
+    OUTPUT, "--json", "as_json", is_flag=True, help="Print matrix.json, not the tables."
+)
+@strict_option
+@parameter_options
+def matrix(out: Path | None, as_json: bool, strict: bool, **options: Any) -> None:
+    """Say of every two systems who detects more, and who has the higher similarity.
+
+    Inputs as for compare; a session file may name any number of systems. Each is compared at its
+    own threshold; --threshold-x and --threshold-y are for X and Y. p is corrected for all pairs.
+    Nothing is claimed of pairs at unequal operating points. Exit code 0: fine, 1: the audit found
+    errors (with --strict: or warnings), 2: bad input.
+    """
+    from nvcore.auditing import audit
+    from nvcore.evidence.pairwise import pairwise_table, thresholds_in_use
+    from nvcore.inputs.load import load
+    from nvcore.report.matrix import MATRIX_FILES, matrix_json, render_matrix, write_matrix
+    from nvcore.report.protect_inputs import files_read
+    from nvcore.report.terminal import render_findings
+
+    session = session_from(options, needs_y=True)
+    if out is not None:
+        refuse_among_inputs(out, session)
+        refuse_to_replace((out / name for name in MATRIX_FILES), files_read(session))
+    n_systems = len(session.systems)
+    n_steps = 4 + n_systems + n_systems * (n_systems - 1) // 2
+    with errors_of(session), TerminalProgress(n_steps) as steps:
+        dataset = load(session, progress=steps)
+        steps.begin("auditing the inputs")
+        findings = audit(dataset)
+        params = dataset.params_of()
+        thresholds = thresholds_in_use(dataset, params)
+        table = pairwise_table(dataset, params, thresholds=thresholds, progress=steps)
+        if out is not None:
+            write_matrix(out, dataset, params, table)
+    path = shown_paths(session.folder, session.sources, dataset.systems)
+    click.echo(render_findings(findings_at_paths(findings, path)) + "\n", err=as_json)
+    text = matrix_json(dataset, params, table) if as_json else render_matrix(table)
+    click.echo(text, nl=not as_json)
+    if out is not None:
+        click.echo(one_line(f"written to {out}"), err=True)
+    exit_on_findings(findings, strict)

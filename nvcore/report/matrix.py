@@ -1,0 +1,241 @@
+"""Every two systems of a session: who is better in what, in words, for the terminal, as files."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from string import ascii_lowercase
+from typing import Any, Final, NamedTuple
+
+import pandas as pd
+
+from nvcore import __version__
+from nvcore.dataset import Dataset
+from nvcore.errors import InputError
+from nvcore.evidence.companions import AS_SET
+from nvcore.evidence.pairwise import systems_of
+from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
+from nvcore.measures import evidence_form
+from nvcore.output.csv_text import to_csv_bytes
+from nvcore.output.files import write_run
+from nvcore.params import Params
+from nvcore.wording import (
+    capitalised,
+    count_text,
+    difference,
+    interval_text,
+    number,
+    one_line,
+    percent,
+)
+
+MATRIX_FILES: Final = ("matrix.csv", "matrix.json")
+HEAD: Final = ("first", "second", "first - second", "95 % interval", "p", "p (Holm)")
+SYSTEM_HEAD: Final = (
+    "threshold",
+    "false alarms per frame",
+    "encounters detected",
+    "mean similarity",
+)
+NO_CLAIM: Final = "No difference is shown to be more than chance"
+
+
+class PairMeasure(NamedTuple):
+    """A measure of every pair: its title, and the columns of the table that hold it."""
+
+    key: str
+    title: str
+    value: str
+    evidence: str
+    winner: str
+
+
+PAIR_MEASURES: Final = (
+    PairMeasure(
+        "encounters_detected_by_unit",
+        "encounters detected",
+        *("detected", "detected_by_unit", "detects_more"),
+    ),
+    PairMeasure(
+        "mean_similarity", "mean similarity", *("similarity", "similarity", "higher_similarity")
+    ),
+)
+
+
+def pair_name(pair: Mapping[Hashable, Any], *, between: str = " - ") -> str:
+    """The two names of a row of `nvcore.evidence.pairwise.pairwise_table`, the first one first."""
+    return f"{pair['x']}{between}{pair['y']}"
+
+
+def winner_of(pair: Mapping[Hashable, Any], measure: PairMeasure) -> str:
+    """``x`` or ``y``, of which it is claimed that it is better; empty: nothing is."""
+    name = pair[measure.winner]
+    return "" if not name else "x" if name == pair["x"] else "y"
+
+
+def pair_cells(pair: Mapping[Hashable, Any], measure: PairMeasure) -> tuple[str, ...]:
+    """Values of both, their difference, its interval, p, p corrected; a dash where undefined."""
+    form, of_measure = evidence_form(measure.key), measure.evidence
+    x, y = pair[f"{measure.value}_x"], pair[f"{measure.value}_y"]
+    return (
+        number(x, form),
+        number(y, form),
+        difference(x, y, form),
+        interval_text(pair[f"{of_measure}_low"], pair[f"{of_measure}_high"], form),
+        number(pair[f"{of_measure}_p"], ".2g"),
+        number(pair[f"{of_measure}_p_holm"], ".2g"),
+    )
+
+
+def system_cells(system: Mapping[Hashable, Any]) -> tuple[str, ...]:
+    """Threshold, false alarms and both measures of a row of `systems_of`, as `SYSTEM_HEAD` says."""
+    threshold = system["threshold"]
+    return (
+        "all scores" if math.isnan(threshold) else f"{threshold:g}",
+        number(system["false_alarms_per_frame"], ".3g"),
+        number(system["detected"], ".1%"),
+        number(system["similarity"], ".4f"),
+    )
+
+
+def pair_text(pair: Mapping[Hashable, Any]) -> str:
+    """Who is better in what, in a sentence or two that claim no more than the data support."""
+    if pair["is_unequal"]:
+        alarms = [f"{pair[f'false_alarms_per_frame_{letter}']:.3g}" for letter in "xy"]
+        return (
+            f"{capitalised(AS_SET)} ({' and '.join(alarms)} false alarms per frame). Nothing is "
+            "claimed."
+        )
+    claims = []
+    if pair["detects_more"]:
+        shares = (percent(pair[f"detected_{letter}"]) for letter in _order(pair, "detects_more"))
+        claims.append(f"{pair['detects_more']} detects more encounters ({' against '.join(shares)}")
+        claims[-1] += f", p = {pair['detected_by_unit_p_holm']:.2g} corrected)"
+    if pair["higher_similarity"]:
+        values = (
+            f"{pair[f'similarity_{letter}']:.3f}" for letter in _order(pair, "higher_similarity")
+        )
+        claims.append(
+            f"{pair['higher_similarity']} has the higher mean similarity "
+            f"({' against '.join(values)}, p = {pair['similarity_p_holm']:.2g} corrected)"
+        )
+    text = "; ".join(claims) or NO_CLAIM
+    if not claims and pair["unit"] != RECORDINGS:
+        text = f"Nothing is claimed: {MIN_RECORDINGS} recordings are needed for a p"
+    if pair["withheld"] and not claims:
+        text = "Nothing is claimed"
+    reasons = f" More than chance as set, but no claim: {pair['withheld']}."
+    return f"{text}.{reasons if pair['withheld'] else ''}"
+
+
+def _order(pair: Mapping[Hashable, Any], winner: str) -> str:
+    """The letters of a pair, that of the better system first."""
+    return "xy" if pair[winner] == pair["x"] else "yx"
+
+
+def pair_notes(table: pd.DataFrame, measure: PairMeasure) -> tuple[list[str], dict[str, str]]:
+    """Footnotes of each pair without a p, as letters; the letters by their notes."""
+    marks: dict[str, str] = {}
+    of_pairs = []
+    for text, p in zip(table["note"], table[f"{measure.evidence}_p"], strict=True):
+        notes = [note for note in text.split("; ") if note and math.isnan(p)]
+        for note in notes:
+            marks.setdefault(note, ascii_lowercase[len(marks) % len(ascii_lowercase)])
+        of_pairs.append(" ".join(marks[note] for note in notes))
+    return of_pairs, marks
+
+
+def render_matrix(table: pd.DataFrame) -> str:
+    """The systems, every pair in words, and the numbers, for the terminal."""
+    pairs = table.to_dict("records")
+    systems = systems_of(table).to_dict("records")
+    lines = [
+        f"{count_text(len(systems), 'system')}, {count_text(len(pairs), 'pair')}, "
+        f"{count_text(int(table['n_encounters'].iloc[0]), 'encounter')}; "
+        "each system at its own threshold",
+        "",
+        *_columns(
+            [("system", *SYSTEM_HEAD), *((row["system"], *system_cells(row)) for row in systems)]
+        ),
+        "",
+        *(f"{pair_name(pair)}: {pair_text(pair)}" for pair in pairs),
+    ]
+    for measure in PAIR_MEASURES:
+        of_pairs, notes = pair_notes(table, measure)
+        rows = [
+            (
+                pair_name(pair),
+                *pair_cells(pair, measure),
+                "as set" if pair["is_unequal"] else "",
+                marks,
+            )
+            for pair, marks in zip(pairs, of_pairs, strict=True)
+        ]
+        lines += ["", *_columns([(measure.title, *HEAD, "", ""), *rows])]
+        lines += [f"{mark}: {note}" for note, mark in notes.items()]
+    return "\n".join(one_line(line) for line in lines)
+
+
+def _columns(rows: Sequence[tuple[str, ...]]) -> list[str]:
+    """The rows as lines, the first column to the left, the others to the right."""
+    shown = [tuple(one_line(cell) for cell in row) for row in rows]
+    first, *others = ([*column] for column in zip(*shown, strict=True))
+    columns = [[cell.ljust(max(map(len, first))) for cell in first]]
+    columns += [[cell.rjust(max(map(len, column))) for cell in column] for column in others]
+    return ["  ".join(cells).rstrip() for cells in zip(*columns, strict=True)]
+
+
+def matrix_json(dataset: Dataset, params: Params, table: pd.DataFrame) -> str:
+    """Systems and pairs as JSON text; null is undefined.
+
+    Parameters
+    ----------
+    params
+        Settings of the comparison.
+    table
+        `nvcore.evidence.pairwise.pairwise_table` of the dataset.
+    """
+    content = {
+        "version": __version__,
+        "fingerprint": dataset.fingerprint,
+        "parameters": asdict(replace(params, threshold_x=None, threshold_y=None)),
+        "systems": _records(systems_of(table)),
+        "pairs": [
+            {**values, "text": pair_text(pair)}
+            for values, pair in zip(_records(table), table.to_dict("records"), strict=True)
+        ],
+    }
+    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _records(table: pd.DataFrame) -> list[dict[str, Any]]:
+    return [
+        {str(name): _defined(value) for name, value in row.items()}
+        for row in table.to_dict("records")
+    ]
+
+
+def _defined(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def write_matrix(folder: Path, dataset: Dataset, params: Params, table: pd.DataFrame) -> None:
+    """Write `MATRIX_FILES` into a folder, as `nvcore.report.files.write_report` does.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written to, or holds the report of a comparison.
+    """
+    if (folder / "summary.json").exists():  # of which only a part would be replaced
+        raise InputError("holds the report of a comparison; give another folder", file=folder)
+    finite = table.replace([math.inf, -math.inf], math.nan)  # CSV has no infinity
+    contents = zip(
+        MATRIX_FILES,
+        (to_csv_bytes(finite), matrix_json(dataset, params, table).encode()),
+        strict=True,
+    )
+    write_run(folder, contents, known=MATRIX_FILES)

@@ -1,0 +1,32 @@
+"""Systems: every two of the open systems against each other."""
+
+import streamlit as st
+
+from nvcore.comparison import Result
+from ui.session import state
+from ui.shell.messages import draw_warnings, needs_comparison
+from ui.systems import matrix, numbers, pairs
+from ui.widgets.text import docs_link
+
+
+@needs_comparison
+def draw(result: Result) -> None:
+    """Who is better in what, pair by pair, then the numbers."""
+    if len(result.dataset.systems) == 2:
+        pairs.draw_only_pair(result)
+        return
+    st.caption(
+        "Every two of the open systems, each at its own threshold. p is corrected for all pairs "
+        "and both measures, and a difference is claimed only where it holds at equal false alarms "
+        f"as well ({docs_link('Significance', 'three-systems-and-more', doc='significance')})."
+    )
+    draw_warnings(result)
+    table = matrix.draw(result)
+    if table is not None:
+        theme = state.theme()
+        pairs.draw(table)
+        numbers.draw(table, result.dataset.systems, theme.shade)
+
+
+st.title("Systems")
+draw()

@@ -1,0 +1,69 @@
+"""Systems page: the table of all pairs, computed in the background where that takes long."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+from math import comb
+from typing import Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.dataset import Dataset
+from nvcore.evidence.pairwise import pairwise_table, thresholds_in_use
+from nvcore.params import Params
+from nvcore.progress import Progress
+from ui.jobs.computed import Computation
+from ui.session import state
+
+JOB: Final = "matrix"
+AT_ONCE: Final = 30_000
+"""Frames times pairs up to which the table is there within a second: it is drawn without asking."""
+MOST: Final = 4
+COLUMNS: Final = ["name", "horizon", "context"]
+"""Of the recordings: what a visitor may change on the Data page without reading a file again."""
+
+
+def draw(result: Result) -> pd.DataFrame | None:
+    """Rows of `pairwise_table`; else the button that computes them, or how far that is."""
+    dataset = result.dataset
+    params = replace(result.params, threshold_x=None, threshold_y=None)
+    thresholds = thresholds_in_use(dataset, result.params)
+    recordings = dataset.recordings[COLUMNS].to_csv()
+    key = (dataset.fingerprint, recordings, dataset.systems, params, tuple(thresholds.items()))
+    # outlasts another choice of X and Y, which forgets all that was computed of them
+    notes = state.workspace().notes
+    known_key, known = notes.get(JOB, (None, None))
+    if known_key == key:
+        table: pd.DataFrame = known
+        return table
+    work = Computation(
+        kind=JOB,
+        key=key,
+        compute=partial(_compute, dataset, params, thresholds),
+        thing="table",
+        doing="Comparing every two systems",
+        most=MOST,
+    )
+    n_pairs = comb(len(dataset.systems), 2)
+    computed, is_to_start = work.draw(is_quick=n_pairs * len(dataset.frames) <= AT_ONCE)
+    if is_to_start:
+        icon = ":material/table_chart:"
+        label = f"Compare all {n_pairs:,} pairs"
+        st.button(label, key=f"{JOB}_start", icon=icon, type="primary", on_click=work.start)
+        st.caption("With so many frames it takes a while; the other pages work meanwhile.")
+    if computed is not None:
+        notes[JOB] = key, computed
+    return computed
+
+
+def _compute(
+    dataset: Dataset,
+    params: Params,
+    thresholds: Mapping[str, float | None],
+    progress: Progress,
+) -> pd.DataFrame:
+    return pairwise_table(dataset, params, thresholds=thresholds, progress=progress)

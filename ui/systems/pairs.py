@@ -1,0 +1,53 @@
+"""Systems page: every pair in words; a click opens it on the Overview."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.report.matrix import pair_name, pair_text
+from ui.session import state
+from ui.shell import systems
+from ui.shell.navigate import ask_for_page, open_page
+from ui.widgets.text import plain
+
+BETWEEN: Final = " – "
+
+
+def draw_only_pair(result: Result) -> None:
+    """With two systems: that there is one pair, and the way to it."""
+    st.info(
+        f"There is one pair, {plain(result.x.name)} and {plain(result.y.name)}: the Overview "
+        "compares it. Add a third system on the Data page to see every pair here."
+    )
+    if st.button("Open the Overview", key="pair_only", type="primary"):
+        open_page("overview")
+
+
+def draw(table: pd.DataFrame) -> None:
+    """A line for each pair, with the button that opens it."""
+    st.header("Who is better in what")
+    st.caption("A click opens the pair as X and Y on the Overview, where its details are.")
+    chosen = set(state.systems())
+    for number, pair in enumerate(table.to_dict("records")):
+        left, right = st.columns([2, 5], vertical_alignment="center")
+        left.button(
+            plain(pair_name(pair, between=BETWEEN)),
+            key=f"pair_{number}",
+            icon=":material/open_in_new:",
+            width="stretch",
+            on_click=_open,
+            args=(pair["x"], pair["y"]),
+        )
+        is_open = {pair["x"], pair["y"]} == chosen
+        right.markdown(plain(pair_text(pair)) + (" *(now X and Y)*" if is_open else ""))
+
+
+def _open(x: str, y: str) -> None:
+    """Make these X and Y, unless they are already, and go to the Overview. For callbacks."""
+    if {x, y} != set(state.systems()):
+        systems.compare(x, y)
+    ask_for_page("overview")
