@@ -68,6 +68,13 @@ RECORDING_DTYPES: Final[dict[str, str]] = {
     "tags": "object",  # words for choosing recordings, tuple of str
 }
 
+ATTRIBUTE_DTYPES: Final[dict[str, str]] = {
+    "file": "int32",  # as of the box
+    "line": "int32",  # as of the box
+    "attributes": "category",  # what the truth says of the pedestrian in this frame; not empty
+}
+"""Texts of the truth's boxes, where it has any: found again by file and line."""
+
 LEFT_OUT_DTYPES: Final[dict[str, str]] = {
     "subject": "object",  # truth or the name of a system
     "recording": "object",

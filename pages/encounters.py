@@ -1,11 +1,13 @@
 """Encounters: one row for each pedestrian that was met, how X and Y did, and why."""
 
+from collections.abc import Sequence
+
 import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.tables.result import encounters_table
-from ui.encounters import address, details, figures, filters, selection, table
+from ui.encounters import address, classes, details, figures, filters, selection, table
 from ui.encounters.order import Order
 from ui.session import state
 from ui.session.chosen import choose_named, encounter_of, name_of
@@ -19,7 +21,7 @@ from ui.widgets.text import docs_link, plain
 def draw_filtered(result: Result) -> None:
     """What passes the filters; a filter that is moved redraws nothing but this."""
     encounters = encounters_table(result)
-    follow_link(result)
+    follow_link(result, filters.class_names(encounters))
     selection.go_along(result)
     chosen, matching = filters.draw(encounters)
     with st.container(key="encounters_review"):
@@ -44,12 +46,12 @@ def draw_filtered(result: Result) -> None:
     write_address(result, matching, chosen, order)
 
 
-def follow_link(result: Result) -> None:
+def follow_link(result: Result, classes: Sequence[str]) -> None:
     """Take filters, order and selection from the address that led here, or from another page."""
     link = back.page_link()
     if link is None:
         return
-    choice, wrong = address.from_address(link, state.recording_names())
+    choice, wrong = address.from_address(link, state.recording_names(), classes)
     filters.take(choice.filters)
     table.take_order(choice.order)
     if choice.has_all_columns:
@@ -96,6 +98,7 @@ def draw(result: Result) -> None:
     draw_warnings(result)
     draw_as_set_note(result)
     draw_filtered()
+    classes.draw(result)
     figures.draw_exclusivity(result)
     figures.draw_fusion(result)
 

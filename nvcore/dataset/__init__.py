@@ -16,7 +16,7 @@ from nvcore.columns import BOX_COLUMNS, BoxColumns, FrameColumns, frame_gaps, of
 from nvcore.errors import InputError
 from nvcore.findings import Finding
 from nvcore.params import Params
-from nvcore.schema import LEFT_OUT_DTYPES, TRUTH, conform
+from nvcore.schema import ATTRIBUTE_DTYPES, LEFT_OUT_DTYPES, TRUTH, conform
 from nvcore.settings import Settings
 from nvcore.wording import did_you_mean, listed
 
@@ -55,6 +55,9 @@ class Dataset:
     fingerprint
         sha256 over the input bytes and the reader settings; for data made in memory, over the
         tables.
+    attributes
+        Columns of `nvcore.schema.ATTRIBUTE_DTYPES`: what the truth says of its pedestrians, for
+        `nvcore.metrics.encounter_classes`.
     settings
         How to compare it unless the caller says otherwise: the session that it was loaded from.
     """
@@ -68,6 +71,7 @@ class Dataset:
     left_out: pd.DataFrame = field(default_factory=lambda: empty_left_out())
     findings: tuple[Finding, ...] = ()
     notes: tuple[str, ...] = ()
+    attributes: pd.DataFrame = field(default_factory=lambda: empty_attributes(), repr=False)
     settings: Settings = field(default_factory=Settings, repr=False)
 
     @cached_property
@@ -295,6 +299,11 @@ def refuse_doubles(what: str, names: Sequence[str]) -> None:
     double = next((name for name in names if names.count(name) > 1), None)
     if double is not None:
         raise InputError(f"two {what} would be called {double!r}; expected different names")
+
+
+def empty_attributes() -> pd.DataFrame:
+    """A `Dataset.attributes` without rows."""
+    return conform({}, ATTRIBUTE_DTYPES, n_rows=0)
 
 
 def empty_left_out() -> pd.DataFrame:

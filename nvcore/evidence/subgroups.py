@@ -9,6 +9,7 @@ import numpy as np
 
 from nvcore.comparison import Result
 from nvcore.detection.filtered_truth import has_tags, known_tags
+from nvcore.metrics.encounter_classes import classes_of
 from nvcore.params import MIDPOINT_SHARE
 from nvcore.schema import Category
 
@@ -24,6 +25,9 @@ ODD_POSE_Z: Final = 1.0
 
 ALL: Final = "all"
 TAG: Final = "tag"
+CLASS: Final = "class"
+MOST_CLASSES: Final = 12
+"""Classes of pedestrians that are groups of their own: p is corrected for all groups."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,8 +37,8 @@ class Subgroup:
     Attributes
     ----------
     factor, group
-        What encounters are divided by (``distance``, ``place``, ``occlusion``, ``pose``, ``tag``),
-        and the name of the part.
+        What encounters are divided by (``distance``, ``place``, ``occlusion``, ``pose``,
+        ``class``, ``tag``), and the name of the part.
     is_member
         Encounters in it, distant ones left out; bool, shape (n_encounters,).
     recordings
@@ -61,8 +65,9 @@ def everyone(result: Result) -> Subgroup:
 def find_subgroups(result: Result) -> tuple[Subgroup, ...]:
     """The parts of the encounters that count: by the ground truth alone, the same for X and Y.
 
-    A factor is left out where the data do not have it (occlusion, tags) or do not divide by it
-    (a part would be empty), and so is a tag without frames. A recording may have several tags.
+    A factor is left out where the data do not have it (occlusion, classes, tags) or do not divide
+    by it (a part would be empty), and so is a tag without frames. A recording may have several
+    tags, a pedestrian several classes.
     """
     encounters, dataset = result.encounters, result.dataset
     is_near = result.category != Category.DISTANT.value
@@ -95,13 +100,26 @@ def find_subgroups(result: Result) -> tuple[Subgroup, ...]:
         parts = [part for part in parts if part.is_member.any()]
         if len(parts) > 1:
             subgroups += parts
-    return (*subgroups, *_tag_groups(result, is_near))
+    return (*subgroups, *_class_groups(result, is_near), *_tag_groups(result, is_near))
 
 
 def _part(result: Result, factor: str, group: str, is_member: np.ndarray) -> Subgroup:
     n_recordings = len(result.dataset.recordings)
     members = np.bincount(result.encounters.recording[is_member], minlength=n_recordings)
     return Subgroup(factor, group, is_member, members > 0)
+
+
+def _class_groups(result: Result, is_near: np.ndarray) -> list[Subgroup]:
+    """The largest classes that the truth names: derived ones would add tests to every table."""
+    classes = classes_of(result.dataset)
+    members = {name: classes.members[name] & is_near for name in classes.named}
+    parts = [
+        _part(result, CLASS, name, is_member)
+        for name, is_member in members.items()
+        if 0 < np.count_nonzero(is_member) < np.count_nonzero(is_near)
+    ]
+    largest = sorted(parts, key=lambda part: -np.count_nonzero(part.is_member))[:MOST_CLASSES]
+    return [part for part in parts if part in largest]
 
 
 def _tag_groups(result: Result, is_near: np.ndarray) -> list[Subgroup]:

@@ -169,6 +169,7 @@ def place_sources(session: Session, loaded: list[LoadedSource], max_frames: int 
         findings=tuple(findings),
         notes=tuple(notes),
         settings=session,
+        **({} if truth.attributes is None else {"attributes": truth.attributes}),
     )
 
 

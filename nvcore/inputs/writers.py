@@ -182,10 +182,15 @@ def _table(reading: Reading, role: Role) -> pd.DataFrame:
     """The boxes with the columns of plain CSV; what is unknown is missing."""
     left_aside = "score" if role == "truth" else "ignore"
     table = reading.boxes[[name for name in CSV_COLUMNS if name != left_aside]]
-    return table.assign(
+    table = table.assign(
         track=table["track"].astype("Int64").mask(table["track"] == NO_TRACK),
         occlusion=table["occlusion"].astype("Int64").mask(table["occlusion"] == UNKNOWN_OCCLUSION),
     )
+    if reading.attributes is None:
+        return table
+    places = reading.boxes[["file", "line"]]
+    texts = places.merge(reading.attributes, how="left", on=["file", "line"])["attributes"]
+    return table.assign(attributes=texts.to_numpy(dtype=object))
 
 
 def _coco(reading: Reading, role: Role, images: pd.DataFrame | None) -> bytes:

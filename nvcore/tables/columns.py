@@ -288,6 +288,21 @@ _ENCOUNTERS = (
         "Share of its boxes that are at least partly occluded, of those where it is known.",
         empty="occlusion unknown throughout",
     ),
+    Column(
+        "attributes",
+        _TEXT,
+        "",
+        "What the truth's column `attributes` says of it in most frames.",
+        empty="nothing",
+    ),
+    Column(
+        "classes",
+        _TEXT,
+        "",
+        "Its classes, `;` between them: those in `attributes`, and of `crossing`, `in_road`, "
+        "`group` and `child` those that its boxes show.",
+        empty="none",
+    ),
 )
 
 _SPAN = (

@@ -76,7 +76,8 @@ SUBGROUP_COLUMNS: Final[tuple[Column, ...]] = (
         "factor",
         _TEXT,
         "",
-        "What encounters are divided by: `all`, `distance`, `place`, `occlusion`, `pose`, `tag`.",
+        "What encounters are divided by: `all`, `distance`, `place`, `occlusion`, `pose`, `class`, "
+        "`tag`.",
     ),
     Column("group", _TEXT, "", "The part."),
     replace(_EVIDENCE["figure"], meaning="Key of the measure, as in `significance.csv`."),

@@ -8,10 +8,16 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.metrics.encounter_classes import classes_of
+from nvcore.metrics.venn import count_categories, measure_exclusivity
 from nvcore.schema import Category, MissClass
 from nvcore.scoring import SystemResult
 
 FUSION_SYSTEMS: Final = ("x", "y", "x_or_y", "x_and_y")
+CLASS_COLUMNS: Final = (
+    *("both", "x_only", "y_only", "neither", "distant"),
+    *("severity_s_x", "severity_s_y", "jaccard", "phi"),
+)
 ALL_CLASSES: Final = "all"
 """Row and column of the sums in `miss_class_totals`."""
 
@@ -45,6 +51,34 @@ def miss_class_totals(result: Result) -> pd.DataFrame:
     counts.loc[ALL_CLASSES] = counts.sum(axis=0)
     counts[ALL_CLASSES] = counts.sum(axis=1)
     return counts
+
+
+def class_counts(result: Result) -> pd.DataFrame:
+    """Who detects the encounters of each class, and how exclusive the misses are.
+
+    Returns
+    -------
+    One row per class of `nvcore.metrics.encounter_classes` (index `class`), in its order; both,
+    x_only, y_only, neither: encounters that count; distant: those that do not; severity_s_x,
+    severity_s_y (0 is best); jaccard, phi of the two miss sets (NaN undefined). An encounter of
+    several classes is in several rows.
+    """
+    rows = {}
+    for name, is_member in classes_of(result.dataset).members.items():  # a loop over classes
+        venn = count_categories(result.category[is_member])
+        exclusivity = measure_exclusivity(venn)
+        rows[name] = {
+            **{kind: venn.counts()[kind] for kind in ("both", "x_only", "y_only", "neither")},
+            "distant": venn.distant,
+            **{
+                f"severity_s_{letter}": float(system.failures["severity_s"][is_member].sum())
+                for letter, system in result.sides
+            },
+            "jaccard": exclusivity.jaccard,
+            "phi": exclusivity.phi,
+        }
+    table = pd.DataFrame.from_dict(rows, orient="index", columns=list(CLASS_COLUMNS))
+    return table.rename_axis("class")
 
 
 def fusion_table(result: Result) -> pd.DataFrame:

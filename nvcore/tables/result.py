@@ -10,6 +10,7 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.findings import Finding
 from nvcore.measures import MEASURES, duration_of_recordings, per_recording
+from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.saliency import EVENT_COLUMNS
 from nvcore.schema import NO_TRACK, Category, integers_of
 from nvcore.tables.columns import column_names
@@ -76,6 +77,7 @@ def encounters_table(result: Result) -> pd.DataFrame:
     encounters, frame = result.encounters, result.dataset.frames["frame"].to_numpy()
     is_near = result.category != Category.DISTANT.value
     urgency, is_judged = result.urgency, result.contact.is_judged
+    classes = classes_of(result.dataset)
     columns: dict[str, Any] = {
         "recording": _names(result, encounters.recording),
         "track": encounters.track,
@@ -116,6 +118,8 @@ def encounters_table(result: Result) -> pd.DataFrame:
         "aspect_ratio": encounters.aspect_ratio,
         "aspect_z": encounters.aspect_z,
         "occluded_share": encounters.occluded_share,
+        "attributes": classes.attributes,
+        "classes": classes.texts,
     }
     return pd.DataFrame(columns)
 

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 from builders import Place, at, make_dataset, result_of, tagged
@@ -8,6 +10,7 @@ from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.subgroups import find_subgroups
+from nvcore.metrics.encounter_classes import classes_of
 
 
 def people(**params: object) -> Result:
@@ -96,3 +99,27 @@ def test_tags_of_recordings_are_subgroups_and_may_overlap() -> None:
     result = result_of(tagged(crowd(), *tags), proximity="height")
     found = {group: n for (factor, group), n in parts(result).items() if factor == "tag"}
     assert found == {"day": 12, "night": 12, "rain": 6}
+
+
+def test_classes_that_the_truth_names_are_groups_derived_ones_are_not() -> None:
+    dataset = crowd()
+    boxes = dataset.boxes.assign(line=np.arange(len(dataset.boxes), dtype=np.int32))
+    of_first = range(4 * 6)  # of the truth: the pedestrians of the first six recordings
+    texts = pd.Categorical(["child"] * len(of_first))
+    attributes = pd.DataFrame({"file": 0, "line": of_first, "attributes": texts})
+    result = result_of(replace(dataset, boxes=boxes, attributes=attributes), proximity="height")
+    classes = [part for part in find_subgroups(result) if part.factor == "class"]
+    assert [(part.group, int(part.is_member.sum())) for part in classes] == [("child", 6)]
+    assert "in_road" in classes_of(result.dataset).members
+    rows = subgroup_table(result, ["encounters_detected"]).set_index("group")
+    assert rows.loc["child", ["both", "n"]].tolist() == [6, 6]
+
+
+def test_a_class_of_all_pedestrians_is_no_group() -> None:
+    dataset = crowd()
+    boxes = dataset.boxes.assign(line=np.arange(len(dataset.boxes), dtype=np.int32))
+    lines = range(4 * 24)
+    texts = pd.Categorical(["person"] * len(lines))
+    attributes = pd.DataFrame({"file": 0, "line": lines, "attributes": texts})
+    result = result_of(replace(dataset, boxes=boxes, attributes=attributes), proximity="height")
+    assert not [part for part in find_subgroups(result) if part.factor == "class"]

@@ -6,6 +6,8 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 from inputs import (
     DETECTIONS,
@@ -20,11 +22,15 @@ from inputs import (
 from places import DATA
 from reader_files import rows
 
+import nvcore as nv
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.load import load, read_source
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
+from nvcore.metrics.encounter_classes import classes_of
+from nvcore.metrics.encounters import encounters_of
 from nvcore.params import Params
+from nvcore.tables.result import encounters_table
 
 
 def mot_session(folder: Path, truth: str, system: str) -> Session:
@@ -380,3 +386,32 @@ def test_each_compared_system_keeps_its_own_threshold(
 def test_a_single_system_is_compared_with_none(tmp_path: Path):
     session = session_of(drive(tmp_path), "truth.csv", "fir.csv")
     assert load(session).compared() == ("fir", None)
+
+
+def test_attributes_find_their_encounters_also_past_boxes_without_a_place(tmp_path: Path):
+    drive(tmp_path)
+    path = tmp_path / "truth.csv"
+    head, *lines = path.read_text(encoding="utf-8").splitlines()
+    texts = ["child" if line.startswith("urban") else "" for line in lines]
+    rows = [f"{line},{text}" for line, text in zip(lines, texts, strict=True)]
+    # before all others: a row of no area, which is left out
+    write(path, f"{head},attributes", "urban,0,1,1,0,0,1,dog", *rows)
+    dataset = load(session_of(tmp_path))
+    classes = classes_of(dataset)
+    places = dataset.recordings["name"].to_numpy()[encounters_of(dataset)[1].recording]
+    assert dict(zip(places, classes.attributes, strict=True)) == {"urban": "child", "rural": ""}
+    assert classes_of(dataset.only(names=["rural"])).named == ()
+    assert classes_of(dataset.only(names=["urban"])).attributes.tolist() == ["child"]
+
+
+def test_attributes_of_a_table_are_those_of_its_rows(tmp_path: Path):
+    drive(tmp_path)
+    truth = pd.read_csv(tmp_path / "truth.csv")
+    truth["attributes"] = np.where(truth["recording"] == "rural", "pram", "")
+    x, y = (pd.read_csv(tmp_path / f"{name}.csv") for name in ("fir", "nir"))
+    comparison = nv.compare(truth=truth, x=x, y=y, size=(640, 480), fps=20)
+    table = encounters_table(comparison.result)
+    assert dict(zip(table["recording"], table["attributes"], strict=True)) == {
+        "urban": "",
+        "rural": "pram",
+    }

@@ -13,7 +13,9 @@ from nvcore.comparison import Result, compare
 from nvcore.schema import MissClass
 from nvcore.tables.miss_classes import (
     ALL_CLASSES,
+    CLASS_COLUMNS,
     FUSION_SYSTEMS,
+    class_counts,
     fusion_table,
     miss_class_counts,
     miss_class_totals,
@@ -87,3 +89,27 @@ def test_the_counts_are_those_of_the_summary(seed: int):
     for row, key in ((either, "x_or_y"), (both, "x_and_y")):
         assert row["encounters_detected"] == told["fusion"][key]["encounters_detected"]
         assert row["false_alert_episodes"] == told["fusion"][key]["false_alert_episodes"]
+
+
+def test_encounters_are_counted_by_class_each_in_all_of_its_own():
+    """Two cross, of whom X detects both and Y one; with the second walks one whom nobody sees."""
+    crossing = [at(frame, 30 + 20 * frame, h=10.0, track=1) for frame in range(3)]
+    pair = [at(frame, 30 + 20 * (frame - 3), h=10.0, track=2) for frame in range(3, 6)]
+    beside = [at(frame, 35 + 10 * (frame - 3), h=10.0, track=3) for frame in range(3, 5)]
+    result = result_of(make_dataset([*crossing, *pair, *beside], [*crossing, *pair], crossing))
+    table = class_counts(result)
+    assert tuple(table) == CLASS_COLUMNS
+    assert table.index.name == "class"
+    row = table.loc["crossing"]
+    assert row[["both", "x_only", "y_only", "neither", "distant"]].tolist() == [1, 1, 0, 0, 0]
+    assert row["severity_s_x"] == 0
+    severity = result.y.failures["severity_s"]
+    assert row["severity_s_y"] == severity[1]
+    assert np.isnan(row["phi"])
+
+
+def test_without_classes_the_table_of_counts_is_empty():
+    result = result_of(make_dataset([at(0, 5, h=10.0, track=1)], [], []))
+    table = class_counts(result)
+    assert table.empty
+    assert tuple(table) == CLASS_COLUMNS

@@ -13,7 +13,7 @@ from ui.encounters.order import Order, order_of
 ENCOUNTER: Final = "encounter"
 ALL_COLUMNS: Final = "all"
 NAMES: Final = (
-    *("category", "miss_x", "miss_y", "only", "position", "height", "pose", "severity"),
+    *("category", "miss_x", "miss_y", "only", "class", "position", "height", "pose", "severity"),
     *("order", "columns", ENCOUNTER),
 )
 """Entries of the address that belong to the page."""
@@ -40,6 +40,7 @@ def to_address(choice: Choice) -> dict[str, str]:
         "miss_x": _joined(filters.classes_x),
         "miss_y": _joined(filters.classes_y),
         "only": _joined(filters.recordings),
+        "class": _joined(filters.classes),
         "position": _range_text(filters.position),
         "height": _range_text(filters.height_px),
         "pose": _range_text(filters.pose_z),
@@ -52,7 +53,7 @@ def to_address(choice: Choice) -> dict[str, str]:
 
 
 def from_address(
-    query: Mapping[str, str], recordings: Sequence[str]
+    query: Mapping[str, str], recordings: Sequence[str], classes: Sequence[str] = ()
 ) -> tuple[Choice, tuple[str, ...]]:
     """What an address asks for, and what of it cannot be followed, in words."""
     wrong: list[str] = []
@@ -77,6 +78,7 @@ def from_address(
         classes_x=among("miss_x", CLASSES),
         classes_y=among("miss_y", CLASSES),
         recordings=among("only", recordings),
+        classes=among("class", classes),
         position=read("position", _range, None),
         height_px=read("height", _range, None),
         pose_z=read("pose", _range, None),

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 import streamlit as st
 
+from nvcore.metrics.encounter_classes import DERIVED, SEPARATOR
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category, MissClass
 from nvcore.wording import shortened
 from ui.session import state
@@ -20,7 +21,7 @@ from ui.widgets.text import plain
 CATEGORIES: Final = tuple(kind.value for kind in Category)
 CLASSES: Final = tuple(kind.value for kind in MissClass)
 SEVERITY_STEP_S: Final = 0.05
-LISTS: Final = ("category", "class_x", "class_y", "recording")
+LISTS: Final = ("category", "class_x", "class_y", "recording", "class")
 """Names of the filters that are lists, and of those that are ranges."""
 RANGES: Final = ("position", "height", "pose")
 MOST_WORDS: Final = 80
@@ -35,6 +36,7 @@ class Filters:
     classes_x: Sequence[str] = ()
     classes_y: Sequence[str] = ()
     recordings: Sequence[str] = ()
+    classes: Sequence[str] = ()
     position: tuple[float, float] | None = None
     height_px: tuple[float, float] | None = None
     pose_z: tuple[float, float] | None = None
@@ -51,6 +53,12 @@ class Filters:
         ):
             if chosen:
                 passes &= encounters[column].isin(list(chosen)).to_numpy()
+        if self.classes:
+            texts, names = pd.factorize(encounters["classes"])
+            has_one = [
+                not set(self.classes).isdisjoint(str(name).split(SEPARATOR)) for name in names
+            ]
+            passes &= np.array(has_one, dtype=bool)[texts]
         for column, span in (
             ("lateral_position", self.position),
             ("peak_height", self.height_px),
@@ -62,6 +70,17 @@ class Filters:
             larger_s = encounters[["severity_s_x", "severity_s_y"]].max(axis=1)
             passes &= (larger_s >= self.least_severity_s).to_numpy()
         return encounters[passes]
+
+
+def class_names(encounters: pd.DataFrame) -> list[str]:
+    """Classes of these rows of `nvcore.tables.result.encounters_table`, by name."""
+    texts = encounters["classes"].unique()
+    return sorted({name for text in texts for name in str(text).split(SEPARATOR) if name})
+
+
+def class_name(name: str) -> str:
+    """A class as it is shown: ``in_road`` as "in road"."""
+    return name.replace("_", " ") if name in DERIVED else name
 
 
 def key(name: str) -> str:
@@ -100,6 +119,7 @@ def in_words(filters: Filters) -> list[str]:
             ("X", [MISS_WORDS[kind] for kind in filters.classes_x]),
             ("Y", [MISS_WORDS[kind] for kind in filters.classes_y]),
             ("in", filters.recordings),
+            ("class", [class_name(name) for name in filters.classes]),
         )
         if chosen
     ]
@@ -120,7 +140,10 @@ def in_words(filters: Filters) -> list[str]:
 def take(filters: Filters) -> None:
     """Give the widgets these values, before they are drawn."""
     clear_filters()
-    lists = (filters.categories, filters.classes_x, filters.classes_y, filters.recordings)
+    lists = (
+        *(filters.categories, filters.classes_x, filters.classes_y),
+        *(filters.recordings, filters.classes),
+    )
     for name, chosen in zip(LISTS, lists, strict=True):
         st.session_state[key(name)] = list(chosen)
     for name, span in zip(
@@ -209,11 +232,26 @@ def _draw_widgets(encounters: pd.DataFrame) -> Filters:
         "How unusual the mean height over width is among all encounters: below -2 uncommonly wide "
         "(sitting, cycling, pushing a pram), above 2 uncommonly narrow.",
     )
+    names = class_names(encounters)
+    chosen = st.session_state.get(key("class"), [])
+    if not {*chosen} <= {*names}:
+        st.session_state[key("class")] = [name for name in chosen if name in names]
+    classes = place.multiselect(
+        "Class of pedestrian",
+        names,
+        format_func=class_name,
+        placeholder="any",
+        key=key("class"),
+        persist_state="session",
+        help="Any of these: classes of the truth's column *attributes*, and what the boxes show: "
+        "crossing, in the road, in a group, a child (see the documentation, Metrics).",
+    )
     return Filters(
         categories=tuple(categories),
         classes_x=tuple(classes_x),
         classes_y=tuple(classes_y),
         recordings=tuple(recordings),
+        classes=tuple(classes),
         position=position,
         height_px=height_px,
         pose_z=pose_z,

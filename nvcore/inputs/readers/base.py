@@ -202,6 +202,9 @@ class Reading:
         In words, what was converted: "frames kept, pixels from 1-based to 0-based; ...".
     findings
         Recoverable oddities.
+    attributes
+        Columns of `ATTRIBUTE_DTYPES`: texts of boxes of the truth, for the classes of encounters;
+        None: there are none.
     """
 
     boxes: pd.DataFrame
@@ -210,6 +213,7 @@ class Reading:
     images: pd.DataFrame | None = None
     annotated: pd.DataFrame | None = None
     findings: tuple[Finding, ...] = ()
+    attributes: pd.DataFrame | None = None
 
 
 Read = Callable[[Sequence[SourceFile], ReadOptions], Reading]

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from pandas.api.types import union_categoricals
 
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
@@ -27,7 +28,13 @@ from nvcore.inputs.readers.base import (
     warning,
 )
 from nvcore.inputs.readers.coco.images import places_of_pictures
-from nvcore.inputs.readers.csv_columns import Header, csv_content, read_columns, read_header
+from nvcore.inputs.readers.csv_columns import (
+    MISSING,
+    Header,
+    csv_content,
+    read_columns,
+    read_header,
+)
 from nvcore.inputs.readers.meaning.categories import CategoryChoice, choose_categories, is_lookalike
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers, odd_levels
@@ -48,7 +55,7 @@ class NamedColumns:
     parse: ParseColumns
 
 
-EXPECTED = "frame,x,y,w,h[,score,track,ignore,distance_m,occlusion,recording]"
+EXPECTED = "frame,x,y,w,h[,score,track,ignore,distance_m,occlusion,attributes,recording]"
 
 
 def recognise(name: str, head: str, role: Role) -> bool:
@@ -100,15 +107,16 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
     ]
     names, facts = recordings_of([files[number].name for number in whole], options.recordings)
     recording_of_file = dict(zip(whole, names, strict=True))
-    tables, kinds = [], []
+    tables, kinds, attributes = [], [], []
     findings: list[Finding] = []
     facts = ["pixels as they are (0-based)", *facts]
     for number, source in enumerate(inputs):
         recording = recording_of_file.get(number)
-        boxes, kind, new_facts, oddities = _read_one(source, number, recording, options)
+        boxes, kind, new_facts, oddities, texts = _read_one(source, number, recording, options)
         findings += oddities
         tables.append(boxes)
         kinds.append(kind)
+        attributes.append(texts)
         facts += new_facts
     annotated = None
     choice = _classes(kinds, files, options)
@@ -130,7 +138,17 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
         conversion=conversion_text(facts),
         annotated=annotated,
         findings=tuple(findings),
+        attributes=_joined(attributes),
     )
+
+
+def _joined(tables: Sequence[pd.DataFrame | None]) -> pd.DataFrame | None:
+    """The attributes of all files; None where none has any."""
+    filled = [table for table in tables if table is not None and len(table)]
+    if not filled:
+        return None
+    texts = union_categoricals([table["attributes"] for table in filled])
+    return pd.concat(filled, ignore_index=True).assign(attributes=texts)
 
 
 def missing_columns(header: Header) -> str | None:
@@ -147,8 +165,8 @@ def missing_columns(header: Header) -> str | None:
 
 def _read_one(
     source: NamedColumns, number: int, own: str | None, options: ReadOptions
-) -> tuple[pd.DataFrame, pd.Series | None, list[str], list[Finding]]:
-    """All boxes of a file, the class of each, the conversion in words, and what is odd."""
+) -> tuple[pd.DataFrame, pd.Series | None, list[str], list[Finding], pd.DataFrame | None]:
+    """All boxes of a file, their classes, the conversion in words, what is odd, the attributes."""
     header = source.header
     to_read = _columns_to_read(header, options.role)
     columns, line, has_decimal_comma = source.parse(to_read)
@@ -208,7 +226,19 @@ def _read_one(
             )
         )
     boxes = lines.boxes((x, y, w, h), recording=recording, frame=frame, file=number, **values)
-    return boxes, columns.get("class"), facts, findings
+    attributes = None
+    if "attributes" in columns:
+        facts.append("attributes as classes of encounters")
+        attributes = _attributes(columns["attributes"], boxes)
+    return boxes, columns.get("class"), facts, findings, attributes
+
+
+def _attributes(texts: pd.Series, boxes: pd.DataFrame) -> pd.DataFrame:
+    """The attributes of those boxes that have any; columns of `ATTRIBUTE_DTYPES`."""
+    names = names_as_categories(texts, len(texts))
+    is_given = ~names.isin(MISSING)
+    given = names[is_given].remove_unused_categories()
+    return boxes.loc[is_given, ["file", "line"]].assign(attributes=given)
 
 
 def _classes(
@@ -241,7 +271,7 @@ def _sorted_by_class(
 
 def _columns_to_read(header: Header, role: Role) -> list[str]:
     """Columns that are read: of two ways to say one thing, the clearer."""
-    left_aside = {"score"} if role == "truth" else {"ignore"}
+    left_aside = {"score"} if role == "truth" else {"ignore", "attributes"}
     left_aside |= {"picture"} if "frame" in header.place else set()
     # beside corners, width and height are often those of the picture
     has_corners = {"right", "bottom"} <= header.place.keys()

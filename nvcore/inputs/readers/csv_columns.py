@@ -51,6 +51,7 @@ SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
         *("image_name", "file_name", "filename", "im_name"),
         *("image_path", "image_file", "image", "file", "picture"),
     ),
+    "attributes": ("attributes", "attribute"),
     "class": ("class", "class_name", "class_id", "category", "category_id", "label", "type"),
 }
 """Names that a column may have, the plainest first; case and punctuation do not matter."""

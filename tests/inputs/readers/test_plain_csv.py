@@ -221,3 +221,37 @@ def test_a_score_column_in_the_truth_looks_like_swapped_files(read_text):
     text = "frame,x,y,w,h,score\n1,2,3,4,5,0.5\n"
     only_finding(read_text(text), "truth-with-scores")
     assert read_text(text, role="detections").findings == ()
+
+
+ATTRIBUTES = """frame,x,y,w,h,track,attributes
+1,2,3,4,5,1,child
+2,2,3,4,5,1,
+3,2,3,4,5,1,NA
+4,2,3,4,5,1,child;dog
+"""
+
+
+def test_attributes_of_the_truth_are_kept_with_file_and_line(read_text):
+    reading = read_text(ATTRIBUTES)
+    assert "attributes as classes of encounters" in reading.conversion
+    assert rows(reading.attributes, "file line attributes") == [
+        [0, 2, "child"],
+        [0, 5, "child;dog"],
+    ]
+    assert reading.attributes["attributes"].cat.categories.tolist() == ["child", "child;dog"]
+    assert read_text("frame,x,y,w,h\n1,2,3,4,5\n").attributes is None
+
+
+def test_attributes_of_detections_are_left_unused(read_text):
+    reading = read_text(ATTRIBUTES, role="detections")
+    assert reading.attributes is None
+    assert "columns left unused: attributes" in reading.conversion
+
+
+def test_attributes_of_several_files_are_joined(tmp_path: Path):
+    first = source(tmp_path, ATTRIBUTES, "a.csv")
+    plain = source(tmp_path, "frame,x,y,w,h\n1,2,3,4,5\n", "b.csv")
+    last = source(tmp_path, "frame,x,y,w,h,attribute\n7,2,3,4,5,pram\n", "c.csv")
+    reading = csv.read([first, plain, last], ReadOptions())
+    assert rows(reading.attributes, "file line attributes")[-1] == [2, 2, "pram"]
+    assert len(reading.attributes) == 3

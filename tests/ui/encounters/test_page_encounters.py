@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 from streamlit.testing.v1 import AppTest
 
+import pages
 from pages import alone, begin_with, checked, press, session, texts
 from ui.encounters import details, figures, table
 from ui.encounters.address import Choice, from_address, to_address
@@ -212,6 +213,7 @@ def test_everything_that_is_chosen_is_in_the_address_and_a_link_chooses_it_again
         ("order", "-__class__"),
         ("only", "no such,%2C"),
         ("miss_x", "late,../../etc"),
+        ("class", "child,<b>"),
         ("encounter", "urban_crossing:99999999999999999999"),
         ("encounter", "urban_crossing:٣"),
         ("encounter", "::"),
@@ -227,10 +229,28 @@ def test_a_hostile_or_stale_address_is_told_and_lists_what_there_is(name: str, t
 
 def test_names_with_commas_come_back_from_the_address():
     recordings = ["a,b", "50%2C", "c"]
-    filters = Filters(recordings=("a,b", "50%2C"), height_px=(1.5, 20))
+    filters = Filters(recordings=("a,b", "50%2C"), classes=("1,2",), height_px=(1.5, 20))
     choice = Choice(filters, Order("lag_s_x", is_descending=False), encounter="a:b:7")
-    assert from_address(to_address(choice), recordings) == (choice, ())
+    assert from_address(to_address(choice), recordings, ["1,2", "3"]) == (choice, ())
     assert to_address(Choice()) == {}
+
+
+def test_a_class_is_listed_counted_and_kept_in_the_address():
+    page = opened(**{"class": "child"})
+    assert not page.warning
+    rows = listed(page)
+    assert rows[["recording", "track"]].to_numpy().tolist() == [
+        ["odd_pose", 1],
+        ["rural_child", 3],
+        ["rural_child", 2],
+    ]
+    assert only(page, "class") == "child"
+    assert "class child" in texts(page)
+    counts = pages.measures(page, "by-class")
+    assert list(counts) == ["crossing", "in road", "group", "child"]
+    assert counts["child"][:5] == ("2", "0", "0", "1", "0")
+    press(page, "encounters_clear")
+    assert "class" not in page.query_params
 
 
 def test_filters_and_the_selection_hold_when_recordings_are_chosen_by_tag():
@@ -339,6 +359,7 @@ SIX = pd.DataFrame(
         "miss_class_x": ["none", "late", "none", "late", "never", None],
         "miss_class_y": ["none", "none", "never", "none", "never", None],
         "recording": ["a", "a", "a", "b", "b", "b"],
+        "classes": ["child;group", "", "group", "grouped", "child", ""],
         "lateral_position": [-0.5, 0, 0.5, 0, 0, 0],
         "peak_height": [50.0, 60, 70, 80, 90, 10],
         "aspect_z": [0, 1, 2, -3, 0, np.nan],
@@ -364,6 +385,8 @@ def test_the_heavier_failure_comes_first_then_the_taller_and_distant_ones_last()
         (Filters(categories=["both", "neither"]), [0, 1, 4]),
         (Filters(classes_x=["late"]), [1, 3]),
         (Filters(classes_x=["late"], classes_y=["none"], recordings=["b"]), [3]),
+        (Filters(classes=["group"]), [0, 2]),
+        (Filters(classes=["group", "child"], recordings=["b"]), [4]),
         (Filters(position=(0, 1)), [1, 2, 3, 4, 5]),
         (Filters(height_px=(60, 80)), [1, 2, 3]),
         (Filters(pose_z=(-3, 0)), [0, 3, 4]),

@@ -1,0 +1,274 @@
+"""Classes of encounters: what the truth says of a pedestrian, and what follows from his boxes.
+
+The derived classes are our choice (docs/metrics.md, classes of encounters). They depend on the
+truth alone, and on no setting.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.columns import BoxColumns, FrameColumns
+from nvcore.dataset import Dataset
+from nvcore.metrics.encounters import Encounters, encounters_of
+
+SEPARATOR: Final = ";"
+"""Between several classes of one pedestrian."""
+CROSSING: Final = "crossing"
+IN_ROAD: Final = "in_road"
+GROUP: Final = "group"
+CHILD: Final = "child"
+DERIVED: Final = (CROSSING, IN_ROAD, GROUP, CHILD)
+
+CROSSING_REACH: Final = 0.1
+"""Who crosses has been so far left and so far right of the middle, fractions of W/2."""
+STATURE_M: Final = 1.7
+"""Height of a person by which pixels are taken for metres at his distance."""
+LANE_M: Final = 3.5
+"""In the road: at most a lane's width beside the camera's axis, in at least half of the frames."""
+COMPANY_M: Final = 1.5
+"""In a group: another one is no farther to the side, in at least half of the frames ..."""
+ALIKE: Final = 1.25
+"""... and about as far away: the heights are within this factor."""
+CHILD_SHARE: Final = 0.75
+"""A child is at most this share of the median pedestrian tall (1.7 m: 1.28 m)."""
+LEAST_COMPARED: Final = 5
+"""Fewest encounters whose median may stand for a grown person."""
+LEAST_DEPTH_PX: Final = 5.0
+"""Least depth of a foot point below the horizon from which a stature is taken."""
+
+
+@dataclass(frozen=True)
+class EncounterClasses:
+    """Classes of every encounter.
+
+    Attributes
+    ----------
+    attributes
+        The most frequent text of the truth's column `attributes` over the encounter's frames, of
+        those equally frequent the first; empty where there is none. Object, shape (n,).
+    members
+        Encounters of each class by its name, those of the truth first, by name, then `DERIVED`;
+        bool, shape (n,). A class that the truth names as a derived one has the encounters of both.
+        Classes without an encounter are left out.
+    named
+        The classes that the truth names.
+    """
+
+    attributes: np.ndarray
+    members: dict[str, np.ndarray]
+    named: tuple[str, ...]
+
+    @property
+    def texts(self) -> np.ndarray:
+        """All classes of each encounter, joined by `SEPARATOR`; object, shape (n,)."""
+        texts = np.full(len(self.attributes), "", dtype=object)
+        for name, is_member in self.members.items():  # a loop over classes
+            texts[is_member] += SEPARATOR + name
+        return np.array([text.removeprefix(SEPARATOR) for text in texts], dtype=object)
+
+
+def classes_of(dataset: Dataset) -> EncounterClasses:
+    """Classes of the encounters of a dataset's ground truth; kept, since no setting moves them."""
+    if "encounter_classes" not in dataset.derived:
+        _, encounters = encounters_of(dataset)
+        truth, frames = dataset.truth, dataset.frame_columns
+        attributes = attributes_of(encounters, _texts_of_truth(dataset))
+        named = classes_named(attributes)
+        derived = {
+            CROSSING: find_crossing(encounters, truth, frames),
+            IN_ROAD: find_in_road(encounters, truth, frames),
+            GROUP: find_groups(encounters, truth),
+            CHILD: find_children(encounters, truth, frames),
+        }
+        members = dict(named)
+        for name, is_member in derived.items():
+            members[name] = members.get(name, np.zeros(len(encounters), dtype=bool)) | is_member
+        dataset.derived["encounter_classes"] = EncounterClasses(
+            attributes,
+            {name: is_member for name, is_member in members.items() if is_member.any()},
+            tuple(named),
+        )
+    classes: EncounterClasses = dataset.derived["encounter_classes"]
+    return classes
+
+
+def _texts_of_truth(dataset: Dataset) -> Any:
+    """The text of `Dataset.attributes` for each truth row; missing where there is none."""
+    table, n_truth = dataset.attributes, len(dataset.truth)
+    texts = pd.Categorical(table["attributes"])
+    codes = np.full(n_truth, -1, np.int64)
+    if len(table):
+        key = _place(table["file"].to_numpy(), table["line"].to_numpy())
+        by_key = np.argsort(key, kind="stable")
+        rows = dataset.boxes[["file", "line"]].iloc[:n_truth]
+        of_row = _place(rows["file"].to_numpy(), rows["line"].to_numpy())
+        at = np.minimum(np.searchsorted(key[by_key], of_row), len(key) - 1)
+        is_there = key[by_key][at] == of_row
+        codes[is_there] = texts.codes[by_key[at[is_there]]]
+    return pd.Categorical.from_codes(codes, dtype=texts.dtype)
+
+
+def _place(file: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """One number for each line of each file."""
+    places: np.ndarray = file.astype(np.int64) << 32 | line.astype(np.int64)
+    return places
+
+
+def attributes_of(encounters: Encounters, texts: Any) -> np.ndarray:
+    """The most frequent text of each encounter; object, shape (n_encounters,).
+
+    Parameters
+    ----------
+    texts
+        Of each truth row as `pandas.Categorical`, missing where there is none; shape (n_truth,).
+    """
+    attributes = np.full(len(encounters), "", dtype=object)
+    encounter, code = encounters.encounter_of, texts.codes.astype(np.int64)
+    rows = np.flatnonzero((encounter >= 0) & (code >= 0))
+    if not len(rows):
+        return attributes
+    n_texts = len(texts.categories)
+    pair, first, count = np.unique(
+        encounter[rows] * n_texts + code[rows], return_index=True, return_counts=True
+    )
+    of_pair = pair // n_texts
+    ranked = np.lexsort((first, -count, of_pair))  # the best of each encounter is its first
+    best = ranked[np.unique(of_pair[ranked], return_index=True)[1]]
+    names = texts.categories.to_numpy(dtype=object)
+    attributes[of_pair[best]] = names[pair[best] % n_texts]
+    return attributes
+
+
+def classes_named(attributes: np.ndarray) -> dict[str, np.ndarray]:
+    """Encounters of each class that the texts name; blanks around the names do not matter.
+
+    Examples
+    --------
+    >>> sorted(classes_named(np.array(["child; with dog", "", "child"], dtype=object)))
+    ['child', 'with dog']
+    """
+    codes, texts = pd.factorize(attributes)
+    members: dict[str, np.ndarray] = {}
+    for code, text in enumerate(texts):  # a loop over different texts
+        for name in dict.fromkeys(part.strip() for part in str(text).split(SEPARATOR)):
+            if name:
+                members[name] = members.get(name, False) | (codes == code)
+    return {name: members[name] for name in sorted(members)}
+
+
+def find_crossing(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
+    """Who was on both sides of the picture's middle, by `CROSSING_REACH` or more on each; bool."""
+    side = _signed_offset(encounters, truth, frames)
+    starts = encounters.offsets[:-1]
+    if not len(starts):
+        return np.zeros(0, dtype=bool)
+    left, right = np.minimum.reduceat(side, starts), np.maximum.reduceat(side, starts)
+    is_crossing: np.ndarray = (left <= -CROSSING_REACH) & (right >= CROSSING_REACH)
+    return is_crossing
+
+
+def find_in_road(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
+    """Who stands or walks within `LANE_M` of the way ahead, in at least half of the frames; bool.
+
+    Metres to the side of the camera's axis come from the height of the box, which stands for
+    `STATURE_M`.
+    """
+    rows, half = encounters.order, frames.half_width[encounters.frame_index]
+    aside_px = np.abs(_signed_offset(encounters, truth, frames)) * half
+    is_near_axis = aside_px <= truth.h[rows] * (LANE_M / STATURE_M)
+    return _in_half_of_frames(encounters, is_near_axis)
+
+
+def find_groups(encounters: Encounters, truth: BoxColumns) -> np.ndarray:
+    """Who walks with another pedestrian beside him, in at least half of the frames; bool.
+
+    Beside: at most `COMPANY_M` to the side, by the taller one's height, and heights `ALIKE`.
+    """
+    has_company = np.zeros(len(truth), dtype=bool)
+    rows = np.flatnonzero(~truth.ignore)
+    frame, height = truth.frame_index[rows], truth.h[rows]
+    centre, encounter = truth.x[rows] + 0.5 * truth.w[rows], encounters.encounter_of[rows]
+    first = np.arange(len(rows))
+    shift = 1
+    while True:  # a loop over places within a frame, as many as the fullest frame has boxes
+        first = first[first + shift < len(rows)]
+        first = first[frame[first] == frame[first + shift]]
+        if not len(first):
+            return _in_half_of_frames(encounters, has_company[encounters.order])
+        other = first + shift
+        taller = np.maximum(height[first], height[other])
+        is_alike = taller <= ALIKE * np.minimum(height[first], height[other])
+        is_beside = np.abs(centre[first] - centre[other]) <= taller * (COMPANY_M / STATURE_M)
+        is_pair = is_alike & is_beside & (encounter[first] != encounter[other])
+        has_company[rows[first[is_pair]]] = True
+        has_company[rows[other[is_pair]]] = True
+        shift += 1
+
+
+def find_children(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
+    """Who is small for where he stands, as far as distance or horizon say where; bool.
+
+    Stature is height times distance, else height over the foot point's depth below the horizon,
+    each relative to the median of all encounters of which it is known in the same way (at least
+    `LEAST_COMPARED`, and the same camera throughout). Boxes cut by the picture's edge have none.
+    """
+    rows = encounters.order
+    x, y, w, h = (side[rows] for side in truth.xywh)
+    recording = frames.recording[encounters.frame_index]
+    width, height = frames.width[recording], frames.height[recording]
+    is_whole = (x > 1) & (y > 1) & (x + w < width - 1) & (y + h < height - 1)
+    depth = y + h - frames.horizon[recording]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        by_distance = np.where(is_whole, h / height * truth.distance_m[rows], np.nan)
+        by_horizon = np.where(is_whole & (depth >= LEAST_DEPTH_PX), h / depth, np.nan)
+    is_child = np.zeros(len(encounters), dtype=bool)
+    is_open = np.ones(len(encounters), dtype=bool)
+    for stature in (by_distance, by_horizon):
+        of_encounter = _medians(encounters, stature)
+        is_known = is_open & np.isfinite(of_encounter)
+        if np.count_nonzero(is_known) >= LEAST_COMPARED:
+            grown = np.median(of_encounter[is_known])
+            is_child[is_known] = of_encounter[is_known] <= CHILD_SHARE * grown
+            is_open &= ~is_known
+    return is_child
+
+
+def _signed_offset(encounters: Encounters, truth: BoxColumns, frames: FrameColumns) -> np.ndarray:
+    """Lateral position of each row of `encounters.order`: -1 left edge, 0 middle, 1 right edge."""
+    rows, half = encounters.order, frames.half_width[encounters.frame_index]
+    offset: np.ndarray = (np.clip(truth.x[rows] + 0.5 * truth.w[rows], 0, 2 * half) - half) / half
+    return offset
+
+
+def _in_half_of_frames(encounters: Encounters, holds: np.ndarray) -> np.ndarray:
+    """Whether it holds for at least half of each encounter's boxes.
+
+    Parameters
+    ----------
+    holds
+        For each row of `encounters.order`.
+    """
+    starts = encounters.offsets[:-1]
+    if not len(starts):
+        return np.zeros(0, dtype=bool)
+    n_held = np.add.reduceat(holds.astype(np.int64), starts)
+    is_half: np.ndarray = 2 * n_held >= np.diff(encounters.offsets)
+    return is_half
+
+
+def _medians(encounters: Encounters, values: np.ndarray) -> np.ndarray:
+    """Median of each encounter's known values; NaN where fewer than half of its boxes have one."""
+    n = len(encounters)
+    counts = np.diff(encounters.offsets)
+    encounter = np.repeat(np.arange(n), counts)
+    is_known = np.isfinite(values)
+    n_known = np.bincount(encounter[is_known], minlength=n)
+    medians = pd.Series(values[is_known]).groupby(encounter[is_known]).median()
+    of_encounter = medians.reindex(np.arange(n)).to_numpy(dtype=float, copy=True)
+    of_encounter[2 * n_known < counts] = np.nan
+    return of_encounter
