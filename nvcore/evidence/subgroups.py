@@ -111,6 +111,8 @@ def _part(result: Result, factor: str, group: str, is_member: np.ndarray) -> Sub
 
 def _class_groups(result: Result, is_near: np.ndarray) -> list[Subgroup]:
     """The largest classes that the truth names: derived ones would add tests to every table."""
+    if result.dataset.attributes.empty:
+        return []
     classes = classes_of(result.dataset)
     members = {name: classes.members[name] & is_near for name in classes.named}
     parts = [

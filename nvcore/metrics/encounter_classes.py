@@ -7,6 +7,7 @@ truth alone, and on no setting.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
@@ -63,7 +64,7 @@ class EncounterClasses:
     members: dict[str, np.ndarray]
     named: tuple[str, ...]
 
-    @property
+    @cached_property
     def texts(self) -> np.ndarray:
         """All classes of each encounter, joined by `SEPARATOR`; object, shape (n,)."""
         texts = np.full(len(self.attributes), "", dtype=object)

@@ -21,9 +21,11 @@ from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
 from nvcore.findings import Finding, Severity
 from nvcore.measures import MEASURES, applies_to, measure_of
+from nvcore.metrics.encounter_classes import classes_of
+from nvcore.metrics.venn import Venn, count_categories
 from nvcore.protocols import Protocol
 from nvcore.report.plan import evidence_of
-from nvcore.report.rules import COMPARISONS, Rule, check_name, parse_rule
+from nvcore.report.rules import COMPARISONS, OF_CLASSES, Rule, check_name, class_in, parse_rule
 from nvcore.report.verdict import verdict
 from nvcore.schema import Category
 from nvcore.tables.column import Column, Kind
@@ -192,19 +194,41 @@ def gate_measures(
         evidence = evidence_table(result, protocol)
         values |= _count_claims(result, findings, evidence)
     values |= _may_be_worse(result, protocol, needed, evidence)
+    values |= _of_classes(result, needed)
     count = Counter(finding.severity for finding in findings)
     venn = result.venn
-    # without encounters nothing can be missed: undefined, so that no rule passes because of that
-    one_or_nan = 1.0 if venn.n_near else math.nan
     return values | {
-        "new_misses": venn.x_only * one_or_nan,
-        "mended_misses": venn.y_only * one_or_nan,
-        "missed_by_both": venn.neither * one_or_nan,
-        "encounters": float(venn.n_near),
+        **_counts_of_encounters(venn),
         "mcnemar_p": result.mcnemar_p,
         "audit_errors": float(count[Severity.ERROR]),
         "audit_warnings": float(count[Severity.WARNING]),
     }
+
+
+def _counts_of_encounters(venn: Venn) -> dict[str, float]:
+    """The measures of `OF_CLASSES`."""
+    # without encounters nothing can be missed: undefined, so that no rule passes because of that
+    one_or_nan = 1.0 if venn.n_near else math.nan
+    counts = (venn.x_only, venn.y_only, venn.neither)
+    misses = (count * one_or_nan for count in counts)
+    return dict(zip(OF_CLASSES, (*misses, float(venn.n_near)), strict=True))
+
+
+def _of_classes(result: Result, names: Set[str]) -> dict[str, float]:
+    """Those measures that are asked of a class; of one without encounters its number is 0."""
+    values = {}
+    for name in sorted(name for name in names if class_in(name)):
+        venn = count_categories(result.category[_members(result, name)])
+        values[name] = _counts_of_encounters(venn)[name.partition(".")[0]]
+    return values
+
+
+def _members(result: Result, name: str) -> np.ndarray:
+    """Encounters that a measure of a class, or of all, is about; bool, shape (n_encounters,)."""
+    wanted, n = class_in(name), len(result.encounters)
+    if not wanted:
+        return np.ones(n, dtype=bool)
+    return classes_of(result.dataset).members.get(wanted, np.zeros(n, dtype=bool))
 
 
 def _of_curves(result: Result, protocol: Protocol) -> dict[str, float]:
@@ -302,8 +326,10 @@ def _details(outcome: Outcome, result: Result, findings: Sequence[Finding]) -> t
         )
     if outcome.is_passed:
         return ()
-    if name in COUNTED_ENCOUNTERS:
-        return tuple(encounters_of(result, COUNTED_ENCOUNTERS[name]))
+    counted = name.partition(".")[0] if class_in(name) else name
+    if counted in COUNTED_ENCOUNTERS:
+        category = COUNTED_ENCOUNTERS[counted]
+        return tuple(encounters_of(result, category, _members(result, name)))
     return tuple(
         f"{finding.subject}: {finding.message}"
         for finding in findings
@@ -311,9 +337,18 @@ def _details(outcome: Outcome, result: Result, findings: Sequence[Finding]) -> t
     )
 
 
-def encounters_of(result: Result, category: Category) -> list[str]:
-    """Recording, track and frames of a category's encounters, the first `MAX_LISTED`."""
-    rows = np.flatnonzero(result.category == category.value)
+def encounters_of(
+    result: Result, category: Category, is_member: np.ndarray | None = None
+) -> list[str]:
+    """Recording, track and frames of a category's encounters, the first `MAX_LISTED`.
+
+    Parameters
+    ----------
+    is_member
+        Encounters that may be listed, bool; None: all.
+    """
+    is_listed = result.category == category.value
+    rows = np.flatnonzero(is_listed if is_member is None else is_listed & is_member)
     encounters, frame = result.encounters, result.dataset.frames["frame"].to_numpy()
     recordings = result.dataset.recordings["name"].to_numpy()
     lines = []

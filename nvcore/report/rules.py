@@ -35,6 +35,8 @@ _RULE: Final = re.compile(
     r"\s*([A-Za-z][A-Za-z0-9_.]*)\s*([<>=!≤≥≠]+)\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(%?)"
     r"\s*(\bor\s+undefined)?\s*"
 )
+OF_CLASSES: Final = ("new_misses", "mended_misses", "missed_by_both", "encounters")
+"""Measures that a rule may ask of one class of encounters: ``new_misses.child``."""
 
 
 @dataclass(frozen=True)
@@ -112,6 +114,18 @@ def read_rules(
     return rules, problems
 
 
+def class_in(name: str) -> str:
+    """The class of encounters that a measure's name asks for; empty: it asks for none.
+
+    Examples
+    --------
+    >>> class_in("new_misses.child"), class_in("venn.x_only")
+    ('child', '')
+    """
+    of_all, _, wanted = name.partition(".")
+    return wanted if of_all in OF_CLASSES else ""
+
+
 def check_name(rule: Rule, names: Iterable[str]) -> None:
     """Refuse a rule about none of these measures.
 
@@ -121,7 +135,7 @@ def check_name(rule: Rule, names: Iterable[str]) -> None:
         With the names that are closest.
     """
     existing = list(names)
-    if rule.name in existing:
+    if rule.name in existing or class_in(rule.name):
         return
     close = get_close_matches(rule.name, existing, n=3, cutoff=0.5)
     hint = f"; did you mean {', '.join(close)}?" if close else ""

@@ -11,6 +11,7 @@ from builders import Place, at, make_dataset, result_of
 from drives import by_figure, drives
 from places import ROOT
 
+from nvcore.comparison import Result
 from nvcore.errors import ParameterError
 from nvcore.findings import Finding, Severity
 from nvcore.protocols import PROTOCOLS
@@ -303,3 +304,38 @@ def test_claims_of_the_verdict_can_be_limited():
     assert "claims_x" not in gate_measures(result, [], PROTOCOLS["all"], ["new_misses"])
     same = [Finding(Severity.WARNING, "same-boxes", "truth", 1, "Same.", "Look.")]
     assert gate_measures(result, same, PROTOCOLS["all"], ["claims_x"])["claims_x"] == 0
+
+
+def two_classes() -> Result:
+    """Two cross, of whom X detects both and Y one; one at the side whom only X detects."""
+    crossing = [at(f, 30 + 20 * f, h=10.0, track=1) for f in range(3)]
+    again = [at(f, 30 + 20 * (f - 3), h=10.0, track=2) for f in range(3, 6)]
+    aside = [at(f, 5, h=10.0, track=3) for f in range(6, 9)]
+    truth = [*crossing, *again, *aside]
+    return result_of(make_dataset(truth, truth, crossing))
+
+
+def test_a_rule_may_be_about_one_class_of_encounters_and_lists_its_members():
+    texts = ["new_misses == 0", "new_misses.crossing == 0", "encounters.crossing == 2"]
+    rules, problems = read_rules((("", text) for text in texts), measure_names())
+    assert problems == []
+    outcomes, _ = run_gate(rules, two_classes(), [], strict=False)
+    of_all, of_class, count, _ = outcomes
+    assert [outcome.value for outcome in (of_all, of_class, count)] == [2, 1, 2]
+    assert of_class.details == ("r0, track 2, frames 3 to 5",)
+    assert count.is_passed
+
+
+def test_misses_of_a_class_without_encounters_are_undefined():
+    rules = [parse_rule(text) for text in ("new_misses.child == 0", "encounters.child == 0")]
+    misses, count, *_ = run_gate(rules, two_classes(), [], strict=False)[0]
+    assert np.isnan(misses.value)
+    assert not misses.is_passed
+    assert count.value == 0
+
+
+def test_only_counts_of_encounters_have_classes():
+    with pytest.raises(ParameterError, match=r"there is no measure 'saliency_x\.child'"):
+        judge([parse_rule("saliency_x.child == 0")], {"saliency_x": 0.0})
+    with pytest.raises(ParameterError, match=r"there is no measure 'new_misses\.'"):
+        judge([parse_rule("new_misses. == 0")], {"new_misses": 0.0})

@@ -181,7 +181,7 @@ def _draw_widgets(encounters: pd.DataFrame) -> Filters:
         persist_state="session",
         help=" ".join(f"*{category_words(kind)}*: {CATEGORY_TEXT[kind]}" for kind in Category),
     )
-    place = st.expander("More filters: how and where, recording, height, severity")
+    place = st.expander("More filters: how and where, recording, class, height, severity")
     left, middle, right = place.columns(3)
     meaning = "  \n".join(f"*{class_words(kind)}*: {MISS_CLASS_TEXT[kind]}" for kind in MissClass)
     classes_x, classes_y = (
@@ -236,7 +236,8 @@ def _draw_widgets(encounters: pd.DataFrame) -> Filters:
     chosen = st.session_state.get(key("class"), [])
     if not {*chosen} <= {*names}:
         st.session_state[key("class")] = [name for name in chosen if name in names]
-    classes = place.multiselect(
+    left, right = place.columns(2)
+    classes = left.multiselect(
         "Class of pedestrian",
         names,
         format_func=class_name,
@@ -255,7 +256,7 @@ def _draw_widgets(encounters: pd.DataFrame) -> Filters:
         position=position,
         height_px=height_px,
         pose_z=pose_z,
-        least_severity_s=_least_severity(place, encounters),
+        least_severity_s=_least_severity(right, encounters),
     )
 
 
