@@ -24,7 +24,7 @@ def test_a_shared_threshold_tells_kaist_s_systems_apart_but_for_two(kaist: Datas
     assert (pairs["n_units"] == 16).all()
     for row in pairs.to_dict("records"):
         # every second of the drives is annotated: few pedestrians are there twice
-        assert "most encounters are one frame long" in row["note"]
+        assert "most encounters are one frame long" in row["mcnemar_note"]
     assert pairs["mcnemar_p"].isna().all()
     found = pairs.set_index(["x", "y"])
     alike = found.loc[("MLPD", "GAFF")]

@@ -11,7 +11,6 @@ from nvcore.metrics.encounter_classes import CHILD, CROSSING, GROUP, IN_ROAD, cl
 from nvcore.tables.miss_classes import class_counts
 from nvcore.wording import minus, number
 from ui.encounters.filters import class_name
-from ui.shell.messages import draw_as_set_note
 from ui.widgets.html import MeasureRow, measures_html
 from ui.widgets.text import docs_link
 
@@ -33,7 +32,6 @@ def draw(result: Result) -> None:
     if table.empty:
         return
     st.subheader("By class of pedestrian")
-    draw_as_set_note(result)
     named = classes_of(result.dataset).named
     rows = [
         MeasureRow(
