@@ -20,7 +20,7 @@ from ui.jobs.computed import Computation
 from ui.session import state
 
 JOB: Final = "matrix"
-AT_ONCE: Final = 30_000
+AT_ONCE: Final = 20_000
 """Frames times pairs up to which the table is there within a second: it is drawn without asking."""
 MOST: Final = 4
 COLUMNS: Final = ["name", "horizon", "context"]
