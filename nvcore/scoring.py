@@ -391,12 +391,10 @@ class _Scoring:
         confirmed = self._get(
             "confirmed",
             lambda: confirm(self.contact, self.encounters, matches.is_matched, params),
-            CONTACT,
-            CONFIRMED,
+            *(CONTACT, CONFIRMED),
         )
-        time_left = self._get(
+        return confirmed, self._get(
             "time_left",
             lambda: judge_time_left(self.urgency, confirmed, frames, params),
             TIME_LEFT,
         )
-        return confirmed, time_left

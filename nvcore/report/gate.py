@@ -175,13 +175,7 @@ def gate_measures(
     for letter, system in result.sides:
         for name, value in _numbers(system_summary(result, system)):
             values[f"{name}_{letter}"] = value
-    # of nobody nothing can be late: undefined, so that no rule passes because of that
-    lacking = [measure.key for measure in MEASURES if not applies_to(result, measure)]
-    values |= {
-        name: math.nan
-        for name in (f"{key}_{letter}" for key in lacking for letter in "xy")
-        if name in values
-    }
+    values |= {name: math.nan for name in _lacking(result, "{}_x", "{}_y") if name in values}
     if any(name.rsplit("_", 1)[0] in _OF_CURVE for name in needed):
         values |= _of_curves(result, protocol)
     for name in [key.removesuffix("_x") for key in values if key.endswith("_x")]:
@@ -189,6 +183,8 @@ def gate_measures(
     if not needed.isdisjoint(SUMMARY_NAMES):
         of_all = dict(_numbers(summary(result)))
         values |= {name: of_all[name] for name in SUMMARY_NAMES}
+        of_fusion = _lacking(result, "fusion.x_or_y.{}", "fusion.x_and_y.{}")
+        values |= {name: math.nan for name in of_fusion if name in values}
     evidence = None
     if not needed.isdisjoint(COUNTED_CLAIMS):
         evidence = evidence_table(result, protocol)
@@ -229,6 +225,18 @@ def _members(result: Result, name: str) -> np.ndarray:
     if not wanted:
         return np.ones(n, dtype=bool)
     return classes_of(result.dataset).members.get(wanted, np.zeros(n, dtype=bool))
+
+
+def _lacking(result: Result, *templates: str) -> list[str]:
+    """Names of measures that do not apply: no rule passes because nobody is urgent.
+
+    Parameters
+    ----------
+    templates
+        The names, with ``{}`` for the key.
+    """
+    keys = [measure.key for measure in MEASURES if not applies_to(result, measure)]
+    return [template.format(key) for key in keys for template in templates]
 
 
 def _of_curves(result: Result, protocol: Protocol) -> dict[str, float]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Final
 
 from nvcore.measures import Measure
 
@@ -56,3 +57,13 @@ def measure_column(measure: Measure) -> Column:
         measure.better.removesuffix("er"),
         measure.empty,
     )
+
+
+def of_both(*columns: Column) -> tuple[Column, ...]:
+    """The columns of X, then the same of Y."""
+    return tuple(
+        replace(column, name=f"{column.name}_{letter}") for letter in "xy" for column in columns
+    )
+
+
+RECORDING: Final = Column("recording", Kind.TEXT, "", "Name of the recording.")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
+from approach import PLACE, approach, only
 from builders import Box, Place, at, make_dataset, result_of, tagged
 from scenes import draw_scene
 
@@ -226,6 +227,30 @@ def test_swapping_x_and_y_turns_the_signs_of_every_measure(table: pd.DataFrame):
     back = subgroup_table(compare(result.dataset, result.params, x="y", y="x"))
     assert back["difference"].to_numpy() == pytest.approx(-table["difference"], nan_ok=True)
     assert back["p"].to_numpy() == pytest.approx(table["p"], nan_ok=True)
+
+
+def test_urgent_encounters_belong_to_their_groups_and_have_evidence_by_recordings():
+    truth, x, y = [], [], []
+    for recording in range(10):
+        for track, centre in ((1, 50), (2, 90)):
+            boxes = approach(range(40), 5, centre=centre, track=track, recording=recording)
+            truth += boxes
+            x += boxes if recording else only(boxes, range(38, 40))
+            y += boxes if track == 1 and recording % 2 else only(boxes, range(30, 40))
+    places = [PLACE] * 10
+    result = result_of(make_dataset(sorted(truth, key=lambda b: (b.recording, b.frame)), x, y,
+                                    places=places))  # fmt: skip
+    whole = evidence_table(result).set_index("figure")
+    assert whole.loc["in_time", ["x", "y"]].tolist() == [0.9, 0.25]
+    assert whole.loc["in_time_by_unit", ["x", "y"]].tolist() == [0.9, 0.25]
+    late = result.y.time_left["impact_kmh"].max()
+    assert whole.loc["mean_impact_kmh", ["x", "y"]].tolist() == pytest.approx([5, 0.75 * late])
+    assert whole.loc["in_time_by_unit", "p"] < 0.05
+    assert np.isnan(whole.loc["in_time", "p_holm"])  # asked again by recordings
+    for key in ("in_time", "in_time_by_unit"):
+        groups = of(result, key).xs("place", level="factor")
+        assert groups[["x", "y"]].to_numpy().tolist() == [[0.9, 0.5], [0.9, 0.0]]  # centre, edge
+    assert of(result, "in_time").loc[("place", "edge"), "n"] == 10
 
 
 def test_without_frames_nothing_is_defined_and_nothing_fails():

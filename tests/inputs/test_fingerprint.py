@@ -44,6 +44,7 @@ def test_the_fingerprint_changes_with_one_byte_of_the_input(tmp_path: Path):
         {"recordings": (RecordingEntry("urban", horizon=200.0),)},
         {"recordings": (RecordingEntry("urban", tags=("night",)),)},
         {"recordings": (RecordingEntry("urban", context=0.0),)},
+        {"recordings": (RecordingEntry("urban", speed_kmh=50.0),)},
     ],
 )
 def test_the_fingerprint_changes_with_every_setting_of_the_reading(tmp_path: Path, change: dict):

@@ -24,7 +24,7 @@ from reader_files import rows
 
 import nvcore as nv
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError, MissingFactError
+from nvcore.errors import InputError, MissingFactError, SessionError
 from nvcore.inputs.load import load, read_source
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.metrics.encounter_classes import classes_of
@@ -415,3 +415,13 @@ def test_attributes_of_a_table_are_those_of_its_rows(tmp_path: Path):
         "urban": "",
         "rural": "pram",
     }
+
+
+def test_a_recording_s_own_speed_is_that_of_the_comparison(tmp_path: Path):
+    session = session_of(drive(tmp_path))
+    stated = replace(session, recordings=(RecordingEntry("urban", speed_kmh=30.0),))
+    recordings = load(stated).recordings.set_index("name")
+    assert recordings.loc["urban", "speed_kmh"] == 30
+    assert recordings["speed_kmh"].drop("urban").isna().all()
+    with pytest.raises(SessionError, match="speed_kmh: expected a positive number, found 0"):
+        RecordingEntry("urban", speed_kmh=0.0)

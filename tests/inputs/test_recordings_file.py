@@ -20,7 +20,7 @@ from nvcore.inputs.session_toml import read_session
 from nvcore.report.files import export_files
 from nvcore.report.protect_inputs import files_read
 
-HEADER = "recording,width,height,fps,context,tags,pictures"
+HEADER = "recording,width,height,fps,context,tags,pictures,speed_kmh"
 
 
 def rows_of(folder: Path, *lines: str) -> dict[str, RecordingEntry]:
@@ -45,12 +45,19 @@ def test_every_column_is_read(tmp_path: Path):
     rows = rows_of(
         tmp_path,
         HEADER,
-        "urban,640,480,20,urban,night; wet road,urban.mp4",
-        '"rural, 2",1280,720,12.5,0.75,,',
+        "urban,640,480,20,urban,night; wet road,urban.mp4,30",
+        '"rural, 2",1280,720,12.5,0.75,,,',
     )
     assert rows == {
         "urban": RecordingEntry(
-            "urban", 640, 480, 20, pictures="urban.mp4", tags=("night", "wet road"), context=0.0
+            "urban",
+            640,
+            480,
+            20,
+            pictures="urban.mp4",
+            tags=("night", "wet road"),
+            context=0.0,
+            speed_kmh=30,
         ),
         "rural, 2": RecordingEntry("rural, 2", 1280, 720, 12.5, context=0.75),
     }
@@ -105,6 +112,7 @@ def test_pictures_start_from_the_folder_of_the_table(tmp_path: Path):
         (["recording,width", "a,-640"], "line 2: width: expected a positive number, found -640"),
         (["recording,height", "a,inf"], "line 2: height: expected a positive number, found inf"),
         (["recording,context", "a,suburb"], "line 2: context: expected urban, rural or a number"),
+        (["recording,speed_kmh", "a,0"], "line 2: speed_kmh: expected a positive number, found 0"),
         (["recording,context", "a,2"], "line 2: context: .* from 0 to 1, found '2'"),
         (["recording,tags", "a,night;night"], "line 2: tags: expected different words"),
         (["recording,fps", ",20"], "line 2: expected a name of the recording"),
@@ -134,7 +142,7 @@ def test_a_table_without_end_is_refused(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 def test_a_session_takes_what_its_data_do_not_say_from_the_table(tmp_path: Path):
-    lines = (HEADER, "rural,1280,960,10,rural,night;dry,r.mp4", "urban,640,480,20,0.2,,")
+    lines = (HEADER, "rural,1280,960,10,rural,night;dry,r.mp4,", "urban,640,480,20,0.2,,,80")
     dataset = load(listed(tmp_path, *lines))
     assert facts_of(dataset) == {
         "urban": (640, 480, 20, 0.2, ()),

@@ -35,7 +35,7 @@ FULL = Session(
             "urban", 640.0, 480.0, 20.0, "frames.txt", 236.5, "urban.mp4", 3, ("night", "wet road"),
             0.25,
         ),
-        RecordingEntry("rural", frames="0:299:20", context=1.0),
+        RecordingEntry("rural", frames="0:299:20", context=1.0, speed_kmh=80.0),
     ),
     size=(1280, 960),
     fps=12.5,

@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from approach import PLACE, approach, only
 from builders import Place, at, make_dataset, result_of
 from drives import by_figure, drives
 from places import ROOT
@@ -126,6 +127,17 @@ def test_every_measure_that_can_be_named_is_there_and_those_that_take_time_only_
     nobody = result_of(make_dataset(n_frames=3))
     values = gate_measures(nobody, [], PROTOCOLS["all"], ["new_misses", "longest_episode_s_x"])
     assert np.isnan([values["new_misses"], values["longest_episode_s_x"]]).all()
+
+
+def test_no_rule_passes_because_nobody_is_urgent():
+    names = ["late_y", "never_difference", "fusion.x_or_y.late", "miss_classes.late_y"]
+    values = gate_measures(scene(), [], PROTOCOLS["all"], measure_names())
+    assert [bool(np.isnan(values[name])) for name in names] == [True, True, True, False]
+    boxes = approach(range(40), 5)
+    urgent = result_of(make_dataset(boxes, boxes, only(boxes, range(35, 40)), places=[PLACE]))
+    values = gate_measures(urgent, [], PROTOCOLS["all"], measure_names())
+    assert [values[name] for name in names[:3]] == [1, 0, 0]
+    assert (values["urgent"], values["in_time_x"], values["in_time_difference"]) == (1, 1, 1)
 
 
 def test_the_rules_to_copy_from_the_page_can_be_judged():

@@ -7,16 +7,19 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from approach import PLACE, approach, only
 from builders import Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result
 from nvcore.metrics.venn import Venn, measure_exclusivity
 from nvcore.params import Params
+from nvcore.report.verdict.words import describe_time_left
 from nvcore.report.words import (
     describe_fusion,
     describe_lead,
     describe_misses,
     describe_saliency,
+    describe_urgency,
     saliency_caveat,
 )
 from nvcore.tables.miss_classes import fusion_table
@@ -170,3 +173,55 @@ def test_with_risk_the_sentence_says_what_the_event_weighs():
 def test_what_follows_from_the_paper_s_rule_is_told_while_it_holds():
     assert "missing both can come out below missing one" in saliency_caveat(Params())
     assert saliency_caveat(Params(saliency_of="each")) == ""
+
+
+def test_who_is_urgent_at_which_speed_and_why_others_are_not():
+    people = [
+        *approach(range(40), 5, centre=20, track=1),
+        *approach(range(20), 2.1, centre=50, track=2),
+        *approach(range(4), 5, centre=70, track=3),
+        *(at(f, 85, track=4) for f in range(40)),
+    ]
+    tall = PLACE._replace(height=4000.0)
+    result = result_of(make_dataset(sorted(people), places=[tall]))
+    assert describe_urgency(result) == (
+        "1 encounter is urgent at 50 km/h (assumed); 1 without a chance (too near to stop when "
+        "first known), 1 not urgent, 1 unknown (too short, or cut by the picture's edge)."
+    )
+    corridor = result_of(result.dataset, corridor=0.5)
+    assert "0 encounters are urgent at 50 km/h (assumed); 1 without" in describe_urgency(corridor)
+    assert "1 outside the corridor" in describe_urgency(corridor)
+
+
+def test_nobody_urgent_and_nothing_known_are_told_apart():
+    still = result_of(make_dataset([at(f, 50, track=1) for f in range(20)]))
+    assert describe_urgency(still) == "Nobody is urgent at 50 km/h (assumed)."
+    assert describe_time_left(still) == ()
+    sampled = Place(range(0, 40, 2))
+    result = result_of(make_dataset(approach(range(0, 40, 2), 5), places=[sampled]))
+    assert describe_urgency(result) == (
+        "Time left to stop is unknown for all encounters (not every frame is evaluated)."
+    )
+    linked = [box._replace(track=-1) for box in approach(range(40), 5)]
+    result = result_of(make_dataset(linked, places=[PLACE]))
+    assert describe_urgency(result).endswith("encounters (the truth has no track ids).")
+
+
+def test_the_verdict_tells_who_leaves_time_to_stop():
+    boxes = approach(range(40), 5)
+    result = result_of(make_dataset(boxes, boxes, only(boxes, range(38, 40)), places=[PLACE]))
+    assert describe_time_left(result) == (
+        "Of the only urgent encounter at 50 km/h (assumed), X confirms 1 in time and Y 0; mean "
+        "impact speed 0.0 km/h with X and 50.0 km/h with Y.",
+    )
+
+
+def test_speeds_of_recordings_are_told_from_the_assumed_one():
+    boxes = [box for r in range(2) for box in approach(range(40), 5, recording=r)]
+    dataset = make_dataset(boxes, places=[PLACE] * 2)
+    for speeds, text in (
+        ([30.0, np.nan], "at the speed of each recording (50 km/h assumed in 1 recording without)"),
+        ([30.0, 90.0], "at the speed of each recording"),
+    ):
+        stated = replace(dataset, recordings=dataset.recordings.assign(speed_kmh=speeds))
+        assert text in describe_urgency(result_of(stated))
