@@ -6,9 +6,9 @@ his box (as his distance) falls on a line that reaches 0 at contact.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -82,10 +82,10 @@ def measure_contact(
     return contact
 
 
-def over_encounters(kernel: object, encounters: Encounters, *arguments: object) -> None:
+def over_encounters(kernel: Callable[..., Any], encounters: Encounters, *arguments: object) -> None:
     """Run a kernel over the truth rows of all encounters, in as many threads as there are cores."""
     rows = encounters.offsets, encounters.order, encounters.frame_index
-    over_ranges(kernel, len(encounters), *rows, *arguments)  # type: ignore[arg-type]
+    over_ranges(kernel, len(encounters), *rows, *arguments)
 
 
 def speed_of_frames(frames: FrameColumns, speed_kmh: float) -> np.ndarray:
