@@ -21,14 +21,17 @@ _MARKUP: Final = re.compile(r"([\\`*_{}\[\]<>()#+.!|$~:&^=@-])")
 
 
 def number(value: float | None, form: str) -> str:
-    """The number in this format, a dash where it is undefined.
+    """The number in this format, with commas between thousands; a dash where it is undefined.
 
     Examples
     --------
-    >>> number(2439.4, ".0f")
-    '2,439'
+    >>> number(2439.4, ".0f"), number(0.31, "+.1f")
+    ('2,439', '+0.3')
     """
-    return UNDEFINED if value is None or math.isnan(value) else format(value, f",{form}")
+    if value is None or math.isnan(value):
+        return UNDEFINED
+    digits = form.lstrip("+z")
+    return format(value, f"{form.removesuffix(digits)},{digits}")
 
 
 def difference(x: float, y: float, form: str) -> str:
