@@ -16,6 +16,8 @@ from nvcore.errors import MediaError
 
 MAX_PIXELS: Final = 100_000_000
 """Pictures of more pixels are refused: no camera of these drives makes them."""
+MAX_SIDE: Final = 65_500
+"""Wider or taller ones cannot be sent to a browser as JPEG, px."""
 
 _BITMAP_HEADERS: Final = frozenset(struct.pack("<L", n) for n in (12, 40, 52, 56, 108, 124))
 """Lengths of the headers that bitmaps have."""
@@ -74,7 +76,7 @@ def check_size(width: int, height: int, name: str) -> None:
     Raises
     ------
     MediaError
-        If there are no pixels, or more than `MAX_PIXELS`.
+        If there are no pixels, or more than `MAX_PIXELS`, or a side is longer than `MAX_SIDE`.
     """
     if width <= 0 or height <= 0:
         raise MediaError(f"states a size of {width} x {height} px; it is damaged", file=name)
@@ -82,6 +84,11 @@ def check_size(width: int, height: int, name: str) -> None:
         raise MediaError(
             f"states a size of {width} x {height} px; at most {MAX_PIXELS // 10**6} megapixels "
             "are read: scale it down",
+            file=name,
+        )
+    if max(width, height) > MAX_SIDE:
+        raise MediaError(
+            f"states a size of {width} x {height} px; at most {MAX_SIDE:,} px a side are read",
             file=name,
         )
 

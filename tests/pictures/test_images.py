@@ -119,7 +119,9 @@ def test_sizes_are_those_that_another_program_wrote(ending: str, mode: str, opti
     assert image_size(content, "a") == (64, 48) == decode_image(content, "a").shape[1::-1]
 
 
-@pytest.mark.parametrize(("width", "height"), [(10_001, 10_000), (2**31 - 1, 1), (2**31, 2**31)])
+@pytest.mark.parametrize(
+    ("width", "height"), [(10_001, 10_000), (32, 65_501), (2**31 - 1, 1), (2**31, 2**31)]
+)
 def test_absurd_sizes_are_refused_before_decoding(tmp_path: Path, width: int, height: int):
     (tmp_path / "a.png").write_bytes(png_that_claims(width, height))
     with pytest.raises(MediaError, match=rf"a\.png: states a size of {width} x {height} px; at"):
