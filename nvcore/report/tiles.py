@@ -17,7 +17,7 @@ from nvcore.evidence.companions import Companions
 from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
 from nvcore.measures import count_recordings, inference_of, measure_of
 from nvcore.report.shown import comparison_shown
-from nvcore.wording import UNDEFINED, count_text, difference, number
+from nvcore.wording import count_text, difference, number
 
 UNEQUAL_CHIP: Final = "no claim: unequal false alarms"
 NOT_SHOWN: Final = "not shown"
@@ -134,7 +134,8 @@ def _tile(
 ) -> Tile:
     x, y = values_of(kind.key, shown)
     is_count = kind.form == "d"
-    text_x, text_y = (_shown(value, kind.form) for value in (x, y))
+    form = ".0f" if is_count else kind.form
+    text_x, text_y = (number(value, form) for value in (x, y))
     is_lower = measure_of(kind.key).better == "lower"
     better = "" if text_x == text_y or x == y else "x" if (x < y) == is_lower else "y"
     ends: tuple[float, float, float] | None = None
@@ -151,19 +152,13 @@ def _tile(
         unit=kind.unit.format(n_near=shown.venn.n_near),
         x=text_x,
         y=text_y,
-        difference=difference(x, y, ".0f" if is_count else kind.form),
+        difference=difference(x, y, form),
         interval=interval,
         bar=ends,
         better=better,
         winner=winner,
         chip=_chip(kind, shown, row, support, winner, untested),
     )
-
-
-def _shown(value: float, form: str) -> str:
-    if math.isnan(value):
-        return UNDEFINED
-    return format(int(value), ",d") if form == "d" else number(value, form)
 
 
 def _no_interval(row: Mapping[Hashable, Any] | None) -> str:
