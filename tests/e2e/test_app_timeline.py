@@ -21,6 +21,28 @@ ANY_OTHER_LINE = """([key, line, before]) =>
   [...document.querySelectorAll(`.st-key-${key} ${line}`)]
     .some(one => !before.includes(one.getAttribute("d")))"""
 
+# The mouse comes from one place to another and clicks there, all at once.
+MOVE_AND_CLICK = """(figure, places) => {
+  const area = figure.querySelector(".nsewdrag");
+  const { left, top, width, height } = area.getBoundingClientRect();
+  const send = (kind, [across, down]) => {
+    const [clientX, clientY] = [left + across * width, top + down * height];
+    const to = kind === "mouseup" ? document.elementFromPoint(clientX, clientY) : area;
+    to.dispatchEvent(new MouseEvent(kind, { bubbles: true, clientX, clientY }));
+  };
+  places.forEach((place) => send("mousemove", place));
+  send("mousedown", places.at(-1));
+  send("mouseup", places.at(-1));
+}"""
+
+# The line of the frame is so far along the time that the recording takes: near its start or end.
+IS_MARKED = """([figure, share]) => {
+  const plot = figure.querySelector(".js-plotly-plot");
+  const line = plot.querySelector(".nv-cursor").getBoundingClientRect();
+  const { l, w } = plot._fullLayout._size;
+  return Math.abs((line.left - plot.getBoundingClientRect().left - l) / w - share) < 0.02;
+}"""
+
 # The middle of a slider's handle: its field lies in it.
 THUMB = """field => {
   const { left, top, width, height } = field.parentElement.getBoundingClientRect();
@@ -106,6 +128,31 @@ def test_a_second_click_on_a_point_acts_like_the_first(timeline):
         timeline.panel_shows(frame)
 
 
+def test_a_click_counts_where_it_is_made_however_fast_the_mouse_came(timeline):
+    timeline.viewer.press("Home")
+    timeline.panel_shows(0)
+    timeline.wait_until_drawn()
+    plot = timeline.keyed(f"time_plot_{RECORDING}")
+    plot.evaluate(MOVE_AND_CLICK, [[0.2, 0.5], [0.8, 0.5]])
+    timeline.shows(re.compile("^2[34][0-9]$"))
+    timeline.panel_shows(frame_of(timeline))
+
+
+def test_the_figures_over_time_mark_the_frame_without_being_drawn_anew(timeline):
+    timeline.viewer.press("Home")
+    timeline.panel_shows(0)
+    timeline.wait_until_drawn()
+    plots = [timeline.keyed(f"{name}_{RECORDING}") for name in ("time_plot", "lanes")]
+    drawn = [plot.locator(".js-plotly-plot").element_handle() for plot in plots]
+    for key, share in (("End", 1), ("Home", 0)):
+        timeline.viewer.press(key)
+        for plot in plots:
+            timeline.page.wait_for_function(IS_MARKED, arg=[plot.element_handle(), share])
+    timeline.panel_shows(0)
+    timeline.wait_until_drawn()
+    assert all(plot.evaluate("plot => plot.isConnected") for plot in drawn)
+
+
 def test_arrow_keys_go_from_point_to_point_of_a_figure_and_enter_clicks(timeline):
     plot = timeline.keyed(f"lanes_{RECORDING}").locator(".js-plotly-plot")
     expect(plot).to_have_attribute("tabindex", "0")
@@ -113,6 +160,7 @@ def test_arrow_keys_go_from_point_to_point_of_a_figure_and_enter_clicks(timeline
     expect(plot.locator(".nv-mark")).to_be_visible()
     said = timeline.page.locator(".nv-says")
     for key in ("ArrowRight", "End", "ArrowLeft"):
+        timeline.wait_until_drawn()
         before = said.inner_text()
         plot.press(key)
         expect(said).not_to_have_text(before)

@@ -17,7 +17,7 @@ from ui.session import state
 from ui.session.chosen import choose_encounter, chosen_encounter
 from ui.shell import title
 from ui.timeline import listed, panel, viewer
-from ui.widgets.charts import clicked_chart
+from ui.widgets.charts import clicked_chart, kept_figure
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import docs_link
 
@@ -54,19 +54,18 @@ def draw_all(result: Result, recording: int) -> None:
     if settled != state.row():
         state.settle(state.recording(), settled)
     title.follow_frame()
-    cursor = state.row_in_all()
     listed.draw()
     left, right = st.columns([5, 2], gap="medium")
     with st.container():  # first: while a slider moves, the plot is what people wait for
-        _draw_plot(result, cursor)
+        _draw_plot(result)
     with left:
         viewer.draw(result)
     with right, st.container(height=PANEL_PX, border=False):
-        panel.draw(result, cursor)
-    _draw_lanes(result, cursor)
+        panel.draw(result, state.row_in_all())
+    _draw_lanes(result)
 
 
-def _draw_lanes(result: Result, cursor: int) -> None:
+def _draw_lanes(result: Result) -> None:
     """The lanes, so many at a time that their axis stays in sight."""
     recording, space = state.recording(), state.workspace()
     left, right = st.columns([2, 3], vertical_alignment="bottom")
@@ -81,19 +80,18 @@ def _draw_lanes(result: Result, cursor: int) -> None:
     first = _first_lane(right, order, chosen)
     lanes = space.cached(  # they stay while alpha and the like move
         "lanes",
-        (*key, first, chosen, state.theme(), cursor),
+        (*key, first, chosen, state.theme()),
         lambda: lanes_figure(
             result,
             recording,
             theme=state.theme(),
-            cursor_row=cursor,
             first=first,
             most=LANES,
             only_missed=only_missed,
             chosen=chosen,
         ),
     )
-    clicked = _clicked(lanes, "lanes")
+    clicked = _clicked(lanes, "lanes", "x")
     if clicked is not None:
         # Plotly passes several values as an object with their numbers as names
         row, encounter = clicked.values() if isinstance(clicked, Mapping) else clicked
@@ -122,23 +120,29 @@ def _first_lane(place: DeltaGenerator, order: np.ndarray, chosen: int | None) ->
     return first
 
 
-def _draw_plot(result: Result, cursor: int) -> None:
+def _draw_plot(result: Result) -> None:
+    recording = state.recording()
     kind = choose_side_by_side("Plot over time", PLOTS, "plot_over_time", default="time")
-    settings: dict[str, Any] = {"theme": state.theme(), "cursor_row": cursor}
-    if kind == "losses":
-        figure = loss_plot(result, state.recording(), **settings)
-        words = LOSSES_TEXT
-    else:
-        figure = similarity_plot(result, state.recording(), layout=kind, **settings)
-        words = SIMILARITY_TEXT
-    clicked = _clicked(figure, "time_plot")
+    figure = kept_figure(
+        "plot_over_time",
+        (result.params, state.systems(), state.theme(), kind, recording),
+        lambda: (
+            loss_plot(result, recording, theme=state.theme())
+            if kind == "losses"
+            else similarity_plot(result, recording, theme=state.theme(), layout=kind)
+        ),
+    )
+    upright = kind in ("upright", "side_by_side")
+    clicked = _clicked(figure, "time_plot", "y" if upright else "x")
     if clicked is not None:
         _go_to(int(clicked))
+    words = LOSSES_TEXT if kind == "losses" else SIMILARITY_TEXT
     st.caption(f"{words} Click to see the frame ({docs_link('Metrics', 'similarity')}).")
 
 
-def _clicked(figure: Any, key: str) -> Any:
-    return clicked_chart(figure, f"{key}_{state.recording()}", clicks=key)
+def _clicked(figure: Any, key: str, time_axis: Literal["x", "y"]) -> Any:
+    name = f"{key}_{state.recording()}"
+    return clicked_chart(figure, name, clicks=key, time_axis=time_axis)
 
 
 def _go_to(row: int) -> NoReturn:

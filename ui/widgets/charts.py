@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from html import unescape
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import plotly.graph_objects as go
 import streamlit as st
@@ -35,14 +35,20 @@ def draw_chart(figure: go.Figure, key: str, *, on_click: Callable[[], None] | No
 
 
 def clicked_chart(
-    figure: go.Figure, key: str, *, clicks: str | None = None, alt: str | None = None
+    figure: go.Figure,
+    key: str,
+    *,
+    clicks: str | None = None,
+    alt: str | None = None,
+    time_axis: Literal["x", "y"] | None = None,
 ) -> Any:
     """Draw a chart; the `customdata` of a point clicked since then, None: no new click.
 
     Charts that share the name `clicks` share the memory of the last one. `alt` says what the chart
-    shows, for those who cannot see it.
+    shows, for those who cannot see it. Along `time_axis`, which is in seconds, the browser marks
+    the frame that the viewer shows.
     """
-    heading = _draw_heading(figure)
+    heading = _draw_heading(figure, time_axis)
     chart = st.plotly_chart(
         figure,
         theme=None,
@@ -63,9 +69,11 @@ def kept_figure(kind: str, key: Hashable, make: Callable[[], go.Figure]) -> go.F
     return state.cached(kind, key, lambda: _without_heading(make()))
 
 
-def _draw_heading(figure: go.Figure) -> str | None:
+def _draw_heading(figure: go.Figure, time_axis: str | None = None) -> str | None:
     """Draw title and subtitle as text of the page, which wraps; they leave the figure."""
-    title, subtitle = _without_heading(figure).layout.meta
+    title, subtitle, *_ = _without_heading(figure).layout.meta
+    if time_axis:
+        figure.layout.meta = (title, subtitle, time_axis)
     if not title:
         return None
     st.html(f'<div class="nv-figure"><p><strong>{title}</strong> <span>{subtitle}</span></p></div>')
@@ -73,7 +81,7 @@ def _draw_heading(figure: go.Figure) -> str | None:
 
 
 def _without_heading(figure: go.Figure) -> go.Figure:
-    """The figure, its title and subtitle moved to ``layout.meta``, where the menu finds them."""
+    """The figure, its title and subtitle moved to ``layout.meta``, where the browser finds them."""
     layout = figure.layout
     if layout.meta is None:
         heading = split_heading(layout.title.text)

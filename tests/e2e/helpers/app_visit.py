@@ -20,12 +20,24 @@ IS_DRAWN = """() => document.querySelector('[data-testid="stApp"]')
 
 
 # Streamlit hears of a click only once it has added its own listener, which is after the plot is
-# drawn, and a plot is drawn a second time when the page gives it another width.
+# drawn, as ours, which makes it reachable by keys; and a plot is drawn a second time when the page
+# gives it another width.
 LISTENS = """key => {
   const plot = document.querySelector(`.st-key-${key} .js-plotly-plot`);
   const layout = plot?._fullLayout;
-  return plot?._ev?._events?.plotly_selected && layout?._size
+  return plot?._ev?._events?.plotly_selected && plot.tabIndex === 0 && layout?._size
     && Math.abs(layout.width - plot.getBoundingClientRect().width) < 1;
+}"""
+
+# Plotly looks up what lies under the mouse every now and then: it has done so at this place.
+HOVERS = """([key, [x, y]]) => {
+  const plot = document.querySelector(`.st-key-${key} .js-plotly-plot`);
+  const area = plot.querySelector(".nsewdrag");
+  const [whole, inner] = [plot, area].map((of) => of.getBoundingClientRect());
+  const [clientX, clientY] = [inner.left + x, inner.top + y];
+  area.dispatchEvent(new MouseEvent("mousemove", { bubbles: true, clientX, clientY }));
+  return Math.hypot(whole.left + plot._hoverPointerX - clientX,
+    whole.top + plot._hoverPointerY - clientY) < 2;
 }"""
 
 # A share of the width and of the height of a plot's area.
@@ -156,6 +168,7 @@ class Visit:
         area.click(trial=True)  # in sight, and no longer moved by what is drawn above it
         plot = self.keyed(key).locator(".js-plotly-plot")
         place = plot.evaluate(find_place, arg)
+        self.page.wait_for_function(HOVERS, arg=[key, place])
         area.click(position={"x": place[0], "y": place[1]})
         return place
 

@@ -1,7 +1,8 @@
 """Every figure can be taken away: as picture, drawing or table, by a menu of its own.
 
-Where points can be clicked, keys do it as well. The browser does it all, with what it has drawn: no
-figure costs the server anything for that.
+Where points can be clicked, keys do it as well; those over time mark the frame that the viewer
+shows. The browser does it all, with what it has drawn: no figure costs the server anything for
+that.
 """
 
 from __future__ import annotations
@@ -21,9 +22,10 @@ CONFIG_WITH_EXPORT: Final[dict[str, Any]] = {
 """Plotly's tool bar is there with the one button that the menu presses; the style hides it."""
 
 FOLDER: Final = Path(__file__).parent
+SCRIPTS: Final = ("points.js", "cursor.js", "menu.js")
 _COMPONENT = st.components.v2.component(
     "nvcore_figure_menu",
-    js="".join((FOLDER / name).read_text(encoding="utf-8") for name in ("points.js", "menu.js")),
+    js="".join((FOLDER / name).read_text(encoding="utf-8") for name in SCRIPTS),
 )
 
 

@@ -165,7 +165,9 @@ export default function () {
     isAsked = false;
     document.querySelectorAll(".nv-figure:not(:has(.nv-take))").forEach(addMenu);
     reachPoints();
+    followTime();
   };
+  document.addEventListener("nvcore-time", followTime);
   new MutationObserver(() => {
     if (isAsked) return;
     isAsked = true;

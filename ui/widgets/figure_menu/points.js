@@ -8,6 +8,7 @@ const INSIDE_PX = 4;
 const HOVER_MS = 80; // Plotly answers a movement of the mouse within so long
 const spots = new Map(); // by the figure's key, which outlives a plot, the point that is marked
 const reachable = new WeakSet();
+let focused = null; // key of the figure that has the focus
 
 function keyOf(plot) {
   const classes = plot.closest('[class*="st-key-"]')?.classList ?? [];
@@ -103,8 +104,8 @@ function marked(plot, points) {
 
 function press(plot, { curve, index }) {
   const trace = plot._fullData[curve];
-  plot.emit("plotly_selected", { points: [{
-    curveNumber: curve, pointNumber: index, pointIndex: index, data: trace,
+  plot.emit("plotly_selected", { isPress: true, points: [{
+    curveNumber: curve, pointNumber: index, pointIndex: index, data: trace, time: Date.now(),
     x: trace.x[index], y: trace.y[index], customdata: trace.customdata[index],
   }] });
 }
@@ -185,24 +186,46 @@ function onKey(event) {
 
 function onFocus(event) {
   const plot = event.currentTarget;
+  focused = keyOf(plot);
   const points = pointsOf(plot);
   if (!points.length || !plot.matches(":focus-visible")) return;
   mark(plot, points, marked(plot, points) ?? target(points, null, ""));
 }
 
-// Streamlit sends a selection that is another one than the last. So each click has its time, and one
-// that would take a selection back is a click on the point below the mouse.
+function onBlur(event) {
+  const plot = event.currentTarget;
+  unhover(plot);
+  setTimeout(() => { // by then a plot that is drawn anew is gone: the focus is the new one's
+    if (plot.isConnected && focused === keyOf(plot) && document.activeElement !== plot) focused = null;
+  }, 0);
+}
+
+// A figure that is drawn anew is another element; who works it by keys goes on in that.
+function takeOver(plot) {
+  if (focused === null || document.activeElement !== document.body) return;
+  if (focused === keyOf(plot)) plot.focus({ preventScroll: true });
+}
+
+function pressFirst(plot, points) {
+  const clicked = points?.find(({ curveNumber }) => plot._fullData[curveNumber]?.customdata);
+  if (clicked) press(plot, { curve: clicked.curveNumber, index: clicked.pointNumber });
+}
+
+// Whether Plotly has looked up what lies under the mouse where it was clicked.
+function isAtMouse(plot, { event, xPixel, yPixel }) {
+  const { left, top } = plot.getBoundingClientRect();
+  return Math.hypot(left + xPixel - event.clientX, top + yPixel - event.clientY) < 2;
+}
+
+// Streamlit hears of a selection that is another one than the last, and Plotly releases a point at
+// the second click: each click is a selection of its own here. A mouse that comes fast is ahead of
+// Plotly, which looks up what lies under it every now and then.
 function renewClicks(plot) {
   const emit = plot.emit;
   plot.emit = (name, data) => {
-    if (name === "plotly_deselect") {
-      const { curveNumber: curve, pointNumber: index } = plot._hoverdata?.[0] ?? {};
-      const isPoint = Number.isInteger(index) && plot._fullData[curve]?.customdata;
-      return isPoint ? press(plot, { curve, index }) : emit(name, data);
-    }
-    if (name === "plotly_selected") {
-      data?.points?.forEach((point) => { point.time = Date.now(); });
-    }
+    if (name === "plotly_deselect" || (name === "plotly_selected" && !data?.isPress)) return undefined;
+    if (name === "plotly_click" && isAtMouse(plot, data)) pressFirst(plot, data.points);
+    else if (name === "plotly_click") setTimeout(() => pressFirst(plot, plot._hoverdata), HOVER_MS);
     return emit(name, data);
   };
 }
@@ -213,7 +236,7 @@ function makeReachable(plot) {
   renewClicks(plot);
   plot.addEventListener("keydown", onKey);
   plot.addEventListener("focus", onFocus);
-  plot.addEventListener("blur", () => unhover(plot));
+  plot.addEventListener("blur", onBlur);
   plot.on("plotly_afterplot", () => {
     const point = marked(plot, pointsOf(plot));
     if (!point || !plot.querySelector(".nv-mark")) return;
@@ -236,5 +259,6 @@ function reachPoints() {
     if (!plot._fullLayout) continue;
     makeReachable(plot);
     nameFor(plot);
+    takeOver(plot);
   }
 }

@@ -5,6 +5,9 @@ function showPosition({ recording, parts, root }, row) {
   const time = recording.timeText(row);
   root.dataset.row = String(row);
   root.dataset.frame = frame;
+  // the page's figures over time mark it
+  document.nvcoreTime = recording.times[row];
+  document.dispatchEvent(new Event("nvcore-time"));
   const [frameText, timeText, rowText] = parts.readout.children;
   frameText.textContent = `frame ${frame}`;
   timeText.textContent = time;
