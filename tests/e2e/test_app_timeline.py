@@ -133,6 +133,7 @@ def test_a_click_counts_where_it_is_made_however_fast_the_mouse_came(timeline):
     timeline.panel_shows(0)
     timeline.wait_until_drawn()
     plot = timeline.keyed(f"time_plot_{RECORDING}")
+    plot.locator(".nsewdrag").first.click(trial=True)  # in sight
     plot.evaluate(MOVE_AND_CLICK, [[0.2, 0.5], [0.8, 0.5]])
     timeline.shows(re.compile("^2[34][0-9]$"))
     timeline.panel_shows(frame_of(timeline))

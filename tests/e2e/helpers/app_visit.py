@@ -29,17 +29,6 @@ LISTENS = """key => {
     && Math.abs(layout.width - plot.getBoundingClientRect().width) < 1;
 }"""
 
-# Plotly looks up what lies under the mouse every now and then: it has done so at this place.
-HOVERS = """([key, [x, y]]) => {
-  const plot = document.querySelector(`.st-key-${key} .js-plotly-plot`);
-  const area = plot.querySelector(".nsewdrag");
-  const [whole, inner] = [plot, area].map((of) => of.getBoundingClientRect());
-  const [clientX, clientY] = [inner.left + x, inner.top + y];
-  area.dispatchEvent(new MouseEvent("mousemove", { bubbles: true, clientX, clientY }));
-  return Math.hypot(whole.left + plot._hoverPointerX - clientX,
-    whole.top + plot._hoverPointerY - clientY) < 2;
-}"""
-
 # A share of the width and of the height of a plot's area.
 SHARE = """(plot, [across, down]) => {
   const { w, h } = plot._fullLayout._size;
@@ -168,7 +157,6 @@ class Visit:
         area.click(trial=True)  # in sight, and no longer moved by what is drawn above it
         plot = self.keyed(key).locator(".js-plotly-plot")
         place = plot.evaluate(find_place, arg)
-        self.page.wait_for_function(HOVERS, arg=[key, place])
         area.click(position={"x": place[0], "y": place[1]})
         return place
 

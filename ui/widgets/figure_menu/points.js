@@ -6,6 +6,8 @@ const MOST_IN_ROW = 0.5; // rows are rows if there are no more of them than this
 const MOST_DISTINCT = 0.5; // marks with fewer meanings than this share of them are of regions
 const INSIDE_PX = 4;
 const HOVER_MS = 80; // Plotly answers a movement of the mouse within so long
+const LOOK_MS = 20;
+const LOOKS = 10;
 const spots = new Map(); // by the figure's key, which outlives a plot, the point that is marked
 const reachable = new WeakSet();
 let focused = null; // key of the figure that has the focus
@@ -206,28 +208,32 @@ function takeOver(plot) {
   if (focused === keyOf(plot)) plot.focus({ preventScroll: true });
 }
 
-function pressFirst(plot, points) {
-  const clicked = points?.find(({ curveNumber }) => plot._fullData[curveNumber]?.customdata);
-  if (clicked) press(plot, { curve: clicked.curveNumber, index: clicked.pointNumber });
+// Presses what lies where the mouse was clicked. Plotly looks that up every now and then, not when the
+// mouse is quick, and forgets it between press and release: it is asked until it has looked.
+function pressAt(plot, area, { clientX, clientY }, triesLeft = LOOKS) {
+  plot._hoverPointerX = undefined;
+  area.dispatchEvent(new MouseEvent("mousemove", { bubbles: true, clientX, clientY }));
+  if (plot._hoverPointerX === undefined && triesLeft) {
+    setTimeout(() => pressAt(plot, area, { clientX, clientY }, triesLeft - 1), LOOK_MS);
+    return;
+  }
+  const point = plot._hoverdata?.find((of) => plot._fullData[of.curveNumber]?.customdata);
+  if (point) press(plot, { curve: point.curveNumber, index: point.pointNumber });
 }
 
-// Whether Plotly has looked up what lies under the mouse where it was clicked.
-function isAtMouse(plot, { event, xPixel, yPixel }) {
-  const { left, top } = plot.getBoundingClientRect();
-  return Math.hypot(left + xPixel - event.clientX, top + yPixel - event.clientY) < 2;
-}
-
-// Streamlit hears of a selection that is another one than the last, and Plotly releases a point at
-// the second click: each click is a selection of its own here. A mouse that comes fast is ahead of
-// Plotly, which looks up what lies under it every now and then.
+// Streamlit hears of our presses alone, each a selection of its own. Plotly's would be what its last
+// look has found, and at the second click nothing.
 function renewClicks(plot) {
   const emit = plot.emit;
   plot.emit = (name, data) => {
-    if (name === "plotly_deselect" || (name === "plotly_selected" && !data?.isPress)) return undefined;
-    if (name === "plotly_click" && isAtMouse(plot, data)) pressFirst(plot, data.points);
-    else if (name === "plotly_click") setTimeout(() => pressFirst(plot, plot._hoverdata), HOVER_MS);
-    return emit(name, data);
+    const isOwn = name === "plotly_deselect" || (name === "plotly_selected" && !data?.isPress);
+    return isOwn ? undefined : emit(name, data);
   };
+  plot.addEventListener("click", (event) => {
+    const area = event.target.closest(".nsewdrag");
+    // Plotly sends one itself where nothing was dragged; the browser's own comes now and then
+    if (area && !event.isTrusted) pressAt(plot, area, event);
+  });
 }
 
 function makeReachable(plot) {
