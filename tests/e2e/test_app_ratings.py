@@ -145,6 +145,8 @@ def test_own_files_are_rated_on_the_conductors_screen_also_after_a_reload(visit,
     one.keyed("rating_start").get_by_role("button").click()
     one.keyed("rating_here").get_by_role("button").click()
     begin(one, "Eve")
+    one.page.reload()  # at once: the address is there with the clip
+    expect(one.heading("Clip 1 of 2")).to_be_visible()
     watch_and_rate(one, 3)
     expect(one.heading("Clip 2 of 2")).to_be_visible()
     one.page.reload()

@@ -88,10 +88,8 @@ def draw_waiting() -> None:
 
 def enter(token: str, name: str | None = None) -> None:
     """Show the rating session to a participant, on this screen."""
-    st.query_params.clear()
-    st.query_params[STUDY] = token
-    if name:
-        st.query_params[PARTICIPANT] = name
+    # at once: an address that is emptied first would be that of a page that is left
+    st.query_params.from_dict({STUDY: token} | ({PARTICIPANT: name} if name else {}))
     st.rerun()
 
 
