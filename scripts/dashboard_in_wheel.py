@@ -10,7 +10,10 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-PARTS = ("app.py", "pages", "ui", "sample_data", ".streamlit/config.toml", "docs/*.md")
+PARTS = (
+    *("app.py", "pages", "ui", "sample_data", ".streamlit/config.toml", "docs/*.md"),
+    "docs/images/time-to-contact.png",  # the others are of the README
+)
 TARGET = Path("nvcore", "dashboard")
 
 

@@ -26,7 +26,8 @@ _ASIDE: Final = re.compile(
     r"(?:\s*\(|[:,;] )\[(?:why|where|how|which)\b[^\]]*\]\((?!https?:)decisions/[^)\s]+\)(\))?"
 )
 """A pointer to a decision, which the app has no page for: without its link it says nothing."""
-_LINK: Final = re.compile(r"\[((?:[^\]\[]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
+_PICTURE: Final = re.compile(r"^!\[([^\]]*)\]\((images/[\w-]+\.png)\)$", re.MULTILINE)
+_LINK: Final = re.compile(r"(?<!!)\[((?:[^\]\[]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
 _CODE: Final = re.compile(r"(`+)(?:.*?[^`])?\1(?!`)", re.DOTALL)
 _FENCE: Final = "```"
 # A browser scrolls to the section in the address once, when its heading appears; on a slow machine
@@ -90,8 +91,17 @@ def draw() -> None:
             st.header(section.title, anchor=section.anchor)
         elif section.level > 2:
             st.subheader(section.title, anchor=section.anchor)
-        st.markdown(section.body)
+        _draw_body(section.body)
     _SIGHT(key="section", height=1)
+
+
+def _draw_body(body: str) -> None:
+    """Markdown, with its pictures, which Markdown in the app would ask the server's root for."""
+    text, *rest = _PICTURE.split(body)
+    st.markdown(text)
+    for words, path, following in zip(rest[::3], rest[1::3], rest[2::3], strict=True):
+        st.image(FOLDER / path, caption=words)
+        st.markdown(following)
 
 
 @st.cache_data(show_spinner=False)

@@ -70,6 +70,16 @@ def test_links_to_other_pages_open_them_in_the_app(text: str, in_app: str):
     assert in_app_links(text, "metrics") == in_app
 
 
+def test_a_picture_of_a_page_is_drawn_between_its_paragraphs():
+    page = opened(doc="validation")
+    parts = list(page.main)
+    picture = next(i for i, part in enumerate(parts) if part.type == "image")
+    before, after = parts[picture - 1], parts[picture + 1]
+    assert "*Ratio*" in before.value
+    assert after.value.lstrip().startswith("| Boxes")
+    assert not any("![" in part.value for part in page.markdown)
+
+
 def test_a_comment_in_code_is_no_heading_and_equal_headings_get_numbered_anchors():
     first, second = split_sections("# Formats\n```\n# not one\n```\n## Formats\n", "metrics")
     assert "# not one" in first.body

@@ -1,0 +1,358 @@
+"""Time to contact from box heights beside that from metres, on KITTI: a section of a page.
+
+    python -m scripts.contact_in_metres [--write]
+
+Prints "Time to contact" of docs/validation.md; with `--write` it writes that and the picture (which
+takes Chromium). The recordings are those in `$NVCORE_REALDATA` (default: `../shared/realdata`).
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import os
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from bench.tables import table
+from bench.web.tables import put_section
+from nvcore.comparison import Result, compare
+from nvcore.dataset import Dataset
+from nvcore.figures.style import LOOK, LOSS_COLOURS, axis, layout
+from nvcore.inputs.load import load
+from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
+from nvcore.metrics.encounters import find_encounters
+from nvcore.metrics.time_left import find_urgent, measure_contact
+from nvcore.params import Params
+from nvcore.schema import Urgency
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGE = ROOT / "docs" / "validation.md"
+PICTURE = "images/time-to-contact.png"
+SIZES = {"0013": (1242, 375), "0015": (1242, 375), "0016": (1224, 370)}
+"""Recordings with the size of their pictures."""
+NEAR_SIDE_M = 0.4
+"""From the middle of a person, where KITTI's distances end, to his near side."""
+EDGE_PX = 1.0
+"""A box that is no farther than this from the picture's edge is cut off there."""
+HEIGHTS_PX = (0, 50, 75, 100, 150, np.inf)
+TIMES_S = (0, 1, 2, 4, 8, 20, np.inf)
+NEAR_S = 4.0
+HIGH_PX = 50.0
+OFF = 0.1
+"""Share by which a drawn box is lower or higher than the person stands."""
+SECTION = """\
+## Time to contact: box heights and metres
+
+KITTI tracking 0013, 0015 and 0016: its truth has the distance of each pedestrian. *Ratio*: [time to
+contact](metrics.md#time-to-contact) from the heights of the boxes over that from the distances, of
+boxes for which both are known and finite; the median, and the range of the middle 80 %. Twice: from
+the truth's own boxes, and from those that a detector (RRC, all scores) drew where it matches. *Not
+closing*: boxes of people who by the metres come nearer, of whom the heights say that they do not.
+
+![Ratio over time to contact, from the truth's boxes and from drawn ones]({picture})
+
+{ratios}
+
+**The truth's boxes are no test of drawn ones.** Top and bottom of KITTI's boxes are those of a box
+in space, of one height throughout a track, as it projects into the picture: with KITTI's
+calibration they agree with it to a quarter of a pixel (median of each recording, 0.4 at most). So
+the columns of the truth check the formula, and nobody bends in them. That the ratio is below 1 at
+short distances is the person's depth: the height is that of his near side, the distance goes to his
+middle. The drawn boxes show what boxes from pictures give.
+
+Where it fails:
+
+- *Far from contact*: with 1 to 4 s left, about which time left is, the drawn boxes are right in the
+  median, and most within a quarter; from 8 s on the growth of a box over 1 s is lost in how it is
+  drawn. People are then called not closing, or nearer than they are.
+- *Small boxes*: below 50 px as above, since small ones are mostly far away.
+- *Boxes cut by the picture's edge*: they do not count, and the line goes on from whole ones. If
+  they counted, the time left would come out too long, which is the dangerous side. A detector's box
+  that ends a few pixels before the edge is cut, too, and does count: hence the ratio in the last
+  second.
+- *Who bends or is covered* (drawn boxes lower than 0.9 of the person's height in the picture): the
+  range is widest there, and half of them are not closing.
+
+The [urgency](metrics.md#the-last-chance) of the encounters at 50 km/h, by the distances (rows) and
+by heights:
+
+{urgency}
+
+A drawn box that jitters makes somebody urgent where nobody is: one frame below the time needed is
+enough. Truth from a detector's boxes is no truth for time left.
+
+Of the boxes that count, which share do two detectors miss (all scores, IoU 0.5)?
+
+{misses}
+
+Height hides what the time left shows: at {high:.0f} px and more both miss the same share, in the
+last {near:.0f} s RRC misses less.
+
+To reproduce: `python -m scripts.contact_in_metres --write`.
+"""
+
+
+def load_kitti(realdata: Path) -> Dataset:
+    """The three recordings with both detectors, distances in the truth."""
+    return load(
+        Session(
+            realdata / "kitti_tracking",
+            Source(("label_02/*.txt",)),
+            tuple(
+                SystemSource((f"{folder}/*.txt",), name=name)
+                for name, folder in (("RRC", "rrc_ped"), ("PointRCNN", "pointrcnn_ped"))
+            ),
+            tuple(
+                RecordingEntry(name, width=width, height=height)
+                for name, (width, height) in SIZES.items()
+            ),
+            fps=10.0,
+        )
+    )
+
+
+def measure_boxes(result: Result) -> pd.DataFrame:
+    """Each truth box that is not ignored, with its time to contact by each way to it.
+
+    Returns
+    -------
+    Columns recording, height_px, occlusion, is_cut, relative_height (of X's box, NaN: none),
+    is_missed_x, is_missed_y, and in seconds metres, near_side (distances to the near side),
+    heights, with_cut (heights, cut boxes counted) and drawn (heights of X's boxes).
+    """
+    truth, frames = result.dataset.truth, result.dataset.frame_columns
+    recording = frames.recording[truth.frame_index]
+    width, height = frames.width[recording], frames.height[recording]
+    flat = replace(truth, distance_m=np.full(len(truth), np.nan))
+    middle = replace(flat, x=width / 2, y=np.ones_like(height) + 1, w=np.ones_like(width))
+    middle = replace(middle, h=np.minimum(truth.h, height - 4))
+    near_side = replace(truth, distance_m=truth.distance_m - NEAR_SIDE_M)
+    ways = {"near_side": near_side, "heights": flat, "with_cut": middle}
+    contacts = {
+        name: measure_contact(
+            boxes, result.encounters, frames, ttc_window=result.params.ttc_window
+        ).ttc_s
+        for name, boxes in ways.items()
+    }
+    drawn, drawn_px = drawn_contact(result)
+    boxes = pd.DataFrame(
+        {
+            "recording": result.dataset.recordings["name"].to_numpy()[recording],
+            "height_px": truth.h,
+            "occlusion": result.dataset.boxes["occlusion"].to_numpy()[: len(truth)],
+            "is_cut": (truth.x <= EDGE_PX)
+            | (truth.y <= EDGE_PX)
+            | (truth.x + truth.w >= width - EDGE_PX)
+            | (truth.y + truth.h >= height - EDGE_PX),
+            "relative_height": drawn_px / truth.h,
+            "is_missed_x": ~result.x.matches.is_matched,
+            "is_missed_y": ~result.y.matches.is_matched,
+            "metres": result.contact.ttc_s,
+            **contacts,
+            "drawn": drawn,
+        }
+    )
+    return boxes[~truth.ignore]
+
+
+def drawn_contact(result: Result) -> tuple[np.ndarray, np.ndarray]:
+    """Time to contact (s) and height (px) of each truth box by X's box that matches it, or NaN."""
+    truth, frames = result.dataset.truth, result.dataset.frame_columns
+    matches = result.x.matches
+    is_drawn = matches.is_matched & ~truth.ignore
+    rows = matches.truth_det[is_drawn]
+    columns = {name: getattr(result.dataset.system(result.x.name), name)[rows] for name in "xywh"}
+    boxes = replace(
+        truth.only(is_drawn), **columns, distance_m=np.full(int(is_drawn.sum()), np.nan)
+    )
+    unknown = np.full(len(boxes), -1, np.int8)
+    encounters = find_encounters(boxes, result.tracks.track[is_drawn], unknown, frames)
+    contact = measure_contact(boxes, encounters, frames, ttc_window=result.params.ttc_window)
+    ttc_s, height_px = np.full(len(truth), np.nan), np.full(len(truth), np.nan)
+    ttc_s[is_drawn], height_px[is_drawn] = contact.ttc_s, boxes.h
+    return ttc_s, height_px
+
+
+def ratio_cells(boxes: pd.DataFrame, way: str, base: str = "metres") -> tuple[str, str, str]:
+    """Number of boxes, median ratio with its range, share called not closing."""
+    metres, other = boxes[base].to_numpy(), boxes[way].to_numpy()
+    is_known = np.isfinite(metres) & (metres > 0) & ~np.isnan(other)
+    ratio = other[is_known] / metres[is_known]
+    if not len(ratio):
+        return "0", "–", "–"
+    finite = ratio[np.isfinite(ratio)]
+    low, median, high = np.percentile(finite, [10, 50, 90])
+    text = f"{median:.2f} ({low:.2f} to {high:.2f})"
+    return f"{len(ratio):,}", text, f"{100 * np.isinf(ratio).mean():.1f} %"
+
+
+def groups_of(boxes: pd.DataFrame) -> Iterator[tuple[str, pd.Series]]:
+    """The rows of the table: what they are, and which boxes."""
+    yield "all", pd.Series(True, boxes.index)
+    for name in SIZES:
+        yield name, boxes["recording"] == name
+    for column, unit, bounds in (("height_px", "px", HEIGHTS_PX), ("metres", "s left", TIMES_S)):
+        for low, high in pairwise(bounds):
+            text = f"{low:g} to {high:g} {unit}" if low else f"below {high:g} {unit}"
+            text = f"{low:g} {unit} and more" if np.isinf(high) else text
+            yield text, (boxes[column] >= low) & (boxes[column] < high)
+    for level, text in enumerate(("not occluded", "partly occluded", "heavily occluded")):
+        yield text, boxes["occlusion"] == level
+    yield "cut by the edge", boxes["is_cut"]
+    yield f"drawn lower than {1 - OFF:g} of the person", boxes["relative_height"] < 1 - OFF
+    yield f"drawn higher than {1 + OFF:g} of the person", boxes["relative_height"] > 1 + OFF
+
+
+def ratio_table(boxes: pd.DataFrame) -> str:
+    """Ratios by recording, height, time left, occlusion and edge."""
+    rows = []
+    for text, is_in in groups_of(boxes):
+        part = boxes[is_in]
+        rows.append((text, *ratio_cells(part, "heights"), *ratio_cells(part, "drawn")))
+    cut = ratio_cells(boxes[boxes["is_cut"]], "with_cut")
+    rows.append(("cut by the edge, if they counted", *cut, "", "", ""))
+    near = ratio_cells(boxes, "heights", "near_side")
+    rows.append((f"all, metres to the near side ({NEAR_SIDE_M:g} m less)", *near, "", "", ""))
+    head = ("Boxes", "Truth's", "Ratio", "Not closing", "Drawn", "Ratio", "Not closing")
+    return table(list(head), [list(row) for row in rows])
+
+
+def urgency_table(result: Result, boxes: pd.DataFrame) -> str:
+    """Encounters by their urgency by metres, and how many have the same one by heights."""
+    truth, frames = result.dataset.truth, result.dataset.frame_columns
+    by_metres = result.urgency["urgency"]
+    classes = {}
+    for way in ("heights", "drawn"):
+        ttc_s = np.full(len(truth), np.nan)
+        ttc_s[boxes.index] = boxes[way]
+        contact = replace(result.contact, ttc_s=ttc_s)
+        urgency = find_urgent(contact, truth, result.encounters, frames, result.params)
+        classes[way] = urgency["urgency"]
+    kinds = [kind.value for kind in Urgency if (by_metres == kind.value).any()]
+    rows = []
+    for kind in kinds:
+        is_in = by_metres == kind
+        cells = [kind.replace("_", " "), f"{int(is_in.sum())}"]
+        for of_way in classes.values():
+            counts = of_way[is_in].value_counts()
+            cells.append(
+                ", ".join(
+                    f"{n} {name.replace('_', ' ')}" for name, n in counts.sort_index().items()
+                )
+            )
+        rows.append(cells)
+    return table(["By metres", "Encounters", "By the truth's heights", "By drawn heights"], rows)
+
+
+def miss_table(result: Result, boxes: pd.DataFrame) -> str:
+    """Share of boxes that each detector misses, of high ones and of those with little time left."""
+    groups = (
+        ("all", boxes["height_px"] > 0),
+        (f"{HIGH_PX:g} px and more", boxes["height_px"] >= HIGH_PX),
+        (f"less than {NEAR_S:g} s left, by metres", boxes["metres"] < NEAR_S),
+        (f"less than {NEAR_S:g} s left, by heights", boxes["heights"] < NEAR_S),
+    )
+    rows = []
+    for text, is_in in groups:
+        missed = (
+            f"{100 * boxes.loc[is_in, f'is_missed_{letter}'].mean():.1f} %" for letter in "xy"
+        )
+        rows.append([text, f"{int(is_in.sum()):,}", *missed])
+    names = [f"missed by {system.name}" for _, system in result.sides]
+    return table(["Boxes", "Number", *names], rows)
+
+
+def section_of(result: Result, boxes: pd.DataFrame) -> str:
+    """The section of the page."""
+    return SECTION.format(
+        picture=PICTURE,
+        ratios=ratio_table(boxes),
+        urgency=urgency_table(result, boxes),
+        misses=miss_table(result, boxes),
+        high=HIGH_PX,
+        near=NEAR_S,
+    )
+
+
+def ratio_figure(boxes: pd.DataFrame) -> go.Figure:
+    """Ratio of each box over its time to contact by metres, the truth's boxes beside drawn ones."""
+    look = LOOK["light"]
+    ways = {"heights": "the truth's boxes", "drawn": "boxes drawn by RRC"}
+    figure = make_subplots(1, 2, shared_yaxes=True, horizontal_spacing=0.03)
+    sizes = ((0, 50, "below 50 px"), (50, 100, "50 to 100 px"), (100, np.inf, "100 px and more"))
+    colours = LOSS_COLOURS["light"][1:]  # of no system
+    for column, way in enumerate(ways, start=1):
+        ratio = (boxes[way] / boxes["metres"]).replace([np.inf, -np.inf], np.nan)
+        for (low, high, text), colour in zip(sizes, colours, strict=True):
+            is_in = (boxes["height_px"] >= low) & (boxes["height_px"] < high) & ratio.notna()
+            figure.add_scatter(
+                x=boxes.loc[is_in, "metres"],
+                y=ratio[is_in],
+                mode="markers",
+                marker={"size": 4, "color": colour, "opacity": 0.9},
+                name=text,
+                legendgroup=text,
+                showlegend=column == 1,
+                row=1,
+                col=column,
+            )
+    title = "Time to contact by box heights over that by metres"
+    subtitle = f"KITTI {', '.join(SIZES)}: a mark for each box that is closing by both"
+    style = layout("light", title=title, subtitle=subtitle, height=420)
+    ground = {"paper_bgcolor": look.surface, "plot_bgcolor": look.surface}
+    figure.update_layout(**(style | ground))
+    ticks = {"type": "log", "tickvals": [0.5, 1, 2, 4, 8, 20, 60], "range": np.log10([0.6, 100])}
+    for column, text in enumerate(ways.values(), start=1):
+        across = axis("light", f"time to contact by metres (s), {text}", **ticks)
+        figure.update_xaxes(**across, row=1, col=column)
+        up = {"type": "log", "range": np.log10([0.2, 5]), "tickvals": [0.25, 0.5, 1, 2, 4]}
+        title = "ratio (1 = the same)" if column == 1 else ""
+        figure.update_yaxes(**axis("light", title, **up), row=1, col=column)
+        figure.add_hline(y=1, line={"color": look.ink, "width": 1}, row=1, col=column)
+    return figure
+
+
+def write_picture(figure: go.Figure, path: Path) -> None:
+    """Write a figure as PNG with few colours, by Chromium."""
+    from PIL import Image
+    from playwright.sync_api import sync_playwright
+
+    program = os.environ.get("NVCORE_CHROMIUM", "/usr/bin/chromium-headless-shell")
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=program)
+        page = chromium.new_page(viewport={"width": 1000, "height": 440}, device_scale_factor=1.5)
+        page.set_content(figure.to_html(config={"staticPlot": True}))
+        page.wait_for_selector(".main-svg")
+        picture = page.locator(".js-plotly-plot").screenshot()
+        chromium.close()
+    with Image.open(io.BytesIO(picture)) as image:
+        image.convert("RGB").quantize(64, dither=Image.Dither.NONE).save(path, optimize=True)
+
+
+def main() -> None:
+    """Print the section, and write it and the picture."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--write", action="store_true")
+    options = parser.parse_args()
+    realdata = Path(os.environ.get("NVCORE_REALDATA", ROOT.parent / "shared" / "realdata"))
+    result = compare(load_kitti(realdata), Params())
+    boxes = measure_boxes(result)
+    text = section_of(result, boxes)
+    print(text)
+    if options.write:
+        put_section(PAGE, text)
+        write_picture(ratio_figure(boxes), PAGE.parent / PICTURE)
+
+
+if __name__ == "__main__":
+    main()
