@@ -53,7 +53,7 @@ def encounters_section(result: Result) -> Section:
     return Section(
         "encounters",
         "Who detects whom",
-        words.who(result.params),
+        words.who(result.params, result.scheme("light")),
         (
             table(
                 "Encounters by who detects them",

@@ -92,8 +92,9 @@ def scorecard(params: Params) -> Intro:
     )
 
 
-def who(params: Params) -> Intro:
-    """Introduction of the encounters by who detects them."""
+def who(params: Params, theme: Theme) -> Intro:
+    """Introduction of the encounters by who detects them, with the marks of X and Y."""
+    x, y = (scheme_of(theme).style(letter) for letter in "xy")
     return Intro(
         what="Which pedestrians were detected by both systems, by one only, by neither.",
         how="A system detects an encounter if it matches the pedestrian in at least "
@@ -109,7 +110,9 @@ def who(params: Params) -> Intro:
         best="Many in the middle of the diagram, few outside the circles, and little severity. A "
         "system dominates the other if it detects all that the other detects, and more. In the "
         f"diagram of up to {MOST_MARKS} encounters each is a mark, larger the more its failure "
-        "weighs: a circle where X fails, a diamond where Y does, a square where neither detects.",
+        f"weighs: {x.name} ({x.symbol}) where X's failure weighs more, {y.name} ({y.symbol}) where "
+        "Y's does, a black square where neither detects or both weigh the same, an open circle "
+        "where nothing was missed.",
         limits="A count takes an encounter once, however long it lasts and however near it comes: "
         "look at the severity, too. One class is named, though several failures may hold.",
     )

@@ -16,6 +16,7 @@ from nvcore import __version__
 from nvcore.comparison import Result, compare
 from nvcore.errors import InputError
 from nvcore.evidence.bootstrap import INTERVAL_RULE
+from nvcore.figures.venn import venn_figure
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
@@ -26,11 +27,13 @@ from nvcore.report.html import (
     css_text,
     encounter_sections,
     result_sections,
+    words,
     write_html_report,
 )
 from nvcore.report.html.blocks import MAX_CELL, MAX_NOTE, MAX_ROWS, table
 from nvcore.report.words import FUSION_RULE
 from nvcore.settings import Settings
+from nvcore.tables.severity import weighed_encounters
 
 HOSTILE = "</script><img src=x onerror=alert(1)>{{ 7*7 }}"
 
@@ -140,6 +143,24 @@ def test_the_encounters_that_weigh_most_are_listed(page, result):
     assert category[3] == f"{severity_s:.2f}"
 
 
+@pytest.mark.parametrize(
+    ("x", "y", "loser", "text"),
+    [
+        ("x", "y", "y", "orange (diamond) where Y's"),
+        ("y", "x", "x", "orange (diamond) where X's failure weighs more"),
+    ],
+)
+def test_the_words_say_with_which_marks_the_diagram_is_drawn(x, y, loser, text):
+    boxes = [at(frame, 50, track=1) for frame in range(8)]
+    result = compare(make_dataset(boxes, boxes, boxes[:2]), Params(), x=x, y=y)
+    scheme = result.scheme("light")
+    figure = venn_figure(result.venn, (x, y), theme=scheme, encounters=weighed_encounters(result))
+    marks = next(trace.marker for trace in figure.data if "severity" in trace.name)
+    style = scheme.style(loser)
+    assert (marks.symbol[0], marks.color[0]) == (style.symbol, style.light)
+    assert text in words.who(result.params, scheme).best
+
+
 def test_subgroups_have_who_detects_more_and_the_other_figures(page):
     caption = "Encounters detected by subgroup"
     assert page.row(caption, "all")[1:6] == ["2", "1", "1", "0", "0"]
@@ -242,13 +263,13 @@ def test_frames_rather_than_persons_are_no_evidence_of_their_own(tmp_path, page)
     dataset = make_dataset([*truth, untracked], truth, truth[:2], places=places)
     result = compare(replace(dataset, notes=("evaluated frames: as given",)))
     content = written(tmp_path / "r.html", result, session_of(tmp_path), stability=False)
-    for anchor, words in (
+    for anchor, sentence in (
         ("encounters", "shares of encounters are shares of frames"),
         ("significance", "one person may stand in many of them"),
         ("subgroups", "one person may stand in many of them"),
     ):
         section = content.partition(f'<section id="{anchor}">')[2].partition("</section>")[0]
-        assert words in section
+        assert sentence in section
     assert "so uneven a split" not in content
     short = Page(content)
     label = "share of encounters detected, within these recordings"
