@@ -13,7 +13,8 @@ from nvcore.figures.venn import WORDS
 from nvcore.tables.column import Column, Kind
 from nvcore.tables.columns import REPORT_COLUMNS
 from nvcore.tables.scorecard import ScoreRow
-from nvcore.wording import ARROWS, difference, number
+from nvcore.wording import ARROWS, difference, minus, number
+from ui.widgets.html import HEAD
 
 HEADINGS: Final = {
     "track": "Pedestrian",
@@ -98,11 +99,11 @@ def measures_as_text(rows: Sequence[ScoreRow]) -> pd.DataFrame:
                 "    " * row.level + row.label + ARROWS[row.better],
                 number(row.x, row.form),
                 number(row.y, row.form),
-                difference(row.x, row.y, row.form),
+                minus(difference(row.x, row.y, row.form)),
             )
             for row in rows
         ],
-        columns=["measure", "X", "Y", "X - Y"],
+        columns=["measure", *HEAD],
     )
 
 

@@ -77,6 +77,9 @@ def test_the_table_holds_the_librarys_figures_and_a_threshold_moves_those_at_it_
     page = opened()
     before = figures(page)
     assert before.tolist() == [format(row.x, row.form) for row in curve_rows(summary, summary)]
+    differences = page.dataframe[0].value["X − Y"]  # with the sign that is as wide as a plus
+    assert differences.str.startswith("−").any()
+    assert not differences.str.contains("-").any()
     assert not page.warning
     ends = "Log-average miss rate of X: the curve ends at 0.477 false positives per image"
     assert ends in told(page)  # and does not reach the references
