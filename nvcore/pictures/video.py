@@ -27,6 +27,7 @@ from nvcore.pictures.containers import (
     list_pictures,
     open_container,
 )
+from nvcore.pictures.mp4 import check_samples
 from nvcore.wording import one_line
 
 _NEAR: Final = 8
@@ -52,6 +53,8 @@ class Video:
         self._start()
         self._format = format_of_file(path, self.name)
         try:
+            if self._format == "mov":
+                check_samples(path, self.name)
             stream = self._open()
             rate = stream.average_rate
             self.fps = float(rate) if rate else None
