@@ -21,7 +21,8 @@ class TimeLeftSettings:
         unit="km/h",
         is_above_low=True,
         label="Assumed speed (km/h)",
-        meaning="Speed of the car in recordings that do not state their own.",
+        meaning="Speed of the car in recordings that do not state their own. The faster, the "
+        "earlier a warning has to come for the car to stop in time.",
         is_advanced=True,
     )
     reaction_s: float = setting(
@@ -46,7 +47,7 @@ class TimeLeftSettings:
         unit="m/s²",
         is_above_low=True,
         label="Deceleration (m/s²)",
-        meaning="How hard the car brakes.",
+        meaning="How hard the car brakes. 7 m/s²: from 50 km/h it stops in 2 s.",
         is_advanced=True,
     )
     ttc_window: float = setting(
@@ -59,8 +60,8 @@ class TimeLeftSettings:
         unit="s",
         is_above_low=True,
         label="Window of time to contact",
-        meaning="Span of the frames from which a pedestrian's time to contact is estimated, "
-        "centred on the frame.",
+        meaning="Span of the frames, centred on each one, from which the time until the car "
+        "reaches a pedestrian is estimated.",
         is_advanced=True,
     )
     corridor: float = share(
@@ -68,8 +69,8 @@ class TimeLeftSettings:
         1.0,
         unit="of half the image width",
         label="Corridor (of half the width)",
-        meaning="A pedestrian farther from the middle of the picture than this when he becomes "
-        "urgent is outside and does not count. 1: the whole picture counts.",
+        meaning="A pedestrian farther from the middle of the picture than this when the last "
+        "chance to brake comes is outside and does not count. 1: the whole picture counts.",
         is_advanced=True,
     )
     confirm_n: int = setting(
@@ -81,8 +82,8 @@ class TimeLeftSettings:
         unit="frames",
         is_whole=True,
         label="Confirmed if matched in",
-        meaning="A pedestrian is confirmed at the first frame in which so many of his last "
-        "confirm_m frames are matched. More than confirm_m: nobody is ever confirmed.",
+        meaning="A system is sure of a pedestrian, so that it can warn, when it matches him in so "
+        "many of his last confirm_m frames. More than confirm_m: it never is.",
         is_advanced=True,
     )
     confirm_m: int = setting(
@@ -94,7 +95,7 @@ class TimeLeftSettings:
         unit="frames",
         is_whole=True,
         label="Confirmed within the last",
-        meaning="Number of a pedestrian's last frames of which confirm_n have to be matched; at "
-        "his first ones there are fewer.",
+        meaning="Of how many of a pedestrian's last frames confirm_n have to be matched; at his "
+        "first ones there are fewer.",
         is_advanced=True,
     )
