@@ -53,6 +53,7 @@ COLUMNS: Final = (
     "detected_by_unit_high",
     "detected_by_unit_p",
     "detected_by_unit_p_holm",
+    "detected_by_unit_note",
     "similarity_x",
     "similarity_y",
     "similarity_difference",
@@ -60,10 +61,10 @@ COLUMNS: Final = (
     "similarity_high",
     "similarity_p",
     "similarity_p_holm",
+    "similarity_note",
     "detects_more",
     "higher_similarity",
     "withheld",
-    "note",
 )
 CORRECTED: Final = ("detected_by_unit_p", "similarity_p")
 CLAIMED: Final = {
@@ -120,7 +121,8 @@ def pairwise_table(
     McNemar p, both within these recordings; interval and p of the same difference by units
     (recordings; blocks of time have no p); mean similarity, 1 is best, with interval and p. Holm
     corrects the p by units of both measures together over the pairs.
-    All differences are X - Y. NaN: undefined, `note` says why.
+    All differences are X - Y. NaN: undefined; `mcnemar_note`, `detected_by_unit_note` and
+    `similarity_note` say why.
 
     `detects_more` and `higher_similarity` name the system of which that may be claimed, by the
     rules of `nvcore.evidence.claims.find_claims` with p corrected over the pairs; empty: neither.
@@ -211,14 +213,15 @@ def _row(result: Result) -> tuple[dict[str, Any], tuple[Evidence, Evidence]]:
         "detected_by_unit_low": by_unit.low,
         "detected_by_unit_high": by_unit.high,
         "detected_by_unit_p": by_unit.p,
+        "detected_by_unit_note": _note(by_unit),
         "similarity_x": similarity.x,
         "similarity_y": similarity.y,
         "similarity_difference": similarity.difference,
         "similarity_low": similarity.low,
         "similarity_high": similarity.high,
         "similarity_p": similarity.p,
+        "similarity_note": _note(similarity),
         **dict.fromkeys((*CLAIMED.values(), "withheld"), ""),
-        "note": _note(by_unit, similarity),
     }
     return row, (by_unit, similarity)
 
@@ -243,7 +246,6 @@ def _number(threshold: float | None) -> float:
     return np.nan if threshold is None else threshold
 
 
-def _note(*evidence: Evidence) -> str:
-    notes = (part for row in evidence for part in row.note.split("; "))
-    text = "; ".join(part for part in dict.fromkeys(notes) if part)
-    return text.replace("tell X and Y apart", "tell the two apart")
+def _note(evidence: Evidence) -> str:
+    """Why a measure has no interval or p, of a pair of systems that are not called X and Y."""
+    return evidence.note.replace("X and Y", "the two")

@@ -140,7 +140,9 @@ def pair_notes(table: pd.DataFrame, measure: PairMeasure) -> tuple[list[str], di
     """Footnotes of each pair without a p, as letters; the letters by their notes."""
     marks: dict[str, str] = {}
     of_pairs = []
-    for text, p in zip(table["note"], table[f"{measure.evidence}_p"], strict=True):
+    for text, p in zip(
+        table[f"{measure.evidence}_note"], table[f"{measure.evidence}_p"], strict=True
+    ):
         notes = [note for note in text.split("; ") if note and math.isnan(p)]
         for note in notes:
             marks.setdefault(note, ascii_lowercase[len(marks) % len(ascii_lowercase)])

@@ -10,6 +10,10 @@ from nvcore.tables.column import Column, Kind
 _TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
 
 _TOO_FEW = "too few data for one (`note`)"
+_NO_MCNEMAR, _NO_DETECTED, _NO_SIMILARITY = (
+    f"too few data for one (`{name}_note`)"
+    for name in ("mcnemar", "detected_by_unit", "similarity")
+)
 
 SIGNIFICANCE_COLUMNS: Final[tuple[Column, ...]] = (
     Column("figure", _TEXT, "", "Key of the measure."),
@@ -154,10 +158,10 @@ MATRIX_COLUMNS: Final[tuple[Column, ...]] = (
         Column("detected", _NUMBER, "0..1", "Share of encounters detected.", "high", "none counts")
     ),
     Column("difference", _NUMBER, "", "First less second.", empty="none counts"),
-    Column("low", _NUMBER, "", f"Lower end of its 95 % interval {_WITHIN}.", empty=_TOO_FEW),
-    Column("high", _NUMBER, "", "Upper end.", empty=_TOO_FEW),
+    Column("low", _NUMBER, "", f"Lower end of its 95 % interval {_WITHIN}.", empty=_NO_MCNEMAR),
+    Column("high", _NUMBER, "", "Upper end.", empty=_NO_MCNEMAR),
     Column("odds_ratio", _NUMBER, "", "`x_only` by `y_only`.", empty="undefined or infinite"),
-    Column("mcnemar_p", _NUMBER, "0..1", f"McNemar's exact p {_WITHIN}.", empty=_TOO_FEW),
+    Column("mcnemar_p", _NUMBER, "0..1", f"McNemar's exact p {_WITHIN}.", empty=_NO_MCNEMAR),
     Column(
         "mcnemar_note",
         _TEXT,
@@ -172,22 +176,29 @@ MATRIX_COLUMNS: Final[tuple[Column, ...]] = (
         _NUMBER,
         "",
         "Lower end of the 95 % interval of `difference` over these units.",
-        empty=_TOO_FEW,
+        empty=_NO_DETECTED,
     ),
-    Column("detected_by_unit_high", _NUMBER, "", "Upper end.", empty=_TOO_FEW),
+    Column("detected_by_unit_high", _NUMBER, "", "Upper end.", empty=_NO_DETECTED),
     Column(
         "detected_by_unit_p",
         _NUMBER,
         "0..1",
         "How often chance alone makes a difference as large, if the two could be exchanged.",
-        empty=_TOO_FEW,
+        empty=_NO_DETECTED,
     ),
     Column(
         "detected_by_unit_p_holm",
         _NUMBER,
         "0..1",
         "The same, corrected for all pairs and both measures.",
-        empty=_TOO_FEW,
+        empty=_NO_DETECTED,
+    ),
+    Column(
+        "detected_by_unit_note",
+        _TEXT,
+        "",
+        "Why one is missing, and what they do not say.",
+        empty="nothing to say",
     ),
     *_of_both(
         Column(
@@ -200,11 +211,20 @@ MATRIX_COLUMNS: Final[tuple[Column, ...]] = (
         _NUMBER,
         "",
         "Lower end of its 95 % interval over the units.",
-        empty=_TOO_FEW,
+        empty=_NO_SIMILARITY,
     ),
-    Column("similarity_high", _NUMBER, "", "Upper end.", empty=_TOO_FEW),
-    Column("similarity_p", _NUMBER, "0..1", "As `detected_by_unit_p`.", empty=_TOO_FEW),
-    Column("similarity_p_holm", _NUMBER, "0..1", "As `detected_by_unit_p_holm`.", empty=_TOO_FEW),
+    Column("similarity_high", _NUMBER, "", "Upper end.", empty=_NO_SIMILARITY),
+    Column("similarity_p", _NUMBER, "0..1", "As `detected_by_unit_p`.", empty=_NO_SIMILARITY),
+    Column(
+        "similarity_p_holm", _NUMBER, "0..1", "As `detected_by_unit_p_holm`.", empty=_NO_SIMILARITY
+    ),
+    Column(
+        "similarity_note",
+        _TEXT,
+        "",
+        "Why one is missing, and what they do not say.",
+        empty="nothing to say",
+    ),
     Column(
         "detects_more",
         _TEXT,
@@ -227,5 +247,4 @@ MATRIX_COLUMNS: Final[tuple[Column, ...]] = (
         "alarms.",
         empty="no such difference",
     ),
-    _EVIDENCE["note"],
 )

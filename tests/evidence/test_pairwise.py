@@ -54,6 +54,22 @@ def test_every_two_systems_have_the_measures_of_their_comparison() -> None:
         )  # fmt: skip
 
 
+def test_a_note_stands_at_its_own_measure_and_speaks_of_no_x_and_y() -> None:
+    dataset = three()
+    boxes = dataset.boxes[dataset.boxes["source"] != 3]
+    of_y = boxes[boxes["source"] == 2]
+    # z shows what y shows, and false boxes: it detects the same encounters
+    of_z = [of_y.assign(source=3), of_y.assign(source=3, x=0.0, w=1.0)]
+    names = ["x", "y", "z"]
+    with_false = dataset_from_tables(
+        dataset.recordings, [np.arange(20)] * 12, pd.concat([boxes, *of_z]), names
+    )
+    (row,) = pairwise_table(with_false, systems=["y", "z"]).to_dict("records")
+    assert (row["difference"], row["similarity_difference"] != 0) == (0, True)
+    assert row["detected_by_unit_note"].startswith("the two are the same in all recordings; ")
+    assert row["similarity_note"] == ""
+
+
 def test_holm_corrects_over_the_pairs_and_both_measures() -> None:
     table = pairwise_table(three())
     names = ["detected_by_unit_p", "similarity_p"]

@@ -31,7 +31,8 @@ OF_NUMBERS = [name for name in COLUMNS if name not in ("x", "y", "unit")]
 
 def pair(**values: Any) -> dict[str, Any]:
     """A pair FIR and NIR over 10 recordings, of which nothing is claimed."""
-    texts = ("detects_more", "higher_similarity", "withheld", "note", "mcnemar_note")
+    notes = ("mcnemar_note", "detected_by_unit_note", "similarity_note")
+    texts = ("detects_more", "higher_similarity", "withheld", *notes)
     return {
         **dict.fromkeys(OF_NUMBERS, np.nan),
         **dict.fromkeys(texts, ""),
@@ -89,10 +90,19 @@ def test_where_nothing_is_claimed_it_says_why(values: dict[str, Any], text: str)
 
 def test_undefined_cells_are_dashes_and_get_a_footnote_where_p_is_missing():
     encounters, similarity = PAIR_MEASURES
-    table = pd.DataFrame([pair(note="too few"), pair(similarity_p=0.5, note="too few")])
+    of_both = {"detected_by_unit_note": "too few", "similarity_note": "too few"}
+    table = pd.DataFrame([pair(**of_both), pair(similarity_p=0.5, **of_both)])
     assert pair_cells(table.iloc[0].to_dict(), encounters) == ("–",) * 6
     assert pair_notes(table, encounters) == (["a", "a"], {"too few": "a"})
     assert pair_notes(table, similarity) == (["a", ""], {"too few": "a"})
+
+
+def test_a_footnote_stands_at_its_own_measure():
+    encounters, similarity = PAIR_MEASURES
+    table = pd.DataFrame([pair(detected_by_unit_note="the two are the same; one recording only")])
+    same, only = "the two are the same", "one recording only"
+    assert pair_notes(table, encounters) == (["a b"], {same: "a", only: "b"})
+    assert pair_notes(table, similarity) == ([""], {})
 
 
 def test_the_winner_is_a_letter_of_the_pair():
