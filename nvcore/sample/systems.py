@@ -2,12 +2,14 @@
 
 Both are pure range models with memory. A person is detected as far as `reach` metres; the score is
 a logistic function of log(reach / distance) plus a slowly wandering disturbance, so that losses
-last for some frames instead of flickering at random.
+last for some frames instead of flickering at random. Both report distances, with an error that is a
+share of the distance, wanders slowly, and grows with it.
 
 - FIR, far infrared: sees warmth. Long reach; short for cold clothes, crouching bodies and on warm
-  nights; alarmed by hot things.
+  nights; alarmed by hot things. Distance by the row of the feet: coarse, more so far away.
 - NIR, near infrared: sees what its lamp lights. Shorter reach, less for dark clothes and off to the
-  side; blind near dazzling headlamps; alarmed by reflecting signs and posts.
+  side; blind near dazzling headlamps; alarmed by reflecting signs and posts. Distance by the flight
+  of its lamp's pulses: fine.
 """
 
 from __future__ import annotations
@@ -29,6 +31,8 @@ SEED: Final = 110360
 THRESHOLD: Final = 0.5
 FIR_REACH_M: Final = 72.0
 NIR_REACH_M: Final = 46.0
+RANGING: Final = {"FIR": (0.03, 0.0015), "NIR": (0.015, 0.0005)}
+"""Standard deviation of a system's distances, as a share: at 0 m, and more for every metre."""
 _LOWEST_SCORE: Final = 0.12
 _HIGHEST_SCORE: Final = 0.985
 
@@ -54,15 +58,16 @@ def detections(recording: Recording, visible: list[Sighting], *, system: str) ->
             _generator(recording, system, 100 + track),
             sighting,
             _log_reach(recording, sighting, system),
+            system,
         )
         for track, sighting in enumerate(visible)
     ]
     things = _tempting(recording, system)
     parts += [
-        _false_alarm(_generator(recording, system, 200 + number), thing, recording)
+        _false_alarm(_generator(recording, system, 200 + number), thing, recording, system)
         for number, thing in enumerate(things)
     ]
-    parts.append(_noise(_generator(recording, system, 300), recording.camera))
+    parts.append(_noise(_generator(recording, system, 300), recording.camera, system))
     table = pd.concat(parts, ignore_index=True)
     table.insert(0, "recording", recording.name)
     return table.sort_values(["frame", "score"], ascending=[True, False], ignore_index=True)
@@ -105,7 +110,18 @@ def _glare(recording: Recording, sighting: Sighting) -> Floats:
     return dazzle
 
 
-def _person(generator: np.random.Generator, sighting: Sighting, log_reach: Floats) -> pd.DataFrame:
+def ranged(generator: np.random.Generator, distance_m: Floats, system: str) -> Floats:
+    """Distances in metres as a system reports them at every frame, shape (N_FRAMES,)."""
+    at_zero, per_metre = RANGING[system]
+    spread = at_zero + per_metre * distance_m
+    # most of it is geometry that changes slowly, the rest is of each picture
+    slow, quick = wandering(generator, hold_s=0.6), generator.standard_normal(N_FRAMES)
+    return np.asarray(distance_m * np.exp(spread * (0.9 * slow + np.sqrt(1 - 0.9**2) * quick)))
+
+
+def _person(
+    generator: np.random.Generator, sighting: Sighting, log_reach: Floats, system: str
+) -> pd.DataFrame:
     ease = log_reach - np.log(np.maximum(sighting.distance_m, 1.0))
     dips = np.maximum(0.0, wandering(generator, hold_s=0.35) - 1.7)
     ease = ease + 0.12 * wandering(generator, hold_s=0.8) - 1.1 * dips
@@ -123,7 +139,8 @@ def _person(generator: np.random.Generator, sighting: Sighting, log_reach: Float
     size = 0.6 * size + 0.4 * usual
     size = size * np.exp(loose * drift[:, 2:] * np.array([0.10, 0.06]))
     edges = np.concatenate([middle - size / 2, middle + size / 2], axis=1)
-    return _table(frames, edges[frames], scores[frames])
+    metres = ranged(generator, sighting.distance_m, system)
+    return _table(frames, edges[frames], scores[frames], metres[frames])
 
 
 def _tempting(recording: Recording, system: str) -> list[Thing]:
@@ -140,7 +157,7 @@ def _tempting(recording: Recording, system: str) -> list[Thing]:
 
 
 def _false_alarm(
-    generator: np.random.Generator, thing: Thing, recording: Recording
+    generator: np.random.Generator, thing: Thing, recording: Recording, system: str
 ) -> pd.DataFrame:
     ahead = thing.z - recording.way()
     size_m = min(thing.size_m, 2.1)
@@ -161,10 +178,11 @@ def _false_alarm(
     scores = 0.93 / (1 + np.exp(-2.2 * (tempt + alike + 0.7 * mood)))
     inside = (edges[:, 0] > 2) & (edges[:, 2] < WIDTH - 2) & (edges[:, 3] < HEIGHT) & (depth > 2)
     frames = np.flatnonzero(inside & (scores >= _LOWEST_SCORE) & (height >= 12))
-    return _table(frames, edges[frames], scores[frames])
+    metres = ranged(generator, np.hypot(thing.x, ahead), system)
+    return _table(frames, edges[frames], scores[frames], metres[frames])
 
 
-def _noise(generator: np.random.Generator, camera: Camera) -> pd.DataFrame:
+def _noise(generator: np.random.Generator, camera: Camera, system: str) -> pd.DataFrame:
     """Faint detections of nothing, two to five frames long, all below the threshold."""
     n = 34
     starts = generator.integers(0, N_FRAMES - 5, n)
@@ -181,10 +199,16 @@ def _noise(generator: np.random.Generator, camera: Camera) -> pd.DataFrame:
     scores = _LOWEST_SCORE + 0.3 * generator.beta(1.2, 3.0, n)
     edges, scores = np.repeat(edges, lengths, axis=0), np.repeat(scores, lengths)
     edges = edges + generator.normal(0, 0.6, edges.shape)
-    return _table(frames, edges, scores + generator.uniform(-0.03, 0.03, len(scores)))
+    scores = scores + generator.uniform(-0.03, 0.03, len(scores))
+    at_zero, per_metre = RANGING[system]
+    away = np.hypot(lateral, depth)
+    metres = away * np.exp((at_zero + per_metre * away) * generator.standard_normal(n))
+    return _table(frames, edges, scores, np.repeat(metres, lengths))
 
 
-def _table(frames: np.typing.NDArray[np.int64], edges: Floats, scores: Floats) -> pd.DataFrame:
+def _table(
+    frames: np.typing.NDArray[np.int64], edges: Floats, scores: Floats, metres: Floats
+) -> pd.DataFrame:
     edges = clipped(edges)
     table = pd.DataFrame(
         {
@@ -194,6 +218,7 @@ def _table(frames: np.typing.NDArray[np.int64], edges: Floats, scores: Floats) -
             "w": edges[:, 2] - edges[:, 0],
             "h": edges[:, 3] - edges[:, 1],
             "score": np.round(scores, 3),
+            "distance_m": np.round(metres, 2),
         }
     )
     return table[(table["w"] >= 2) & (table["h"] >= 4)]

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nvcore.sample.camera import N_FRAMES
 from nvcore.sample.scene import Car, Climate, Person, Recording, Thing
-from nvcore.sample.systems import THRESHOLD, detections, wandering
+from nvcore.sample.systems import RANGING, THRESHOLD, detections, ranged, wandering
 from nvcore.sample.truth import sightings
 
 WALKER = Person(((0, 2.5, 150.0), (15, 2.5, 150.0)))
@@ -67,6 +68,41 @@ def test_a_hot_cabinet_alarms_far_infrared_only() -> None:
     empty = replace(DRIVE, people=(), things=(cabinet,))
     assert detected(empty, "FIR") > 5
     assert detected(empty, "NIR") == 0
+
+
+def relative_errors(system: str, metres: float, n: int = 60) -> np.ndarray:
+    """Logarithm of reported over true distance, of walkers who keep their distance."""
+    away = np.full(N_FRAMES, metres)
+    return np.array(
+        [np.log(ranged(np.random.default_rng(seed), away, system) / metres) for seed in range(n)]
+    )
+
+
+@pytest.mark.parametrize("system", ["FIR", "NIR"])
+@pytest.mark.parametrize("metres", [10.0, 60.0])
+def test_distances_are_off_by_a_share_that_grows_with_them_and_by_nothing_on_average(
+    system: str, metres: float
+) -> None:
+    errors = relative_errors(system, metres)
+    at_zero, per_metre = RANGING[system]
+    spread = at_zero + per_metre * metres
+    assert errors.std() == pytest.approx(spread, rel=0.1)
+    assert abs(errors.mean()) < 0.1 * spread
+
+
+def test_an_error_of_distance_wanders_and_is_larger_in_the_far_infrared() -> None:
+    errors = relative_errors("FIR", 40.0)
+    assert np.corrcoef(errors[:, 1:].ravel(), errors[:, :-1].ravel())[0, 1] > 0.5
+    assert errors.std() > 2 * relative_errors("NIR", 40.0).std()
+
+
+def test_detections_report_the_distance_of_what_they_are_of() -> None:
+    visible = sightings(DRIVE)
+    for system in ("FIR", "NIR"):
+        table = detections(DRIVE, visible, system=system)
+        table = table[table["score"] >= THRESHOLD]
+        true_m = visible[0].distance_m[table["frame"]]
+        assert np.abs(np.log(table["distance_m"] / true_m)).median() < 0.1
 
 
 def test_wandering_noise_holds_for_some_frames() -> None:
