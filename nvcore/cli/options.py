@@ -220,7 +220,8 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
             "--recordings",
             metavar="FILE",
             help="CSV file with a line for each recording: recording,width,height,fps,context,"
-            "speed_kmh,tags,title,pictures (docs/formats.md). --size and --fps go before it.",
+            "speed_kmh,horizon,tags,title,pictures (docs/formats.md). --size and --fps go before "
+            "it.",
         ),
         grouped_option(
             FACTS,

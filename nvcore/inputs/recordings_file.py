@@ -1,7 +1,7 @@
 """A table of the recordings as CSV: what the data do not say of each.
 
-    recording,width,height,fps,context,speed_kmh,tags,pictures
-    night_01,640,480,20,rural,80,night;rain,night_01.mp4
+    recording,width,height,fps,context,speed_kmh,horizon,tags,pictures
+    night_01,640,480,20,rural,80,236,night;rain,night_01.mp4
 
 Columns may stand in any order; all but `recording` may be missing, and their cells empty. Tags are
 separated by semicolons. Paths of pictures start from the folder of the file; first_picture is the
@@ -58,6 +58,7 @@ COLUMNS: Final[dict[str, Callable[[str], Any]]] = {
     "fps": _number,
     "context": parse_context,
     "speed_kmh": _number,
+    "horizon": _number,
     "tags": _tags,
     "pictures": str,
     "first_picture": _whole_number,

@@ -20,7 +20,7 @@ from nvcore.inputs.session_toml import read_session
 from nvcore.report.files import export_files
 from nvcore.report.protect_inputs import files_read
 
-HEADER = "recording,width,height,fps,context,tags,pictures,speed_kmh"
+HEADER = "recording,width,height,fps,context,tags,pictures,speed_kmh,horizon"
 
 
 def rows_of(folder: Path, *lines: str) -> dict[str, RecordingEntry]:
@@ -45,8 +45,8 @@ def test_every_column_is_read(tmp_path: Path):
     rows = rows_of(
         tmp_path,
         HEADER,
-        "urban,640,480,20,urban,night; wet road,urban.mp4,30",
-        '"rural, 2",1280,720,12.5,0.75,,,',
+        "urban,640,480,20,urban,night; wet road,urban.mp4,30,236.5",
+        '"rural, 2",1280,720,12.5,0.75,,,,',
     )
     assert rows == {
         "urban": RecordingEntry(
@@ -58,6 +58,7 @@ def test_every_column_is_read(tmp_path: Path):
             tags=("night", "wet road"),
             context=0.0,
             speed_kmh=30,
+            horizon=236.5,
         ),
         "rural, 2": RecordingEntry("rural, 2", 1280, 720, 12.5, context=0.75),
     }
@@ -142,7 +143,7 @@ def test_a_table_without_end_is_refused(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 def test_a_session_takes_what_its_data_do_not_say_from_the_table(tmp_path: Path):
-    lines = (HEADER, "rural,1280,960,10,rural,night;dry,r.mp4,", "urban,640,480,20,0.2,,,80")
+    lines = (HEADER, "rural,1280,960,10,rural,night;dry,r.mp4,,", "urban,640,480,20,0.2,,,80,")
     dataset = load(listed(tmp_path, *lines))
     assert facts_of(dataset) == {
         "urban": (640, 480, 20, 0.2, ()),

@@ -19,14 +19,17 @@ from ui.widgets.text import plain
 
 RECORDINGS_LABEL: Final = "Recordings (table, one line each)"
 RECORDINGS_HELP: Final = (
-    "A CSV file with the columns recording, width, height, fps, context, tags, pictures, "
-    "first_picture and title; all but the first may be missing. Context: urban, rural, or a number "
-    "from 0 to 1. Tags are separated by semicolons; pictures are names of files or folders."
+    "A CSV file with the columns recording, width, height, fps, context, speed_kmh, horizon, tags, "
+    "pictures, first_picture and title; all but the first may be missing. Context: urban, rural, "
+    "or a number from 0 to 1. Speed: of the car. Horizon: its row in the picture. Tags are "
+    "separated by semicolons; pictures are names of files or folders."
 )
 _PARTS: Final = {
     "width": "sizes",
     "fps": "frame rates",
     "context": "traffic context",
+    "speed_kmh": "speeds",
+    "horizon": "horizon",
     "tags": "tags",
     "pictures": "pictures",
 }

@@ -35,6 +35,8 @@ BEFORE = pd.DataFrame(
         "height": [480.0, 480.0],
         "fps": [20.0, 20.0],
         "context": ["", "rural"],
+        "speed_kmh": [50.0, np.nan],
+        "horizon": [np.nan, 240.0],
         "tags": ["night", ""],
         "pictures": ["a.mp4", "no pictures"],
         "first_picture": [np.nan, np.nan],
@@ -54,6 +56,12 @@ def test_only_what_differs_is_a_change():
     after = edited(1, name="town", tags="day, wet;day", context="0.3", width=1224)
     change = {"title": "town", "tags": ("day", "wet"), "context": 0.3, "width": 1224.0}
     assert changes_in(BEFORE, after, {}) == {"b": change}
+
+
+def test_speed_and_horizon_are_given_and_taken_back():
+    after = edited(0, speed_kmh=None, horizon=-12.5)
+    assert changes_in(BEFORE, after, {}) == {"a": {"speed_kmh": None, "horizon": -12.5}}
+    assert changes_in(after, BEFORE, {}) == {"a": {"speed_kmh": 50.0, "horizon": None}}
 
 
 def test_pictures_are_chosen_by_their_label_and_taken_away():
@@ -79,9 +87,9 @@ def test_a_csv_finds_pictures_by_label_or_file_name_and_names_those_that_are_not
 
 
 def test_the_table_is_saved_as_a_csv_that_fills_it_again(tmp_path: Path):
-    made = tagged(
-        make_dataset(places=[Place(range(3)), Place(range(3), context=1.0)]), ("a", "b"), ()
-    )
+    places = [Place(range(3), horizon=41.5), Place(range(3), context=1.0)]
+    made = tagged(make_dataset(places=places), ("a", "b"), ())
+    made = replace(made, recordings=made.recordings.assign(speed_kmh=[80.0, np.nan]))
     entries = (RecordingEntry("r0", pictures="../x/p.mp4", first_picture=-2),)
     systems = (SystemSource("x", name="x"), SystemSource("y", name="y"))
     session = Session(folder=tmp_path, truth=Source("t"), systems=systems, recordings=entries)
@@ -91,10 +99,9 @@ def test_the_table_is_saved_as_a_csv_that_fills_it_again(tmp_path: Path):
     file.write_bytes(saved(named, named.settings))
     rows = {name: row for name, (_, row) in read_recordings_file(file, "recordings.csv").items()}
     facts = {"width": 100, "height": 100, "fps": 10}
+    own = {"speed_kmh": 80, "horizon": 41.5, "tags": ("a", "b"), "title": "=1"}
     assert rows == {
-        "r0": RecordingEntry(
-            "r0", **facts, tags=("a", "b"), pictures="p.mp4", first_picture=-2, title="=1"
-        ),
+        "r0": RecordingEntry("r0", **facts, **own, pictures="p.mp4", first_picture=-2),
         "r1": RecordingEntry("r1", **facts, context=1.0),
     }
 
@@ -106,6 +113,8 @@ def test_the_table_is_saved_as_a_csv_that_fills_it_again(tmp_path: Path):
         ({"fps": -3}, "recording 'a': fps: expected a positive number, found -3"),
         ({"name": " "}, "recording 'a': name: expected a name"),
         ({"context": "city"}, "recording 'a': context"),
+        ({"speed_kmh": 0}, "recording 'a': speed_kmh: expected a positive number, found 0"),
+        ({"horizon": np.inf}, "recording 'a': horizon: expected a finite number, found inf"),
         (
             {"first_picture": 1.5},
             "recording 'a': first_picture: expected a frame number, found 1.5",

@@ -27,8 +27,8 @@ from streamlit.testing.v1 import AppTest
 from pages import checked, texts
 
 TABLE = (
-    b"recording,width,height,fps,context,tags,pictures\n"
-    b"urban,640,480,20,urban,night,\nrural,640,480,20,0.75,,\n"
+    b"recording,width,height,fps,context,speed_kmh,horizon,tags,pictures\n"
+    b"urban,640,480,20,urban,50,,night,\nrural,640,480,20,0.75,,236.5,,\n"
 )
 
 
@@ -98,13 +98,18 @@ def test_one_recording_or_all_facts_need_no_table(tmp_path: Path):
 
 def test_a_table_of_recordings_answers_what_the_files_do_not_say(tmp_path: Path):
     page = with_table(tmp_path, TABLE)
-    assert "Read as 2 recordings: sizes, frame rates, traffic context and tags." in texts(page)
+    assert (
+        "Read as 2 recordings: sizes, frame rates, traffic context, speeds, horizon and tags."
+        in texts(page)
+    )
     assert "Not in the files" not in texts(page)
     press(page, "open_upload")
     assert page.error == []
     assert contexts(page) == ["urban", "0.75"]
     dataset = space_of(page).opened.dataset
     assert dataset.recordings["context"].tolist() == [0, 0.75]
+    assert dataset.recordings["speed_kmh"].fillna(-1).tolist() == [50, -1]
+    assert dataset.recordings["horizon"].fillna(-1).tolist() == [-1, 236.5]
     assert dataset.recordings["tags"].tolist() == [("night",), ()]
 
 
@@ -201,6 +206,18 @@ def test_the_traffic_context_is_stated_and_taken_back(tmp_path: Path, edit: Edit
     assert "1 rural and 1 without (as urban)." in texts(page)
     assert space_of(page).opened.dataset.fingerprint != before
     edit.apply(page, context="")
+    assert space_of(page).opened.dataset.fingerprint == before
+
+
+def test_the_speed_of_the_car_is_stated_and_taken_back(tmp_path: Path, edit: Edit):
+    page = opened_drive(tmp_path, "fir.csv", "nir.csv")
+    assert recordings_of(page)["speed_kmh"].isna().all()
+    before = space_of(page).opened.dataset.fingerprint
+    edit.apply(page, speed_kmh=80.0)
+    assert recordings_of(page)["speed_kmh"].fillna(-1).tolist() == [80, -1]
+    dataset = space_of(page).opened.dataset
+    assert dataset.recordings["speed_kmh"].fillna(-1).tolist() == [80, -1]
+    edit.apply(page, speed_kmh=None)
     assert space_of(page).opened.dataset.fingerprint == before
 
 

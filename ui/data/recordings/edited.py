@@ -18,10 +18,11 @@ from ui.session.uploads import safe_name
 
 NO_PICTURES: Final = "no pictures"
 COLUMNS: Final = (
-    *("name", "width", "height", "fps", "context", "tags"),
+    *("name", "width", "height", "fps", "context", "speed_kmh", "horizon", "tags"),
     *("pictures", "first_picture"),
 )
-NUMBERS: Final = ("width", "height", "fps", "first_picture")
+NUMBERS: Final = ("width", "height", "fps", "speed_kmh", "horizon", "first_picture")
+MAY_BE_UNKNOWN: Final = ("speed_kmh", "horizon")
 NAMES_ALONE: Final = frozenset({"title", "tags"})
 """Fields that can be changed without reading the files again."""
 
@@ -47,6 +48,8 @@ def editable(dataset: Dataset, session: Session, labels: Mapping[str, str]) -> p
             "height": table["height"].astype(float),
             "fps": table["fps"].astype(float),
             "context": [_context_text(value) for value in table["context"]],
+            "speed_kmh": table["speed_kmh"].astype(float),
+            "horizon": table["horizon"].astype(float),
             "tags": ["; ".join(tags) for tags in table["tags"]],
             "pictures": [labels.get(name, NO_PICTURES) for name in names],
             "first_picture": np.array(first, dtype=float),
@@ -86,6 +89,8 @@ def filled(
             "height": entry.height,
             "fps": entry.fps,
             "context": None if entry.context is None else _context_text(entry.context),
+            "speed_kmh": entry.speed_kmh,
+            "horizon": entry.horizon,
             "tags": "; ".join(entry.tags) or None,
             "first_picture": entry.first_picture,
             "name": entry.title,
@@ -180,6 +185,10 @@ def _field(column: str, value: Any, pictures: Mapping[str, str | None]) -> dict[
         return {"pictures": pictures.get(text)}
     if column == "first_picture":
         return {"first_picture": _whole(float(value)) if text else None}
+    if column in MAY_BE_UNKNOWN and not text:
+        return {column: None}
+    if column == "horizon":
+        return {column: _finite(float(value))}
     if not text:
         raise ValueError("expected a positive number, found nothing")
     number = float(value)
@@ -192,6 +201,12 @@ def _whole(number: float) -> int:
     if not number.is_integer():
         raise ValueError(f"expected a frame number, found {number:g}")
     return int(number)
+
+
+def _finite(number: float) -> float:
+    if not np.isfinite(number):
+        raise ValueError(f"expected a finite number, found {number:g}")
+    return number
 
 
 def _is_same(old: Any, new: Any) -> bool:

@@ -58,6 +58,21 @@ CONFIG: Final = {
         help="How much a miss to the side costs: urban, rural, or a number from 0 (urban) to 1 "
         "(rural); empty: not stated, which counts as urban.",
     ),
+    "speed_kmh": st.column_config.NumberColumn(
+        "Speed (km/h)",
+        width=105,
+        min_value=0,
+        format="%g",
+        help="Of the car, for the time left to brake; empty: not stated, then the sidebar's speed "
+        "is assumed.",
+    ),
+    "horizon": st.column_config.NumberColumn(
+        "Horizon (px)",
+        width=98,
+        format="%.4g",
+        help="Row of the horizon, from the top of the picture, for nearness by horizon; empty: not "
+        "known.",
+    ),
     "tags": st.column_config.TextColumn(
         "Tags", help="Words such as night; rain, separated by semicolons."
     ),
@@ -143,9 +158,9 @@ def draw(
             "Fill the table from a CSV file",
             key=f"recordings_csv_{version}",  # what was applied is not filled in again
             type=["csv", "tsv", "txt"],
-            help="Columns recording, width, height, fps, context, tags, pictures, first_picture, "
-            "title; all but the first may be missing. Pictures are looked for by name among those "
-            "to choose from. Nothing changes until the table is applied.",
+            help="Columns recording, width, height, fps, context, speed_kmh, horizon, tags, "
+            "pictures, first_picture, title; all but the first may be missing. Pictures are looked "
+            "for by name among those to choose from. Nothing changes until the table is applied.",
         )
         shown = before if file is None else _filled(before, file, choices)
         st.download_button(
