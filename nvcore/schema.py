@@ -19,6 +19,9 @@ NO_TRACK: Final = -1
 UNKNOWN_OCCLUSION: Final = -1
 """Value of `occlusion` where the data do not say (shown as empty)."""
 
+CLASS_SEPARATOR: Final = ";"
+"""Between several classes of one pedestrian."""
+
 TABLE_ENDING: Final = " (table)"
 """End of the name of an input that is a table in memory; its rows are counted from 0."""
 

@@ -188,9 +188,16 @@ def _table(reading: Reading, role: Role) -> pd.DataFrame:
     )
     if reading.attributes is None:
         return table
+    return table.assign(attributes=_attribute_texts(reading))
+
+
+def _attribute_texts(reading: Reading) -> np.ndarray:
+    """Attributes of each box, missing where it has none; object, shape (n,)."""
     places = reading.boxes[["file", "line"]]
+    if reading.attributes is None:
+        return np.full(len(places), np.nan, dtype=object)
     texts = places.merge(reading.attributes, how="left", on=["file", "line"])["attributes"]
-    return table.assign(attributes=texts.to_numpy(dtype=object))
+    return texts.to_numpy(dtype=object)
 
 
 def _coco(reading: Reading, role: Role, images: pd.DataFrame | None) -> bytes:
@@ -231,7 +238,7 @@ def _coco_truth(reading: Reading, sides: np.ndarray) -> dict[str, object]:
     ids = _ids(boxes, images)
     rows = []
     # one object a box is what JSON wants: a loop
-    for number, (image_id, box, ignore, track, distance, occlusion) in enumerate(
+    for number, (image_id, box, ignore, track, distance, occlusion, attributes) in enumerate(
         zip(
             ids,
             sides.tolist(),
@@ -239,6 +246,7 @@ def _coco_truth(reading: Reading, sides: np.ndarray) -> dict[str, object]:
             boxes["track"].tolist(),
             boxes["distance_m"].tolist(),
             boxes["occlusion"].tolist(),
+            _attribute_texts(reading),
             strict=True,
         ),
         1,  # id 0 counts as "no match" in COCO's own evaluation
@@ -258,6 +266,8 @@ def _coco_truth(reading: Reading, sides: np.ndarray) -> dict[str, object]:
             row["distance_m"] = distance
         if occlusion != UNKNOWN_OCCLUSION:
             row["occlusion"] = occlusion
+        if isinstance(attributes, str):
+            row["attributes"] = attributes
         rows.append(row)
     return {
         "videos": [

@@ -16,9 +16,8 @@ import pandas as pd
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.dataset import Dataset
 from nvcore.metrics.encounters import Encounters, encounters_of
+from nvcore.schema import CLASS_SEPARATOR
 
-SEPARATOR: Final = ";"
-"""Between several classes of one pedestrian."""
 CROSSING: Final = "crossing"
 IN_ROAD: Final = "in_road"
 GROUP: Final = "group"
@@ -66,11 +65,11 @@ class EncounterClasses:
 
     @cached_property
     def texts(self) -> np.ndarray:
-        """All classes of each encounter, joined by `SEPARATOR`; object, shape (n,)."""
+        """All classes of each encounter, joined by `CLASS_SEPARATOR`; object, shape (n,)."""
         texts = np.full(len(self.attributes), "", dtype=object)
         for name, is_member in self.members.items():  # a loop over classes
-            texts[is_member] += SEPARATOR + name
-        return np.array([text.removeprefix(SEPARATOR) for text in texts], dtype=object)
+            texts[is_member] += CLASS_SEPARATOR + name
+        return np.array([text.removeprefix(CLASS_SEPARATOR) for text in texts], dtype=object)
 
 
 def classes_of(dataset: Dataset) -> EncounterClasses:
@@ -156,7 +155,7 @@ def classes_named(attributes: np.ndarray) -> dict[str, np.ndarray]:
     codes, texts = pd.factorize(attributes)
     members: dict[str, np.ndarray] = {}
     for code, text in enumerate(texts):  # a loop over different texts
-        for name in dict.fromkeys(part.strip() for part in str(text).split(SEPARATOR)):
+        for name in dict.fromkeys(part.strip() for part in str(text).split(CLASS_SEPARATOR)):
             if name:
                 members[name] = members.get(name, False) | (codes == code)
     return {name: members[name] for name in sorted(members)}

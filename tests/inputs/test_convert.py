@@ -226,14 +226,15 @@ def test_a_format_and_a_path_that_cannot_be_written_are_errors(tmp_path, format_
         write(truth(), format_name, tmp_path, role="truth")
 
 
-@pytest.mark.parametrize("ending", ["csv", "parquet"])
-def test_attributes_come_back_from_csv_and_parquet(tmp_path: Path, ending: str):
+@pytest.mark.parametrize(
+    ("format_name", "read"), [("csv", csv.read), ("parquet", parquet.read), ("coco", read_coco)]
+)
+def test_attributes_come_back_from_all_that_hold_them(tmp_path: Path, format_name, read):
     path = tmp_path / "truth.csv"
     path.write_text("frame,x,y,w,h,attributes\n1,2,3,4,5,=child\n2,2,3,4,5,\n3,2,3,4,5,dog\n")
     first = csv.read([SourceFile(path, path.name)], ReadOptions())
-    target = tmp_path / f"again.{ending}"
-    write(first, ending, target, role="truth")
-    reader = csv if ending == "csv" else parquet
-    again = reader.read([SourceFile(target, target.name)], ReadOptions())
+    target = tmp_path / f"again.{format_name}"
+    write(first, format_name, target, role="truth")
+    again = read([SourceFile(target, target.name)], ReadOptions())
     assert again.attributes["attributes"].tolist() == ["=child", "dog"]
     assert again.boxes["frame"].to_numpy()[[0, 2]].tolist() == [1, 3]

@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 import streamlit as st
 
-from nvcore.metrics.encounter_classes import DERIVED, SEPARATOR
-from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category, MissClass
+from nvcore.metrics.encounter_classes import DERIVED
+from nvcore.schema import CATEGORY_TEXT, CLASS_SEPARATOR, MISS_CLASS_TEXT, Category, MissClass
 from nvcore.wording import shortened
 from ui.session import state
 from ui.session.chosen import recordings_key
@@ -56,7 +56,7 @@ class Filters:
         if self.classes:
             texts, names = pd.factorize(encounters["classes"])
             has_one = [
-                not set(self.classes).isdisjoint(str(name).split(SEPARATOR)) for name in names
+                not set(self.classes).isdisjoint(str(name).split(CLASS_SEPARATOR)) for name in names
             ]
             passes &= np.array(has_one, dtype=bool)[texts]
         for column, span in (
@@ -75,7 +75,7 @@ class Filters:
 def class_names(encounters: pd.DataFrame) -> list[str]:
     """Classes of these rows of `nvcore.tables.result.encounters_table`, by name."""
     texts = encounters["classes"].unique()
-    return sorted({name for text in texts for name in str(text).split(SEPARATOR) if name})
+    return sorted({name for text in texts for name in str(text).split(CLASS_SEPARATOR) if name})
 
 
 def class_name(name: str) -> str:

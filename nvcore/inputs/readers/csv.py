@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from pandas.api.types import union_categoricals
 
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
@@ -35,6 +34,7 @@ from nvcore.inputs.readers.csv_columns import (
     read_columns,
     read_header,
 )
+from nvcore.inputs.readers.meaning.attributes import attributes_of_boxes, joined_attributes
 from nvcore.inputs.readers.meaning.categories import CategoryChoice, choose_categories, is_lookalike
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers, odd_levels
@@ -138,17 +138,8 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
         conversion=conversion_text(facts),
         annotated=annotated,
         findings=tuple(findings),
-        attributes=_joined(attributes),
+        attributes=joined_attributes(attributes),
     )
-
-
-def _joined(tables: Sequence[pd.DataFrame | None]) -> pd.DataFrame | None:
-    """The attributes of all files; None where none has any."""
-    filled = [table for table in tables if table is not None and len(table)]
-    if not filled:
-        return None
-    texts = union_categoricals([table["attributes"] for table in filled])
-    return pd.concat(filled, ignore_index=True).assign(attributes=texts)
 
 
 def missing_columns(header: Header) -> str | None:
@@ -229,16 +220,8 @@ def _read_one(
     attributes = None
     if "attributes" in columns:
         facts.append("attributes as classes of encounters")
-        attributes = _attributes(columns["attributes"], boxes)
+        attributes = attributes_of_boxes(boxes, columns["attributes"], MISSING)
     return boxes, columns.get("class"), facts, findings, attributes
-
-
-def _attributes(texts: pd.Series, boxes: pd.DataFrame) -> pd.DataFrame:
-    """The attributes of those boxes that have any; columns of `ATTRIBUTE_DTYPES`."""
-    names = names_as_categories(texts, len(texts))
-    is_given = ~names.isin(MISSING)
-    given = names[is_given].remove_unused_categories()
-    return boxes.loc[is_given, ["file", "line"]].assign(attributes=given)
 
 
 def _classes(

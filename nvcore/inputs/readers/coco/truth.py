@@ -30,6 +30,12 @@ from nvcore.inputs.readers.coco.images import (
     read_images,
     rows_by_id,
 )
+from nvcore.inputs.readers.meaning.attributes import (
+    attributes_of_boxes,
+    class_of,
+    joined_attributes,
+    joined_classes,
+)
 from nvcore.inputs.readers.meaning.categories import CategoryChoice, choose_categories
 from nvcore.inputs.readers.meaning.occlusion import (
     levels_of_numbers,
@@ -60,7 +66,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     FormatError
         With file and record of the first thing that is not COCO, or is not clear.
     """
-    tables, images, recordings = [], [], []
+    tables, images, recordings, attributes = [], [], [], []
     facts: list[str] = ["boxes as they are (0-based)"]
     findings: list[Finding] = []
     for number, file in enumerate(files):
@@ -71,8 +77,11 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
                 f"{short_json(document)}; a list of results is no ground truth"
             )
         listed = read_images(document, file)
-        boxes, new_facts, oddities = _read_annotations(document, file, number, listed, options)
+        boxes, new_facts, oddities, texts = _read_annotations(
+            document, file, number, listed, options
+        )
         tables.append(boxes)
+        attributes.append(texts)
         recordings.append(listed.recordings)
         images.append(listed.table)
         facts += [listed.conversion, *new_facts]
@@ -84,6 +93,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         conversion=conversion_text(facts),
         images=_all_images(images, files),
         findings=tuple(findings),
+        attributes=joined_attributes(attributes),
     )
 
 
@@ -109,13 +119,13 @@ def _read_annotations(
     number: int,
     listed: ImageList,
     options: ReadOptions,
-) -> tuple[pd.DataFrame, list[str], list[Finding]]:
-    """Boxes of a file, the conversion in words, and what is odd."""
+) -> tuple[pd.DataFrame, list[str], list[Finding], pd.DataFrame | None]:
+    """Boxes of a file, the conversion in words, what is odd, and the attributes."""
     records = Records(document.get("annotations"), file, "annotation", "annotations")
     choice, keys = _classes(document, records, file, options)
     facts = [choice.conversion] if choice is not None else ["no categories: all annotations count"]
     if not len(records):
-        return reading_boxes(0), facts, []
+        return reading_boxes(0), facts, [], None
     box = records.boxes()
     row = rows_by_id(image_ids(records, "image_id"), listed.table["image_id"])
     recording, frame, is_known = places_of_rows(listed.table, row)
@@ -134,9 +144,10 @@ def _read_annotations(
     columns["occlusion"], occlusion_facts, findings = _occlusion(records, lines)
     facts += occlusion_facts
     distance = records.numbers("distance_m", "distance")
+    keep = is_known & ~is_left_out
     boxes = lines.boxes(
         box.T,
-        keep=is_known & ~is_left_out,
+        keep=keep,
         recording=recording,
         frame=frame,
         ignore=ignore,
@@ -156,7 +167,26 @@ def _read_annotations(
         ),
         severity=Severity.ERROR,
     )
-    return boxes, facts, findings
+    attributes = attributes_of_boxes(boxes, _attribute_texts(records)[keep])
+    facts += ["attributes as classes of encounters"] if attributes is not None else []
+    return boxes, facts, findings, attributes
+
+
+def _attribute_texts(records: Records) -> np.ndarray:
+    """What each annotation's `attributes` (object, list or text) say; object, shape (n,)."""
+    texts = np.full(len(records), "", dtype=object)
+    for row, value in enumerate(records.values("attributes") or ()):  # a loop over JSON objects
+        if isinstance(value, dict):
+            texts[row] = joined_classes(
+                class_of(name, str(given))
+                for name, given in value.items()
+                if isinstance(given, str | bool)
+            )
+        elif isinstance(value, list):
+            texts[row] = joined_classes(name.strip() for name in value if isinstance(name, str))
+        elif isinstance(value, str):
+            texts[row] = value.strip()
+    return texts
 
 
 def _classes(

@@ -19,6 +19,7 @@ from nvcore.inputs.readers.base import (
     warning,
 )
 from nvcore.inputs.readers.cvat.xml import CvatContent
+from nvcore.inputs.readers.meaning.attributes import attributes_of_boxes, is_ambiguous
 from nvcore.inputs.readers.meaning.categories import concerns_pedestrians, free_labels
 from nvcore.inputs.readers.meaning.classes import choose_classes, name_left_out
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
@@ -68,13 +69,16 @@ def boxes_reading(
         ignore=(choice.ignore | column["ignore"]) & is_truth,
         occlusion=levels_of_numbers(column["occluded"]),
     )
-    attributes = "attributes such as ignore or iscrowd = ignore; occluded = partial occlusion"
+    texts, ambiguous = _attributes(column["attributes"][choice.keep], lines[choice.keep], is_truth)
+    attributes = attributes_of_boxes(upright, texts)
+    ignoring = "attributes such as ignore or iscrowd = ignore; occluded = partial occlusion"
     steps = [
         "corners to width and height (0-based, continuous)",
         *facts,
         choice.fact,
         name_left_out(label, choice.keep),
-        attributes if is_truth else "",
+        ignoring if is_truth else "",
+        "other attributes as classes of encounters" if attributes is not None else "",
         f"{n_rotated} rotated boxes replaced by the upright box around them" if n_rotated else "",
     ]
     return Reading(
@@ -82,8 +86,30 @@ def boxes_reading(
         recordings=recordings,
         conversion=conversion_text(steps),
         images=images,
-        findings=(*merged(findings), *choice.findings),
+        findings=(*merged(findings), *choice.findings, *ambiguous),
+        attributes=attributes,
     )
+
+
+def _attributes(
+    texts: np.ndarray, lines: Lines, is_truth: bool
+) -> tuple[np.ndarray, list[Finding]]:
+    """Classes named by the annotators of the truth, and a warning where a line has several boxes.
+
+    Attributes are found again by the line of the box.
+    """
+    if not is_truth:
+        return np.full(len(texts), "", dtype=object), []
+    is_shared = is_ambiguous(lines.file, lines.line, texts)
+    findings = lines.finding(
+        is_shared,
+        "shared-line",
+        "Boxes with different attributes stand in one line of the file: their attributes are left "
+        "out.",
+        "Write each box in a line of its own (xmllint --format).",
+        role="truth",
+    )
+    return np.where(is_shared, "", texts), findings
 
 
 def _upright(corners: np.ndarray, rotation: np.ndarray) -> np.ndarray:

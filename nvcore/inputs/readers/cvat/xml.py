@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.inputs.readers.base import SourceFile
+from nvcore.inputs.readers.meaning.attributes import class_of, joined_classes
 from nvcore.inputs.readers.parse.xml import (
     Element,
     file_stem,
@@ -137,7 +138,8 @@ class CvatContent:
     boxes
         One row per box: owner (its position in `owners`), frame and line, int64; x0, y0, x1, y1
         (before it is rotated, px), rotation (clockwise about its middle, degrees), occluded (NaN:
-        unknown) and score, float64; outside, keyframe and ignore, bool; label.
+        unknown) and score, float64; outside, keyframe and ignore, bool; label; attributes, the
+        classes that its annotator named, as text.
     other_shapes
         (kind, label, line) of each shape that is no box.
     declared
@@ -167,6 +169,7 @@ class _Parser:
         self.content = CvatContent()
         self.values = array("d")
         self.labels: list[str] = []
+        self.attributes: list[str] = []
         self.task: Task | None = None
         self.source = ""
         self.owner: Element | None = None
@@ -174,6 +177,7 @@ class _Parser:
         self.is_ignored = False
         self.is_occluded = False
         self.score = float("nan")
+        self.classes: list[str] = []
 
     def take(self, element: Element) -> None:
         """One element that has ended."""
@@ -216,12 +220,15 @@ class _Parser:
             self.is_occluded |= is_true(element.text)
         elif name in SCORE_ATTRIBUTES:
             self.score = number(element.text, name, self.file, element.line)
+        else:
+            self.classes.append(class_of(element.attributes.get("name", ""), element.text))
 
     def begin_shape(self, element: Element) -> None:
         """Nothing is known yet of a new shape."""
         self.shape = element
         self.is_ignored = self.is_occluded = False
         self.score = float("nan")
+        self.classes = []
 
     def take_box(self, element: Element) -> None:
         """A box of the track or picture around it."""
@@ -253,6 +260,7 @@ class _Parser:
             )
         )
         self.labels.append(label)
+        self.attributes.append(joined_classes(self.classes) if self.classes else "")
 
     def add_owner(self, element: Element) -> None:
         """A track or a picture, at its end or at the first box in it."""
@@ -326,7 +334,10 @@ class _Parser:
         """The content, when the file has ended."""
         values = np.array(self.values, dtype=np.float64).reshape(-1, len(_COLUMNS))
         boxes = pd.DataFrame(values, columns=list(_COLUMNS)).astype(_TYPES)
-        self.content.boxes = boxes.assign(label=pd.Series(self.labels, dtype=object))
+        self.content.boxes = boxes.assign(
+            label=pd.Series(self.labels, dtype=object),
+            attributes=pd.Series(self.attributes, dtype=object),
+        )
         tasks = self.content.tasks
         if not tasks:
             tasks[""] = Task()

@@ -274,3 +274,29 @@ def test_no_categories_and_several_ids_ask_for_the_classes(read_document):
     with pytest.raises(FormatError, match="annotations of category_id 1, 2; name the category ids"):
         read_document(content)
     assert len(read_document(content, classes=("2",)).boxes) == 1
+
+
+@pytest.mark.parametrize(
+    ("attributes", "expected"),
+    [
+        ("child;with dog", "child;with dog"),
+        (["child", 3, "with dog "], "child;with dog"),
+        ({"age": "child", "with_dog": True, "occluded": True, "track_id": 4}, "child;with_dog"),
+        ({"with_dog": False, "age": None, "n": 2.5, "more": {"deep": True}}, None),
+        (7, None),
+    ],
+)
+def test_attributes_name_classes_as_text_list_or_object(read_document, attributes, expected):
+    boxes = [annotation(id=2), annotation(attributes=attributes)]
+    reading = read_document(document(annotations=boxes))
+    if expected is None:
+        assert reading.attributes is None
+    else:
+        assert rows(reading.attributes, "file line attributes") == [[0, 2, expected]]
+
+
+def test_attributes_of_what_is_left_out_are_not_those_of_others(read_document):
+    boxes = [annotation(category_id=2, attributes="car"), annotation(id=2, attributes="child")]
+    categories = [{"id": 1, "name": "person"}, {"id": 2, "name": "car"}]
+    reading = read_document(document(annotations=boxes, categories=categories))
+    assert rows(reading.attributes, "line attributes") == [[2, "child"]]

@@ -118,3 +118,27 @@ def test_many_labels_that_are_left_out_are_told_in_short(tmp_path: Path) -> None
     boxes = "".join(BOX.replace("person", f"thing {n}") for n in range(10))
     reading = read_xml(tmp_path, image("x/1.png", 0, BOX + boxes))
     assert "thing 7 (1), 2 more labels (2)" in reading.conversion
+
+
+def person(line_end: str = "\n", **attributes: str) -> str:
+    inner = "".join(
+        f'<attribute name="{name}">{value}</attribute>' for name, value in attributes.items()
+    )
+    return f'<box label="person" xtl="1" ytl="2" xbr="4" ybr="6">{inner}</box>{line_end}'
+
+
+def test_attributes_of_the_truth_name_classes_and_those_of_the_box_do_not(tmp_path: Path) -> None:
+    boxes = person(age="child", with_dog="true", occluded="true") + person(score="0.5") + person()
+    reading = read_xml(tmp_path, image("a_1.png", 0, boxes))
+    assert reading.attributes is not None
+    assert rows(reading.attributes, "file line attributes") == [[0, 2, "child;with_dog"]]
+    assert "other attributes as classes of encounters" in reading.conversion
+    assert read_xml(tmp_path, image("a_1.png", 0, boxes), role="detections").attributes is None
+
+
+def test_boxes_of_one_line_lose_attributes_that_differ_and_are_reported(tmp_path: Path) -> None:
+    boxes = person("", age="child") + person("", age="adult") + "\n" + person("", age="adult") * 2
+    reading = read_xml(tmp_path, image("a_1.png", 0, boxes))
+    assert reading.attributes is not None
+    assert rows(reading.attributes, "line attributes") == [[3, "adult"]]
+    assert only_finding(reading, "shared-line").count == 2

@@ -285,6 +285,14 @@ def test_an_attribute_of_the_annotator_marks_occlusion(tmp_path: Path) -> None:
     assert boxes["occlusion"].tolist() == [1, -1]
 
 
+def test_frames_filled_in_have_the_attributes_of_the_keyframe_before_them(tmp_path: Path) -> None:
+    inner = '<attribute name="age">child</attribute>'
+    reading = read_xml(tmp_path, track(box(0, inner=inner), box(3, more=OUTSIDE)))
+    assert rows(reading.boxes, "frame line") == [[0, 3], [1, 3], [2, 3]]
+    assert reading.attributes is not None
+    assert rows(reading.attributes, "file line attributes") == [[0, 3, "child"]]
+
+
 def fill(frames: list[int], *, tracks: list[int] | None = None) -> FilledTracks:
     n = len(frames)
     return fill_between_keyframes(
