@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
+from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
 from nvcore.metrics.encounters import Encounters, encounters_of, mostly_one_frame
@@ -18,6 +19,12 @@ from nvcore.metrics.fusion import fuse
 from nvcore.metrics.linking import TruthTracks
 from nvcore.metrics.matching import count_per_frame
 from nvcore.metrics.proximity import Weights, in_use, weigh_proximity
+from nvcore.metrics.proximity.borrowing import (
+    Borrowed,
+    borrowed_distances,
+    borrows,
+    weighing_truth,
+)
 from nvcore.metrics.saliency import saliency_by_recording
 from nvcore.metrics.severity import cost_of_miss
 from nvcore.metrics.time_left import Contact, curve_over_speed, find_urgent, measure_contact
@@ -120,6 +127,16 @@ class Result:
         n_split = self.venn.x_only + self.venn.y_only
         is_withheld = self.is_short or n_split < MIN_DISCORDANT
         return np.nan if is_withheld else self.exclusivity.mcnemar_p
+
+    @property
+    def borrowed(self) -> Borrowed | None:
+        """Distances that pedestrians borrowed from their matches; None: not set so."""
+        return borrowed_distances(self.dataset) if borrows(self.params) else None
+
+    @property
+    def weighed_truth(self) -> BoxColumns:
+        """The truth, with the distances that its weights are of (borrowed ones, if set so)."""
+        return weighing_truth(self.dataset, self.params)
 
     def saliency_of_recordings(self, system: SystemResult) -> np.ndarray:
         """Saliency of every recording by itself, s, 0 is best; float64, shape (n_recordings,)."""
@@ -224,7 +241,9 @@ def compare(
     tracks, encounters = encounters_of(dataset)
     n_truth = memo.get("n_truth", lambda: count_per_frame(truth, ~truth.ignore))
     k_truth = memo.get(
-        "k_truth", lambda: weigh_proximity(truth, ~truth.ignore, frames, params), PROXIMITY
+        "k_truth",
+        lambda: weigh_proximity(weighing_truth(dataset, params), ~truth.ignore, frames, params),
+        PROXIMITY,
     )
     cost = memo.get(
         "cost",

@@ -196,8 +196,9 @@ class Figures:
 
     def cost_map(self, recording: Recording = 0) -> go.Figure:
         """What missing a pedestrian would cost, by where in the picture the feet are."""
-        dataset, row = self._result.dataset, self._row(recording)
-        cost = map_cost(dataset.truth, dataset.frame_columns, self._result.params, row)
+        result, row = self._result, self._row(recording)
+        frames = result.dataset.frame_columns
+        cost = map_cost(result.weighed_truth, frames, result.params, row)
         return cost_plot(cost, theme=self._theme)
 
     def _system(self, letter: str) -> SystemResult:

@@ -15,6 +15,7 @@ from nvcore.auditing.agreement import (
 from nvcore.auditing.boxes import audit_doubles, audit_geometry, audit_tracks
 from nvcore.auditing.cases import BoxSource, system_source, truth_source
 from nvcore.auditing.comparability import (
+    audit_borrowing,
     audit_encounter_lengths,
     audit_operating_points,
     audit_weighting,
@@ -126,7 +127,7 @@ def audit_pair(
 ) -> tuple[Finding, ...]:
     """The part of `audit` that depends on the settings and on both systems."""
     names = _compared(dataset, x, y)
-    findings = [*audit_encounter_lengths(dataset, params)]
+    findings = [*audit_encounter_lengths(dataset, params), *audit_borrowing(dataset, params)]
     if len(names) < 2 or names[0] == names[1]:
         return tuple(findings)
     system_x, system_y = (system_source(dataset, name) for name in names)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -14,8 +15,9 @@ from nvcore.inputs.evaluated_frames import nth
 from nvcore.metrics.encounters import encounters_of, mostly_one_frame
 from nvcore.metrics.matching import Matches
 from nvcore.metrics.proximity import weigh_proximity
+from nvcore.metrics.proximity.borrowing import borrowed_distances, borrows, weighing_truth
 from nvcore.params import Params
-from nvcore.wording import count_text
+from nvcore.wording import capitalised, count_text
 
 MIN_ENCOUNTERS: Final = 10
 """Fewer near encounters than this say little."""
@@ -34,7 +36,7 @@ def audit_encounter_lengths(dataset: Dataset, params: Params) -> list[Finding]:
     if params.proximity == "horizon" and params.horizon is None and np.isnan(frames.horizon).any():
         return []
     tracks, encounters = encounters_of(dataset)
-    k = weigh_proximity(truth, ~truth.ignore, frames, params).k
+    k = weigh_proximity(weighing_truth(dataset, params), ~truth.ignore, frames, params).k
     near = np.unique(encounters.encounter_of[~truth.ignore & (k >= RELEVANT)])
     n_frames = encounters.n_frames[near]
     if len(near) < MIN_ENCOUNTERS or not mostly_one_frame(n_frames):
@@ -80,8 +82,9 @@ def audit_weighting(truth: BoxSource, x: BoxSource, y: BoxSource, params: Params
     """
     if params.proximity != "distance":
         return []
+    weighed = replace(truth, boxes=weighing_truth(truth.dataset, params))
     without = [
-        (source, np.flatnonzero(np.isnan(source.boxes.distance_m))) for source in (truth, x, y)
+        (source, np.flatnonzero(np.isnan(source.boxes.distance_m))) for source in (weighed, x, y)
     ]
     shares = [
         len(rows) / len(source.boxes) if len(source.boxes) else np.nan for source, rows in without
@@ -98,7 +101,12 @@ def audit_weighting(truth: BoxSource, x: BoxSource, y: BoxSource, params: Params
             f"{len(rows):,} of {len(source.boxes):,} boxes ({share:.0%}) have no distance and are "
             f"weighted by their height, the others by metres: {_whose(source, rows)}. Of the "
             f"truth, X and Y the least share is {least:.0%}.",
-            "Compare with --proximity height, which all boxes have, or give the distances.",
+            "Compare with --proximity height, which all boxes have, or give the distances"
+            + (
+                " (--missing-distance borrow takes those of the systems)."
+                if source.is_truth and not borrows(params)
+                else "."
+            ),
             is_of_all=True,
         )
     ]
@@ -112,6 +120,44 @@ def _whose(source: BoxSource, rows: np.ndarray) -> str:
     if len(names) == len(recordings) > 1:
         return f"in all {len(names):,} recordings"
     return f"in {count_text(len(names), 'recording')}, {spelled(names)}"
+
+
+LARGE_SPREAD: Final = 0.25
+"""Difference of the distances that systems report of one pedestrian, as a share, that is odd."""
+
+
+def audit_borrowing(dataset: Dataset, params: Params) -> list[Finding]:
+    """From whom pedestrians without a distance borrowed theirs, and how far the lenders differ.
+
+    A warning where one of several systems lends alone: what it misses before its first match and
+    after its last weighs by height, what it finds by metres.
+    """
+    if not borrows(params):
+        return []
+    borrowed = borrowed_distances(dataset)
+    n_lenders = np.count_nonzero(borrowed.lent)
+    if not n_lenders:
+        return []
+    is_alone = n_lenders == 1 < len(dataset.systems)
+    is_apart = borrowed.spread >= LARGE_SPREAD
+    advice = "Nothing to do: both systems are judged by the same weights."
+    if is_alone:
+        advice = (
+            "Compare with --missing-distance height, too: one system alone says here how near "
+            "pedestrians are, and only where it finds them."
+        )
+    elif is_apart:
+        advice = "Check the unit of the distances, and what they are measured from."
+    return [
+        Finding(
+            severity=Severity.WARNING if is_alone or is_apart else Severity.NOTE,
+            code="borrowed-distances",
+            subject=TRUTH_NAME,
+            count=borrowed.n_borrowed,
+            message=f"{capitalised(borrowed.text(dataset.systems))}.",
+            advice=advice,
+        )
+    ]
 
 
 MIN_DETECTIONS: Final = 50

@@ -21,6 +21,7 @@ from nvcore.figures.style import (
     write,
 )
 from nvcore.metrics.proximity import in_use, sigmoid
+from nvcore.metrics.proximity.borrowing import weighing_truth
 from nvcore.palette import Theme
 from nvcore.params import Params
 from nvcore.wording import count_text
@@ -202,7 +203,7 @@ def _sizes_and_curves(
     dataset: Dataset, params: Params
 ) -> tuple[np.ndarray, list[tuple[float, float]], str]:
     """What the sigmoid is over, for the pedestrians; (zero, spread) of each; the axis' title."""
-    truth, frames = dataset.truth, dataset.frame_columns
+    truth, frames = weighing_truth(dataset, params), dataset.frame_columns
     rows = np.arange(0, len(truth), max(1, -(-len(truth) // MAX_BOXES)))
     rows = rows[~truth.ignore[rows]]
     n_all = f"{int(np.count_nonzero(~truth.ignore)):,} boxes"

@@ -7,6 +7,7 @@ from nvcore.metrics.fusion import fuse, pair_detections
 from nvcore.metrics.linking import TruthTracks, link_boxes, track_truth
 from nvcore.metrics.matching import Matches, count_per_frame, match_boxes
 from nvcore.metrics.proximity import Weights, weigh_proximity
+from nvcore.metrics.proximity.borrowing import Borrowed, borrowed_distances
 from nvcore.metrics.saliency import (
     find_events,
     mean_saliency,
@@ -54,6 +55,7 @@ from nvcore.metrics.venn import (
 
 __all__ = [
     "RELEVANT_K",
+    "Borrowed",
     "BoxVenn",
     "Contact",
     "CostMap",
@@ -68,6 +70,7 @@ __all__ = [
     "Venn",
     "Weights",
     "border_of",
+    "borrowed_distances",
     "categorise",
     "confirm",
     "cost_of_miss",

@@ -75,9 +75,13 @@ def fuse(
     }
     columns["source"] = np.repeat([TRUTH, 1, 2], [n_truth, len(either), len(both)])
     columns["score"][n_truth:] = np.nan
-    return replace(
+    fused = replace(
         dataset,
         boxes=conform(columns, DATASET_BOX_DTYPES, n_rows=len(rows)),
         systems=(f"{x_name} or {y_name}", f"{x_name} and {y_name}"),
         settings=Settings(),
     )
+    # of the systems that were there, or a pedestrian would weigh otherwise for the fused ones
+    if "borrowed_distances" in dataset.derived:
+        fused.derived["borrowed_distances"] = dataset.derived["borrowed_distances"]
+    return fused

@@ -107,7 +107,7 @@ class _Frame:
         self.result, self.row = result, row
         self.half_width = float(frames.half_width[row])
         self.rows = {"truth": dataset.truth.rows_of(row, row + 1)}
-        self.truth = dataset.truth.of_frames(row, row + 1)
+        self.truth = result.weighed_truth.of_frames(row, row + 1)
         gathered = gather_boxes(result, row, row + 1).truth
         self.tracks, self.is_relevant = gathered.track, gathered.is_relevant
         self.is_salient = {"x": gathered.is_salient_x, "y": gathered.is_salient_y}

@@ -10,6 +10,7 @@ from nvcore.params.metadata import COST, NEAREST, PROXIMITY, SIMILARITY, setting
 Distance = Literal["lateral", "ground"]
 Pairing = Literal["nearest", "matched"]
 Proximity = Literal["height", "horizon", "distance", "none"]
+MissingDistance = Literal["height", "borrow"]
 
 MIDPOINT_SHARE: Final = 0.10
 """Default midpoint of the height sigmoid as a share of the image height."""
@@ -117,6 +118,16 @@ class SimilaritySettings:
         used_with=("proximity", ("distance",)),
         label="Softness",
         meaning="Softness of the step at that distance.",
+    )
+    missing_distance: MissingDistance = setting(
+        PROXIMITY,
+        "height",
+        words={"height": "his height", "borrow": "the distance of his matches"},
+        used_with=("proximity", ("distance",)),
+        label="Without a distance, weigh by",
+        meaning="What weighs a pedestrian who has no distance in the ground truth: his height "
+        "(height), or the distance that the systems report of him, borrowed along his track "
+        "(borrow).",
     )
     horizon: float | None = setting(
         PROXIMITY,

@@ -130,6 +130,9 @@ def render_inputs(result: Result) -> str:
             f"the truth of {n} recording{'s' if n > 1 else ''} has pedestrians without "
             "track ids: they were linked to encounters by overlap from frame to frame"
         )
+    borrowed = result.borrowed
+    if borrowed is not None and borrowed.n_borrowed + borrowed.n_unknown:
+        lines.append(borrowed.text(result.dataset.systems))
     for boxes, without in (
         ("truth boxes", result.k_truth.n_without_distance),
         ("boxes of X", result.x.weights.n_without_distance),

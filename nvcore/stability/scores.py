@@ -13,6 +13,7 @@ from nvcore.comparison import Result
 from nvcore.metrics.encounters import judge_encounters
 from nvcore.metrics.matching import Matches, match_system
 from nvcore.metrics.proximity import in_use, weigh_proximity
+from nvcore.metrics.proximity.borrowing import weighing_truth
 from nvcore.metrics.saliency import find_events, mean_saliency, qualify
 from nvcore.metrics.similarity import Nearest, SetDistances, measure_sets
 from nvcore.params import Params, settings_for
@@ -132,7 +133,8 @@ def score_setting(
     has_new_weights = _is_changed(PROXIMITY, changes)
     k_truth = result.k_truth.k
     if has_new_weights:
-        k_truth = weigh_proximity(dataset.truth, ~dataset.truth.ignore, frames, params).k
+        truth = weighing_truth(dataset, params)
+        k_truth = weigh_proximity(truth, ~truth.ignore, frames, params).k
     scores: dict[Letter, Score] = {}
     for letter in letters:
         matches = _matches(result, letter, params, changes, full)

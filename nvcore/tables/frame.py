@@ -171,7 +171,7 @@ def frame_summary(result: Result, row: int) -> FrameSummary:
 
 def _pedestrians(result: Result, row: int) -> pd.DataFrame:
     dataset, frames = result.dataset, result.dataset.frame_columns
-    rows, truth = dataset.truth.rows_of(row, row + 1), dataset.truth.of_frames(row, row + 1)
+    rows, truth = dataset.truth.rows_of(row, row + 1), result.weighed_truth.of_frames(row, row + 1)
     k = result.k_truth.k[rows]
     boxes = gather_boxes(result, row, row + 1).truth
     edge_weight = in_use(result.params, "edge_weight", frames)

@@ -108,6 +108,55 @@ _URGENCY: Final = (
     ),
 )
 
+_NOT_BORROWED: Final = "`missing_distance` is not `borrow`, or `proximity` not `distance`"
+_BORROWED: Final = (
+    _Entry(
+        Column(
+            "truth.boxes_reported_distance",
+            _INTEGER,
+            "boxes",
+            "Pedestrians weighted by a distance that their matches report.",
+            empty=_NOT_BORROWED,
+        ),
+        lambda result: result.borrowed and result.borrowed.n_reported,
+    ),
+    _Entry(
+        Column(
+            "truth.boxes_between_distances",
+            _INTEGER,
+            "boxes",
+            "Pedestrians weighted by a distance interpolated along the track.",
+            empty=_NOT_BORROWED,
+        ),
+        lambda result: result.borrowed and result.borrowed.n_between,
+    ),
+    _Entry(
+        Column(
+            "truth.distances_lent",
+            Kind.TABLE,
+            "boxes",
+            "How many of the reported distances are from each system, by its name; several may "
+            "report one.",
+            empty=_NOT_BORROWED,
+        ),
+        lambda result: (
+            result.borrowed
+            and dict(zip(result.dataset.systems, result.borrowed.lent.tolist(), strict=True))
+        ),
+    ),
+    _Entry(
+        Column(
+            "truth.distance_spread",
+            _NUMBER,
+            "share",
+            "Median range of the distances that several systems report of one pedestrian, as a "
+            "share of their mean.",
+            empty="as above, or no two systems report one",
+        ),
+        lambda result: result.borrowed and result.borrowed.spread,
+    ),
+)
+
 _ENTRIES: Final[tuple[_Entry, ...]] = (
     _Entry(Column("version", _TEXT, "", "Version of nvcore."), lambda _: __version__),
     _Entry(
@@ -171,6 +220,7 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
         ),
         lambda result: result.k_truth.n_without_distance,
     ),
+    *_BORROWED,
     *_URGENCY,
     _Entry(
         Column("x", Kind.TABLE, "", "System X; the keys are those of each system, below."),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from audit_comparison import codes, dataset, drawn, find, truth_walk, walk
 from builders import NAN, Box, Place, make_dataset
@@ -185,3 +187,31 @@ def test_linked_tracks_are_named_as_the_reason() -> None:
 def test_an_unknown_horizon_is_left_to_the_analysis() -> None:
     assert "short-encounters" not in codes(people(11, 0), Params(proximity="horizon"))
     assert "short-encounters" in codes(people(11, 0), Params(proximity="horizon", horizon=100))
+
+
+BORROWED = replace(BY_DISTANCE, missing_distance="borrow")
+
+
+def test_borrowed_distances_are_told_and_no_mixed_weighting() -> None:
+    near = walk(distance_m=20.0)
+    made = dataset(truth_walk(), near, near)
+    assert "mixed-weighting" in codes(made, BY_DISTANCE)
+    assert "borrowed-distances" not in codes(made, BY_DISTANCE)
+    finding = find(made, "borrowed-distances", BORROWED)
+    assert (finding.severity.value, finding.subject, finding.count) == ("note", "truth", 40)
+    assert "as x (40) and y (40) report, 0 between those" in finding.message
+    assert "differ by 0% (median)" in finding.message
+    assert "mixed-weighting" not in codes(made, BORROWED)
+
+
+def test_a_single_lender_among_two_systems_is_a_warning() -> None:
+    finding = find(dataset(truth_walk(), NEAR, walk()), "borrowed-distances", BORROWED)
+    assert finding.severity.value == "warning"
+    assert "--missing-distance height" in finding.advice
+
+
+def test_lenders_far_apart_are_a_warning() -> None:
+    made = dataset(truth_walk(), NEAR, walk(distance_m=65.0))
+    finding = find(made, "borrowed-distances", BORROWED)
+    assert finding.severity.value == "warning"
+    assert "Check the unit" in finding.advice

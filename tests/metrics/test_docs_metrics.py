@@ -15,6 +15,7 @@ from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.kernels import ABSORB_SHARE
 from nvcore.metrics.kernels.time_left import EDGE_PX, LEAST_FRAMES
 from nvcore.metrics.linking import LINK_GAP, LINK_IOU
+from nvcore.metrics.proximity.borrowing import LENDING, LONGEST_GAP_S
 from nvcore.params import MIDPOINT_SHARE, SETTINGS, SPREAD_SHARE
 from nvcore.schema import Category, MissClass
 
@@ -60,7 +61,8 @@ def test_the_row_of_a_parameter_has_its_default_range_and_unit(name):
 def test_the_fixed_numbers_are_those_of_the_code():
     values = [float(row[1]) for row in rows_of("Fixed numbers")]
     of_linking, of_inputs = [LINK_IOU, LINK_GAP], [MIN_SAMPLED, PARTIAL_OCCLUSION]
-    code = [RELEVANT_K, ABSORB_SHARE, *of_linking, LEAST_FRAMES, EDGE_PX, *of_inputs]
+    code = [RELEVANT_K, ABSORB_SHARE, *of_linking, LEAST_FRAMES, EDGE_PX]
+    code += [LONGEST_GAP_S, LENDING.iou, *of_inputs]
     assert values == code
 
 

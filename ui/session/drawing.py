@@ -10,6 +10,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.metrics.cost_map import CostMap, map_cost
+from nvcore.metrics.proximity.borrowing import weighing_truth
 from nvcore.overlay.annotate import LAYERS, annotate
 from nvcore.params.metadata import COST
 from nvcore.pictures.recordings import STRETCH
@@ -32,7 +33,9 @@ def cost_map_of(recording: int) -> CostMap:
     return state.cached(
         "cost_map",
         (settings, recording),
-        lambda: map_cost(dataset.truth, dataset.frame_columns, settings, recording),
+        lambda: map_cost(
+            weighing_truth(dataset, settings), dataset.frame_columns, settings, recording
+        ),
         most=8,
     )
 

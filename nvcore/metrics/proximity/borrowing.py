@@ -1,0 +1,181 @@
+"""Distances of pedestrians where only the systems know them: borrowed from the matches.
+
+What is borrowed depends on the data alone, and on no setting: neither thresholds nor the rule of
+matching, nor which two systems are compared (docs/decisions/041-borrowed-distances.md).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from nvcore.columns import BoxColumns
+from nvcore.dataset import Dataset
+from nvcore.metrics.encounters import Encounters, encounters_of
+from nvcore.metrics.matching import match_boxes
+from nvcore.params import Params
+from nvcore.wording import count_text, listed
+
+LONGEST_GAP_S: Final = 2.0
+"""Between two known distances at most so far apart the pedestrian's is interpolated."""
+LENDING: Final = Params()
+"""Of matching: IoU of at least 0.5, in the order of the scores."""
+
+
+@dataclass(frozen=True)
+class Borrowed:
+    """Distances of the truth boxes, with those that were borrowed.
+
+    Attributes
+    ----------
+    distance_m
+        The box's own where it has one, else borrowed, NaN where nobody knows; float64, (n_truth,).
+    n_own, n_reported, n_between, n_unknown
+        Pedestrians' boxes with a distance of their own, with one that a match reports, with one
+        interpolated along the track, with none.
+    lent
+        Boxes whose distance is from (or also from) each system; int64, shape (n_systems,).
+    n_compared
+        Boxes without a distance of their own for which several systems report one.
+    spread
+        Median over these of the range of the reports, as a share of their mean; NaN without any.
+    """
+
+    distance_m: np.ndarray
+    n_own: int
+    n_reported: int
+    n_between: int
+    n_unknown: int
+    lent: np.ndarray
+    n_compared: int
+    spread: float
+
+    @property
+    def n_borrowed(self) -> int:
+        """Boxes with a borrowed distance."""
+        return self.n_reported + self.n_between
+
+    def text(self, systems: Sequence[str]) -> str:
+        """In words, how many boxes borrowed theirs, from whom, and how far the lenders differ."""
+        lenders = [
+            f"{name} ({n:,})" for name, n in zip(systems, self.lent.tolist(), strict=True) if n
+        ]
+        if not lenders:
+            return "no match reports a distance that a pedestrian could borrow"
+        text = (
+            f"{count_text(self.n_borrowed, 'truth box', 'truth boxes')} borrowed a distance: "
+            f"{self.n_reported:,} as {listed(lenders)} "
+            f"{'reports' if len(lenders) == 1 else 'report'}, {self.n_between:,} between those"
+        )
+        if not self.n_compared:
+            return text
+        return (
+            f"{text}; where several report one ({self.n_compared:,}) they differ by "
+            f"{self.spread:.0%} (median)"
+        )
+
+
+def weighing_truth(dataset: Dataset, params: Params) -> BoxColumns:
+    """The truth with the distances that its weights are of: with borrowed ones if `params` say."""
+    if not borrows(params):
+        return dataset.truth
+    return replace(dataset.truth, distance_m=borrowed_distances(dataset).distance_m)
+
+
+def borrows(params: Params) -> bool:
+    """Whether pedestrians without a distance are weighed by a borrowed one."""
+    return params.proximity == "distance" and params.missing_distance == "borrow"
+
+
+def borrowed_distances(dataset: Dataset) -> Borrowed:
+    """Distances of a dataset's truth, borrowed where it has none; kept, as no setting moves them.
+
+    A truth box without a distance takes the median of those that its matches of all systems
+    report, whatever their scores. Between two boxes of the same pedestrian with a distance, own or
+    reported, at most `LONGEST_GAP_S` apart, it is linear in time. Before the first and after the
+    last known one nothing is borrowed.
+    """
+    if "borrowed_distances" not in dataset.derived:
+        dataset.derived["borrowed_distances"] = _borrow(dataset)
+    borrowed: Borrowed = dataset.derived["borrowed_distances"]
+    return borrowed
+
+
+def _borrow(dataset: Dataset) -> Borrowed:
+    truth, frames = dataset.truth, dataset.frame_columns
+    _, encounters = encounters_of(dataset)
+    is_pedestrian, has_own = ~truth.ignore, np.isfinite(truth.distance_m)
+    reports = reported_distances(dataset)
+    has_report = np.isfinite(reports) & (is_pedestrian & ~has_own)
+    n_reports = has_report.sum(axis=0)
+    known = truth.distance_m.copy()
+    rows = np.flatnonzero(n_reports)
+    known[rows] = np.nanmedian(reports[:, rows], axis=0) if len(rows) else np.nan
+    time_s = frames.frame / frames.fps[frames.recording]
+    distance_m = _between(known, encounters, time_s)
+    distance_m.flags.writeable = False
+    several = np.flatnonzero(n_reports > 1)
+    of_several = reports[:, several]
+    with np.errstate(invalid="ignore"):
+        apart = np.nanmax(of_several, axis=0) - np.nanmin(of_several, axis=0) if len(several) else 0
+        spread = np.median(apart / np.nanmean(of_several, axis=0)) if len(several) else np.nan
+    is_known = np.isfinite(distance_m)
+    n_own = int(np.count_nonzero(has_own & is_pedestrian))
+    n_known = int(np.count_nonzero(is_known & is_pedestrian))
+    return Borrowed(
+        distance_m=distance_m,
+        n_own=n_own,
+        n_reported=len(rows),
+        n_between=n_known - n_own - len(rows),
+        n_unknown=int(np.count_nonzero(is_pedestrian)) - n_known,
+        lent=has_report.sum(axis=1),
+        n_compared=len(several),
+        spread=float(spread),
+    )
+
+
+def reported_distances(dataset: Dataset) -> np.ndarray:
+    """Distance that each system's match of a truth box reports, m; NaN: none.
+
+    Returns
+    -------
+    float64, shape (n_systems, n_truth).
+    """
+    truth = dataset.truth
+    reports = np.full((len(dataset.systems), len(truth)), np.nan)
+    for row, name in enumerate(dataset.systems):  # a loop over systems: a handful
+        detections = dataset.system(name)
+        if not (detections.distance_m > 0).any():
+            continue
+        matches = match_boxes(truth, detections, dataset.frame_columns, LENDING)
+        matched = np.flatnonzero(matches.is_matched)
+        metres = detections.distance_m[matches.truth_det[matched]]
+        reports[row, matched] = np.where(metres > 0, metres, np.nan)
+    return reports
+
+
+def _between(known: np.ndarray, encounters: Encounters, time_s: np.ndarray) -> np.ndarray:
+    """The known distances of truth rows, and those between two known ones of one encounter."""
+    distance_m = known.copy()
+    rows = encounters.order
+    n = len(rows)
+    values, place = known[rows], np.arange(n)
+    is_known = np.isfinite(values)
+    before = np.maximum.accumulate(np.where(is_known, place, -1))
+    after = np.minimum.accumulate(np.where(is_known, place, n)[::-1])[::-1]
+    open_places = np.flatnonzero(~is_known & (before >= 0) & (after < n))
+    first, last = before[open_places], after[open_places]
+    encounter = encounters.encounter_of[rows]
+    times = time_s[encounters.frame_index]
+    gap_s = times[last] - times[first]
+    fits = (encounter[first] == encounter[last]) & (gap_s <= LONGEST_GAP_S * (1 + 1e-9))
+    open_places, first, last, gap_s = open_places[fits], first[fits], last[fits], gap_s[fits]
+    # a track twice in a frame has no time between its two boxes
+    share = np.divide(
+        times[open_places] - times[first], gap_s, out=np.zeros(len(gap_s)), where=gap_s > 0
+    )
+    distance_m[rows[open_places]] = values[first] + share * (values[last] - values[first])
+    return distance_m
