@@ -23,6 +23,7 @@ from nvcore.auditing.comparability import (
 from nvcore.auditing.coverage import audit_system_coverage, audit_truth_coverage
 from nvcore.auditing.offsets import find_offsets
 from nvcore.auditing.overlaps import above_threshold
+from nvcore.auditing.perspective import audit_foot_spread
 from nvcore.auditing.recordings import (
     audit_fps,
     audit_frame_list,
@@ -128,6 +129,7 @@ def audit_pair(
     """The part of `audit` that depends on the settings and on both systems."""
     names = _compared(dataset, x, y)
     findings = [*audit_encounter_lengths(dataset, params), *audit_borrowing(dataset, params)]
+    findings += audit_foot_spread(dataset, params)
     if len(names) < 2 or names[0] == names[1]:
         return tuple(findings)
     system_x, system_y = (system_source(dataset, name) for name in names)

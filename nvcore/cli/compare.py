@@ -181,7 +181,7 @@ def check(out: Path | None, strict: bool, **options: Any) -> None:
     from nvcore.auditing import audit
     from nvcore.inputs.load import load
     from nvcore.report.files import AUDIT_FILES, write_audit
-    from nvcore.report.terminal import render_dataset, render_findings
+    from nvcore.report.terminal import render_dataset, render_findings, render_horizons
 
     session = session_from(options, needs_y=False)
     _protect_inputs(session, options["session_file"], out, AUDIT_FILES)
@@ -196,6 +196,8 @@ def check(out: Path | None, strict: bool, **options: Any) -> None:
             write_audit(out, dataset, findings)
     path = shown_paths(session.folder, session.sources, dataset.systems)
     click.echo(render_dataset(_for_terminal(dataset, path)))
+    if horizons := render_horizons(dataset):
+        click.echo(horizons)
     click.echo("\n" + render_findings(findings_at_paths(findings, path)))
     if out is not None:
         click.echo(one_line(f"written to {out}"), err=True)

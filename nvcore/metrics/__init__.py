@@ -8,6 +8,7 @@ from nvcore.metrics.linking import TruthTracks, link_boxes, track_truth
 from nvcore.metrics.matching import Matches, count_per_frame, match_boxes
 from nvcore.metrics.proximity import Weights, weigh_proximity
 from nvcore.metrics.proximity.borrowing import Borrowed, borrowed_distances
+from nvcore.metrics.proximity.horizon import Horizon, estimate_horizon, estimate_horizons
 from nvcore.metrics.saliency import (
     find_events,
     mean_saliency,
@@ -62,6 +63,7 @@ __all__ = [
     "Encounters",
     "Exclusivity",
     "FalseAlarmSummary",
+    "Horizon",
     "Matches",
     "Nearest",
     "SetDistances",
@@ -78,6 +80,8 @@ __all__ = [
     "count_categories",
     "count_per_frame",
     "curve_over_speed",
+    "estimate_horizon",
+    "estimate_horizons",
     "find_encounters",
     "find_episodes",
     "find_events",

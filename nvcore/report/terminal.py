@@ -8,10 +8,11 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.dataset import Dataset
+from nvcore.dataset import MOST_NAMED, Dataset
 from nvcore.evidence.companions import Companions, are_unequal, as_set_note, find_companions
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
+from nvcore.metrics.proximity.horizon import estimate_horizons
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.report.equal_alarms import (
     detected_text,
@@ -119,6 +120,29 @@ def render_dataset(dataset: Dataset) -> str:
         files = first if n_files == 1 else f"{n_files} files, {first} ..."
         lines.append(f"{row['subject']}: {files} ({row['format']}; {row['conversion']})")
     return _text([*lines, *dataset.notes])
+
+
+def render_horizons(dataset: Dataset) -> str:
+    """Where the horizon seems to be in recordings that do not state it; empty: nothing to say."""
+    is_open = dataset.recordings["horizon"].isna()
+    horizons = [
+        f"{name}: {horizon.text}"
+        for name, horizon, is_asked in zip(
+            dataset.recordings["name"], estimate_horizons(dataset), is_open, strict=True
+        )
+        if is_asked and horizon is not None
+    ]
+    if not horizons:
+        return ""
+    more = len(horizons) - MOST_NAMED
+    return _text(
+        [
+            "horizon, which is not stated, as box heights and foot rows tell (give it as horizon "
+            "in the session file or a table of recordings):",
+            *(f"  {text}" for text in horizons[:MOST_NAMED]),
+            *([f"  and of {more:,} more"] if more > 0 else []),
+        ]
+    )
 
 
 def render_inputs(result: Result) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import tomllib
 from pathlib import Path
@@ -266,6 +267,20 @@ def test_a_report_is_not_written_into_a_folder_of_inputs(tmp_path: Path):
     assert result.exit_code == 2
     assert "lies in the folder of inputs" in result.stderr
     assert [path.name for path in (tmp_path / "truth").iterdir()] == ["urban.csv"]
+
+
+def test_check_says_where_the_horizon_seems_to_be_if_it_is_not_stated(tmp_path: Path):
+    lines = ["frame,x,y,w,h,track"]
+    for track, frame in itertools.product(range(4), range(20)):
+        depth = 20 + 4 * frame + track
+        lines.append(f"{frame},{50 + 100 * track},{200 - 0.25 * depth},20,{1.25 * depth},{track}")
+    truth = write(tmp_path / "night.csv", *lines)
+    x = write(tmp_path / "x.csv", "frame,x,y,w,h,score")
+    inputs = ["--truth", truth, "--x", x, *FACTS]
+    line = "  night: row 200 (95 %: 200 to 200; 80 boxes of 4 pedestrians)\n"
+    assert line in nvcore("check", *inputs).stdout
+    table = write(tmp_path / "r.csv", "recording,horizon", "night,190")
+    assert "horizon" not in nvcore("check", *inputs, "--recordings", table).stdout
 
 
 def test_check_audits_without_scoring_and_needs_only_one_system(folder: Path):

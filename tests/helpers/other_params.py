@@ -26,6 +26,7 @@ OTHER: Final[dict[str, Any]] = {name: other_value(setting) for name, setting in 
 WITH: Final[dict[str, dict[str, Any]]] = {
     "midpoint_m": {"proximity": "distance"},
     "spread_m": {"proximity": "distance"},
+    "missing_distance": {"proximity": "distance"},
     "horizon": {"proximity": "horizon"},
     "lateral_tolerance": {"match": "lateral", "lateral_tolerance": 0.5},
     "saliency_scope": {"saliency_aggregate": "sum"},

@@ -13,7 +13,7 @@ import streamlit as st
 from nvcore.dataset import Dataset
 from nvcore.tables.inputs import inputs_table, left_out_table
 from ui.data.opening import draw_trouble
-from ui.data.recordings import editor, names
+from ui.data.recordings import editor, horizon, names
 from ui.session import state
 from ui.session.opening import relative_path
 from ui.session.workspace import Stored, Workspace
@@ -49,6 +49,7 @@ def draw() -> None:
     _draw_picture_troubles(space)
     notes = {state.recording_names()[row]: note for row, note in space.picture_notes.items()}
     editor.draw(*_all_pictures(space), notes)
+    horizon.draw()
 
 
 def _draw_picture_troubles(space: Workspace) -> None:

@@ -1,0 +1,74 @@
+"""Data page: the horizon of recordings that do not state it, estimated, to be taken over."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Final
+
+import streamlit as st
+
+from nvcore.dataset import Dataset
+from nvcore.metrics.proximity.horizon import Horizon, estimate_horizons
+from nvcore.wording import count_text
+from ui.data.opening import try_to_open
+from ui.session import state
+from ui.session.opening import with_recordings
+from ui.widgets.text import docs_link, plain
+
+MOST_SHOWN: Final = 10
+"""Recordings that are named with their estimate."""
+
+
+def draw() -> None:
+    """Estimates for the recordings that are open, and the button that takes them over."""
+    whole = state.opened().whole
+    n_open = int(whole.recordings["horizon"].isna().sum())
+    if not n_open:
+        return
+    title = f"Estimate the horizon of {count_text(n_open, 'recording')} that do not state it"
+    place = st.expander(
+        title if n_open > 1 else "Estimate the horizon, which the recording does not state",
+        key="horizons",
+        on_change="rerun",
+    )
+    if not place.open:  # folded, it costs nothing
+        return
+    with place:
+        _draw_estimates(whole, open_horizons(whole), n_open)
+
+
+def open_horizons(whole: Dataset) -> dict[str, Horizon]:
+    """Estimates for those recordings that do not state the horizon, by name."""
+    with st.spinner("Estimating the horizon"):
+        horizons = estimate_horizons(whole)
+    facts = zip(whole.recordings["name"], whole.recordings["horizon"].isna(), horizons, strict=True)
+    return {name: horizon for name, is_open, horizon in facts if is_open and horizon is not None}
+
+
+def _draw_estimates(whole: Dataset, horizons: Mapping[str, Horizon], n_open: int) -> None:
+    st.caption(
+        "On flat ground a pedestrian is as tall in the picture as the feet are below the horizon, "
+        f"times a constant ({docs_link('more', 'horizon')}). Needed for nearness by horizon only."
+    )
+    if not horizons:
+        st.info(
+            "The boxes do not tell: it takes 30 of 3 pedestrians, whole, at different distances.",
+            icon=":material/info:",
+        )
+        return
+    lines = [f"- {plain(name)}: {plain(horizon.text)}" for name, horizon in horizons.items()]
+    if len(lines) > MOST_SHOWN:
+        lines[MOST_SHOWN:] = [f"- and {len(lines) - MOST_SHOWN:,} more"]
+    st.markdown("\n".join(lines))
+    if len(horizons) < n_open:
+        n_unknown = count_text(n_open - len(horizons), "recording")
+        st.caption(f"Of {n_unknown} the boxes do not tell.")
+    words = "this horizon" if len(horizons) == 1 else f"these {len(horizons):,} horizons"
+    if st.button(f"Use {words}", key="use_horizons", icon=":material/check:"):
+        changes = {
+            name: {"horizon": round(horizon.row_px, 1)} for name, horizon in horizons.items()
+        }
+        opened = state.opened()
+        session = with_recordings(opened.session, whole.recordings["name"].tolist(), changes)
+        try_to_open(replace(session, params=state.params()), label=opened.label)
