@@ -157,10 +157,10 @@ class Result:
         severity_s = system.failures["severity_s"].to_numpy()
         return {kind: float(severity_s[self.category == kind.value].sum()) for kind in Category}
 
-    @property
+    @cached_property
     def is_urgent(self) -> np.ndarray:
         """Encounters in which the driver had to be told in time; bool, shape (n_encounters,)."""
-        urgent: np.ndarray = (self.urgency["urgency"] == Urgency.URGENT.value).to_numpy()
+        urgent: np.ndarray = self.urgency["urgency"].to_numpy() == Urgency.URGENT.value
         return urgent
 
     def count_urgency(self) -> dict[Urgency, int]:

@@ -33,7 +33,7 @@ from nvcore.metrics.similarity import (
     summarise_similarity,
     trace_similarity,
 )
-from nvcore.metrics.time_left import Contact, confirm, judge_time_left
+from nvcore.metrics.time_left import Contact, Judgement, confirm
 from nvcore.params import Params
 from nvcore.params.metadata import (
     CONFIRMED,
@@ -101,8 +101,6 @@ class SystemResult:
         What its failures weigh in each encounter (`nvcore.metrics.severity.weigh_failures`).
     confirmed
         When it is sure of each pedestrian (`nvcore.metrics.time_left.confirm`).
-    time_left
-        Whether that is in time (`nvcore.metrics.time_left.judge_time_left`).
     episodes
         False-alert episodes (`nvcore.metrics.false_alarms.find_episodes`).
     summary
@@ -129,13 +127,18 @@ class SystemResult:
     encounters: pd.DataFrame
     failures: pd.DataFrame
     confirmed: pd.DataFrame
-    time_left: pd.DataFrame
     episodes: pd.DataFrame
     summary: SimilaritySummary
     false_alarm_summary: FalseAlarmSummary
     saliency_s: float
+    _judgement: Judgement = field(repr=False)
     _dataset: Dataset = field(repr=False)
     _params: Params = field(repr=False)
+
+    @property
+    def time_left(self) -> pd.DataFrame:
+        """Whether that is in time (`nvcore.metrics.time_left.judge_time_left`)."""
+        return self._judgement.time_left
 
     @cached_property
     def similarity_window(self) -> np.ndarray:
@@ -227,7 +230,7 @@ def score_system(
     similarity = trace_similarity(distances, frames, alpha=params.alpha)
     salient_row, events = scoring.salient(nearest, distances)
     outcomes, failures = scoring.outcomes(matches)
-    confirmed, time_left = scoring.time_left(matches)
+    confirmed, judgement = scoring.time_left(matches)
     return SystemResult(
         name=name,
         threshold=threshold,
@@ -244,7 +247,6 @@ def score_system(
         encounters=outcomes,
         failures=failures,
         confirmed=confirmed,
-        time_left=time_left,
         episodes=counts.episodes,
         summary=summarise_similarity(similarity, low=params.low),
         false_alarm_summary=summarise_false_alarms(
@@ -254,6 +256,7 @@ def score_system(
             duration_s=frames.duration_s,
         ),
         saliency_s=mean_saliency(events, frames, aggregate=params.saliency_aggregate),
+        _judgement=judgement,
         _dataset=dataset,
         _params=params,
     )
@@ -385,7 +388,7 @@ class _Scoring:
         )
         return outcomes, failures
 
-    def time_left(self, matches: Matches) -> tuple[pd.DataFrame, pd.DataFrame]:
+    def time_left(self, matches: Matches) -> tuple[pd.DataFrame, Judgement]:
         """When the system confirms each pedestrian, and whether that is in time."""
         frames, params = self.dataset.frame_columns, self.params
         confirmed = self._get(
@@ -393,8 +396,5 @@ class _Scoring:
             lambda: confirm(self.contact, self.encounters, matches.is_matched, params),
             *(CONTACT, CONFIRMED),
         )
-        return confirmed, self._get(
-            "time_left",
-            lambda: judge_time_left(self.urgency, confirmed, frames, params),
-            TIME_LEFT,
-        )
+        judgement = Judgement(self.urgency, confirmed, frames, params)
+        return confirmed, self._get("time_left", lambda: judgement, TIME_LEFT)

@@ -36,8 +36,9 @@ def has_urgent(result: Result) -> bool:
 
 
 def _median_margin_s(_: Result, system: SystemResult) -> float:
-    margin_s = system.time_left["margin_s"].dropna()
-    return float(margin_s.median()) if len(margin_s) else np.nan
+    margin_s = system.time_left["margin_s"].to_numpy()
+    margin_s = margin_s[~np.isnan(margin_s)]
+    return float(np.median(margin_s)) if len(margin_s) else np.nan
 
 
 def _count(

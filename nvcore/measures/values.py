@@ -159,21 +159,26 @@ def similarity_by_recording(name: str) -> Callable[[Result, SystemResult], list[
 
 def is_in_time(system: SystemResult) -> np.ndarray:
     """Urgent encounters that the system confirmed in time; bool, shape (n_encounters,)."""
-    in_time: np.ndarray = (system.time_left["time_left"] == TimeLeft.IN_TIME.value).to_numpy()
-    return in_time
+    return _is_of_class(system, TimeLeft.IN_TIME)
 
 
 def count_time_left(system: SystemResult, kind: TimeLeft) -> int:
     """Urgent encounters of a class."""
-    return int(np.count_nonzero(system.time_left["time_left"] == kind.value))
+    return int(np.count_nonzero(_is_of_class(system, kind)))
+
+
+def _is_of_class(system: SystemResult, kind: TimeLeft) -> np.ndarray:
+    is_kind: np.ndarray = system.time_left["time_left"].to_numpy() == kind.value
+    return is_kind
 
 
 def time_left_by_recording(kind: TimeLeft) -> Callable[[Result, SystemResult], np.ndarray]:
     """Urgent encounters of a class by recording; int64, shape (n_recordings,)."""
 
     def counts(result: Result, system: SystemResult) -> np.ndarray:
-        is_kind = (system.time_left["time_left"] == kind.value).to_numpy()
-        return per_recording(result, is_kind, result.encounters.recording).astype(np.int64)
+        return per_recording(
+            result, _is_of_class(system, kind), result.encounters.recording
+        ).astype(np.int64)
 
     return counts
 

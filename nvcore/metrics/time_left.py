@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
@@ -204,7 +205,7 @@ def judge_time_left(
     Confirmed late, with the time to contact ttc left, the car brakes over the last
     ``v * (ttc - reaction_s)`` metres: ``sqrt(v^2 - 2 * deceleration * v * (ttc - reaction_s))``.
     """
-    is_urgent = (urgency["urgency"] == Urgency.URGENT.value).to_numpy()
+    is_urgent = urgency["urgency"].to_numpy() == Urgency.URGENT.value
     urgent_row = urgency["urgent_row"].to_numpy()[is_urgent]
     row = confirmed["confirmed_row"].to_numpy()[is_urgent]
     is_late, is_never = row >= urgent_row, row < 0
@@ -228,6 +229,27 @@ def judge_time_left(
             "impact_kmh": impact,
         }
     )
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """Time left of a system, judged when it is first asked for: not every moved slider asks.
+
+    Attributes
+    ----------
+    urgency, confirmed
+        Of `find_urgent` and `confirm`.
+    """
+
+    urgency: pd.DataFrame
+    confirmed: pd.DataFrame
+    frames: FrameColumns
+    params: Params
+
+    @cached_property
+    def time_left(self) -> pd.DataFrame:
+        """See `judge_time_left`."""
+        return judge_time_left(self.urgency, self.confirmed, self.frames, self.params)
 
 
 def curve_over_speed(
