@@ -29,7 +29,7 @@ from nvcore.figures.style import LOOK, LOSS_COLOURS, axis, layout
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.metrics.encounters import find_encounters
-from nvcore.metrics.time_left import find_urgent, measure_contact
+from nvcore.metrics.time_left import KMH, find_urgent, measure_contact
 from nvcore.params import Params
 from nvcore.schema import Urgency
 
@@ -82,7 +82,8 @@ Where it fails:
   range is widest there, and half of them are not closing.
 
 The [urgency](metrics.md#the-last-chance) of the encounters at 50 km/h, by the distances (rows) and
-by heights:
+by heights. By the metres the people come nearer at {speeds} (median):
+50 km/h is an assumption, as in all data without the car's speed.
 
 {urgency}
 
@@ -124,8 +125,8 @@ def measure_boxes(result: Result) -> pd.DataFrame:
 
     Returns
     -------
-    Columns recording, height_px, occlusion, is_cut, relative_height (of X's box, NaN: none),
-    is_missed_x, is_missed_y, and in seconds metres, near_side (distances to the near side),
+    Columns recording, height_px, distance_m, occlusion, is_cut, relative_height (of X's box, NaN:
+    none), is_missed_x, is_missed_y, and in seconds metres, near_side (distances to the near side),
     heights, with_cut (heights, cut boxes counted) and drawn (heights of X's boxes).
     """
     truth, frames = result.dataset.truth, result.dataset.frame_columns
@@ -147,6 +148,7 @@ def measure_boxes(result: Result) -> pd.DataFrame:
         {
             "recording": result.dataset.recordings["name"].to_numpy()[recording],
             "height_px": truth.h,
+            "distance_m": truth.distance_m,
             "occlusion": result.dataset.boxes["occlusion"].to_numpy()[: len(truth)],
             "is_cut": (truth.x <= EDGE_PX)
             | (truth.y <= EDGE_PX)
@@ -252,6 +254,15 @@ def urgency_table(result: Result, boxes: pd.DataFrame) -> str:
     return table(["By metres", "Encounters", "By the truth's heights", "By drawn heights"], rows)
 
 
+def closing_speeds(boxes: pd.DataFrame) -> str:
+    """Median speed at which people come nearer in each recording, by the metres."""
+    is_closing = np.isfinite(boxes["metres"]) & (boxes["metres"] > 0)
+    near = boxes[is_closing]
+    speed_kmh = KMH * near["distance_m"] / near["metres"]
+    medians = speed_kmh.groupby(near["recording"]).median()
+    return ", ".join(f"{medians[name]:.0f} km/h in {name}" for name in SIZES)
+
+
 def miss_table(result: Result, boxes: pd.DataFrame) -> str:
     """Share of boxes that each detector misses, of high ones and of those with little time left."""
     groups = (
@@ -275,6 +286,7 @@ def section_of(result: Result, boxes: pd.DataFrame) -> str:
     return SECTION.format(
         picture=PICTURE,
         ratios=ratio_table(boxes),
+        speeds=closing_speeds(boxes),
         urgency=urgency_table(result, boxes),
         misses=miss_table(result, boxes),
         high=HIGH_PX,

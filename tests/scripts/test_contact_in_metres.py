@@ -14,6 +14,8 @@ from nvcore.comparison import Result, compare
 from nvcore.params import Params
 from scripts.contact_in_metres import (
     PICTURE,
+    SIZES,
+    closing_speeds,
     load_kitti,
     measure_boxes,
     ratio_cells,
@@ -55,6 +57,12 @@ def test_heights_give_the_time_that_metres_give(approached: Result):
     for way in ("heights", "with_cut"):
         assert boxes[way].to_numpy() == pytest.approx(expected)
     assert boxes["near_side"].to_numpy() == pytest.approx(expected - 0.04)  # 0.4 m at 10 m/s
+
+
+def test_the_speed_at_which_people_come_nearer_is_that_of_the_metres(approached: Result):
+    boxes = measure_boxes(approached)
+    named = pd.concat([boxes.assign(recording=name) for name in SIZES])
+    assert closing_speeds(named) == "36 km/h in 0013, 36 km/h in 0015, 36 km/h in 0016"
 
 
 def test_boxes_that_are_drawn_stand_where_the_system_matches_the_pedestrian(approached: Result):
