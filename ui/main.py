@@ -17,7 +17,7 @@ from ui.shell import (
 )
 from ui.shell.messages import error_banner
 from ui.shell.navigate import follow_wish
-from ui.shell.pages import all_pages, draw_bar, is_folded_on, shown_on
+from ui.shell.pages import all_pages, draw_bar, is_folded_on, own_of, shown_on
 from ui.shell.tab import back, dragging, narrow, restore
 from ui.widgets import figure_menu
 
@@ -66,7 +66,7 @@ except Exception as error:  # noqa: BLE001  # the sidebar is drawn, or its widge
     failure = error
 if wrong_params is not None and not links.is_participant():  # something is open
     try:
-        sidebar.draw(wrong_params, shown_on(page), is_folded=is_folded_on(page))
+        sidebar.draw(wrong_params, shown_on(page), own=own_of(page), is_folded=is_folded_on(page))
     except Exception as error:  # noqa: BLE001  # what follows is drawn
         if failure is None:
             error_banner(error)

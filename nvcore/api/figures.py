@@ -27,6 +27,9 @@ from nvcore.figures.over_time.strip import loss_strip_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.saliency import parts_plot, recency_plot
 from nvcore.figures.stability import stability_map
+from nvcore.figures.time_left.approach import approach_plot
+from nvcore.figures.time_left.margins import margins_plot
+from nvcore.figures.time_left.over_speed import OverSpeed, over_speed_plot
 from nvcore.figures.venn import venn_figure
 from nvcore.metrics.cost_map import map_cost
 from nvcore.palette import Shade
@@ -37,6 +40,7 @@ from nvcore.stability.scores import Criterion
 from nvcore.tables.loss_strip import loss_strip
 from nvcore.tables.miss_classes import fusion_table
 from nvcore.tables.result import encounters_table, recordings_table
+from nvcore.tables.time_left import urgent_encounters
 from nvcore.wording import did_you_mean
 
 if TYPE_CHECKING:
@@ -121,6 +125,26 @@ class Figures:
         return recordings_plot(
             recordings_table(self._result), self._names, theme=self._theme, measure="saliency"
         )
+
+    def time_left(self) -> go.Figure:
+        """Urgent encounters up to contact, with the last chance and when X and Y confirm."""
+        return approach_plot(self._result, urgent_encounters(self._result), theme=self._theme)
+
+    def over_speed(self, measure: OverSpeed = "share_in_time") -> go.Figure:
+        """Time left of X and Y over the speed of the car.
+
+        Parameters
+        ----------
+        measure
+            ``"share_in_time"`` or ``"mean_impact_kmh"``.
+        """
+        return over_speed_plot(
+            self._result.over_speed, self._names, theme=self._theme, measure=measure
+        )
+
+    def margins(self) -> go.Figure:
+        """How long before the last chance X and Y confirm each urgent pedestrian."""
+        return margins_plot(self._result, urgent_encounters(self._result), theme=self._theme)
 
     def recency(self, recording: Recording | None = None) -> go.Figure:
         """The recency curve with every event on it; of one recording, or of all."""

@@ -173,20 +173,40 @@ def significance_table(
     --------
     >>> significance_table(result)[["figure", "difference", "low", "high"]]  # doctest: +SKIP
     """
+    keys = [key for key in evidence_keys(result) if inference_of(key).test != "curve"]
+    rows = judge(result, keys, units=units, has_intervals=has_intervals)
+    table = pd.DataFrame([vars(row) for row in (*rows, *extra)])
+    table["p_holm"] = corrected(table)
+    return table
+
+
+def judge(
+    result: Result,
+    keys: Sequence[str],
+    *,
+    units: Units | None = None,
+    has_intervals: bool = True,
+) -> tuple[Evidence, ...]:
+    """The evidence of some measures, each by itself: p is not corrected for the others.
+
+    Parameters
+    ----------
+    keys
+        Of `nvcore.measures.EVIDENCE_KEYS`, without the log-average miss rate.
+    units, has_intervals
+        As of `significance_table`.
+    """
     units = find_units(result) if units is None else units
     by_unit = {measure.key: measure for measure in unit_measures(result, units)}
 
-    def judge(key: str) -> Evidence:
+    def judge_one(key: str) -> Evidence:
         if inference_of(key).test == "encounters":
             encounters = judge_encounters(result, key)
             return encounters.values_only() if result.is_short else encounters
         row = judge_measure(by_unit[key], units, has_interval=has_intervals)
         return with_mean_over_recordings(result, units, row)
 
-    keys = [key for key in evidence_keys(result) if inference_of(key).test != "curve"]
-    table = pd.DataFrame([vars(row) for row in (*map(judge, keys), *extra)])
-    table["p_holm"] = corrected(table)
-    return table
+    return tuple(map(judge_one, keys))
 
 
 def corrected(table: pd.DataFrame) -> np.ndarray:

@@ -19,6 +19,7 @@ class TimeLeftSettings:
         slider_high=130,
         step=5,
         unit="km/h",
+        slider_format="%0.0f",
         is_above_low=True,
         label="Assumed speed (km/h)",
         meaning="Speed of the car in recordings that do not state their own. The faster, the "
@@ -81,6 +82,7 @@ class TimeLeftSettings:
         slider_high=10,
         unit="frames",
         is_whole=True,
+        slider_format="%0.0f",
         label="Confirmed if matched in",
         meaning="A system is sure of a pedestrian, so that it can warn, when it matches him in so "
         "many of his last confirm_m frames. More than confirm_m: it never is.",
@@ -94,6 +96,7 @@ class TimeLeftSettings:
         slider_high=10,
         unit="frames",
         is_whole=True,
+        slider_format="%0.0f",
         label="Confirmed within the last",
         meaning="Of how many of a pedestrian's last frames confirm_n have to be matched; at his "
         "first ones there are fewer.",

@@ -8,13 +8,17 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.metrics.encounter_classes import SEPARATOR
+from nvcore.report.time_left import describe_encounter
 from nvcore.schema import CATEGORY_TEXT, Category
 from nvcore.tables.moments import NEVER, encounter_time
+from nvcore.wording import listed as listed_words
 from nvcore.wording import minus
 from ui.encounters import picture, selection
+from ui.encounters.filters import class_name
 from ui.shell.navigate import open_row
 from ui.widgets.table_columns import class_words
-from ui.widgets.text import UNDEFINED, number, plain
+from ui.widgets.text import UNDEFINED, docs_link, number, plain
 
 MEANINGS: Final = (
     "Peak cost: what the worst of its frames costs, 0 to 1. Lag: how long after coming near enough "
@@ -30,8 +34,14 @@ def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
     st.header(f"Pedestrian {row['track']} in {plain(row['recording'])}")
     st.markdown(f"{CATEGORY_TEXT[Category(row['category'])]}  \n{_who_missed(result, row)}")
     moments = selection.moments_of(result).iloc[encounter]
+    if names := [class_name(name) for name in str(row["classes"]).split(SEPARATOR) if name]:
+        classes = plain(listed_words(names))
+        st.caption(f"{docs_link('Classes', 'classes-of-encounters')}: {classes}.")
     picture.draw(result, encounter, int(moments["shown_row"]))
     _draw_ways(result, row, moments)
+    st.caption(
+        f"{docs_link('Time left', 'time-left')}: {plain(describe_encounter(result, encounter))}"
+    )
     st.table(_both(row))
     st.caption(MEANINGS)
     pose = number(row["aspect_z"], "+.1f")

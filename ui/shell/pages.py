@@ -8,6 +8,8 @@ import streamlit as st
 from streamlit.navigation.page import StreamlitPage
 
 from nvcore.params.metadata import (
+    CONFIRMED,
+    CONTACT,
     ENCOUNTERS,
     EVENTS,
     LOW,
@@ -17,6 +19,8 @@ from nvcore.params.metadata import (
     SALIENCY,
     SEVERITY,
     SIMILARITY,
+    TIME_LEFT,
+    URGENCY,
     Stage,
 )
 from ui.shell.navigate import PAGES
@@ -27,6 +31,7 @@ SECTIONS: Final = {
         "overview": "Overview",
         "timeline": "Timeline",
         "encounters": "Encounters",
+        "time_left": "Time left",
         "saliency": "Saliency",
     },
     "Evidence": {
@@ -43,8 +48,9 @@ START: Final = "overview"
 """The page that the app opens on."""
 SHOWN: Final[dict[str, tuple[Stage, ...]]] = {
     "data": (MATCH, PROXIMITY),
-    "timeline": (SIMILARITY, LOW, ENCOUNTERS, SEVERITY, EVENTS),
-    "encounters": (SIMILARITY, ENCOUNTERS, SEVERITY),
+    "timeline": (SIMILARITY, LOW, ENCOUNTERS, SEVERITY, EVENTS, TIME_LEFT),
+    "encounters": (SIMILARITY, ENCOUNTERS, SEVERITY, TIME_LEFT),
+    "time_left": (TIME_LEFT,),
     "saliency": (SALIENCY,),
     "systems": (SIMILARITY, ENCOUNTERS),
     "detection": (MATCH,),
@@ -54,6 +60,8 @@ SHOWN: Final[dict[str, tuple[Stage, ...]]] = {
 """What each page shows of the comparison; one that is not named shows all results. Settings that
 move nothing of it are quiet in the sidebar."""
 
+OWN: Final[dict[str, tuple[Stage, ...]]] = {"time_left": (URGENCY, CONTACT, CONFIRMED)}
+"""Stages that a page is about: on it their settings stand first, unfolded."""
 FOLDED: Final = ("ratings", "export")
 """Pages on which the settings are folded away, besides those that show nothing that they move."""
 
@@ -72,6 +80,11 @@ def all_pages() -> dict[str, list[StreamlitPage]]:
 def shown_on(page: StreamlitPage) -> tuple[Stage, ...]:
     """The stages of the comparison whose results the page shows."""
     return SHOWN.get(page.url_path or START, RESULTS)
+
+
+def own_of(page: StreamlitPage) -> tuple[Stage, ...]:
+    """The stages whose settings stand first on the page."""
+    return OWN.get(page.url_path, ())
 
 
 def is_folded_on(page: StreamlitPage) -> bool:

@@ -24,17 +24,22 @@ SHORT_GROUPS: Final = {MATCH.group: "Matching"}
 
 _SHOWN: Final = "sidebar_shown"
 _CHANGED: Final = "sidebar_changed"
+_OWN: Final = "sidebar_own"
 FOLDED: Final = "show_settings"
 GREY: Final = "Settings in grey act on nothing on this page."
 
 
-def draw(wrong: str, shown: Sequence[Stage], *, is_folded: bool = False) -> None:
+def draw(
+    wrong: str, shown: Sequence[Stage], *, own: Sequence[Stage] = (), is_folded: bool = False
+) -> None:
     """Draw the sidebar with what is wrong, after the page: its values are in use before.
 
-    Settings on which nothing of what the page has `shown` depends are quiet. Folded, they are drawn
-    only where they are asked for. X and Y are drawn before the page, by `ui.shell.systems`.
+    Settings of the stages that are the page's `own` stand first. Those on which nothing of what it
+    has `shown` depends are quiet. Folded, they are drawn only where they are asked for. X and Y are
+    drawn before the page, by `ui.shell.systems`.
     """
     st.session_state[_SHOWN] = tuple(shown)
+    st.session_state[_OWN] = tuple(own)
     moved = st.session_state[_CHANGED] = presets.changed()
     with st.sidebar:
         recordings_filter.draw()
@@ -52,7 +57,11 @@ def _is_unfolded(n_moved: int) -> bool:
 
 
 def _draw_settings(moved: dict[str, Any]) -> None:
-    """Thresholds first, which every new comparison needs; then what a miss weighs."""
+    """Thresholds first, which every new comparison needs; then what a miss weighs.
+
+    Before all of them stands what the page is about.
+    """
+    _own_settings()
     for name in settings_for(THRESHOLD):
         _threshold(name)
     operating_point.draw()
@@ -66,6 +75,17 @@ def _draw_settings(moved: dict[str, Any]) -> None:
             _widget(name)
     _advanced()
     st.button("Reset all parameters", width="stretch", on_click=_reset)
+
+
+def _own_settings() -> None:
+    """The settings that the page is about, stage by stage."""
+    stages = st.session_state[_OWN]
+    if stages:
+        st.markdown(f"**{stages[0].group}**")
+    for stage in stages:
+        for name, setting in SETTINGS.items():
+            if setting.stage is stage:
+                _widget(name)
 
 
 def _reset() -> None:
@@ -173,7 +193,7 @@ def _advanced() -> None:
     place = st.expander("Advanced", key="advanced", on_change="rerun")
     names_of: dict[str, list[str]] = {}
     for name, setting in SETTINGS.items():
-        if setting.is_advanced:
+        if setting.is_advanced and setting.stage not in st.session_state[_OWN]:
             names_of.setdefault(setting.stage.group, []).append(name)
     quiet = _quiet_settings()
     if place.open and quiet and all(setting.is_advanced for setting in quiet):

@@ -25,6 +25,11 @@ HEADINGS: Final = {
     "gap_s": "gap (s)",
     "tail_s": "tail (s)",
     "severity_s": "severity (s)",
+    "margin_s": "margin (s)",
+    "impact_kmh": "impact (km/h)",
+    "confirmed_frame": "confirmed in frame",
+    "min_ttc_s": "Least to contact (s)",
+    "urgent_frame": "Last chance",
     "lead_time_s": "Lead of X (s)",
     "peak_height": "Height (px)",
     "lateral_position": "Position",
@@ -43,7 +48,7 @@ HEADINGS: Final = {
 """Headings that do not follow from the column's name."""
 
 PERCENT: Final = frozenset({"coverage", "occluded_share", "tau"})
-SIGNED: Final = frozenset({"lead_time_s", "lateral_position", "aspect_z"})
+SIGNED: Final = frozenset({"lead_time_s", "margin_s", "lateral_position", "aspect_z"})
 CATEGORY_WORDS: Final = {kind.value: text for kind, text in WORDS.items()}
 MISS_WORDS: Final = {kind.value: text for kind, text in CLASS_WORDS.items()}
 WIDTHS: Final = {
@@ -57,6 +62,10 @@ WIDTHS: Final = {
     "lead_time_s": 92,
     "peak_height": 82,
     "lateral_position": 70,
+    "urgent_frame": 88,
+    "time_left": 76,
+    "margin_s": 84,
+    "impact_kmh": 100,
 }
 """Of columns that stand side by side in a window of 1280, px; the others are as wide as needed."""
 MOST_ROWS: Final = 5000
@@ -88,6 +97,8 @@ def as_shown(table: pd.DataFrame) -> pd.DataFrame:
             configs[str(name)] = table[name].map(
                 MISS_WORDS if base == "miss_class" else CATEGORY_WORDS
             )
+        elif base in ("time_left", "urgency"):
+            configs[str(name)] = table[name].str.replace("_", " ")
     return table.assign(**configs)
 
 

@@ -10,6 +10,13 @@ import plotly.graph_objects as go
 
 from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers, line_up, still_line, with_gaps
+from nvcore.figures.over_time.contact import (
+    STRIP_PX,
+    add_contact,
+    contact_axis,
+    has_contact,
+    last_chances,
+)
 from nvcore.figures.over_time.similarity import end_of, time_range
 from nvcore.figures.style import (
     LEFT_PX,
@@ -26,6 +33,7 @@ from nvcore.figures.style import (
 )
 from nvcore.palette import Theme
 from nvcore.tables.lanes import lanes_table
+from nvcore.tables.time_left import contact_at
 from nvcore.wording import count_text
 
 MAX_LANES: Final = 200
@@ -41,6 +49,8 @@ MAX_CLICKS_LANE: Final = 120
 MAX_BARS: Final = 3000
 PIXELS: Final = 4000
 """Columns of pixels to which bars are rounded when there are more than that."""
+GAP_PX: Final = 12
+"""Between the lanes and the time to contact above them."""
 LANE_PX: Final = ((12, 30), (40, 20), (MAX_LANES, 13))
 """Height of a lane for up to so many of them."""
 WORDS: Final = {"not_relevant": "too far to count", "": "not annotated"}
@@ -63,8 +73,9 @@ def lanes_figure(
     """One lane for each encounter of a recording, X's bar above Y's, over time.
 
     The most severe failures are on top. Filled: matched. Hollow and hatched: missed. Pale: not
-    near enough to count. A click gives frame and encounter: `customdata` is the row in
-    ``dataset.frames`` and that in ``result.encounters``.
+    near enough to count. A bar in a lane: the last chance to stop. Above the lanes stands the time
+    to contact of who is nearest, where anybody is approached. A click gives frame and encounter:
+    `customdata` is the row in ``dataset.frames`` and that in ``result.encounters``.
 
     Parameters
     ----------
@@ -96,7 +107,7 @@ def lanes_figure(
         for letter in "xy"
         for state in ("matched", "missed")
     ]
-    bars = [_bars(runs, *kind, theme) for kind in kinds]
+    traces = [_bars(runs, *kind, theme) for kind in kinds]
     extent = count_text(len(ordered), "pedestrian")
     if only_missed:
         extent += " with misses"
@@ -114,20 +125,32 @@ def lanes_figure(
     if chosen_lane >= 0:
         pedestrians[chosen_lane] = f"<b>▶ {pedestrians[chosen_lane]}</b>"
     labels = [system_label(letter, system.name) for letter, system in result.sides]
+    strip_px = (STRIP_PX + GAP_PX) * has_contact(result, recording)
+    lanes_px = lane_px * n_lanes
+    traces.append(last_chances(result, encounters, 0.6 * lane_px, theme))
     figure = draw(
-        [*(trace for trace in bars if len(trace.x)), _clicks(result, runs, n_lanes)],
+        [*(trace for trace in traces if len(trace.x)), _clicks(result, runs, n_lanes)],
         theme,
         title=f"Who is missed when, {name}",
         subtitle=f"{extent}; upper bar {labels[0]}, lower bar {labels[1]}",
-        height=AROUND_PX + lane_px * n_lanes,
+        height=AROUND_PX + lanes_px + strip_px,
         hoverdistance=-1,
         margin={"l": LEFT_PX, "r": 16, "t": AROUND_PX - 8, "b": 8},
         # above the lanes, and as wide as that of the similarity over time
         xaxis=axis(theme, side="top", ticksuffix=" s", range=time_range(end_of(result, recording))),
-        legend=LEGEND | {"y": 1 + AXIS_PX / (lane_px * n_lanes)},
+        legend=LEGEND | {"y": 1 + AXIS_PX / (lanes_px + strip_px)},
         yaxis=rows_axis(theme, pedestrians, fixedrange=True, showgrid=False),
         uirevision=f"{result.dataset.fingerprint} {recording} lanes",
     )
+    if strip_px:
+        lanes_share = lanes_px / (lanes_px + strip_px)
+        add_contact(figure, result, recording, theme)
+        domain = [1 - STRIP_PX / (lanes_px + strip_px), 1]
+        figure.update_layout(
+            xaxis_anchor="y2",
+            yaxis_domain=[0, lanes_share],
+            yaxis2=contact_axis(theme, domain),
+        )
     if cursor_row is not None and rows.start <= cursor_row < rows.stop:
         line_up(figure, float(time_s[cursor_row]), "cursor", theme)
     if chosen_lane >= 0:
@@ -227,6 +250,9 @@ def _clicks(result: Result, runs: pd.DataFrame, n_lanes: int) -> go.Scatter:
         )
     ]
     encounter = ends["encounter"].to_numpy()[lane]
+    ttc_s = contact_at(result, encounter, row)
+    for place in np.flatnonzero(np.isfinite(ttc_s)).tolist():
+        text[place] += f"<br>{ttc_s[place]:.1f} s to contact"
     places = np.column_stack([row, encounter])
     return click_markers(time_s, lane.astype(float), text, customdata=places, name="frames")
 

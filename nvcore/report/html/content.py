@@ -37,6 +37,7 @@ from nvcore.report.html.result_sections import (
     scorecard_section,
     similarity_section,
 )
+from nvcore.report.html.time_left_section import time_left_section
 from nvcore.stability.map import MAPS
 from nvcore.wording import UNDEFINED, one_line
 
@@ -49,7 +50,7 @@ CAUTION = {
 """First sentences of these sections, by their anchors."""
 
 AS_SET_SECTIONS = (
-    *("scorecard", "encounters", "similarity", "saliency", "false-alerts"),
+    *("scorecard", "encounters", "time-left", "similarity", "saliency", "false-alerts"),
     *("significance", "subgroups", "only-one"),
 )
 """Sections with numbers of X and Y as set, by their anchors."""
@@ -113,6 +114,7 @@ def report_content(
         verdict_section(conclusion),
         scorecard_section(result, companions),
         encounters_section(result),
+        time_left_section(result),
         similarity_section(result),
         saliency_section(result),
         false_alerts_section(result),

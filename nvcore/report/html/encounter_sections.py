@@ -19,7 +19,6 @@ from nvcore.report.words import (
     describe_fusion,
     describe_lead,
     describe_misses,
-    describe_urgency,
 )
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category
 from nvcore.tables.miss_classes import fusion_table
@@ -45,8 +44,7 @@ def encounters_section(result: Result) -> Section:
             score_rows(result, MeasureTable.MISS_CLASSES), MISS_CLASS_TEXT, strict=True
         )
     ]
-    urgency = describe_urgency(result)
-    sentences = (*describe_misses(result), describe_lead(result), *([urgency] if urgency else []))
+    sentences = (*describe_misses(result), describe_lead(result))
     fusion = fusion_table(result)
     names = names_of(result)
     encounters = weighed_encounters(result)

@@ -65,9 +65,9 @@ def page(content: str) -> Page:
 def test_every_section_says_what_it_is_about(content):
     anchors = re.findall(r'<section id="([\w-]+)">', content)
     assert anchors == [
-        "verdict", "scorecard", "encounters", "similarity", "saliency", "false-alerts",
-        "significance", "plan", "subgroups", "detection", "stability", "frames", "only-one",
-        "audit", "inputs", "parameters", "reading", "appendix",
+        "verdict", "scorecard", "encounters", "time-left", "similarity", "saliency",
+        "false-alerts", "significance", "plan", "subgroups", "detection", "stability", "frames",
+        "only-one", "audit", "inputs", "parameters", "reading", "appendix",
     ]  # fmt: skip
     assert re.findall(r'<li><a href="#([\w-]+)">', content) == anchors
     introduced = re.findall(r'<section id="([\w-]+)">\s*<h2>.*?</h2>\s*<p class="what">', content)
@@ -369,7 +369,7 @@ def test_at_unequal_operating_points_sections_are_marked_and_the_verdicts_number
     write_html_report(at_thresholds(), Settings(), (), path, stability=False)
     page = Page(path.read_text(encoding="utf-8"))
     notes = [text for text in page.words if text.startswith("As set: at unequal operating points")]
-    assert len(notes) == 8
+    assert len(notes) == 9
     assert "nothing is claimed from that comparison." in page.text
     (title,) = [title for title in page.tables if title.startswith("At equal false alarms (X with")]
     rows = {row[0]: row[1:] for row in page.tables[title][1:]}

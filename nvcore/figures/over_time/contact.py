@@ -1,0 +1,144 @@
+"""Time to contact over time: who is nearest, and the last chances, for above and in the lanes."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+import plotly.graph_objects as go
+
+from nvcore.comparison import Result
+from nvcore.figures.marks import click_markers, marks, steady_marker, still_line
+from nvcore.figures.over_time.similarity import decimate, evenly
+from nvcore.figures.style import LOOK, axis, faded, write
+from nvcore.metrics.time_left import needed_time
+from nvcore.palette import Theme
+from nvcore.tables.time_left import nearest_contact, systems_in_words
+
+MOST_S: Final = 6.0
+"""Time to contact up to which it is drawn."""
+POINTS: Final = 2000
+CLICKS: Final = 300
+STRIP_PX: Final = 84
+"""Height of the strip."""
+
+
+def has_contact(result: Result, recording: int) -> bool:
+    """Whether anybody of a recording comes near enough to contact to be drawn."""
+    rows = result.dataset.frame_columns.rows_of(recording)
+    boxes = result.dataset.truth.rows_of(rows.start, rows.stop)
+    return bool((result.contact.ttc_s[boxes] < MOST_S).any())
+
+
+def add_contact(figure: go.Figure, result: Result, recording: int, theme: Theme) -> None:
+    """Draw the least time to contact in each frame; filled where it is too late to stop.
+
+    On the axis ``y2``. A click gives frame and encounter: `customdata` is the row in
+    ``dataset.frames`` and that in ``result.encounters``.
+    """
+    needed_s = _needed_s(result, recording)
+    figure.add_traces(_traces(result, recording, needed_s, theme))
+    write(
+        figure,
+        f"{needed_s:.1f} s needed to stop",
+        size=11,
+        color=LOOK[theme].muted,
+        xref="paper",
+        x=1,
+        xanchor="right",
+        yref="y2",
+        y=needed_s,
+        yanchor="bottom",
+    )
+
+
+def _traces(result: Result, recording: int, needed_s: float, theme: Theme) -> list[go.Scatter]:
+    look, rows = LOOK[theme], result.dataset.frame_columns.rows_of(recording)
+    nearest = nearest_contact(result, recording)
+    time_s = result.dataset.frames["time_s"].to_numpy()[rows]
+    ttc_s = np.nan_to_num(nearest["ttc_s"].to_numpy(), nan=np.inf)
+    drawn = decimate(np.minimum(ttc_s, MOST_S), n_points=POINTS)
+    values = np.where(ttc_s < MOST_S, ttc_s, np.nan)[drawn]
+    depth = np.where(values < needed_s, values, needed_s)
+    limit = still_line(
+        time_s[[0, -1]],
+        [needed_s, needed_s],
+        "needed to stop",
+        yaxis="y2",
+        line={"color": look.muted, "width": 1, "dash": "dot"},
+    )
+    area = still_line(
+        np.concatenate([time_s[drawn], time_s[drawn][::-1]]),
+        np.concatenate([np.nan_to_num(depth, nan=needed_s), np.full(len(drawn), needed_s)]),
+        "too late to stop",
+        yaxis="y2",
+        fill="toself",
+        fillcolor=faded(look.ink, 0.22),
+        line={"width": 0},
+    )
+    line = still_line(
+        time_s[drawn],
+        values,
+        "time to contact",
+        yaxis="y2",
+        line={"color": look.ink, "width": 1.6},
+    )
+    return [area, limit, line, _clicks(result, rows.start, time_s, nearest.to_numpy(dtype=float))]
+
+
+def _needed_s(result: Result, recording: int) -> float:
+    own = float(result.dataset.frame_columns.speed_kmh[recording])
+    speed_kmh = result.params.speed_kmh if np.isnan(own) else own
+    return float(needed_time(np.array(speed_kmh), result.params))
+
+
+def _clicks(result: Result, start: int, time_s: np.ndarray, nearest: np.ndarray) -> go.Scatter:
+    """Markers that are not seen, where the line is: each knows its frame, and who is nearest."""
+    known = np.flatnonzero(nearest[:, 0] < MOST_S)
+    known = known[evenly(len(known), n_points=CLICKS)]
+    ttc_s, encounter = nearest[known, 0], nearest[known, 1].astype(np.int64)
+    frame = result.dataset.frames["frame"].to_numpy()[start + known]
+    text = [
+        f"pedestrian {track}, frame {number}, {second:.2f} s<br>{left:.2f} s to contact, the least"
+        for track, number, second, left in zip(
+            result.encounters.track[encounter], frame, time_s[known], ttc_s, strict=True
+        )
+    ]
+    places = np.column_stack([start + known, encounter])
+    return click_markers(time_s[known], ttc_s, text, customdata=places, name="contact", yaxis="y2")
+
+
+def contact_axis(theme: Theme, domain: list[float]) -> dict[str, Any]:
+    """The upright axis of the strip."""
+    return axis(
+        theme,
+        "contact in (s)",
+        range=[0, MOST_S],
+        domain=domain,
+        fixedrange=True,
+        tickvals=[0, 2, 4],
+    )
+
+
+def last_chances(result: Result, encounters: np.ndarray, size: float, theme: Theme) -> go.Scatter:
+    """A bar in the lane of each urgent encounter; `encounters` are those of the lanes, in order."""
+    lane = np.flatnonzero(result.is_urgent[encounters])
+    urgent = encounters[lane]
+    row = result.urgency["urgent_row"].to_numpy()[urgent]
+    frames = result.dataset.frames
+    frame, time_s = frames["frame"].to_numpy()[row], frames["time_s"].to_numpy()[row]
+    text = [
+        f"pedestrian {result.encounters.track[encounter]}, last chance to stop: frame {number}, "
+        f"{second:.2f} s<br>" + "<br>".join(systems_in_words(result, encounter))
+        for encounter, number, second in zip(urgent.tolist(), frame, time_s, strict=True)
+    ]
+    ink = LOOK[theme].ink
+    line = {"width": 3, "color": ink}
+    return marks(
+        time_s,
+        lane.astype(float),
+        text,
+        customdata=np.column_stack([row, urgent]),
+        name="last chance to stop",
+        **steady_marker(symbol="line-ns", size=size, color=ink, line=line),
+    )

@@ -1,0 +1,225 @@
+"""Every urgent encounter from the first sight to contact, with the last chance and who was sure."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+
+from nvcore.comparison import Result
+from nvcore.figures.marks import marks, steady_marker, still_line, system_marker, with_gaps
+from nvcore.figures.style import (
+    CLEAR,
+    LEGEND,
+    LOOK,
+    axis,
+    draw,
+    empty_figure,
+    faded,
+    plain,
+    rows_axis,
+    system_label,
+    written,
+)
+from nvcore.palette import Theme
+from nvcore.tables.time_left import systems_in_words
+from nvcore.wording import count_text
+
+MOST_ROWS: Final = 20
+"""Encounters drawn, if not fewer are asked for: a screen full."""
+MOST_S: Final = 12.0
+"""Time before contact that is drawn at most; what was earlier stands at the edge."""
+ROW_PX: Final = 26
+LEGEND_PX: Final = 4
+"""Room between the rows and the legend."""
+AROUND_PX: Final = 148
+"""Height of title, legend and axis."""
+APART: Final = 0.2
+"""How far the mark of X stands above a row's middle, and Y's below, in rows."""
+BAND: Final = 0.4
+"""Half the height of the time that is too late, in rows."""
+NEVER: Final = 0.035
+"""How far right of contact a system's mark stands that is never sure, as a share of the axis."""
+RIGHT_PX: Final = 108
+NO_URGENT: Final = "No encounter is urgent: nobody has to be told in time."
+
+
+def approach_plot(
+    result: Result,
+    urgent: pd.DataFrame,
+    *,
+    theme: Theme,
+    first: int = 0,
+    most: int = MOST_ROWS,
+) -> go.Figure:
+    """A line for each urgent encounter, from the first annotated frame to contact.
+
+    The last chance is a bar; right of it, in the band, it is too late to stop. Filled marks: X and
+    Y confirm the pedestrian. Open marks, right of contact: never. A click gives frame and
+    encounter: `customdata` is the row in ``dataset.frames`` and that in ``result.encounters``.
+
+    Parameters
+    ----------
+    urgent
+        `nvcore.tables.time_left.urgent_encounters`: the order is that of its rows.
+    first, most
+        Rows drawn: so many, from this one on, counted from 0.
+    """
+    if urgent.empty:
+        return empty_figure(NO_URGENT, theme=theme)
+    look, part = LOOK[theme], urgent.iloc[first : first + most]
+    reach = _reach_s(urgent)
+    n, row = len(part), np.arange(len(part), dtype=float)
+    start = np.minimum(part["first_s"].to_numpy(), reach)
+    stop, chance = np.maximum(part["last_s"].to_numpy(), 0), part["ttc_s"].to_numpy()
+    corners = chance, np.zeros(n), np.zeros(n), chance, chance
+    sides = row - BAND, row - BAND, row + BAND, row + BAND, row - BAND
+    line = {"color": look.muted, "width": 2}
+    traces = [
+        still_line(
+            with_gaps(*corners),
+            with_gaps(*sides),
+            "too late to stop",
+            showlegend=None,
+            fill="toself",
+            fillcolor=faded(look.pale, 0.55),
+            line={"width": 0},
+        ),
+        still_line(with_gaps(start, stop), with_gaps(row, row), "annotated", line=line),
+        still_line(
+            with_gaps(stop, np.zeros(n)),
+            with_gaps(row, row),
+            "after the last annotated frame",
+            line={**line, "width": 1, "dash": "dot"},
+        ),
+        _last_chances(result, part, row, theme),
+    ]
+    for letter, _ in result.sides:
+        traces += _system_marks(result, part, letter, reach, theme)
+    labels = _labels(result, part)
+    extent = f"{count_text(len(urgent), 'urgent encounter')}, the fastest impact on top"
+    if n < len(urgent):
+        extent += f", {first + 1} to {first + n} drawn"
+    if (urgent["first_s"] > reach).any():
+        extent += f"; what was more than {reach:g} s before contact stands at the left edge"
+    return draw(
+        [trace for trace in traces if len(trace.x)],
+        theme,
+        title="From the first sight to contact",
+        subtitle=extent,
+        height=AROUND_PX + ROW_PX * n,
+        hoverdistance=-1,
+        margin={"l": 76, "r": RIGHT_PX, "t": 100, "b": 48},
+        legend=LEGEND | {"y": 1 + LEGEND_PX / (ROW_PX * n)},
+        annotations=_impacts(part, theme),
+        xaxis=axis(
+            theme,
+            "seconds before contact",
+            range=[reach * 1.01, -2 * NEVER * reach],
+            fixedrange=True,
+            zeroline=True,
+            zerolinewidth=1.5,
+            zerolinecolor=look.ink,
+        ),
+        yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False, automargin=True),
+    )
+
+
+def _reach_s(urgent: pd.DataFrame) -> float:
+    """Left end of the axis: the same for all rows, so that it stays from one part to the next."""
+    return float(min(MOST_S, np.ceil(urgent["first_s"].max())))
+
+
+def _labels(result: Result, part: pd.DataFrame) -> list[str]:
+    has_several = len(result.dataset.recordings) > 1
+    return [
+        f"ped {plain(track, max_length=8)}"
+        + (f", {plain(recording, max_length=20)}" if has_several else "")
+        for track, recording in zip(part["track"], part["recording"], strict=True)
+    ]
+
+
+def _places(part: pd.DataFrame, frame_row: np.ndarray) -> np.ndarray:
+    """What a click gives: row of the frames table, row of the encounter; (n, 2)."""
+    return np.column_stack([frame_row, part.index.to_numpy()])
+
+
+def _texts(result: Result, part: pd.DataFrame, frame_row: np.ndarray, what: str) -> list[str]:
+    """For the mouse: the moment, and what both systems made of the encounter."""
+    frames = result.dataset.frames
+    frame, time_s = frames["frame"].to_numpy()[frame_row], frames["time_s"].to_numpy()[frame_row]
+    return [
+        f"pedestrian {row.track}, {plain(row.recording)}<br>{what}: frame {number}, {second:.2f} s"
+        f"<br>last chance {row.ttc_s:.2f} s before contact, at {row.speed_kmh:g} km/h<br>"
+        + "<br>".join(systems_in_words(result, encounter))
+        for encounter, row, number, second in zip(
+            part.index.tolist(), part.itertuples(), frame, time_s, strict=True
+        )
+    ]
+
+
+def _last_chances(result: Result, part: pd.DataFrame, row: np.ndarray, theme: Theme) -> go.Scatter:
+    """A bar for each."""
+    urgent_row, ink = part["urgent_row"].to_numpy(), LOOK[theme].ink
+    line = {"width": 3, "color": ink}
+    return marks(
+        part["ttc_s"].to_numpy(),
+        row,
+        _texts(result, part, urgent_row, "last chance"),
+        customdata=_places(part, urgent_row),
+        name="last chance to stop",
+        **steady_marker(symbol="line-ns", size=0.55 * ROW_PX, color=ink, line=line),
+    )
+
+
+def _system_marks(
+    result: Result, part: pd.DataFrame, letter: str, reach: float, theme: Theme
+) -> list[go.Scatter]:
+    """Where a system confirms the pedestrians, and whom it never does."""
+    look, system = LOOK[theme], result.system(letter)
+    shift = -APART if letter == "x" else APART
+    at_s = part[f"confirmed_s_{letter}"].to_numpy()
+    row = np.arange(len(part)) + shift
+    is_never = np.isnan(at_s)
+    confirmed, never = part[~is_never], part[is_never]
+    frame_row = confirmed[f"confirmed_row_{letter}"].to_numpy()
+    sure = marks(
+        np.clip(at_s[~is_never], 0, reach),
+        row[~is_never],
+        _texts(result, confirmed, frame_row, f"{letter.upper()} confirms him"),
+        customdata=_places(confirmed, frame_row),
+        cliponaxis=False,
+        name=f"{system_label(letter, system.name)} confirms",
+        **system_marker(letter, 11, theme),
+    )
+    urgent_row = never["urgent_row"].to_numpy()
+    line: dict[str, Any] = {"width": 2, "color": look.of(letter)}
+    unsure = marks(
+        np.full(len(never), -NEVER * reach),
+        row[is_never],
+        _texts(result, never, urgent_row, "last chance"),
+        customdata=_places(never, urgent_row),
+        cliponaxis=False,
+        name=f"{letter.upper()} never",
+        **steady_marker(symbol=look.symbol(letter), size=10, color=CLEAR, line=line),
+    )
+    return [sure, unsure]
+
+
+def _impacts(part: pd.DataFrame, theme: Theme) -> list[dict[str, Any]]:
+    """Impact speeds in two columns right of the plot; muted where the car stops."""
+    look = LOOK[theme]
+    columns = {"x": 48, "y": RIGHT_PX - 16}
+    side: dict[str, Any] = {"xref": "paper", "x": 1, "xanchor": "right", "size": 12}
+    head: dict[str, Any] = {**side, "yref": "paper", "y": 1, "yanchor": "bottom"}
+    head["color"] = look.muted
+    texts = [written("impact, km/h", xshift=columns["y"], yshift=16, **head)]
+    texts += [written(letter.upper(), xshift=shift, **head) for letter, shift in columns.items()]
+    for place, row in enumerate(part.to_dict("records")):
+        for letter, shift in columns.items():
+            value = float(row[f"impact_kmh_{letter}"])
+            text, colour = (f"<b>{value:.0f}</b>", look.of(letter)) if value else ("0", look.muted)
+            texts.append(written(text, yref="y", y=place, xshift=shift, color=colour, **side))
+    return texts

@@ -1,0 +1,174 @@
+"""Margins of X against Y: how long before the last chance each confirms whom."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+
+from nvcore.comparison import Result
+from nvcore.figures.marks import marks, steady_marker, still_line
+from nvcore.figures.style import (
+    CLEAR,
+    LEFT_PX,
+    LEGEND,
+    LOOK,
+    axis,
+    draw,
+    empty_figure,
+    plain,
+    system_label,
+    write,
+)
+from nvcore.palette import Theme
+from nvcore.tables.time_left import QUADRANTS, count_in_time, systems_in_words
+from nvcore.wording import count_text, minus
+
+NO_URGENT: Final = "No encounter is urgent: there is no margin."
+WORDS: Final = {
+    "both": "both in time",
+    "only_x": "only X in time",
+    "only_y": "only Y in time",
+    "neither": "neither in time",
+}
+"""Who confirmed an urgent encounter in time."""
+CORNERS: Final = {"both": (1, 1), "only_x": (1, 0), "only_y": (0, 1), "neither": (0, 0)}
+"""Corner of the plot of each, as shares of its width and height."""
+MOST_MARGIN_S: Final = 8.0
+"""Margin that is drawn at most; larger ones stand at the edge."""
+NEVER: Final = 0.12
+"""How far below the least margin who is never confirmed stands, as a share of the span."""
+LEAST_SPAN_S: Final = 1.0
+"""Margins that the axis shows at least, to either side of the last chance."""
+
+
+def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Figure:
+    """Margin of Y over that of X, a mark for each urgent encounter; right and up is earlier.
+
+    Above the diagonal Y is first. Who is never confirmed stands at the edge. `customdata` is the
+    row of the last chance in ``dataset.frames`` and that in ``result.encounters``.
+
+    Parameters
+    ----------
+    urgent
+        `nvcore.tables.time_left.urgent_encounters`.
+    """
+    if urgent.empty:
+        return empty_figure(NO_URGENT, theme=theme)
+    look = LOOK[theme]
+    low, high, never = _span(urgent)
+    place = {
+        letter: np.where(
+            np.isnan(margin := urgent[f"margin_s_{letter}"].to_numpy(dtype=float)),
+            never,
+            np.clip(margin, low, high),
+        )
+        for letter in "xy"
+    }
+    texts = [
+        f"pedestrian {track}, {plain(recording)}<br>"
+        + "<br>".join(systems_in_words(result, encounter))
+        for encounter, track, recording in zip(
+            urgent.index.tolist(), urgent["track"], urgent["recording"], strict=True
+        )
+    ]
+    counts = count_in_time(urgent)
+    places = np.column_stack([urgent["urgent_row"].to_numpy(), urgent.index.to_numpy()])
+    ends = [never - 0.06 * (high - low), high + 0.04 * (high - low)]
+    line = {"color": look.muted, "width": 1, "dash": "dot"}
+    diagonal = [low + 0.22 * (high - low), high - 0.12 * (high - low)]  # clear of the corners
+    traces = [still_line(diagonal, diagonal, "as early", line=line)]
+    for name in QUADRANTS:
+        is_in = (urgent["in_time"] == name).to_numpy()
+        if is_in.any():
+            traces.append(
+                marks(
+                    place["x"][is_in],
+                    place["y"][is_in],
+                    [text for text, is_it in zip(texts, is_in, strict=True) if is_it],
+                    customdata=places[is_in],
+                    name=f"{WORDS[name]} ({counts[name]:,})",
+                    cliponaxis=False,
+                    **_marker(name, theme),
+                )
+            )
+    figure = draw(
+        traces,
+        theme,
+        title="Margin of X against Y",
+        subtitle=f"{count_text(len(urgent), 'urgent encounter')}: "
+        + ", ".join(f"{WORDS[name]} {counts[name]:,}" for name in QUADRANTS),
+        height=420,
+        hoverdistance=24,
+        margin={"l": LEFT_PX, "r": 16, "t": 64, "b": 88},
+        legend={**LEGEND, "y": 0, "yref": "container"},
+        xaxis=_axis("x", result, (low, high, never), ends, theme),
+        yaxis=_axis("y", result, (low, high, never), ends, theme),
+    )
+    for letter in "xy":
+        _last_chance(figure, letter, theme)
+    for name, (right, up) in CORNERS.items():
+        sides: dict[str, Any] = {
+            **({"x": 1, "xref": "paper"} if right else {"x": low}),
+            **({"y": 1, "yref": "paper"} if up else {"y": low}),
+            "xanchor": "right" if right else "left",
+            "yanchor": "top" if up else "bottom",
+            "xshift": -6 if right else 6,
+            "yshift": -4 if up else 4,
+        }
+        write(figure, WORDS[name], size=12, color=look.muted, **sides)
+    return figure
+
+
+def _span(urgent: pd.DataFrame) -> tuple[float, float, float]:
+    """Least and largest margin on both axes, 0 between them; and where those without one stand."""
+    margins = urgent[["margin_s_x", "margin_s_y"]].to_numpy(dtype=float)
+    known = margins[np.isfinite(margins)]
+    low = min(float(known.min(initial=0)) - 0.2, -LEAST_SPAN_S)
+    high = min(max(float(known.max(initial=0)), LEAST_SPAN_S), MOST_MARGIN_S)
+    return low, high, low - (NEVER if len(known) < margins.size else 0) * (high - low)
+
+
+def _marker(name: str, theme: Theme) -> dict[str, Any]:
+    """The system that alone is in time gives its colour and mark."""
+    look = LOOK[theme]
+    if name in ("only_x", "only_y"):
+        letter = name[-1]
+        line = {"width": 1, "color": look.surface}
+        return steady_marker(color=look.of(letter), symbol=look.symbol(letter), size=12, line=line)
+    if name == "both":
+        line = {"width": 1.5, "color": look.muted}
+        return steady_marker(color=CLEAR, symbol="circle", size=9, line=line)
+    return steady_marker(color=look.ink, symbol="x", size=10, line={"width": 0})
+
+
+def _axis(
+    letter: str,
+    result: Result,
+    span: tuple[float, float, float],
+    ends: list[float],
+    theme: Theme,
+) -> dict[str, Any]:
+    low, high, never = span
+    step = next(step for step in (0.5, 1, 2, 5) if (high - low) / step <= 8 or step == 5)
+    ticks = np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step + 0.0
+    has_never = never < low
+    return axis(
+        theme,
+        f"margin of {system_label(letter, result.system(letter).name)} (s)",
+        range=ends,
+        fixedrange=True,
+        tickvals=[*([never] if has_never else []), *ticks],
+        ticktext=[*(["never"] if has_never else []), *(minus(f"{tick:g}") for tick in ticks)],
+    )
+
+
+def _last_chance(figure: go.Figure, letter: str, theme: Theme) -> None:
+    """The line of a margin of 0."""
+    other = "y" if letter == "x" else "x"
+    ends = {f"{letter}0": 0, f"{letter}1": 0, f"{other}ref": "paper", f"{other}0": 0}
+    line = {"color": LOOK[theme].ink, "width": 1.2}
+    shape = {"type": "line", "name": f"last chance {letter}", "line": line, "layer": "below"}
+    figure.add_shape(**shape, **ends, **{f"{other}1": 1})

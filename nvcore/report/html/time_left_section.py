@@ -1,0 +1,74 @@
+"""Section about time left: who is confirmed in time, and what the speed changes."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.figures.time_left.approach import MOST_ROWS, approach_plot
+from nvcore.figures.time_left.over_speed import LOOKS, OverSpeed, over_speed_plot
+from nvcore.report.html import words
+from nvcore.report.html.blocks import Chart, Section, Sentences, Table, table
+from nvcore.report.html.result_sections import names_of
+from nvcore.report.time_left import describe_needed, describe_turns, few_urgent
+from nvcore.report.verdict.words import describe_time_left
+from nvcore.report.words import describe_urgency
+from nvcore.tables.time_left import urgent_encounters
+from nvcore.wording import minus, number
+
+
+def time_left_section(result: Result) -> Section:
+    """The urgent encounters up to contact, and both systems over the speed of the car."""
+    curve, urgent = result.over_speed, urgent_encounters(result)
+    needed = describe_needed(result.params) if result.has_assumed_speed.any() else ""
+    sentences = (
+        *describe_time_left(result),
+        describe_urgency(result) or "No pedestrian is met.",
+        few_urgent(len(urgent)),
+        needed,
+        *describe_turns(curve),
+    )
+    blocks: list[Sentences | Chart | Table] = [Sentences(tuple(filter(None, sentences)))]
+    if not urgent.empty:
+        figure = approach_plot(result, urgent, theme=result.scheme("light"))
+        in_words = "For each urgent encounter the last chance and when X and Y confirm"
+        blocks += [Chart("approach", figure, in_words), _listing(result, urgent)]
+    if curve["urgent"].any():
+        blocks += [_over_speed(result, curve, measure) for measure in LOOKS]
+    return Section("time-left", "Time left", words.time_left(result.params), tuple(blocks))
+
+
+def _over_speed(result: Result, curve: pd.DataFrame, measure: OverSpeed) -> Chart:
+    speed_kmh = result.params.speed_kmh if result.has_assumed_speed.any() else None
+    figure = over_speed_plot(
+        curve,
+        names_of(result),
+        theme=result.scheme("light"),
+        measure=measure,
+        speed_kmh=speed_kmh,
+    )
+    return Chart(f"over-speed-{measure}", figure, f"{LOOKS[measure].title} of the car, X and Y")
+
+
+def _listing(result: Result, urgent: pd.DataFrame) -> Table:
+    """The urgent encounters with the fastest impacts, as many as the figure has."""
+    time_s = result.dataset.frames["time_s"].to_numpy()
+    rows = [
+        (
+            row["recording"],
+            row["track"],
+            f"{time_s[row['urgent_row']]:.2f}",
+            *(str(row[f"time_left_{letter}"]).replace("_", " ") for letter in "xy"),
+            *(minus(number(row[f"margin_s_{letter}"], "+.2f")) for letter in "xy"),
+            *(number(row[f"impact_kmh_{letter}"], ".1f") for letter in "xy"),
+        )
+        for row in urgent.head(MOST_ROWS).to_dict("records")
+    ]
+    head = (
+        *("Recording", "Pedestrian", "Last chance at (s)", "X", "Y"),
+        *("Margin X (s)", "Margin Y (s)", "Impact X (km/h)", "Impact Y (km/h)"),
+    )
+    left_out = len(urgent) - len(rows)
+    note = f"The fastest {len(rows):,} are shown, {left_out:,} are left out." if left_out else ""
+    title = "Urgent encounters, the fastest impact first"
+    return table(title, head, rows, right=(2, 5, 6, 7, 8), note=note)

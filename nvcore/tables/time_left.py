@@ -1,0 +1,127 @@
+"""Urgent encounters, one by one: when each system confirmed them, and what was left then."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.schema import TimeLeft
+from nvcore.scoring import SystemResult
+from nvcore.tables.result import encounters_table
+
+QUADRANTS: Final = ("both", "only_x", "only_y", "neither")
+"""Who confirmed an urgent encounter in time."""
+
+
+def urgent_encounters(result: Result) -> pd.DataFrame:
+    """The urgent encounters, those that the car would hit fastest first.
+
+    That is by the larger impact speed of X and Y, then by their sum, then by the smaller margin.
+
+    Returns
+    -------
+    Rows of `nvcore.tables.result.encounters_table`, the index being the row in
+    ``result.encounters``, with further columns. Rows of the frames table: first_row, urgent_row
+    (the last chance), confirmed_row_x, confirmed_row_y (-1 never). Seconds before contact, which
+    is taken to come when the time to contact at the last chance says: first_s and last_s (first and
+    last annotated frame; negative: after it), ttc_s (last chance), confirmed_s_x, confirmed_s_y
+    (NaN never). And speed_kmh, and in_time: one of `QUADRANTS`.
+    """
+    rows = np.flatnonzero(result.is_urgent)
+    encounters, time_s = result.encounters, result.dataset.frames["time_s"].to_numpy()
+    urgent_row = result.urgency["urgent_row"].to_numpy()[rows]
+    ttc_s = contact_at(result, rows, urgent_row)
+    contact_s = time_s[urgent_row] + ttc_s
+    first_row = encounters.first_row[rows]
+    columns = {
+        "first_row": first_row,
+        "urgent_row": urgent_row,
+        "ttc_s": ttc_s,
+        "speed_kmh": result.urgency["speed_kmh"].to_numpy()[rows],
+        "first_s": contact_s - time_s[first_row],
+        "last_s": contact_s - time_s[encounters.last_row[rows]],
+    }
+    for letter, system in result.sides:
+        row = system.confirmed["confirmed_row"].to_numpy()[rows]
+        columns[f"confirmed_row_{letter}"] = row
+        columns[f"confirmed_s_{letter}"] = np.where(row < 0, np.nan, contact_s - time_s[row])
+    table = encounters_table(result).iloc[rows].assign(**columns)
+    x, y = (table[f"time_left_{letter}"] == TimeLeft.IN_TIME.value for letter in "xy")
+    table["in_time"] = np.select([x & y, x, y], QUADRANTS[:3], QUADRANTS[3]).astype(object)
+    impact_kmh = table[["impact_kmh_x", "impact_kmh_y"]].to_numpy(dtype=float).round(6)
+    margin_s = table[["margin_s_x", "margin_s_y"]].min(axis=1).to_numpy(dtype=float)
+    keys = margin_s, -impact_kmh.sum(axis=1), -impact_kmh.max(axis=1, initial=0)
+    return table.iloc[np.lexsort(keys)]
+
+
+def count_in_time(urgent: pd.DataFrame) -> dict[str, int]:
+    """Urgent encounters by who confirmed them in time, for each of `QUADRANTS`.
+
+    Parameters
+    ----------
+    urgent
+        Of `urgent_encounters`.
+    """
+    return {name: int((urgent["in_time"] == name).sum()) for name in QUADRANTS}
+
+
+def systems_in_words(result: Result, encounter: int) -> tuple[str, str]:
+    """What X and Y did with an urgent encounter: "X confirms him 0.95 s before it, in time"."""
+    x, y = (f"{letter.upper()} {_in_words(system, encounter)}" for letter, system in result.sides)
+    return x, y
+
+
+def _in_words(system: SystemResult, encounter: int) -> str:
+    of = system.time_left.iloc[encounter]
+    impact, margin_s = f"impact at {of['impact_kmh']:.0f} km/h", float(of["margin_s"])
+    kind = TimeLeft(of["time_left"])
+    if kind is TimeLeft.NEVER:
+        return f"never confirms him: {impact}"
+    if kind is TimeLeft.IN_TIME:
+        return f"confirms him {margin_s:.2f} s before it, in time"
+    when = f"{-margin_s:.2f} s after it" if margin_s else "only then"
+    return f"confirms him {when}, late: {impact}"
+
+
+def nearest_contact(result: Result, recording: int) -> pd.DataFrame:
+    """Who is nearest to contact in each frame of a recording.
+
+    Returns
+    -------
+    One row per frame: ttc_s (least time to contact, s; inf: nobody there is being approached, NaN:
+    unknown, or nobody is there), encounter (row of ``result.encounters``; -1 where unknown).
+    """
+    truth, rows = result.dataset.truth, result.dataset.frame_columns.rows_of(recording)
+    boxes = truth.rows_of(rows.start, rows.stop)
+    ttc_s, frame = result.contact.ttc_s[boxes], truth.frame_index[boxes] - rows.start
+    order = np.lexsort((ttc_s, frame))  # NaN last
+    frames, place = np.unique(frame[order], return_index=True)
+    nearest = order[place]
+    is_known = ~np.isnan(ttc_s[nearest])
+    frames, nearest = frames[is_known], nearest[is_known]
+    least, encounter = np.full(rows.stop - rows.start, np.nan), np.full(rows.stop - rows.start, -1)
+    least[frames] = ttc_s[nearest]
+    encounter[frames] = result.encounters.encounter_of[boxes][nearest]
+    return pd.DataFrame({"ttc_s": least, "encounter": encounter})
+
+
+def contact_at(result: Result, encounter: np.ndarray, frame_row: np.ndarray) -> np.ndarray:
+    """Time to contact of encounters, each in one frame, s; NaN: unknown, or not annotated there.
+
+    Parameters
+    ----------
+    encounter, frame_row
+        Rows of ``result.encounters`` and of the frames table; int64, shape (n,).
+    """
+    encounters, n_frames = result.encounters, len(result.dataset.frames)
+    of = np.repeat(np.arange(len(encounters)), np.diff(encounters.offsets))
+    key, wanted = of * n_frames + encounters.frame_index, encounter * n_frames + frame_row
+    place = np.minimum(np.searchsorted(key, wanted), max(len(key) - 1, 0))
+    at = np.full(len(wanted), np.nan)
+    if len(key):
+        is_there = key[place] == wanted
+        at[is_there] = result.contact.ttc_s[encounters.order[place[is_there]]]
+    return at

@@ -1,0 +1,36 @@
+"""Time left: whether braking could still have helped when a system had found the pedestrian."""
+
+import streamlit as st
+
+from nvcore.comparison import Result
+from ui.shell.messages import draw_as_set_note, draw_warnings, needs_comparison
+from ui.time_left import approaches, listed, numbers, speeds
+from ui.time_left.opening import open_encounter
+from ui.widgets.text import docs_link
+
+
+@needs_comparison
+def draw(result: Result) -> None:
+    """The numbers, then the encounters behind them, and what the speed changes."""
+    if (opened := listed.take_opened()) is not None:
+        open_encounter(result, *opened)
+    st.caption(
+        "Could braking still have helped when a system had found the pedestrian? An encounter is "
+        f"{docs_link('urgent', 'the-last-chance')} if the car comes so near that a warning is too "
+        "late to stop. Where that begins is the last chance: before it the driver has to be told."
+    )
+    draw_warnings(result)
+    draw_as_set_note(result)
+    numbers.draw(result)
+    if result.is_urgent.any():
+        urgent = approaches.urgent_of(result)
+        approaches.draw(result, urgent)
+    speeds.draw(result)
+    if result.is_urgent.any():
+        st.header("One by one")
+        approaches.draw_margins(result, urgent)
+        listed.draw(urgent)
+
+
+st.title("Time left")
+draw()

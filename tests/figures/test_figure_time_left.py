@@ -1,0 +1,164 @@
+"""Urgent encounters up to contact, the speed of the car, margins; and all that in the lanes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from approach import PLACE, approach, only
+from builders import at, make_dataset, result_of
+from figure_parts import shape, trace, words
+
+from nvcore.comparison import Result
+from nvcore.figures.over_time.lanes import lanes_figure
+from nvcore.figures.time_left.approach import approach_plot
+from nvcore.figures.time_left.margins import margins_plot
+from nvcore.figures.time_left.over_speed import over_speed_plot
+from nvcore.tables.time_left import urgent_encounters
+
+LAST_CHANCE = 29
+ALL, LATE, NEVER = range(40), range(30, 40), range(0)
+
+
+def met(*sides: tuple[range, range], **params: float) -> Result:
+    """A pedestrian in each recording, matched by X and Y in these frames."""
+    truth, x, y = [], [], []
+    for recording, (by_x, by_y) in enumerate(sides):
+        boxes = approach(range(40), 5, recording=recording)
+        truth += boxes
+        x += only(boxes, by_x)
+        y += only(boxes, by_y)
+    return result_of(make_dataset(truth, x, y, places=[PLACE] * len(sides)), **params)
+
+
+def up_to_contact(result: Result, **more: int):
+    return approach_plot(result, urgent_encounters(result), theme="light", **more)
+
+
+def test_a_line_runs_from_the_first_sight_to_the_last_annotated_frame_and_on_to_contact():
+    figure = up_to_contact(met((range(10, 40), LATE)))
+    assert trace(figure, "annotated").x[:2].round(6).tolist() == [5.0, 1.1]
+    assert trace(figure, "after the last annotated frame").x[:2].round(6).tolist() == [1.1, 0.0]
+    assert np.nanmax(trace(figure, "too late to stop").x) == pytest.approx(2.1)
+    chance = trace(figure, "last chance to stop")
+    assert chance.x.round(6).tolist() == [2.1]
+    assert chance.customdata.tolist() == [[LAST_CHANCE, 0]]
+    assert figure.layout.xaxis.range[0] > figure.layout.xaxis.range[1]  # contact is on the right
+
+
+def test_each_system_has_a_mark_where_it_confirms_and_an_open_one_where_it_never_does():
+    figure = up_to_contact(met((range(10, 40), LATE), (ALL, NEVER)))
+    x, y = trace(figure, "X: x confirms"), trace(figure, "Y: y confirms")
+    assert x.x.round(6).tolist() == [4.8, 3.8]  # Y never: the faster impact is on top
+    assert x.customdata.tolist() == [[42, 1], [12, 0]]
+    assert y.x.round(6).tolist() == [1.8]
+    assert y.customdata.tolist() == [[32, 0]]
+    assert x.y[1] < 1 < y.y[0]  # X above Y: rows run downwards
+    never = trace(figure, "Y never")
+    assert never.x[0] < 0
+    assert never.customdata.tolist() == [[40 + LAST_CHANCE, 1]]
+    assert "X never" not in [one.name for one in figure.data]
+    assert "Y never confirms him: impact at 50 km/h" in never.text[0]
+    assert "last chance 2.10 s before contact, at 50 km/h" in never.text[0]
+
+
+def test_impact_speeds_stand_beside_the_rows():
+    shown = words(up_to_contact(met((ALL, LATE), (ALL, NEVER))))
+    assert "impact, km/h | X | Y | 0 | <b>50</b> | 0 | <b>31</b>" in shown
+
+
+def test_so_many_rows_at_a_time_keep_the_axis():
+    result = met((ALL, LATE), (ALL, NEVER), (ALL, ALL))
+    whole, second = up_to_contact(result), up_to_contact(result, first=1, most=1)
+    assert whole.layout.yaxis.ticktext == ("ped 1, r1", "ped 1, r0", "ped 1, r2")
+    assert second.layout.yaxis.ticktext == ("ped 1, r0",)
+    assert "3 urgent encounters, the fastest impact on top, 2 to 2 drawn" in words(second)
+    assert second.layout.xaxis.range == whole.layout.xaxis.range
+
+
+def test_what_is_long_before_contact_stands_at_the_edge():
+    boxes = approach(range(190), 20)
+    result = result_of(
+        make_dataset(boxes, boxes, boxes[150:], places=[PLACE._replace(frames=range(190))])
+    )
+    figure = up_to_contact(result)
+    assert np.nanmax(trace(figure, "annotated").x) == 12
+    assert trace(figure, "X: x confirms").x.tolist() == [12]
+    assert "what was more than 12 s before contact stands at the left edge" in words(figure)
+
+
+def test_without_urgent_encounters_the_figures_say_so():
+    result = met((ALL, ALL), reaction_s=0.0)
+    urgent = urgent_encounters(result)
+    assert "No encounter is urgent" in words(up_to_contact(result))
+    assert "No encounter is urgent" in words(margins_plot(result, urgent, theme="light"))
+    still = result_of(make_dataset([at(frame, 50, track=1) for frame in range(20)]))
+    nobody = over_speed_plot(still.over_speed, ("x", "y"), theme="light")
+    assert "Nobody is urgent at any speed" in words(nobody)
+
+
+def test_the_curve_over_speed_has_the_numbers_and_marks_speed_and_turn():
+    result = met((ALL, LATE))
+    curve = result.over_speed
+    figure = over_speed_plot(curve, ("a", "b"), theme="dark", speed_kmh=50)
+    x, y = trace(figure, "X: a"), trace(figure, "Y: b")
+    urgent = curve[curve["urgent"] > 0]
+    assert x.x.tolist() == urgent["speed_kmh"].tolist()
+    assert x.y.tolist() == urgent["share_in_time_x"].tolist()
+    place = y.x.tolist().index(50)
+    assert y.text[place].startswith("50 km/h: 1 urgent<br>Y: 0 in time (0%), mean impact 31")
+    assert shape(figure, "speed").x0 == 50
+    assert [one.name for one in figure.layout.shapes] == ["speed"]
+    swapped = curve.assign(
+        share_in_time_x=np.where(curve["speed_kmh"] < 90, 1.0, 0.0), share_in_time_y=0.5
+    )
+    turned = over_speed_plot(swapped, ("a", "b"), theme="light")
+    assert [one.name for one in turned.layout.shapes] == ["turn 90"]
+    assert "turns at 90" in words(turned)
+
+
+def test_margins_are_marked_by_who_is_in_time_and_never_stands_at_the_edge():
+    result = met((range(10, 40), range(5, 40)), (ALL, LATE), (NEVER, ALL), (NEVER, LATE))
+    figure = margins_plot(result, urgent_encounters(result), theme="light")
+    both = trace(figure, "both in time (1)")
+    assert (both.x.round(6).tolist(), both.y.round(6).tolist()) == ([1.7], [2.2])
+    only_x = trace(figure, "only X in time (1)")
+    assert only_x.customdata.tolist() == [[40 + LAST_CHANCE, 1]]
+    assert only_x.marker.color == trace(over_speed_plot(
+        result.over_speed, ("x", "y"), theme="light"), "X: x").marker.color  # fmt: skip
+    only_y, neither = trace(figure, "only Y in time (1)"), trace(figure, "neither in time (1)")
+    assert only_y.x[0] == neither.x[0] == figure.layout.xaxis.tickvals[0] < -1
+    assert figure.layout.xaxis.ticktext[0] == "never"
+    assert "both in time 1, only X in time 1, only Y in time 1, neither in time 1" in words(figure)
+
+
+def test_without_anybody_who_is_never_confirmed_the_axes_have_no_such_place():
+    figure = margins_plot(
+        result := met((ALL, LATE)), urgent_encounters(result), theme="light"
+    )  # fmt: skip
+    assert "never" not in figure.layout.xaxis.ticktext
+
+
+def test_the_lanes_have_the_last_chance_and_above_them_the_time_to_contact():
+    figure = lanes_figure(met((range(10, 40), LATE)), 0, theme="light", chosen=0)
+    chance = trace(figure, "last chance to stop")
+    assert chance.x.tolist() == pytest.approx([2.9])
+    assert chance.customdata.tolist() == [[LAST_CHANCE, 0]]
+    assert "Y confirms him 0.30 s after it, late" in chance.text[0]
+    contact = trace(figure, "time to contact")
+    assert contact.y[[0, 30]].round(6).tolist() == [5.0, 2.0]
+    assert contact.yaxis == "y2"
+    assert "2.2 s needed to stop" in words(figure)
+    points = trace(figure, "contact")
+    assert points.customdata[30].tolist() == [30, 0]
+    assert points.text[30] == "pedestrian 1, frame 30, 3.00 s<br>2.00 s to contact, the least"
+    assert trace(figure, "frames").text[30].endswith("Y: matched<br>2.0 s to contact")
+    lanes, strip = figure.layout.yaxis.domain, figure.layout.yaxis2.domain
+    assert lanes[0] == 0 < lanes[1] < strip[0] < strip[1] == 1
+    assert figure.layout.xaxis.anchor == "y2"
+
+
+def test_where_nobody_is_approached_there_are_lanes_alone():
+    still = result_of(make_dataset([at(frame, 50, track=1) for frame in range(20)]))
+    figure = lanes_figure(still, 0, theme="light")
+    assert "yaxis2" not in figure.layout
+    assert {"time to contact", "last chance to stop"}.isdisjoint(one.name for one in figure.data)

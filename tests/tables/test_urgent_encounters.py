@@ -1,0 +1,96 @@
+"""Urgent encounters one by one, and who is nearest to contact in each frame."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from approach import PLACE, approach, only
+from builders import at, make_dataset, result_of
+
+from nvcore.comparison import Result
+from nvcore.tables.time_left import (
+    contact_at,
+    count_in_time,
+    nearest_contact,
+    systems_in_words,
+    urgent_encounters,
+)
+
+# At 50 km/h and with contact after 5 s the last chance is frame 29, 2.1 s before contact.
+
+
+def met(*sides: tuple[range, range], **params: float) -> Result:
+    """A pedestrian in each recording, matched by X and Y in these frames."""
+    truth, x, y = [], [], []
+    for recording, (by_x, by_y) in enumerate(sides):
+        boxes = approach(range(40), 5, recording=recording)
+        truth += boxes
+        x += only(boxes, by_x)
+        y += only(boxes, by_y)
+    return result_of(make_dataset(truth, x, y, places=[PLACE] * len(sides)), **params)
+
+
+ALL, LATE, NEVER = range(40), range(30, 40), range(0)
+
+
+def test_the_fastest_impact_is_on_top_then_the_smaller_margin():
+    result = met((ALL, ALL), (ALL, LATE), (range(20, 40), ALL), (NEVER, LATE), (NEVER, ALL))
+    urgent = urgent_encounters(result)
+    assert urgent.index.tolist() == [3, 4, 1, 2, 0]
+    assert urgent["in_time"].tolist() == ["neither", "only_y", "only_x", "both", "both"]
+    assert count_in_time(urgent) == {"both": 2, "only_x": 1, "only_y": 1, "neither": 1}
+
+
+def test_moments_are_in_seconds_before_contact():
+    (row,) = urgent_encounters(met((range(10, 40), NEVER))).to_dict("records")
+    assert (row["first_row"], row["urgent_row"]) == (0, 29)
+    assert (row["confirmed_row_x"], row["confirmed_row_y"]) == (12, -1)
+    assert row["first_s"] == pytest.approx(5.0)
+    assert row["last_s"] == pytest.approx(1.1)
+    assert row["ttc_s"] == pytest.approx(2.1)
+    assert row["confirmed_s_x"] == pytest.approx(3.8)
+    assert np.isnan(row["confirmed_s_y"])
+    assert row["confirmed_s_x"] - row["ttc_s"] == pytest.approx(row["margin_s_x"])
+    assert row["speed_kmh"] == 50
+
+
+def test_where_nobody_is_urgent_the_table_is_empty_with_its_columns():
+    urgent = urgent_encounters(met((ALL, ALL), reaction_s=0.0))
+    assert urgent.empty
+    assert {"urgent_row", "confirmed_s_x", "in_time"} <= set(urgent.columns)
+    assert set(count_in_time(urgent).values()) == {0}
+
+
+def test_what_each_system_did_is_said_in_words():
+    result = met((range(10, 40), LATE), (NEVER, range(27, 40)))
+    assert systems_in_words(result, 0) == (
+        "X confirms him 1.70 s before it, in time",
+        "Y confirms him 0.30 s after it, late: impact at 31 km/h",
+    )
+    assert systems_in_words(result, 1) == (
+        "X never confirms him: impact at 50 km/h",
+        "Y confirms him only then, late: impact at 15 km/h",
+    )
+
+
+def test_the_nearest_to_contact_of_each_frame_and_where_nobody_is_known():
+    first = approach(range(10), 5, centre=20, track=1)
+    second = approach(range(5, 25), 4, centre=70, track=2)
+    standing = [at(frame, 50, track=3) for frame in range(20, 30)]
+    boxes = sorted([*first, *second, *standing])
+    nearest = nearest_contact(result_of(make_dataset(boxes, n_frames=40)), 0)
+    assert nearest["ttc_s"][[0, 5, 9, 24]].round(6).tolist() == [5.0, 3.5, 3.1, 1.6]
+    assert nearest["encounter"][[0, 5, 9, 24]].tolist() == [0, 1, 1, 1]
+    assert np.isinf(nearest["ttc_s"][25])
+    assert nearest["encounter"][25] == 2
+    assert np.isnan(nearest["ttc_s"][35])
+    assert nearest["encounter"][35] == -1
+
+
+def test_the_time_to_contact_of_encounters_in_single_frames():
+    result = met((ALL, ALL), (ALL, ALL))
+    at_frames = contact_at(result, np.array([0, 1, 1, 0]), np.array([10, 50, 10, 79]))
+    assert at_frames[:2].round(6).tolist() == [4.0, 4.0]
+    assert np.isnan(at_frames[2:]).all()  # they are in other recordings
+    nobody = result_of(make_dataset(n_frames=3))
+    assert np.isnan(contact_at(nobody, np.array([0]), np.array([1]))).all()

@@ -1,0 +1,85 @@
+"""Time left page: every urgent encounter up to contact, and margins of X against Y."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.figures.time_left.approach import MOST_ROWS, approach_plot
+from nvcore.figures.time_left.margins import margins_plot
+from nvcore.tables.time_left import urgent_encounters
+from ui.session import state
+from ui.time_left.numbers import key_of
+from ui.time_left.opening import open_encounter
+from ui.widgets.charts import clicked_chart, kept_figure
+from ui.widgets.text import docs_link
+
+FIRST: Final = "time_left_first"
+
+
+def urgent_of(result: Result) -> pd.DataFrame:
+    """`urgent_encounters`, computed anew only for settings that move them."""
+    urgent: pd.DataFrame = state.cached(
+        "urgent_encounters", key_of(result), lambda: urgent_encounters(result), most=8
+    )
+    return urgent
+
+
+def draw(result: Result, urgent: pd.DataFrame) -> None:
+    """A line for each urgent encounter; a click opens the moment."""
+    first = _choose_first(len(urgent))
+    theme = state.theme()
+    figure = kept_figure(
+        "time_left_approaches",
+        (*key_of(result), first, theme),
+        lambda: approach_plot(result, urgent, theme=theme, first=first),
+    )
+    _follow(result, clicked_chart(figure, "time_left_approaches"))
+    st.caption(
+        "Contact is where the time to contact at the last chance says; the picture need not show "
+        "it. A filled mark is where a system has confirmed the pedestrian, an open one right of "
+        "contact says that it never does. Click a mark to open its frame in the Timeline "
+        f"({docs_link('Confirmed in time', 'confirmed-in-time')})."
+    )
+
+
+def _choose_first(n: int) -> int:
+    """Which encounter is on top, where there are more than a screen full."""
+    pages = range(0, n, MOST_ROWS)
+    if len(pages) < 2:
+        return 0
+    if st.session_state.get(FIRST) not in pages:
+        st.session_state[FIRST] = 0
+    first: int = st.selectbox(
+        "Urgent encounters, the fastest impact first",
+        pages,
+        format_func=lambda start: f"{start + 1} to {min(start + MOST_ROWS, n)}",
+        key=FIRST,
+        width=320,
+    )
+    return first
+
+
+def draw_margins(result: Result, urgent: pd.DataFrame) -> None:
+    """A mark for each urgent encounter: who confirms him how long before the last chance."""
+    theme = state.theme()
+    figure = kept_figure(
+        "time_left_margins",
+        (*key_of(result), theme),
+        lambda: margins_plot(result, urgent, theme=theme),
+    )
+    _follow(result, clicked_chart(figure, "time_left_margins"))
+    st.caption(
+        "Margin: time from confirmation to the last chance, negative is too late. Below the dotted "
+        "line X is first, above it Y. Click a mark to open the last chance."
+    )
+
+
+def _follow(result: Result, clicked: Any) -> None:
+    if clicked is not None:
+        # Plotly passes several values as an object with their numbers as names
+        row, encounter = clicked.values() if isinstance(clicked, dict) else clicked
+        open_encounter(result, int(encounter), int(row))

@@ -1,0 +1,127 @@
+"""Time left page: who was told in time, in words and numbers, and how sure that is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from string import ascii_lowercase
+from typing import Final
+
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.evidence.measures import Evidence, judge
+from nvcore.evidence.units import BLOCKS
+from nvcore.measures import evidence_form
+from nvcore.params.metadata import THRESHOLD, TIME_LEFT
+from nvcore.report.time_left import describe_needed, few_urgent
+from nvcore.report.verdict.words import describe_time_left
+from nvcore.report.words import describe_urgency
+from nvcore.schema import TimeLeft
+from nvcore.tables.scorecard import score_rows
+from nvcore.wording import capitalised, difference, interval_text, minus, number
+from ui.session import state
+from ui.widgets.html import MeasureRow, measures_html, score_row
+from ui.widgets.text import UNDEFINED, docs_link, plain
+
+KEYS: Final = (*(kind.value for kind in TimeLeft), "mean_impact_kmh", "median_margin_s")
+SHARE: Final = "in_time_by_unit"
+HEAD: Final = ("X", "Y", "X − Y", "95 % interval")
+
+
+def draw(result: Result) -> None:
+    """The counts, the measures with their intervals, and what they mean."""
+    for sentence in describe_time_left(result):
+        st.subheader(plain(sentence), anchor=False)
+    if not result.is_urgent.any():
+        _draw_nobody(result)
+        return
+    st.caption(plain(describe_urgency(result)))
+    left, right = st.columns([5, 4], gap="large")
+    with left:
+        _draw_measures(result)
+    with right:
+        _draw_meaning(result)
+
+
+def _draw_nobody(result: Result) -> None:
+    """Why there is nothing to judge, and what could be moved."""
+    st.info(
+        f"{plain(describe_urgency(result))} So nobody has to be told in time, and neither system "
+        "is better in that. A higher speed or a longer reaction time (in the sidebar) makes more "
+        f"pedestrians urgent ({docs_link('Time left', 'time-left')})."
+    )
+
+
+def _draw_measures(result: Result) -> None:
+    evidence = _evidence(result)
+    notes: dict[str, str] = {}
+    rows: list[MeasureRow] = []
+    for row in score_rows(result):
+        if row.key not in KEYS:
+            continue
+        shown = score_row(row, is_short=result.is_short)
+        rows.append(_with_interval(shown, evidence.get(row.key), notes))
+        if row.key == TimeLeft.IN_TIME.value and SHARE in evidence:
+            rows.append(_with_interval(_share(evidence[SHARE]), evidence[SHARE], notes))
+    st.html(measures_html(rows, key="time-left", head=HEAD))
+    lines = [f"{mark}: {plain(capitalised(note))}." for note, mark in notes.items()]
+    if few := few_urgent(int(result.is_urgent.sum())):
+        lines.append(few)
+    if lines:
+        st.caption("  \n".join(lines))
+
+
+def _evidence(result: Result) -> dict[str, Evidence]:
+    """Evidence of the measures that have an interval over recordings or blocks, by key."""
+    key = (result.params, result.x.name, result.y.name)
+    keys = (SHARE, "mean_impact_kmh")
+    evidence = state.cached("time_left_evidence", key, lambda: judge(result, keys), most=8)
+    return {row.figure: row for row in evidence}
+
+
+def _share(row: Evidence) -> MeasureRow:
+    """The share in time, below its count."""
+    form = evidence_form(row.figure)
+    cells = (number(row.x, form), number(row.y, form), minus(difference(row.x, row.y, form)))
+    return MeasureRow("as a share", cells, level=1)
+
+
+def _with_interval(row: MeasureRow, of: Evidence | None, notes: dict[str, str]) -> MeasureRow:
+    """The row with the interval of its difference, and footnotes on what that does not say."""
+    if of is None or not row.cells:
+        return replace(row, cells=(*row.cells, ""))
+    form = evidence_form(of.figure)
+    marks = [
+        notes.setdefault(note, ascii_lowercase[len(notes)])
+        for note in (part for part in of.note.split("; ") if part)
+    ]
+    interval = minus(interval_text(of.low, of.high, form))
+    if interval != UNDEFINED and of.unit == BLOCKS:
+        interval += " *"
+        marks.append(notes.setdefault("within these recordings alone", "*"))
+    return replace(row, cells=(*row.cells, interval), marks=" ".join(dict.fromkeys(marks)))
+
+
+def _draw_meaning(result: Result) -> None:
+    """What *in time* says, and what it does not."""
+    params = result.params
+    if result.has_assumed_speed.any():
+        st.markdown(plain(describe_needed(params)))
+    st.markdown(
+        f"*In time*: matched in {params.confirm_n} of his last {params.confirm_m} frames before "
+        "the last chance. *Late*: only then or later; the car brakes too late and reaches him with "
+        "the *impact speed*. *Never*: the car does not brake."
+    )
+    st.caption(
+        "In time means that a warning could have come early enough, not that the driver would have "
+        "heeded it, nor that nobody is hurt: pedestrians are taken to go on as they do, the car to "
+        "drive on at its speed. Time to contact comes from the truth's boxes alone. Whether a "
+        "difference is more than chance is tested on the Overview "
+        f"({docs_link('Time left', 'time-left')})."
+    )
+
+
+def key_of(result: Result) -> tuple[object, ...]:
+    """What urgent encounters depend on, while the same data are open."""
+    settings = result.params.only_for(THRESHOLD, TIME_LEFT)
+    return settings, result.x.name, result.y.name

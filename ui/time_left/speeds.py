@@ -1,0 +1,51 @@
+"""Time left page: what the speed of the car changes."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.figures.time_left.over_speed import OverSpeed, over_speed_plot
+from nvcore.params import settings_for
+from nvcore.params.metadata import THRESHOLD, TIME_LEFT
+from nvcore.report.time_left import describe_turns
+from ui.session import state
+from ui.widgets.charts import draw_chart, kept_figure
+from ui.widgets.text import docs_link, plain
+
+MEASURES: Final[tuple[OverSpeed, ...]] = ("share_in_time", "mean_impact_kmh")
+
+
+def draw(result: Result) -> None:
+    """Share in time and mean impact speed over the speed, and where the order turns."""
+    st.header("If the car were slower or faster")
+    key, curve = _curve(result)
+    for sentence in describe_turns(curve):
+        st.markdown(plain(sentence))
+    names, theme = (result.x.name, result.y.name), state.theme()
+    is_assumed = result.has_assumed_speed.any()
+    speed_kmh = result.params.speed_kmh if is_assumed else None
+    for column, measure in zip(st.columns(2, gap="medium"), MEASURES, strict=True):
+        make = partial(
+            over_speed_plot, curve, names, theme=theme, measure=measure, speed_kmh=speed_kmh
+        )
+        with column:
+            figure = kept_figure(f"time_left_{measure}", (key, speed_kmh, theme), make)
+            draw_chart(figure, f"time_left_{measure}")
+    st.caption(
+        "Each speed in place of all others, those of recordings as well. Other pedestrians are "
+        "urgent at other speeds, so the share may rise with speed. Where the order turns is not "
+        f"tested: a single encounter may do it ({docs_link('Time left', 'time-left')})."
+    )
+
+
+def _curve(result: Result) -> tuple[tuple[object, ...], pd.DataFrame]:
+    """`Result.over_speed` with what it depends on: no speed moves it."""
+    names = [name for name in settings_for(THRESHOLD, TIME_LEFT) if name != "speed_kmh"]
+    settings = tuple(getattr(result.params, name) for name in names)
+    key = settings, result.x.name, result.y.name
+    return key, state.cached("over_speed", key, lambda: result.over_speed, most=8)
