@@ -16,7 +16,7 @@ from nvcore.params.metadata import THRESHOLD, TIME_LEFT
 from nvcore.report.time_left import describe_needed, few_urgent
 from nvcore.report.verdict.words import describe_time_left
 from nvcore.report.words import describe_urgency
-from nvcore.schema import TimeLeft
+from nvcore.schema import TimeLeft, Urgency
 from nvcore.tables.scorecard import score_rows
 from nvcore.wording import capitalised, difference, interval_text, minus, number
 from ui.session import state
@@ -45,11 +45,17 @@ def draw(result: Result) -> None:
 
 def _draw_nobody(result: Result) -> None:
     """Why there is nothing to judge, and what could be moved."""
-    st.info(
-        f"{plain(describe_urgency(result))} So nobody has to be told in time, and neither system "
-        "is better in that. A higher speed or a longer reaction time (in the sidebar) makes more "
-        f"pedestrians urgent ({docs_link('Time left', 'time-left')})."
-    )
+    link = docs_link("Time left", "time-left")
+    if not len(result.encounters):
+        st.info("The truth has no pedestrians: there is nobody whom the car comes near to.")
+    elif result.count_urgency()[Urgency.UNKNOWN] == len(result.encounters):
+        st.info(f"{plain(describe_urgency(result))} Nothing can be said of any of them ({link}).")
+    else:
+        st.info(
+            f"{plain(describe_urgency(result))} So nobody has to be told by a last chance, and "
+            "neither system is better in that. A higher speed or a longer reaction time, in the "
+            f"sidebar, may make others urgent ({link})."
+        )
 
 
 def _draw_measures(result: Result) -> None:
@@ -107,6 +113,8 @@ def _draw_meaning(result: Result) -> None:
     params = result.params
     if result.has_assumed_speed.any():
         st.markdown(plain(describe_needed(params)))
+    else:
+        st.markdown("The recordings state the speed of the car: the assumed one moves nothing.")
     st.markdown(
         f"*In time*: matched in {params.confirm_n} of his last {params.confirm_m} frames before "
         "the last chance. *Late*: only then or later; the car brakes too late and reaches him with "

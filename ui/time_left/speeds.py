@@ -21,9 +21,14 @@ MEASURES: Final[tuple[OverSpeed, ...]] = ("share_in_time", "mean_impact_kmh")
 
 
 def draw(result: Result) -> None:
-    """Share in time and mean impact speed over the speed, and where the order turns."""
-    st.header("If the car were slower or faster")
+    """Share in time and mean impact speed over the speed, and where the order turns.
+
+    Nothing where nobody is urgent at any speed.
+    """
     key, curve = _curve(result)
+    if not curve["urgent"].any():
+        return
+    st.header("If the car were slower or faster")
     for sentence in describe_turns(curve):
         st.markdown(plain(sentence))
     names, theme = (result.x.name, result.y.name), state.theme()

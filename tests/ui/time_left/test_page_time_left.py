@@ -1,0 +1,153 @@
+"""The Time left page, driven without a browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from approach import approach, only
+from builders import Box
+from streamlit.testing.v1 import AppTest
+
+import pages
+from pages import HEAD, alone, begin_with, checked, opened, texts
+from ui.time_left import approaches, listed
+
+ASSUMED = "Assumed speed (km/h)"
+
+
+def alone_on() -> AppTest:
+    return checked(alone("time_left").run())
+
+
+def headings(page: AppTest) -> list[str]:
+    """Titles of the figures, in their order."""
+    bodies = [item.proto.body for item in page.get("html") if "nv-figure" in item.proto.body]
+    return [body.partition("<strong>")[2].partition("</strong>")[0] for body in bodies]
+
+
+def table(page: AppTest) -> pd.DataFrame:
+    return page.dataframe[0].value
+
+
+def csv(boxes: list[Box], *, has_tracks: bool) -> str:
+    return "".join(
+        f"night,{box.frame},{box.x},{box.y},{box.w},{box.h}"
+        f"{f',{box.track}' if has_tracks else ',0.9'}\n"
+        for box in boxes
+    )
+
+
+def session(folder: Path, truth: list[Box], *systems: list[Box]) -> Path:
+    """One recording of 100 x 100 px, 40 frames at ten a second, and systems named by number."""
+    head = HEAD.replace(",track,score", "")[:-1]
+    (folder / "truth.csv").write_text(f"{head},track\n{csv(truth, has_tracks=True)}")
+    text = '[defaults]\nsize = "100x100"\nfps = 10\nframes = "0:39"\n'
+    text += '[truth]\npath = "truth.csv"\n'
+    for number, boxes in enumerate(systems):
+        (folder / f"{number}.csv").write_text(f"{head},score\n{csv(boxes, has_tracks=False)}")
+        text += f'[[system]]\nname = "s{number}"\npath = "{number}.csv"\n'
+    path = folder / "session.toml"
+    path.write_text(text)
+    return path
+
+
+def test_the_sample_has_the_numbers_of_an_independent_reading():
+    page = alone_on()
+    (headline,) = [item.value for item in page.subheader]
+    assert headline.replace("\\", "").startswith(
+        "Of 20 urgent encounters at 50 km/h (assumed), X confirms 19 in time and Y 15; mean impact "
+        "speed 1.3 km/h with X and 9.0 km/h with Y"
+    )
+    measures = pages.measures(page, "time-left")
+    assert measures["urgent encounters in time, of 20 ↑"] == ("19", "15", "+4", "")
+    assert measures["as a share[a]"][2] == "+20.0 pp"
+    assert measures["as a share[a]"][3].endswith("pp")
+    assert measures["confirmed too late ↓"][:2] == ("1", "5")
+    assert "Too few recordings tell X and Y apart for a test: 2" in texts(page)
+    assert "In time means that a warning could have come early enough, not that" in texts(page)
+    assert headings(page) == [
+        "From the first sight to contact",
+        "Share in time over speed",
+        "Mean impact speed over speed",
+        "Margin of X against Y",
+    ]
+    assert "Below 75 km/h X confirms the larger share in time, from there on Y" in texts(page)
+
+
+def test_the_list_has_the_fastest_impact_first_and_opens_the_last_chance(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    shown: list[int] = []
+    monkeypatch.setattr("ui.time_left.opening.open_row", shown.append)
+    page = alone_on()
+    assert len(table(page)) == 20
+    worst = table(page)[["impact_kmh_x", "impact_kmh_y"]].max(axis=1)
+    assert worst.is_monotonic_decreasing
+    assert table(page)["time_left_y"].iloc[0] == "late"
+    result = page.session_state["workspace"].result
+    encounter = int(table(page).index[0])
+    row = int(result.urgency["urgent_row"].iloc[encounter])
+    page.session_state[listed.OPEN] = encounter, row
+    checked(page.run())
+    checked(page.run())
+    assert shown == [row]
+    chosen = page.session_state["encounters_chosen"][1]
+    assert chosen == f"rural_road:{result.encounters.track[encounter]}"
+
+
+def test_the_speed_stands_first_in_the_sidebar_and_moves_all():
+    page = checked(opened("time_left"))
+    first = page.sidebar.slider[0]
+    assert (first.label, first.value) == (ASSUMED, 50)
+    assert not first.disabled
+    labels = [slider.label for slider in page.sidebar.slider]
+    assert labels.count(ASSUMED) == 1
+    page = checked(first.set_value(100.0).run())
+    (headline,) = [item.value for item in page.subheader]
+    assert "Of 30 urgent encounters at 100 km/h" in headline.replace("\\", "")
+    assert "".join(page.query_params["speed_kmh"]) == "100"
+    # more than a screen full: in parts
+    choice = page.selectbox(key=approaches.FIRST)
+    assert len(choice.options) == 2
+    checked(choice.set_value(20).run())
+    page = checked(pages.to_page(page, "saliency"))
+    assert ASSUMED not in [slider.label for slider in page.sidebar.slider]
+    page = checked(pages.to_page(page, "time_left"))
+    assert page.sidebar.slider[0].value == 100
+
+
+def test_a_few_encounters_are_called_few_and_a_system_that_is_never_sure_hits_at_full_speed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    boxes = approach(range(40), 5)
+    begin_with(session(tmp_path, boxes, boxes, only(boxes, range(3))), monkeypatch)
+    page = alone_on()
+    assert "The only urgent encounter says what happened in these recordings" in texts(page)
+    assert pages.measures(page, "time-left")["median margin before the last chance (s) ↑"][0] != "–"
+    assert "recording" not in page.dataframe[0].proto.column_order
+
+
+def test_where_nobody_is_urgent_the_page_says_why_and_what_the_speed_would_change(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    still = [box._replace(frame=frame) for frame in range(40) for box in approach([0], 5)]
+    begin_with(session(tmp_path, still, still, still), monkeypatch)
+    page = alone_on()
+    assert "Nobody is urgent at 50 km/h (assumed)." in texts(page)
+    assert "neither system is better in that" in texts(page)
+    assert not page.dataframe
+    assert not page.header
+    assert not headings(page)
+
+
+def test_where_time_left_is_unknown_the_page_says_why(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    boxes = [box._replace(track=number) for number, box in enumerate(approach(range(40), 5))]
+    begin_with(session(tmp_path, boxes, boxes, boxes), monkeypatch)
+    page = alone_on()
+    assert "Time left to stop is unknown for all encounters" in texts(page)
+    assert "Nothing can be said of any of them" in texts(page)
+    assert not page.header
