@@ -83,7 +83,7 @@ class TimeLeftSettings:
         unit="frames",
         is_whole=True,
         slider_format="%0.0f",
-        label="Confirmed if matched in",
+        label="Confirmed if matched in (frames)",
         meaning="A system is sure of a pedestrian, so that it can warn, when it matches him in so "
         "many of his last confirm_m frames. More than confirm_m: it never is.",
         is_advanced=True,
@@ -97,7 +97,7 @@ class TimeLeftSettings:
         unit="frames",
         is_whole=True,
         slider_format="%0.0f",
-        label="Confirmed within the last",
+        label="Confirmed within the last (frames)",
         meaning="Of how many of a pedestrian's last frames confirm_n have to be matched; at his "
         "first ones there are fewer.",
         is_advanced=True,

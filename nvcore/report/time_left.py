@@ -66,7 +66,7 @@ def describe_encounter(result: Result, encounter: int) -> str:
         return f"No chance at {speed_kmh}: too near to stop when first known, in {when}."
     if kind is Urgency.OUTSIDE:
         return f"Outside the corridor when he becomes urgent at {speed_kmh}, in {when}."
-    of_both = ". ".join(systems_in_words(result, encounter))
+    of_both = ". ".join(systems_in_words(result, np.array([encounter]))[0])
     return f"Urgent at {speed_kmh}: the last chance to stop is {when}. {of_both}."
 
 

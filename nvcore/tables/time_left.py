@@ -9,7 +9,6 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.schema import TimeLeft
-from nvcore.scoring import SystemResult
 from nvcore.tables.result import encounters_table
 
 QUADRANTS: Final = ("both", "only_x", "only_y", "neither")
@@ -68,19 +67,32 @@ def count_in_time(urgent: pd.DataFrame) -> dict[str, int]:
     return {name: int((urgent["in_time"] == name).sum()) for name in QUADRANTS}
 
 
-def systems_in_words(result: Result, encounter: int) -> tuple[str, str]:
-    """What X and Y did with an urgent encounter: "X confirms him 0.95 s before it, in time"."""
-    x, y = (f"{letter.upper()} {_in_words(system, encounter)}" for letter, system in result.sides)
-    return x, y
+def systems_in_words(result: Result, encounters: np.ndarray) -> list[tuple[str, str]]:
+    """What X and Y did with urgent encounters: "X confirms him 0.95 s before it, in time".
+
+    Parameters
+    ----------
+    encounters
+        Rows of ``result.encounters``; shape (n,).
+    """
+    columns = ["time_left", "margin_s", "impact_kmh"]
+    x, y = (
+        [
+            f"{letter.upper()} {_in_words(*row)}"
+            for row in zip(
+                *(system.time_left[name].to_numpy()[encounters] for name in columns), strict=True
+            )
+        ]
+        for letter, system in result.sides
+    )
+    return list(zip(x, y, strict=True))
 
 
-def _in_words(system: SystemResult, encounter: int) -> str:
-    of = system.time_left.iloc[encounter]
-    impact, margin_s = f"impact at {of['impact_kmh']:.0f} km/h", float(of["margin_s"])
-    kind = TimeLeft(of["time_left"])
-    if kind is TimeLeft.NEVER:
+def _in_words(kind: str, margin_s: float, impact_kmh: float) -> str:
+    impact = f"impact at {impact_kmh:.0f} km/h"
+    if kind == TimeLeft.NEVER:
         return f"never confirms him: {impact}"
-    if kind is TimeLeft.IN_TIME:
+    if kind == TimeLeft.IN_TIME:
         return f"confirms him {margin_s:.2f} s before it, in time"
     when = f"{-margin_s:.2f} s after it" if margin_s else "only then"
     return f"confirms him {when}, late: {impact}"

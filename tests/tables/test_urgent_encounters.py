@@ -63,14 +63,16 @@ def test_where_nobody_is_urgent_the_table_is_empty_with_its_columns():
 
 def test_what_each_system_did_is_said_in_words():
     result = met((range(10, 40), LATE), (NEVER, range(27, 40)))
-    assert systems_in_words(result, 0) == (
-        "X confirms him 1.70 s before it, in time",
-        "Y confirms him 0.30 s after it, late: impact at 31 km/h",
-    )
-    assert systems_in_words(result, 1) == (
-        "X never confirms him: impact at 50 km/h",
-        "Y confirms him only then, late: impact at 15 km/h",
-    )
+    assert systems_in_words(result, np.array([1, 0])) == [
+        (
+            "X never confirms him: impact at 50 km/h",
+            "Y confirms him only then, late: impact at 15 km/h",
+        ),
+        (
+            "X confirms him 1.70 s before it, in time",
+            "Y confirms him 0.30 s after it, late: impact at 31 km/h",
+        ),
+    ]
 
 
 def test_the_nearest_to_contact_of_each_frame_and_where_nobody_is_known():

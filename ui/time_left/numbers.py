@@ -48,11 +48,14 @@ def _draw_nobody(result: Result) -> None:
     link = docs_link("Time left", "time-left")
     if not len(result.encounters):
         st.info("The truth has no pedestrians: there is nobody whom the car comes near to.")
-    elif result.count_urgency()[Urgency.UNKNOWN] == len(result.encounters):
+        return
+    n_unknown = result.count_urgency()[Urgency.UNKNOWN]
+    if n_unknown == len(result.encounters):
         st.info(f"{plain(describe_urgency(result))} Nothing can be said of any of them ({link}).")
     else:
         st.info(
-            f"{plain(describe_urgency(result))} So nobody has to be told by a last chance, and "
+            f"{plain(describe_urgency(result))} So nobody"
+            f"{', as far as is known,' if n_unknown else ''} has to be told by a last chance, and "
             "neither system is better in that. A higher speed or a longer reaction time, in the "
             f"sidebar, may make others urgent ({link})."
         )
@@ -73,8 +76,8 @@ def _draw_measures(result: Result) -> None:
     lines = [f"{mark}: {plain(capitalised(note))}." for note, mark in notes.items()]
     if few := few_urgent(int(result.is_urgent.sum())):
         lines.append(few)
-    if lines:
-        st.caption("  \n".join(lines))
+    lines.append("Median margin: of those whom the system confirms at all.")
+    st.caption("  \n".join(lines))
 
 
 def _evidence(result: Result) -> dict[str, Evidence]:

@@ -42,9 +42,10 @@ def draw(result: Result) -> None:
             figure = kept_figure(f"time_left_{measure}", (key, speed_kmh, theme), make)
             draw_chart(figure, f"time_left_{measure}")
     st.caption(
-        "Each speed in place of all others, those of recordings as well. Other pedestrians are "
-        "urgent at other speeds, so the share may rise with speed. Where the order turns is not "
-        f"tested: a single encounter may do it ({docs_link('Time left', 'time-left')})."
+        "Each speed in place of all others, those of recordings as well. At a higher speed more "
+        "pedestrians are urgent, and more are too near when first known and left out: so the share "
+        "may rise with speed. Where the order turns is not tested: a single encounter may do it "
+        f"({docs_link('Time left', 'time-left')})."
     )
 
 

@@ -129,8 +129,10 @@ def last_chances(result: Result, encounters: np.ndarray, size: float, theme: The
     frame, time_s = frames["frame"].to_numpy()[row], frames["time_s"].to_numpy()[row]
     text = [
         f"pedestrian {result.encounters.track[encounter]}, last chance to stop: frame {number}, "
-        f"{second:.2f} s<br>" + "<br>".join(systems_in_words(result, encounter))
-        for encounter, number, second in zip(urgent.tolist(), frame, time_s, strict=True)
+        f"{second:.2f} s<br>" + "<br>".join(of_both)
+        for encounter, number, second, of_both in zip(
+            urgent.tolist(), frame, time_s, systems_in_words(result, urgent), strict=True
+        )
     ]
     ink = LOOK[theme].ink
     line = {"width": 3, "color": ink}

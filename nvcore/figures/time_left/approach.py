@@ -149,13 +149,14 @@ def _places(part: pd.DataFrame, frame_row: np.ndarray) -> np.ndarray:
 def _texts(result: Result, part: pd.DataFrame, frame_row: np.ndarray, what: str) -> list[str]:
     """For the mouse: the moment, and what both systems made of the encounter."""
     frames = result.dataset.frames
-    frame, time_s = frames["frame"].to_numpy()[frame_row], frames["time_s"].to_numpy()[frame_row]
+    columns = (part[name] for name in ("track", "recording", "ttc_s", "speed_kmh"))
+    moments = (frames[name].to_numpy()[frame_row] for name in ("frame", "time_s"))
+    of_both = systems_in_words(result, part.index.to_numpy())
     return [
-        f"pedestrian {row.track}, {plain(row.recording)}<br>{what}: frame {number}, {second:.2f} s"
-        f"<br>last chance {row.ttc_s:.2f} s before contact, at {row.speed_kmh:g} km/h<br>"
-        + "<br>".join(systems_in_words(result, encounter))
-        for encounter, row, number, second in zip(
-            part.index.tolist(), part.itertuples(), frame, time_s, strict=True
+        f"pedestrian {track}, {plain(recording)}<br>{what}: frame {frame}, {time_s:.2f} s<br>"
+        f"last chance {ttc_s:.2f} s before contact, at {speed_kmh:g} km/h<br>{'<br>'.join(words)}"
+        for track, recording, ttc_s, speed_kmh, frame, time_s, words in zip(
+            *columns, *moments, of_both, strict=True
         )
     ]
 

@@ -68,10 +68,12 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
         for letter in "xy"
     }
     texts = [
-        f"pedestrian {track}, {plain(recording)}<br>"
-        + "<br>".join(systems_in_words(result, encounter))
-        for encounter, track, recording in zip(
-            urgent.index.tolist(), urgent["track"], urgent["recording"], strict=True
+        f"pedestrian {track}, {plain(recording)}<br>" + "<br>".join(of_both)
+        for of_both, track, recording in zip(
+            systems_in_words(result, urgent.index.to_numpy()),
+            urgent["track"],
+            urgent["recording"],
+            strict=True,
         )
     ]
     counts = count_in_time(urgent)
