@@ -160,5 +160,5 @@ def test_the_lanes_have_the_last_chance_and_above_them_the_time_to_contact():
 def test_where_nobody_is_approached_there_are_lanes_alone():
     still = result_of(make_dataset([at(frame, 50, track=1) for frame in range(20)]))
     figure = lanes_figure(still, 0, theme="light")
-    assert "yaxis2" not in figure.layout
+    assert "yaxis2" not in figure.layout.to_plotly_json()
     assert {"time to contact", "last chance to stop"}.isdisjoint(one.name for one in figure.data)

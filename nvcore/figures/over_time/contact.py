@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
+import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers, marks, steady_marker, still_line
 from nvcore.figures.over_time.similarity import decimate, evenly
-from nvcore.figures.style import LOOK, axis, faded, write
+from nvcore.figures.style import LOOK, axis, faded, written
 from nvcore.metrics.time_left import needed_time
 from nvcore.palette import Theme
 from nvcore.tables.time_left import nearest_contact, systems_in_words
@@ -20,41 +22,72 @@ MOST_S: Final = 6.0
 POINTS: Final = 2000
 CLICKS: Final = 300
 STRIP_PX: Final = 84
-"""Height of the strip."""
+GAP_PX: Final = 12
+"""Height of the strip, and of the room between it and the lanes."""
 
 
-def has_contact(result: Result, recording: int) -> bool:
-    """Whether anybody of a recording comes near enough to contact to be drawn."""
-    rows = result.dataset.frame_columns.rows_of(recording)
-    boxes = result.dataset.truth.rows_of(rows.start, rows.stop)
-    return bool((result.contact.ttc_s[boxes] < MOST_S).any())
+@dataclass(frozen=True)
+class ContactStrip:
+    """What the lanes' figure takes over; of a recording where nobody is approached: nothing.
 
-
-def add_contact(figure: go.Figure, result: Result, recording: int, theme: Theme) -> None:
-    """Draw the least time to contact in each frame; filled where it is too late to stop.
-
-    On the axis ``y2``. A click gives frame and encounter: `customdata` is the row in
-    ``dataset.frames`` and that in ``result.encounters``.
+    Attributes
+    ----------
+    height_px
+        Height that it adds.
+    traces
+        On the axis ``y2``.
+    xaxis, yaxis, more
+        Settings of the axes of the lanes, and of the layout.
     """
+
+    height_px: int = 0
+    traces: tuple[go.Scatter, ...] = ()
+    xaxis: dict[str, Any] = field(default_factory=dict)
+    yaxis: dict[str, Any] = field(default_factory=dict)
+    more: dict[str, Any] = field(default_factory=dict)
+
+
+def contact_strip(result: Result, recording: int, lanes_px: int, theme: Theme) -> ContactStrip:
+    """Least time to contact in each frame, above the lanes; filled where it is too late to stop.
+
+    A click gives frame and encounter: `customdata` is the row in ``dataset.frames`` and that in
+    ``result.encounters``.
+    """
+    nearest = nearest_contact(result, recording)
+    if not (nearest["ttc_s"] < MOST_S).any():
+        return ContactStrip()
     needed_s = _needed_s(result, recording)
-    figure.add_traces(_traces(result, recording, needed_s, theme))
-    write(
-        figure,
-        f"{needed_s:.1f} s needed to stop",
-        size=11,
-        color=LOOK[theme].muted,
-        xref="paper",
-        x=1,
-        xanchor="right",
-        yref="y2",
-        y=needed_s,
-        yanchor="bottom",
+    whole_px = lanes_px + GAP_PX + STRIP_PX
+    place: dict[str, Any] = {
+        "xref": "paper",
+        "x": 1,
+        "xanchor": "right",
+        "yref": "y2",
+        "y": needed_s,
+    }
+    look: dict[str, Any] = {"size": 11, "color": LOOK[theme].muted, "yanchor": "bottom"}
+    across = axis(
+        theme,
+        "contact in (s)",
+        range=[0, MOST_S],
+        domain=[1 - STRIP_PX / whole_px, 1],
+        fixedrange=True,
+        tickvals=[0, 2, 4],
+    )
+    note = written(f"{needed_s:.1f} s needed to stop", **look, **place)
+    return ContactStrip(
+        height_px=GAP_PX + STRIP_PX,
+        traces=tuple(_traces(result, recording, nearest, needed_s, theme)),
+        xaxis={"anchor": "y2"},
+        yaxis={"domain": [0, lanes_px / whole_px]},
+        more={"yaxis2": across, "annotations": [note]},
     )
 
 
-def _traces(result: Result, recording: int, needed_s: float, theme: Theme) -> list[go.Scatter]:
+def _traces(
+    result: Result, recording: int, nearest: pd.DataFrame, needed_s: float, theme: Theme
+) -> list[go.Scatter]:
     look, rows = LOOK[theme], result.dataset.frame_columns.rows_of(recording)
-    nearest = nearest_contact(result, recording)
     time_s = result.dataset.frames["time_s"].to_numpy()[rows]
     ttc_s = np.nan_to_num(nearest["ttc_s"].to_numpy(), nan=np.inf)
     drawn = decimate(np.minimum(ttc_s, MOST_S), n_points=POINTS)
@@ -69,7 +102,7 @@ def _traces(result: Result, recording: int, needed_s: float, theme: Theme) -> li
     )
     area = still_line(
         np.concatenate([time_s[drawn], time_s[drawn][::-1]]),
-        np.concatenate([np.nan_to_num(depth, nan=needed_s), np.full(len(drawn), needed_s)]),
+        np.concatenate([depth, np.full(len(drawn), needed_s)]),
         "too late to stop",
         yaxis="y2",
         fill="toself",
@@ -106,18 +139,6 @@ def _clicks(result: Result, start: int, time_s: np.ndarray, nearest: np.ndarray)
     ]
     places = np.column_stack([start + known, encounter])
     return click_markers(time_s[known], ttc_s, text, customdata=places, name="contact", yaxis="y2")
-
-
-def contact_axis(theme: Theme, domain: list[float]) -> dict[str, Any]:
-    """The upright axis of the strip."""
-    return axis(
-        theme,
-        "contact in (s)",
-        range=[0, MOST_S],
-        domain=domain,
-        fixedrange=True,
-        tickvals=[0, 2, 4],
-    )
 
 
 def last_chances(result: Result, encounters: np.ndarray, size: float, theme: Theme) -> go.Scatter:

@@ -10,13 +10,7 @@ import plotly.graph_objects as go
 
 from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers, line_up, still_line, with_gaps
-from nvcore.figures.over_time.contact import (
-    STRIP_PX,
-    add_contact,
-    contact_axis,
-    has_contact,
-    last_chances,
-)
+from nvcore.figures.over_time.contact import contact_strip, last_chances
 from nvcore.figures.over_time.similarity import end_of, time_range
 from nvcore.figures.style import (
     LEFT_PX,
@@ -49,8 +43,6 @@ MAX_CLICKS_LANE: Final = 120
 MAX_BARS: Final = 3000
 PIXELS: Final = 4000
 """Columns of pixels to which bars are rounded when there are more than that."""
-GAP_PX: Final = 12
-"""Between the lanes and the time to contact above them."""
 LANE_PX: Final = ((12, 30), (40, 20), (MAX_LANES, 13))
 """Height of a lane for up to so many of them."""
 WORDS: Final = {"not_relevant": "too far to count", "": "not annotated"}
@@ -125,32 +117,25 @@ def lanes_figure(
     if chosen_lane >= 0:
         pedestrians[chosen_lane] = f"<b>▶ {pedestrians[chosen_lane]}</b>"
     labels = [system_label(letter, system.name) for letter, system in result.sides]
-    strip_px = (STRIP_PX + GAP_PX) * has_contact(result, recording)
     lanes_px = lane_px * n_lanes
+    strip = contact_strip(result, recording, lanes_px, theme)
     traces.append(last_chances(result, encounters, 0.6 * lane_px, theme))
+    along = axis(theme, side="top", ticksuffix=" s", range=time_range(end_of(result, recording)))
     figure = draw(
-        [*(trace for trace in traces if len(trace.x)), _clicks(result, runs, n_lanes)],
+        [*(one for one in traces if len(one.x)), *strip.traces, _clicks(result, runs, n_lanes)],
         theme,
         title=f"Who is missed when, {name}",
         subtitle=f"{extent}; upper bar {labels[0]}, lower bar {labels[1]}",
-        height=AROUND_PX + lanes_px + strip_px,
+        height=AROUND_PX + lanes_px + strip.height_px,
         hoverdistance=-1,
         margin={"l": LEFT_PX, "r": 16, "t": AROUND_PX - 8, "b": 8},
         # above the lanes, and as wide as that of the similarity over time
-        xaxis=axis(theme, side="top", ticksuffix=" s", range=time_range(end_of(result, recording))),
-        legend=LEGEND | {"y": 1 + AXIS_PX / (lanes_px + strip_px)},
-        yaxis=rows_axis(theme, pedestrians, fixedrange=True, showgrid=False),
+        xaxis=along | strip.xaxis,
+        legend=LEGEND | {"y": 1 + AXIS_PX / (lanes_px + strip.height_px)},
+        yaxis=rows_axis(theme, pedestrians, fixedrange=True, showgrid=False) | strip.yaxis,
         uirevision=f"{result.dataset.fingerprint} {recording} lanes",
+        **strip.more,
     )
-    if strip_px:
-        lanes_share = lanes_px / (lanes_px + strip_px)
-        add_contact(figure, result, recording, theme)
-        domain = [1 - STRIP_PX / (lanes_px + strip_px), 1]
-        figure.update_layout(
-            xaxis_anchor="y2",
-            yaxis_domain=[0, lanes_share],
-            yaxis2=contact_axis(theme, domain),
-        )
     if cursor_row is not None and rows.start <= cursor_row < rows.stop:
         line_up(figure, float(time_s[cursor_row]), "cursor", theme)
     if chosen_lane >= 0:
