@@ -117,6 +117,14 @@ def _draw_ways(result: Result, row: pd.Series[Any], moments: pd.Series[Any]) -> 
             width="stretch",
         ):
             open_row(place)
+    encounter = int(str(row.name))
+    chance = int(result.urgency["urgent_row"].iloc[encounter])
+    if result.is_urgent[encounter] and st.button(
+        f"Show the last chance to stop (frame {frames['frame'].iloc[chance]})",
+        key="encounters_show_chance",
+        width="stretch",
+    ):
+        open_row(chance)
 
 
 def _why(result: Result, row: pd.Series[Any], shown_row: int, is_missed: bool) -> str:

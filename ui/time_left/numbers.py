@@ -30,8 +30,9 @@ HEAD: Final = ("X", "Y", "X − Y", "95 % interval")
 
 def draw(result: Result) -> None:
     """The counts, the measures with their intervals, and what they mean."""
-    for sentence in describe_time_left(result):
-        st.subheader(plain(sentence), anchor=False)
+    with st.container(key="time_left_headline"):
+        for sentence in describe_time_left(result):
+            st.header(plain(sentence), anchor=False)
     if not result.is_urgent.any():
         _draw_nobody(result)
         return

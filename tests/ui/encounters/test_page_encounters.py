@@ -181,6 +181,29 @@ def test_who_missed_a_pedestrian_how_long_stands_above_the_picture():
     assert "**Y** misses it for 2.15 of 2.55 s: severity **0.64 s**" in texts(page)
 
 
+def test_time_left_and_classes_are_said_of_the_encounter_and_its_last_chance_opens(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    shown: list[int] = []
+    monkeypatch.setattr(details, "open_row", shown.append)
+    page = opened(encounter="rural_road:4")
+    assert (
+        "Urgent at 50 km/h (assumed): the last chance to stop is frame 194 (9.70 s). X confirms "
+        "him 0.45 s before it, in time. Y confirms him 1.55 s after it, late: impact at 50 km/h."
+    ) in texts(page)
+    assert "(metrics#classes-of-encounters): in road." in texts(page)
+    button = page.button(key="encounters_show_chance")
+    assert button.label == "Show the last chance to stop (frame 194)"
+    press(page, "encounters_show_chance")
+    result = page.session_state["workspace"].result
+    frames = result.dataset.frames.iloc[shown]
+    assert frames["frame"].tolist() == [194]
+    distant = opened(encounter="urban_crossing:1")
+    assert "Not urgent at 50 km/h (assumed): never less than" in texts(distant)
+    keys = [button.key for button in distant.button]
+    assert "encounters_show_chance" not in keys
+
+
 def test_everything_that_is_chosen_is_in_the_address_and_a_link_chooses_it_again():
     link = {
         "category": "x_only,both", "miss_y": "late", "only": "rural_road,urban_crossing",

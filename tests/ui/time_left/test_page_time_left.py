@@ -55,7 +55,7 @@ def session(folder: Path, truth: list[Box], *systems: list[Box]) -> Path:
 
 def test_the_sample_has_the_numbers_of_an_independent_reading():
     page = alone_on()
-    (headline,) = [item.value for item in page.subheader]
+    headline = page.header[0].value
     assert headline.replace("\\", "").startswith(
         "Of 20 urgent encounters at 50 km/h (assumed), X confirms 19 in time and Y 15; mean impact "
         "speed 1.3 km/h with X and 9.0 km/h with Y"
@@ -105,7 +105,7 @@ def test_the_speed_stands_first_in_the_sidebar_and_moves_all():
     labels = [slider.label for slider in page.sidebar.slider]
     assert labels.count(ASSUMED) == 1
     page = checked(first.set_value(100.0).run())
-    (headline,) = [item.value for item in page.subheader]
+    headline = page.header[0].value
     assert "Of 30 urgent encounters at 100 km/h" in headline.replace("\\", "")
     assert "".join(page.query_params["speed_kmh"]) == "100"
     # more than a screen full: in parts
