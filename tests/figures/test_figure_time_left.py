@@ -10,6 +10,7 @@ from figure_parts import shape, trace, words
 
 from nvcore.comparison import Result
 from nvcore.figures.over_time.lanes import lanes_figure
+from nvcore.figures.time_left import margins
 from nvcore.figures.time_left.approach import approach_plot
 from nvcore.figures.time_left.margins import margins_plot
 from nvcore.figures.time_left.over_speed import over_speed_plot
@@ -131,6 +132,16 @@ def test_margins_are_marked_by_who_is_in_time_and_never_stands_at_the_edge():
     assert "both in time 1, only X in time 1, only Y in time 1, neither in time 1" in words(figure)
 
 
+def test_of_very_many_encounters_the_fastest_impacts_are_drawn(monkeypatch):
+    monkeypatch.setattr(margins, "MOST_MARKS", 1)
+    result = met((ALL, ALL), (ALL, NEVER))
+    figure = margins_plot(result, urgent_encounters(result), theme="light")
+    drawn = [one.name for one in figure.data if one.mode == "markers"]
+    assert drawn == ["only X in time (1)"]
+    assert "both in time 1" in words(figure)
+    assert "the 1 with the fastest impacts drawn" in words(figure)
+
+
 def test_without_anybody_who_is_never_confirmed_the_axes_have_no_such_place():
     figure = margins_plot(
         result := met((ALL, LATE)), urgent_encounters(result), theme="light"
@@ -148,6 +159,7 @@ def test_the_lanes_have_the_last_chance_and_above_them_the_time_to_contact():
     assert contact.y[[0, 30]].round(6).tolist() == [5.0, 2.0]
     assert contact.yaxis == "y2"
     assert "2.2 s needed to stop" in words(figure)
+    assert "above them the least time to contact" in words(figure)
     points = trace(figure, "contact")
     assert points.customdata[30].tolist() == [30, 0]
     assert points.text[30] == "pedestrian 1, frame 30, 3.00 s<br>2.00 s to contact, the least"

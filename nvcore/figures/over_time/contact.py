@@ -32,8 +32,8 @@ class ContactStrip:
 
     Attributes
     ----------
-    height_px
-        Height that it adds.
+    height_px, words
+        Height that it adds, and what the subtitle says of it.
     traces
         On the axis ``y2``.
     xaxis, yaxis, more
@@ -41,6 +41,7 @@ class ContactStrip:
     """
 
     height_px: int = 0
+    words: str = ""
     traces: tuple[go.Scatter, ...] = ()
     xaxis: dict[str, Any] = field(default_factory=dict)
     yaxis: dict[str, Any] = field(default_factory=dict)
@@ -77,6 +78,7 @@ def contact_strip(result: Result, recording: int, lanes_px: int, theme: Theme) -
     note = written(f"{needed_s:.1f} s needed to stop", **look, **place)
     return ContactStrip(
         height_px=GAP_PX + STRIP_PX,
+        words="; above them the least time to contact",
         traces=tuple(_traces(result, recording, nearest, needed_s, theme)),
         xaxis={"anchor": "y2"},
         yaxis={"domain": [0, lanes_px / whole_px]},

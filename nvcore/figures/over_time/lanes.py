@@ -125,7 +125,7 @@ def lanes_figure(
         [*(one for one in traces if len(one.x)), *strip.traces, _clicks(result, runs, n_lanes)],
         theme,
         title=f"Who is missed when, {name}",
-        subtitle=f"{extent}; upper bar {labels[0]}, lower bar {labels[1]}",
+        subtitle=f"{extent}; upper bar {labels[0]}, lower bar {labels[1]}{strip.words}",
         height=AROUND_PX + lanes_px + strip.height_px,
         hoverdistance=-1,
         margin={"l": LEFT_PX, "r": 16, "t": AROUND_PX - 8, "b": 8},

@@ -36,6 +36,8 @@ WORDS: Final = {
 """Who confirmed an urgent encounter in time."""
 CORNERS: Final = {"both": (1, 1), "only_x": (1, 0), "only_y": (0, 1), "neither": (0, 0)}
 """Corner of the plot of each, as shares of its width and height."""
+MOST_MARKS: Final = 2000
+"""Encounters drawn: those with the fastest impacts."""
 MOST_MARGIN_S: Final = 8.0
 """Margin that is drawn at most; larger ones stand at the edge."""
 NEVER: Final = 0.12
@@ -57,7 +59,13 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
     """
     if urgent.empty:
         return empty_figure(NO_URGENT, theme=theme)
-    look = LOOK[theme]
+    look, counts = LOOK[theme], count_in_time(urgent)
+    extent = f"{count_text(len(urgent), 'urgent encounter')}: " + ", ".join(
+        f"{WORDS[name]} {counts[name]:,}" for name in QUADRANTS
+    )
+    if len(urgent) > MOST_MARKS:
+        extent += f"; the {MOST_MARKS:,} with the fastest impacts drawn"
+    urgent = urgent.head(MOST_MARKS)
     low, high, never = _span(urgent)
     place = {
         letter: np.where(
@@ -76,7 +84,6 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
             strict=True,
         )
     ]
-    counts = count_in_time(urgent)
     places = np.column_stack([urgent["urgent_row"].to_numpy(), urgent.index.to_numpy()])
     ends = [never - 0.06 * (high - low), high + 0.04 * (high - low)]
     line = {"color": look.muted, "width": 1, "dash": "dot"}
@@ -100,8 +107,7 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
         traces,
         theme,
         title="Margin of X against Y",
-        subtitle=f"{count_text(len(urgent), 'urgent encounter')}: "
-        + ", ".join(f"{WORDS[name]} {counts[name]:,}" for name in QUADRANTS),
+        subtitle=extent,
         height=420,
         hoverdistance=24,
         margin={"l": LEFT_PX, "r": 16, "t": 64, "b": 88},

@@ -129,6 +129,20 @@ def test_a_few_encounters_are_called_few_and_a_system_that_is_never_sure_hits_at
     assert "recording" not in page.dataframe[0].proto.column_order
 
 
+def test_where_the_recordings_state_their_speed_the_assumed_one_moves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    boxes = approach(range(40), 5)
+    path = session(tmp_path, boxes, boxes, boxes)
+    path.write_text(f'[[recording]]\nname = "night"\nspeed_kmh = 90\n{path.read_text()}')
+    begin_with(path, monkeypatch)
+    page = alone_on()
+    assert "The recordings state the speed of the car: the assumed one moves nothing." in texts(
+        page
+    )
+    assert "Of the only urgent encounter at the speed of each recording" in texts(page)
+
+
 def test_where_nobody_is_urgent_the_page_says_why_and_what_the_speed_would_change(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
