@@ -10,6 +10,7 @@ from figure_parts import shape, trace, words
 
 from nvcore.comparison import Result
 from nvcore.figures.over_time.lanes import lanes_figure
+from nvcore.figures.style import LOOK
 from nvcore.figures.time_left import margins
 from nvcore.figures.time_left.approach import approach_plot
 from nvcore.figures.time_left.margins import margins_plot
@@ -124,8 +125,7 @@ def test_margins_are_marked_by_who_is_in_time_and_never_stands_at_the_edge():
     assert (both.x.round(6).tolist(), both.y.round(6).tolist()) == ([1.7], [2.2])
     only_x = trace(figure, "only X in time (1)")
     assert only_x.customdata.tolist() == [[40 + LAST_CHANCE, 1]]
-    assert only_x.marker.color == trace(over_speed_plot(
-        result.over_speed, ("x", "y"), theme="light"), "X: x").marker.color  # fmt: skip
+    assert (only_x.marker.color, only_x.marker.symbol) == (LOOK["light"].x, "circle")
     only_y, neither = trace(figure, "only Y in time (1)"), trace(figure, "neither in time (1)")
     assert only_y.x[0] == neither.x[0] == figure.layout.xaxis.tickvals[0] < -1
     assert figure.layout.xaxis.ticktext[0] == "never"
@@ -143,9 +143,8 @@ def test_of_very_many_encounters_the_fastest_impacts_are_drawn(monkeypatch):
 
 
 def test_without_anybody_who_is_never_confirmed_the_axes_have_no_such_place():
-    figure = margins_plot(
-        result := met((ALL, LATE)), urgent_encounters(result), theme="light"
-    )  # fmt: skip
+    result = met((ALL, LATE))
+    figure = margins_plot(result, urgent_encounters(result), theme="light")
     assert "never" not in figure.layout.xaxis.ticktext
 
 

@@ -30,7 +30,8 @@ from nvcore.wording import count_text
 MOST_ROWS: Final = 20
 """Encounters drawn, if not fewer are asked for: a screen full."""
 MOST_S: Final = 12.0
-"""Time before contact that is drawn at most; what was earlier stands at the edge."""
+"""Time before contact that is drawn at most, unless last chances are earlier; what was before
+that stands at the edge."""
 ROW_PX: Final = 26
 LEGEND_PX: Final = 4
 """Room between the rows and the legend."""
@@ -72,30 +73,7 @@ def approach_plot(
     look, part = LOOK[theme], urgent.iloc[first : first + most]
     reach = _reach_s(urgent)
     n, row = len(part), np.arange(len(part), dtype=float)
-    start = np.minimum(part["first_s"].to_numpy(), reach)
-    stop, chance = np.maximum(part["last_s"].to_numpy(), 0), part["ttc_s"].to_numpy()
-    corners = chance, np.zeros(n), np.zeros(n), chance, chance
-    sides = row - BAND, row - BAND, row + BAND, row + BAND, row - BAND
-    line = {"color": look.muted, "width": 2}
-    traces = [
-        still_line(
-            with_gaps(*corners),
-            with_gaps(*sides),
-            "too late to stop",
-            showlegend=None,
-            fill="toself",
-            fillcolor=faded(look.pale, 0.55),
-            line={"width": 0},
-        ),
-        still_line(with_gaps(start, stop), with_gaps(row, row), "annotated", line=line),
-        still_line(
-            with_gaps(stop, np.zeros(n)),
-            with_gaps(row, row),
-            "after the last annotated frame",
-            line={**line, "width": 1, "dash": "dot"},
-        ),
-        _last_chances(result, part, row, theme),
-    ]
+    traces = [*_lines(part, row, reach, theme), _last_chances(result, part, row, theme)]
     for letter, _ in result.sides:
         traces += _system_marks(result, part, letter, reach, theme)
     labels = _labels(result, part)
@@ -127,9 +105,33 @@ def approach_plot(
     )
 
 
+def _lines(part: pd.DataFrame, row: np.ndarray, reach: float, theme: Theme) -> list[go.Scatter]:
+    """The band that is too late, and the line of each encounter: dotted once he is out of sight."""
+    look, zero = LOOK[theme], np.zeros(len(part))
+    start = np.minimum(part["first_s"].to_numpy(), reach)
+    stop, chance = np.maximum(part["last_s"].to_numpy(), 0), part["ttc_s"].to_numpy()
+    corners = chance, zero, zero, chance, chance
+    sides = row - BAND, row - BAND, row + BAND, row + BAND, row - BAND
+    line = {"color": look.muted, "width": 2}
+    band = {"fill": "toself", "fillcolor": faded(look.pale, 0.55), "line": {"width": 0}}
+    return [
+        still_line(
+            with_gaps(*corners), with_gaps(*sides), "too late to stop", showlegend=None, **band
+        ),
+        still_line(with_gaps(start, stop), with_gaps(row, row), "annotated", line=line),
+        still_line(
+            with_gaps(stop, zero),
+            with_gaps(row, row),
+            "after the last annotated frame",
+            line={**line, "width": 1, "dash": "dot"},
+        ),
+    ]
+
+
 def _reach_s(urgent: pd.DataFrame) -> float:
     """Left end of the axis: the same for all rows, so that it stays from one part to the next."""
-    return float(min(MOST_S, np.ceil(urgent["first_s"].max())))
+    most = max(MOST_S, np.ceil(1.2 * urgent["ttc_s"].max()))  # the last chances are always on it
+    return float(min(most, np.ceil(urgent["first_s"].max())))
 
 
 def _labels(result: Result, part: pd.DataFrame) -> list[str]:
