@@ -26,6 +26,7 @@ with needs("report", "figures need"):
     from nvcore.figures.time_left.margins import margins_plot
     from nvcore.figures.time_left.over_speed import over_speed_plot
     from nvcore.figures.venn import venn_figure
+    from nvcore.figures.weightings import weightings_plot
 
 __all__ = [
     "CONFIG",
@@ -56,4 +57,5 @@ __all__ = [
     "stability_map",
     "subgroup_forest",
     "venn_figure",
+    "weightings_plot",
 ]

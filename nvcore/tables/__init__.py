@@ -27,6 +27,7 @@ from nvcore.tables.result import (
 from nvcore.tables.scorecard import score_rows
 from nvcore.tables.severity import weighed_encounters
 from nvcore.tables.summary import summary, system_summary
+from nvcore.tables.weightings import Weightings, compare_weightings
 from nvcore.tables.windows import windows_table
 
 __all__ = [
@@ -34,7 +35,9 @@ __all__ = [
     "FrameBoxes",
     "FrameSummary",
     "LossStrip",
+    "Weightings",
     "column_names",
+    "compare_weightings",
     "encounter_moments",
     "encounters_table",
     "entries_as_cvat",

@@ -14,7 +14,7 @@ from nvcore.schema import CATEGORY_TEXT, Category
 from nvcore.tables.moments import NEVER, encounter_time
 from nvcore.wording import listed as listed_words
 from nvcore.wording import minus
-from ui.encounters import picture, selection
+from ui.encounters import picture, selection, weightings
 from ui.encounters.filters import class_name
 from ui.shell.navigate import open_row
 from ui.widgets.table_columns import class_words
@@ -52,6 +52,7 @@ def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
         f"encounters; frames {row['first_frame']} to {row['last_frame']}."
     )
     st.caption(plain(minus(text)))
+    weightings.draw(result, encounter)
 
 
 def _who_missed(result: Result, row: pd.Series[Any]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from builders import Box, Place, make_dataset
-from places import ROOT
+from places import SAMPLE
 
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
@@ -125,7 +125,7 @@ def test_an_estimate_with_a_wide_interval_is_none() -> None:
 
 
 def test_the_sample_s_own_horizons_lie_within_the_intervals() -> None:
-    dataset = load(read_session(ROOT / "sample_data" / "session.toml"))
+    dataset = load(read_session(SAMPLE))
     stated = dataset.recordings["horizon"]
     for horizon, row_px in zip(estimate_horizons(dataset), stated, strict=True):
         assert horizon is not None

@@ -418,3 +418,25 @@ def test_the_heavier_failure_comes_first_then_the_taller_and_distant_ones_last()
 )
 def test_filters_are_joined_and_keep_the_index(filters: Filters, rows: list[int]):
     assert filters.keep(SIX).index.tolist() == rows
+
+
+def test_the_encounter_is_weighed_by_height_horizon_and_distance_when_unfolded():
+    page = opened(encounter="rural_child:3")
+    assert not [table for table in page.table if "Height (in use)" in table.value]
+    page.session_state["encounters_weightings"] = True
+    page = checked(page.run())
+    (weighed,) = [table.value for table in page.table if "Height (in use)" in table.value]
+    assert weighed.loc["From – to"].tolist() == ["215 – 255", "214 – 255", "204 – 255"]
+    assert weighed.loc["Y misses"].tolist() == ["13, late", "14, late", "24, late"]
+    assert weighed.loc["Severity of Y"].tolist() == ["0.44 s", "0.48 s", "0.87 s"]
+
+
+def test_what_neither_horizon_nor_distance_tell_is_a_dash(tmp_path, monkeypatch):
+    begin_with(session(tmp_path, "fir.csv", "nir.csv"), monkeypatch)
+    page = opened()
+    page.session_state["encounters_weightings"] = True
+    page = checked(page.run())
+    (weighed,) = [table.value for table in page.table if "Height (in use)" in table.value]
+    assert set(weighed["Horizon"]) | set(weighed["Distance"]) == {"–"}
+    assert "The row of the horizon is not known." in texts(page)
+    assert "The distance of this pedestrian is not known." in texts(page)

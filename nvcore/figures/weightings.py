@@ -1,0 +1,107 @@
+"""The weight of one pedestrian over time, as height, horizon and distance tell it."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+import plotly.graph_objects as go
+
+from nvcore.comparison import Result
+from nvcore.figures.marks import marks, steady_marker, still_line
+from nvcore.figures.style import LOOK, axis, draw, plain, system_label
+from nvcore.metrics.encounters import RELEVANT_K
+from nvcore.palette import Theme
+from nvcore.tables.weightings import Weightings
+from nvcore.wording import count_text, number
+
+HEIGHT_PX: Final = 370
+LABELS: Final = {"height": "by height", "horizon": "by horizon", "distance": "by distance"}
+STROKES: Final = {
+    "height": ("solid", 2.0, "ink"),
+    "horizon": ("dash", 2.0, "muted"),
+    "distance": ("dot", 3.0, "ink"),
+}
+"""Dash, width and colour of a curve: none is a system's."""
+LANES: Final = {"x": -0.17, "y": -0.34}
+"""Where the detections of X and Y stand below the curves."""
+
+
+def weightings_plot(
+    result: Result, encounter: int, weightings: Weightings, *, theme: Theme
+) -> go.Figure:
+    """Three curves of k over time, and below them the frames in which X and Y detect him.
+
+    `customdata` of the curves is the row in ``dataset.frames``.
+
+    Parameters
+    ----------
+    encounter
+        Row of ``result.encounters``.
+    weightings
+        Of it, from `nvcore.tables.weightings.compare_weightings`.
+    """
+    curves, look = weightings.curves, LOOK[theme]
+    time_s = curves["time_s"].to_numpy()
+    traces: list[Any] = []
+    for kind, label in LABELS.items():
+        k = curves[f"k_{kind}"].to_numpy()
+        if np.isnan(k).all():
+            continue
+        dash, width, colour = STROKES[kind]
+        traces.append(
+            go.Scatter(
+                x=time_s,
+                y=k,
+                mode="lines",
+                name=label,
+                line={"dash": dash, "width": width, "color": getattr(look, colour)},
+                customdata=curves["row"],
+                text=[
+                    f"frame {frame}, {second:.2f} s<br>k {label} {number(value, '.2f')}"
+                    for frame, second, value in zip(curves["frame"], time_s, k, strict=True)
+                ],
+                hovertemplate="%{text}<extra></extra>",
+            )
+        )
+    half = still_line(
+        time_s[[0, -1]], [RELEVANT_K] * 2, "counts", line={"width": 1, "color": look.muted}
+    )
+    lanes = [_lane(result, weightings, letter, theme) for letter in "xy"]
+    name = plain(result.dataset.recordings["name"].iloc[result.encounters.recording[encounter]])
+    return draw(
+        [half, *traces, *lanes],
+        theme,
+        title=f"How near pedestrian {result.encounters.track[encounter]} of {name} counts",
+        subtitle=f"{count_text(len(curves), 'frame')}, which count from k = {RELEVANT_K:g} on; "
+        "below: those in which X and Y detect the pedestrian",
+        height=HEIGHT_PX,
+        xaxis=axis(theme, "time (s)", fixedrange=True),
+        yaxis=axis(
+            theme,
+            "weight k",
+            range=[-0.46, 1.05],
+            tickvals=[*LANES.values(), 0, 0.5, 1],
+            ticktext=[*(letter.upper() for letter in LANES), "0", "0.5", "1"],
+            fixedrange=True,
+        ),
+    )
+
+
+def _lane(result: Result, weightings: Weightings, letter: str, theme: Theme) -> go.Scatter:
+    """A mark for each frame in which a system detects the pedestrian."""
+    curves, look = weightings.curves, LOOK[theme]
+    detected = curves[curves[f"matched_{letter}"]]
+    return marks(
+        detected["time_s"],
+        np.full(len(detected), LANES[letter]),
+        [f"{letter.upper()} detects the pedestrian, frame {frame}" for frame in detected["frame"]],
+        name=system_label(letter, result.system(letter).name),
+        showlegend=False,
+        **steady_marker(
+            color=look.of(letter),
+            size=9,
+            symbol="line-ns",
+            line={"width": 2, "color": look.of(letter)},
+        ),
+    )
