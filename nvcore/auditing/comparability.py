@@ -84,21 +84,21 @@ def audit_weighting(truth: BoxSource, x: BoxSource, y: BoxSource, params: Params
         return []
     weighed = replace(truth, boxes=weighing_truth(truth.dataset, params))
     without = [
-        (source, np.flatnonzero(np.isnan(source.boxes.distance_m))) for source in (weighed, x, y)
+        (source, np.flatnonzero(np.isnan(source.boxes.distance_m) & ~source.boxes.ignore))
+        for source in (weighed, x, y)
     ]
-    shares = [
-        len(rows) / len(source.boxes) if len(source.boxes) else np.nan for source, rows in without
-    ]
+    counts = [int(np.count_nonzero(~source.boxes.ignore)) for source, _ in without]
+    shares = [len(rows) / n if n else np.nan for (_, rows), n in zip(without, counts, strict=True)]
     least = np.nanmin(shares, initial=1.0)
     return [
         finding
-        for (source, rows), share in zip(without, shares, strict=True)
+        for (source, rows), n_boxes, share in zip(without, counts, shares, strict=True)
         if share - least >= SHARE_APART
         for finding in source.findings(
             Severity.WARNING,
             "mixed-weighting",
             rows,
-            f"{len(rows):,} of {len(source.boxes):,} boxes ({share:.0%}) have no distance and are "
+            f"{len(rows):,} of {n_boxes:,} boxes ({share:.0%}) have no distance and are "
             f"weighted by their height, the others by metres: {_whose(source, rows)}. Of the "
             f"truth, X and Y the least share is {least:.0%}.",
             "Compare with --proximity height, which all boxes have, or give the distances"
@@ -154,7 +154,8 @@ def audit_borrowing(dataset: Dataset, params: Params) -> list[Finding]:
             code="borrowed-distances",
             subject=TRUTH_NAME,
             count=borrowed.n_borrowed,
-            message=f"{capitalised(borrowed.text(dataset.systems))}.",
+            message=f"{capitalised(borrowed.text(dataset.systems))}; {borrowed.n_unknown:,} others "
+            "weigh by height.",
             advice=advice,
         )
     ]

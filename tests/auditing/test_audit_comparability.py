@@ -215,3 +215,9 @@ def test_lenders_far_apart_are_a_warning() -> None:
     finding = find(made, "borrowed-distances", BORROWED)
     assert finding.severity.value == "warning"
     assert "Check the unit" in finding.advice
+
+
+def test_ignore_regions_weigh_nothing_and_need_no_distance() -> None:
+    regions = [box._replace(ignore=True, track=-1) for box in truth_walk()] * 3
+    made = dataset([*truth_walk(distance_m=20.0), *regions], NEAR, NEAR)
+    assert "mixed-weighting" not in codes(made, BY_DISTANCE)

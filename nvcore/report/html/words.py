@@ -8,6 +8,7 @@ from nvcore.figures.venn import MOST_MARKS
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.kernels import ABSORB_SHARE
 from nvcore.metrics.linking import LINK_GAP, LINK_IOU
+from nvcore.metrics.proximity.borrowing import borrows
 from nvcore.palette import Theme, scheme_of
 from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
 from nvcore.report.html.blocks import Intro
@@ -148,11 +149,12 @@ def similarity(params: Params, midpoint: str, spread: str) -> Intro:
         The values in use, px.
     """
     a = params.alpha
+    borrowed = " (a pedestrian's own, else one that his matches report)" if borrows(params) else ""
     weights = {
         "height": "1 / (1 + exp(-(height of the box - midpoint) / spread))",
         "horizon": "1 / (1 + exp(-(foot point below the horizon - midpoint) / spread))",
-        "distance": "1 / (1 + exp((distance - midpoint_m) / spread_m)), by the height of the box "
-        "where the distance is unknown",
+        "distance": f"1 / (1 + exp((distance{borrowed} - midpoint_m) / spread_m)), by the height "
+        "of the box where the distance is unknown",
         "none": "1 for everybody",
     }
     values_in_use = [

@@ -8,6 +8,7 @@ from typing import Final
 
 import streamlit as st
 
+from nvcore.auditing.cases import TRUTH_NAME
 from nvcore.findings import Finding, Severity, worst_first
 from ui.data.audit import entries
 from ui.data.opening import try_to_open
@@ -84,19 +85,34 @@ def _draw_one(findings: Sequence[Finding], finding: Finding, number: int) -> Non
             st.caption(f"First seen in {plain(where)}")
         st.markdown(f"*What to do:* {plain(page_text(finding.advice))}")
         if finding.code == "mixed-weighting":
-            st.button(
-                "Weigh by height",
-                key=f"apply_{number}",
-                icon=":material/height:",
-                on_click=state.set_params,
-                kwargs={"proximity": "height"},
-            )
+            _draw_weighting(finding, number)
         elif finding.suggestion and finding.subject in state.opened().dataset.systems:
             if "threshold" in dict(finding.suggestion):
                 _draw_threshold(finding, number)
             else:
                 _draw_correction(findings, finding, number)
         entries.draw(finding, number)
+
+
+def _draw_weighting(finding: Finding, number: int) -> None:
+    """The buttons that have all boxes weighed alike."""
+    with st.container(horizontal=True):
+        st.button(
+            "Weigh by height",
+            key=f"apply_{number}",
+            icon=":material/height:",
+            on_click=state.set_params,
+            kwargs={"proximity": "height"},
+        )
+        if finding.subject == TRUTH_NAME and state.params().missing_distance != "borrow":
+            st.button(
+                "Borrow distances from the systems",
+                key=f"borrow_{number}",
+                icon=":material/straighten:",
+                on_click=state.set_params,
+                kwargs={"missing_distance": "borrow"},
+                help="A pedestrian takes the distance that his matches report, along his track.",
+            )
 
 
 def _draw_threshold(finding: Finding, number: int) -> None:

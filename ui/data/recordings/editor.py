@@ -60,7 +60,7 @@ CONFIG: Final = {
     ),
     "speed_kmh": st.column_config.NumberColumn(
         "Speed (km/h)",
-        width=105,
+        width=116,
         min_value=0,
         format="%g",
         help="Of the car, for the time left to brake; empty: not stated, then the sidebar's speed "
@@ -68,7 +68,7 @@ CONFIG: Final = {
     ),
     "horizon": st.column_config.NumberColumn(
         "Horizon (px)",
-        width=98,
+        width=110,
         format="%.4g",
         help="Row of the horizon, from the top of the picture, for nearness by horizon; empty: not "
         "known.",

@@ -49,7 +49,8 @@ def open_horizons(whole: Dataset) -> dict[str, Horizon]:
 def _draw_estimates(whole: Dataset, horizons: Mapping[str, Horizon], n_open: int) -> None:
     st.caption(
         "On flat ground a pedestrian is as tall in the picture as the feet are below the horizon, "
-        f"times a constant ({docs_link('more', 'horizon')}). Needed for nearness by horizon only."
+        f"times a constant ({docs_link('more', 'horizon')}). Used for nearness by horizon, and to "
+        "tell children."
     )
     if not horizons:
         st.info(
