@@ -250,6 +250,18 @@ def test_linked_truth_and_missing_distances_are_told():
     assert "2 boxes of Y have no distance" in text
 
 
+def test_borrowed_distances_are_told_with_their_lenders_and_only_where_somebody_lacks_one():
+    truth = [at(f, 50, track=1) for f in range(3)]
+    x = [at(0, 50, distance_m=20.0), at(2, 50, distance_m=18.0)]
+    settings = {"proximity": "distance", "missing_distance": "borrow"}
+    text = render_inputs(result_of(make_dataset(truth, x), **settings))
+    assert "3 truth boxes borrowed a distance: 2 as x (2) reports, 1 between those" in text
+    assert "truth boxes have no distance" not in text
+    own = [box._replace(distance_m=20.0) for box in truth]
+    assert "borrow" not in render_inputs(result_of(make_dataset(own, x), **settings))
+    assert "no match reports" in render_inputs(result_of(make_dataset(truth), **settings))
+
+
 EVIL = "V\x1b[2J\nX = forged\u202e<b>"
 
 

@@ -206,6 +206,20 @@ def test_distances_of_unknown_boxes_are_counted(result: Result):
     assert all_["x"]["detections_without_distance"] == 10
 
 
+def test_borrowed_distances_are_counted_by_lender_and_only_if_asked_for():
+    truth = [at(f, 50, track=1) for f in range(4)]
+    x = [at(0, 50, distance_m=20.0), at(2, 50, distance_m=18.0)]
+    dataset = make_dataset(truth, x, [at(0, 50, distance_m=30.0)])
+    names = ["boxes_reported_distance", "boxes_between_distances", "distances_lent"]
+    borrowing = {"proximity": "distance", "missing_distance": "borrow"}
+    counts = summary(result_of(dataset, **borrowing))["truth"]
+    assert [counts[name] for name in names] == [2, 1, {"x": 2, "y": 1}]
+    assert counts["distance_spread"] == pytest.approx(10 / 25)
+    assert counts["boxes_without_distance"] == 1
+    without = summary(result_of(dataset, proximity="distance"))["truth"]
+    assert [without[name] for name in (*names, "distance_spread")] == [None] * 4
+
+
 def test_track_ids_beyond_floats_are_kept():
     track = 2**53 + 1
     table = frames_table(result_of(make_dataset([at(0, 50, track=track)], n_frames=2)))
