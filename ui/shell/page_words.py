@@ -33,6 +33,12 @@ _WORDS: Final = tuple(
         (r"--fps(?: FPS)?", "the frame rate"),
         (r"--recordings\b", "the table of recordings"),
         (r"--proximity (\w+)", r"“What tells how near” set to \1"),
+        (
+            r" \(--missing-distance borrow takes those of the systems\)",
+            " (the button borrows those of the systems)",
+        ),
+        (r"--missing-distance height", "“Without a distance, weigh by” set to his height"),
+        (r"--distance ground", "“Distance” set to foot points, under “Advanced”"),
         (r"--horizon\b", "the row of the horizon in the sidebar"),
         (r"--threshold-x and --threshold-y", "thresholds for X and Y"),
         (r"--threshold-x ([\d.e+-]*\d)", r"the threshold \1 for X"),

@@ -55,6 +55,10 @@ def test_a_page_words_every_message_without_flags(where: str, text: str):
             "Compare with --proximity height, which",
             "Compare with “What tells how near” set to height, which",
         ),
+        (
+            "Compare with --distance ground, too: x",
+            "Compare with “Distance” set to foot points, under “Advanced”, too: x",
+        ),
         ("Check the image size (--size): x", "Check the image size: x"),
         (
             "for this system ([[system]] in the session file, or --scale-x 2,3).",
