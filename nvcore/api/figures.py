@@ -37,10 +37,10 @@ from nvcore.scoring import SystemResult
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import map_stability
 from nvcore.stability.scores import Criterion
+from nvcore.tables.encounters.miss_classes import fusion_table
+from nvcore.tables.encounters.time_left import urgent_encounters
 from nvcore.tables.loss_strip import loss_strip
-from nvcore.tables.miss_classes import fusion_table
 from nvcore.tables.result import encounters_table, recordings_table
-from nvcore.tables.time_left import urgent_encounters
 from nvcore.wording import did_you_mean
 
 if TYPE_CHECKING:

@@ -41,7 +41,7 @@ def fusion_plot(fusion: pd.DataFrame, *, theme: Theme) -> go.Figure:
     Parameters
     ----------
     fusion
-        `nvcore.tables.miss_classes.fusion_table`.
+        `nvcore.tables.encounters.miss_classes.fusion_table`.
     """
     n_encounters = int(fusion["encounters"].max()) if len(fusion) else 0
     defined = fusion[fusion["episodes_per_hour"].notna()]

@@ -12,7 +12,7 @@ from nvcore.figures.marks import marks, steady_marker, still_line
 from nvcore.figures.style import LOOK, axis, draw, plain, system_label
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.palette import Theme
-from nvcore.tables.weightings import Weightings
+from nvcore.tables.encounters.weightings import Weightings
 from nvcore.wording import count_text, number
 
 HEIGHT_PX: Final = 370
@@ -39,7 +39,7 @@ def weightings_plot(
     encounter
         Row of ``result.encounters``.
     weightings
-        Of it, from `nvcore.tables.weightings.compare_weightings`.
+        Of it, from `nvcore.tables.encounters.weightings.compare_weightings`.
     """
     curves, look = weightings.curves, LOOK[theme]
     time_s = curves["time_s"].to_numpy()

@@ -11,7 +11,7 @@ from nvcore.comparison import Result
 from nvcore.metrics.time_left import needed_time, turning_speeds
 from nvcore.params import Params
 from nvcore.schema import Urgency
-from nvcore.tables.time_left import systems_in_words
+from nvcore.tables.encounters.time_left import systems_in_words
 from nvcore.wording import capitalised, listed
 
 FEW_URGENT: Final = 10

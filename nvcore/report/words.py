@@ -234,7 +234,7 @@ def describe_fusion(fusion: pd.DataFrame) -> tuple[str, ...]:
     Parameters
     ----------
     fusion
-        `nvcore.tables.miss_classes.fusion_table`.
+        `nvcore.tables.encounters.miss_classes.fusion_table`.
     """
     rows = {row["system"]: row for row in fusion.to_dict("records")}
     n = rows["x"]["encounters"]

@@ -2,6 +2,9 @@
 
 from nvcore.tables.boxes.states import FrameBoxes, gather_boxes
 from nvcore.tables.columns import REPORT_COLUMNS, column_names
+from nvcore.tables.encounters.miss_classes import fusion_table, miss_class_counts, miss_class_totals
+from nvcore.tables.encounters.severity import weighed_encounters
+from nvcore.tables.encounters.weightings import Weightings, compare_weightings
 from nvcore.tables.frame import FrameSummary, frame_summary
 from nvcore.tables.inputs import (
     entries_as_cvat,
@@ -12,7 +15,6 @@ from nvcore.tables.inputs import (
 )
 from nvcore.tables.lanes import lanes_table
 from nvcore.tables.loss_strip import LossStrip, loss_strip
-from nvcore.tables.miss_classes import fusion_table, miss_class_counts, miss_class_totals
 from nvcore.tables.moments import encounter_moments, next_misses, worst_moments
 from nvcore.tables.result import (
     encounters_table,
@@ -25,9 +27,7 @@ from nvcore.tables.result import (
     worst_intervals,
 )
 from nvcore.tables.scorecard import score_rows
-from nvcore.tables.severity import weighed_encounters
 from nvcore.tables.summary import summary, system_summary
-from nvcore.tables.weightings import Weightings, compare_weightings
 from nvcore.tables.windows import windows_table
 
 __all__ = [

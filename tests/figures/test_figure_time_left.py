@@ -15,7 +15,7 @@ from nvcore.figures.time_left import margins
 from nvcore.figures.time_left.approach import approach_plot
 from nvcore.figures.time_left.margins import margins_plot
 from nvcore.figures.time_left.over_speed import over_speed_plot
-from nvcore.tables.time_left import urgent_encounters
+from nvcore.tables.encounters.time_left import urgent_encounters
 
 LAST_CHANCE = 29
 ALL, LATE, NEVER = range(40), range(30, 40), range(0)

@@ -13,7 +13,7 @@ from nvcore.figures.style import LOOK
 from nvcore.figures.weightings import weightings_plot
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
-from nvcore.tables.weightings import compare_weightings
+from nvcore.tables.encounters.weightings import compare_weightings
 
 
 @pytest.fixture(scope="module")

@@ -22,7 +22,7 @@ from nvcore.report.words import (
     describe_urgency,
     saliency_caveat,
 )
-from nvcore.tables.miss_classes import fusion_table
+from nvcore.tables.encounters.miss_classes import fusion_table
 
 
 @pytest.fixture(scope="module")

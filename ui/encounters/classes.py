@@ -8,7 +8,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.metrics.encounter_classes import CHILD, CROSSING, GROUP, IN_ROAD, classes_of
-from nvcore.tables.miss_classes import class_counts
+from nvcore.tables.encounters.miss_classes import class_counts
 from nvcore.wording import minus, number
 from ui.encounters.filters import class_name
 from ui.widgets.html import MeasureRow, measures_html

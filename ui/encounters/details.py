@@ -8,9 +8,8 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.metrics.encounter_classes import SEPARATOR
 from nvcore.report.time_left import describe_encounter
-from nvcore.schema import CATEGORY_TEXT, Category
+from nvcore.schema import CATEGORY_TEXT, CLASS_SEPARATOR, Category
 from nvcore.tables.moments import NEVER, encounter_time
 from nvcore.wording import listed as listed_words
 from nvcore.wording import minus
@@ -34,7 +33,7 @@ def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
     st.header(f"Pedestrian {row['track']} in {plain(row['recording'])}")
     st.markdown(f"{CATEGORY_TEXT[Category(row['category'])]}  \n{_who_missed(result, row)}")
     moments = selection.moments_of(result).iloc[encounter]
-    if names := [class_name(name) for name in str(row["classes"]).split(SEPARATOR) if name]:
+    if names := [class_name(name) for name in str(row["classes"]).split(CLASS_SEPARATOR) if name]:
         classes = plain(listed_words(names))
         st.caption(f"{docs_link('Classes', 'classes-of-encounters')}: {classes}.")
     picture.draw(result, encounter, int(moments["shown_row"]))

@@ -11,7 +11,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.figures.encounters import LABELS, fusion_plot, lead_time_plot, miss_classes_plot
 from nvcore.report.words import FUSION_RULE, describe_fusion, describe_misses
-from nvcore.tables.miss_classes import ALL_CLASSES, fusion_table, miss_class_totals
+from nvcore.tables.encounters.miss_classes import ALL_CLASSES, fusion_table, miss_class_totals
 from ui.encounters.filters import set_classes
 from ui.session import state
 from ui.widgets.charts import draw_chart

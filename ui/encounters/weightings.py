@@ -10,7 +10,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.figures.weightings import weightings_plot
 from nvcore.schema import MissClass
-from nvcore.tables.weightings import KINDS, Weightings, compare_weightings
+from nvcore.tables.encounters.weightings import KINDS, Weightings, compare_weightings
 from nvcore.wording import count_text
 from ui.session import state
 from ui.widgets.charts import draw_chart

@@ -10,7 +10,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.figures.venn import MOST_MARKS, venn_figure
-from nvcore.tables.severity import weighed_encounters
+from nvcore.tables.encounters.severity import weighed_encounters
 from ui.session import state
 from ui.shell.messages import draw_as_set_note
 from ui.shell.navigate import open_encounters, open_row

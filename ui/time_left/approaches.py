@@ -10,7 +10,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.figures.time_left.approach import MOST_ROWS, approach_plot
 from nvcore.figures.time_left.margins import margins_plot
-from nvcore.tables.time_left import urgent_encounters
+from nvcore.tables.encounters.time_left import urgent_encounters
 from ui.session import state
 from ui.time_left.numbers import key_of
 from ui.time_left.opening import open_encounter

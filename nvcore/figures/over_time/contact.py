@@ -15,7 +15,7 @@ from nvcore.figures.over_time.similarity import decimate, evenly
 from nvcore.figures.style import LOOK, axis, faded, written
 from nvcore.metrics.time_left import needed_time
 from nvcore.palette import Theme
-from nvcore.tables.time_left import nearest_contact, systems_in_words
+from nvcore.tables.encounters.time_left import nearest_contact, systems_in_words
 
 MOST_S: Final = 6.0
 """Time to contact up to which it is drawn."""

@@ -26,8 +26,8 @@ from nvcore.figures.style import (
     system_label,
 )
 from nvcore.palette import Theme
+from nvcore.tables.encounters.time_left import contact_at
 from nvcore.tables.lanes import lanes_table
-from nvcore.tables.time_left import contact_at
 from nvcore.wording import count_text
 
 MAX_LANES: Final = 200

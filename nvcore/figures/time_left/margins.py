@@ -23,7 +23,7 @@ from nvcore.figures.style import (
     write,
 )
 from nvcore.palette import Theme
-from nvcore.tables.time_left import QUADRANTS, count_in_time, systems_in_words
+from nvcore.tables.encounters.time_left import QUADRANTS, count_in_time, systems_in_words
 from nvcore.wording import count_text, minus
 
 NO_URGENT: Final = "No encounter is urgent: there is no margin."
@@ -55,7 +55,7 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
     Parameters
     ----------
     urgent
-        `nvcore.tables.time_left.urgent_encounters`.
+        `nvcore.tables.encounters.time_left.urgent_encounters`.
     """
     if urgent.empty:
         return empty_figure(NO_URGENT, theme=theme)

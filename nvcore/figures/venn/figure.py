@@ -77,8 +77,8 @@ def venn_figure(
     names
         Names of X and Y.
     encounters
-        `nvcore.tables.severity.weighed_encounters`: up to 150 have a mark each, its area by the
-        larger severity; None: counts alone.
+        `nvcore.tables.encounters.severity.weighed_encounters`: up to 150 have a mark each, its area
+        by the larger severity; None: counts alone.
 
     References
     ----------

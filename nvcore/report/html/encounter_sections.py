@@ -21,13 +21,13 @@ from nvcore.report.words import (
     describe_misses,
 )
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category
-from nvcore.tables.miss_classes import fusion_table
+from nvcore.tables.encounters.miss_classes import fusion_table
+from nvcore.tables.encounters.severity import weighed_encounters
 from nvcore.tables.moments import encounter_moments
 from nvcore.tables.result import (
     encounters_table,
 )
 from nvcore.tables.scorecard import score_rows
-from nvcore.tables.severity import weighed_encounters
 from nvcore.wording import UNDEFINED, count_text, number
 
 N_HEAVIEST = 10

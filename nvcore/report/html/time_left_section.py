@@ -13,7 +13,7 @@ from nvcore.report.html.result_sections import names_of
 from nvcore.report.time_left import describe_needed, describe_turns, few_urgent
 from nvcore.report.verdict.words import describe_time_left
 from nvcore.report.words import describe_urgency
-from nvcore.tables.time_left import urgent_encounters
+from nvcore.tables.encounters.time_left import urgent_encounters
 from nvcore.wording import minus, number
 
 

@@ -33,7 +33,7 @@ from nvcore.report.html import (
 from nvcore.report.html.blocks import MAX_CELL, MAX_NOTE, MAX_ROWS, table
 from nvcore.report.words import FUSION_RULE
 from nvcore.settings import Settings
-from nvcore.tables.severity import weighed_encounters
+from nvcore.tables.encounters.severity import weighed_encounters
 
 HOSTILE = "</script><img src=x onerror=alert(1)>{{ 7*7 }}"
 

@@ -11,7 +11,7 @@ from scenes import draw_scene
 
 from nvcore.comparison import Result, compare
 from nvcore.schema import MissClass
-from nvcore.tables.miss_classes import (
+from nvcore.tables.encounters.miss_classes import (
     ALL_CLASSES,
     CLASS_COLUMNS,
     FUSION_SYSTEMS,

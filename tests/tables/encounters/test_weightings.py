@@ -14,8 +14,8 @@ from nvcore.comparison import Result, compare
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import Params
+from nvcore.tables.encounters.weightings import KINDS, compare_weightings
 from nvcore.tables.result import encounters_table
-from nvcore.tables.weightings import KINDS, compare_weightings
 
 SIZE = {"width": 640, "height": 480, "fps": 10.0}
 

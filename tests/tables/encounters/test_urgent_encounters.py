@@ -8,7 +8,7 @@ from approach import PLACE, approach, only
 from builders import at, make_dataset, result_of
 
 from nvcore.comparison import Result
-from nvcore.tables.time_left import (
+from nvcore.tables.encounters.time_left import (
     contact_at,
     count_in_time,
     nearest_contact,
