@@ -46,13 +46,20 @@ def audit_foot_spread(dataset: Dataset, params: Params) -> list[Finding]:
 
 
 def foot_spread(dataset: Dataset) -> np.ndarray:
-    """Standard deviation of pedestrians' foot rows over that of their lateral positions.
+    """Standard deviation of pedestrians' foot rows over that of their lateral positions; kept.
 
     Returns
     -------
     float64, shape (n_recordings,); NaN with fewer than `MIN_BOXES` boxes or `MIN_PEDESTRIANS`, or
     without any spread sideways.
     """
+    if "foot_spread" not in dataset.derived:
+        dataset.derived["foot_spread"] = _spread_of(dataset)
+    spread: np.ndarray = dataset.derived["foot_spread"]
+    return spread
+
+
+def _spread_of(dataset: Dataset) -> np.ndarray:
     truth, frames = dataset.truth, dataset.frame_columns
     rows = np.flatnonzero(~truth.ignore)
     recording = frames.recording[truth.frame_index[rows]]
