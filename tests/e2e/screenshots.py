@@ -26,6 +26,7 @@ PAGES = {
     "overview": "",
     "timeline": f"timeline?{MOMENT}",
     "encounters": "encounters",
+    "time-left": "time_left",
     "saliency": "saliency?recording=rural_child",
     "detection": "detection",
     "stability": "stability",
