@@ -98,7 +98,8 @@ def describe_urgency(result: Result) -> str:
         return f"Nobody is urgent {speed_text(result)}."
     if counts[Urgency.UNKNOWN] == len(result.encounters):
         return f"Time left to stop is unknown for all encounters{_why_unknown(result)}."
-    text = f"{count_text(n, 'encounter is', 'encounters are')} urgent {speed_text(result)}"
+    who = count_text(n, "encounter is", "encounters are") if n else "Nobody is"
+    text = f"{who} urgent {speed_text(result)}"
     return f"{text}; {', '.join(others)}." if others else f"{text}."
 
 

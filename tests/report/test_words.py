@@ -189,7 +189,7 @@ def test_who_is_urgent_at_which_speed_and_why_others_are_not():
         "first known), 1 not urgent, 1 unknown (too short, or cut by the picture's edge)."
     )
     corridor = result_of(result.dataset, corridor=0.5)
-    assert "0 encounters are urgent at 50 km/h (assumed); 1 without" in describe_urgency(corridor)
+    assert "Nobody is urgent at 50 km/h (assumed); 1 without" in describe_urgency(corridor)
     assert "1 outside the corridor" in describe_urgency(corridor)
 
 
@@ -211,7 +211,7 @@ def test_the_verdict_tells_who_leaves_time_to_stop():
     boxes = approach(range(40), 5)
     result = result_of(make_dataset(boxes, boxes, only(boxes, range(38, 40)), places=[PLACE]))
     assert describe_time_left(result) == (
-        "Of the only urgent encounter at 50 km/h (assumed), X confirms 1 in time and Y 0; mean "
+        "The only urgent encounter at 50 km/h (assumed) is confirmed in time by X, not by Y; "
         "impact speed 0.0 km/h with X and 50.0 km/h with Y.",
     )
 

@@ -180,10 +180,15 @@ def describe_time_left(result: Result) -> tuple[str, ...]:
         return ()
     in_time_x, in_time_y = (count_time_left(system, TimeLeft.IN_TIME) for _, system in result.sides)
     impact_x, impact_y = values_of("mean_impact_kmh", result)
-    of_all = "the only urgent encounter" if n == 1 else f"{n} urgent encounters"
+    impact = f"impact speed {impact_x:.1f} km/h with X and {impact_y:.1f} km/h with Y."
+    speed = speed_text(result)
+    if n == 1:
+        who = {(1, 1): "X and Y", (1, 0): "X, not by Y", (0, 1): "Y, not by X", (0, 0): "neither"}
+        by = who[in_time_x, in_time_y]
+        return (f"The only urgent encounter {speed} is confirmed in time by {by}; {impact}",)
     return (
-        f"Of {of_all} {speed_text(result)}, X confirms {in_time_x} in time and Y {in_time_y}; mean "
-        f"impact speed {impact_x:.1f} km/h with X and {impact_y:.1f} km/h with Y.",
+        f"Of {n} urgent encounters {speed}, X confirms {in_time_x} in time and Y {in_time_y}; mean "
+        f"{impact}",
     )
 
 

@@ -140,7 +140,7 @@ def test_where_the_recordings_state_their_speed_the_assumed_one_moves_nothing(
     assert "The recordings state the speed of the car: the assumed one moves nothing." in texts(
         page
     )
-    assert "Of the only urgent encounter at the speed of each recording" in texts(page)
+    assert "The only urgent encounter at the speed of each recording" in texts(page)
 
 
 def test_where_nobody_is_urgent_the_page_says_why_and_what_the_speed_would_change(
