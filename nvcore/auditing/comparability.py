@@ -135,12 +135,12 @@ def audit_borrowing(dataset: Dataset, params: Params) -> list[Finding]:
     if not borrows(params):
         return []
     borrowed = borrowed_distances(dataset)
-    n_lenders = np.count_nonzero(borrowed.lent)
+    n_lenders = sum(n > 0 for n in borrowed.lent.values())
     if not n_lenders:
         return []
     is_alone = n_lenders == 1 < len(dataset.systems)
     is_apart = borrowed.spread >= LARGE_SPREAD
-    advice = "Nothing to do: both systems are judged by the same weights."
+    advice = "Nothing to do: every system is judged by the same weights."
     if is_alone:
         advice = (
             "Compare with --missing-distance height, too: one system alone says here how near "
@@ -154,8 +154,7 @@ def audit_borrowing(dataset: Dataset, params: Params) -> list[Finding]:
             code="borrowed-distances",
             subject=TRUTH_NAME,
             count=borrowed.n_borrowed,
-            message=f"{capitalised(borrowed.text(dataset.systems))}; {borrowed.n_unknown:,} others "
-            "weigh by height.",
+            message=f"{capitalised(borrowed.text)}; {borrowed.n_unknown:,} others weigh by height.",
             advice=advice,
         )
     ]

@@ -156,7 +156,7 @@ def render_inputs(result: Result) -> str:
         )
     borrowed = result.borrowed
     if borrowed is not None and borrowed.n_borrowed + borrowed.n_unknown:
-        lines.append(borrowed.text(result.dataset.systems))
+        lines.append(borrowed.text)
     for boxes, without in (
         ("truth boxes", result.k_truth.n_without_distance),
         ("boxes of X", result.x.weights.n_without_distance),

@@ -139,10 +139,7 @@ _BORROWED: Final = (
             "report one.",
             empty=_NOT_BORROWED,
         ),
-        lambda result: (
-            result.borrowed
-            and dict(zip(result.dataset.systems, result.borrowed.lent.tolist(), strict=True))
-        ),
+        lambda result: result.borrowed and result.borrowed.lent,
     ),
     _Entry(
         Column(

@@ -6,7 +6,6 @@ matching, nor which two systems are compared (docs/decisions/041-borrowed-distan
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -25,7 +24,7 @@ LENDING: Final = Params()
 """Of matching: IoU of at least 0.5, in the order of the scores."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Borrowed:
     """Distances of the truth boxes, with those that were borrowed.
 
@@ -37,7 +36,7 @@ class Borrowed:
         Pedestrians' boxes with a distance of their own, with one that a match reports, with one
         interpolated along the track, with none.
     lent
-        Boxes whose distance is from (or also from) each system; int64, shape (n_systems,).
+        Boxes whose distance is from (or also from) each system, by its name.
     n_compared
         Boxes without a distance of their own for which several systems report one.
     spread
@@ -49,7 +48,7 @@ class Borrowed:
     n_reported: int
     n_between: int
     n_unknown: int
-    lent: np.ndarray
+    lent: dict[str, int]
     n_compared: int
     spread: float
 
@@ -58,11 +57,10 @@ class Borrowed:
         """Boxes with a borrowed distance."""
         return self.n_reported + self.n_between
 
-    def text(self, systems: Sequence[str]) -> str:
+    @property
+    def text(self) -> str:
         """In words, how many boxes borrowed theirs, from whom, and how far the lenders differ."""
-        lenders = [
-            f"{name} ({n:,})" for name, n in zip(systems, self.lent.tolist(), strict=True) if n
-        ]
+        lenders = [f"{name} ({n:,})" for name, n in self.lent.items() if n]
         if not lenders:
             return "no match reports a distance that a pedestrian could borrow"
         text = (
@@ -131,7 +129,7 @@ def _borrow(dataset: Dataset) -> Borrowed:
         n_reported=len(rows),
         n_between=n_known - n_own - len(rows),
         n_unknown=int(np.count_nonzero(is_pedestrian)) - n_known,
-        lent=has_report.sum(axis=1),
+        lent=dict(zip(dataset.systems, has_report.sum(axis=1).tolist(), strict=True)),
         n_compared=len(several),
         spread=float(spread),
     )

@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from builders import NAN, Box, Place, at, make_dataset
 
 from nvcore.comparison import compare
 from nvcore.metrics.proximity.borrowing import borrowed_distances, weighing_truth
 from nvcore.params import Params
+from nvcore.report.terminal import render_inputs
 
 BORROW = Params(proximity="distance", missing_distance="borrow")
 
@@ -33,16 +35,16 @@ def test_several_systems_lend_their_median_and_their_difference_is_told() -> Non
     dataset = make_dataset(walk(range(3), track=1), walk({0: 20.0, 1: 30.0}), walk({1: 34.0}))
     borrowed = borrowed_distances(dataset)
     np.testing.assert_allclose(borrowed.distance_m, [20, 32, NAN])
-    assert borrowed.lent.tolist() == [2, 1]
+    assert borrowed.lent == {"x": 2, "y": 1}
     assert (borrowed.n_compared, borrowed.spread) == (1, pytest.approx(4 / 32))
-    assert "2 as x (2) and y (1) report, 0 between those; where several" in borrowed.text("xy")
+    assert "2 as x (2) and y (1) report, 0 between those; where several" in borrowed.text
 
 
 def test_own_distances_stay_and_hold_the_track() -> None:
     truth = [at(0, 50, track=1, distance_m=30.0), *walk(range(1, 4), track=1)]
     dataset = make_dataset(truth, walk({0: 99.0, 2: 20.0}))
     np.testing.assert_allclose(borrowed_distances(dataset).distance_m, [30, 25, 20, NAN])
-    assert borrowed_distances(dataset).lent.tolist() == [1, 0]
+    assert borrowed_distances(dataset).lent == {"x": 1, "y": 0}
 
 
 def test_a_gap_of_more_than_two_seconds_stays_open() -> None:
@@ -96,6 +98,17 @@ def test_the_fused_systems_meet_pedestrians_of_the_same_weights() -> None:
     np.testing.assert_array_equal(result.fusion.k_truth.k, result.k_truth.k)
 
 
+def test_of_three_systems_the_fused_ones_still_name_the_lenders() -> None:
+    near = walk({0: 40.0, 3: 37.0})
+    two = make_dataset(walk(range(4), track=1), near, walk({1: 45.0}))
+    third = two.boxes[two.boxes["source"] == 2].assign(source=3)
+    boxes = pd.concat([two.boxes, third], ignore_index=True)
+    result = compare(replace(two, boxes=boxes, systems=("x", "y", "z")), BORROW)
+    assert result.fusion.borrowed is not None
+    assert result.fusion.borrowed.lent == {"x": 2, "y": 1, "z": 1}
+    assert "y (1) and z (1) report" in render_inputs(result.fusion)
+
+
 def test_only_nearness_by_distance_borrows_and_contact_stays_with_the_truth() -> None:
     dataset = make_dataset(walk(range(8), track=1), walk({i: 40.0 - i for i in range(8)}))
     assert weighing_truth(dataset, Params(missing_distance="borrow")) is dataset.truth
@@ -109,7 +122,7 @@ def test_only_nearness_by_distance_borrows_and_contact_stays_with_the_truth() ->
 def test_a_distance_of_zero_or_less_is_none() -> None:
     dataset = make_dataset(walk(range(2), track=1), walk({0: 0.0, 1: -3.0}))
     assert borrowed_distances(dataset).n_reported == 0
-    assert "no match reports a distance" in borrowed_distances(dataset).text("xy")
+    assert "no match reports a distance" in borrowed_distances(dataset).text
 
 
 def test_no_truth_and_no_detections_lend_nothing() -> None:
