@@ -139,6 +139,21 @@ def test_a_click_counts_where_it_is_made_however_fast_the_mouse_came(timeline):
     timeline.panel_shows(frame_of(timeline))
 
 
+def test_a_touch_acts_like_a_click(timeline):
+    timeline.viewer.press("Home")
+    timeline.panel_shows(0)
+    timeline.wait_until_drawn()
+    area = timeline.keyed(f"time_plot_{RECORDING}").locator(".nsewdrag").first
+    area.click(trial=True)  # in sight
+    box = area.bounding_box()
+    finger = {"x": box["x"] + 0.8 * box["width"], "y": box["y"] + 0.5 * box["height"]}
+    screen = timeline.page.context.new_cdp_session(timeline.page)
+    for kind, fingers in (("touchStart", [finger]), ("touchEnd", [])):
+        screen.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": fingers})
+    timeline.shows(re.compile("^2[34][0-9]$"))
+    timeline.panel_shows(frame_of(timeline))
+
+
 def test_the_figures_over_time_mark_the_frame_without_being_drawn_anew(timeline):
     timeline.viewer.press("Home")
     timeline.panel_shows(0)

@@ -229,10 +229,15 @@ function renewClicks(plot) {
     const isOwn = name === "plotly_deselect" || (name === "plotly_selected" && !data?.isPress);
     return isOwn ? undefined : emit(name, data);
   };
+  let touch = null; // Plotly's click after a touch is at 0, 0
+  plot.addEventListener("touchstart", (event) => {
+    touch = event.changedTouches[0];
+  }, { capture: true, passive: true });
   plot.addEventListener("click", (event) => {
     const area = event.target.closest(".nsewdrag");
     // Plotly sends one itself where nothing was dragged; the browser's own comes now and then
-    if (area && !event.isTrusted) pressAt(plot, area, event);
+    if (!area || event.isTrusted) return;
+    pressAt(plot, area, event.clientX || event.clientY ? event : touch ?? event);
   });
 }
 
