@@ -58,7 +58,7 @@ def test_each_system_has_a_mark_where_it_confirms_and_an_open_one_where_it_never
     never = trace(figure, "Y never")
     assert never.x[0] < 0
     assert never.customdata.tolist() == [[40 + LAST_CHANCE, 1]]
-    assert "X never" not in [one.name for one in figure.data]
+    assert "X never" not in [drawn.name for drawn in figure.data]
     assert "Y never confirms him: impact at 50 km/h" in never.text[0]
     assert "last chance 2.10 s before contact, at 50 km/h" in never.text[0]
 
@@ -116,6 +116,7 @@ def test_the_curve_over_speed_has_the_numbers_and_marks_speed_and_turn():
     turned = over_speed_plot(swapped, ("a", "b"), theme="light")
     assert [one.name for one in turned.layout.shapes] == ["turn 90"]
     assert "turns at 90" in words(turned)
+    assert "1 urgent encounter at" in words(figure)
 
 
 def test_margins_are_marked_by_who_is_in_time_and_never_stands_at_the_edge():
@@ -130,6 +131,16 @@ def test_margins_are_marked_by_who_is_in_time_and_never_stands_at_the_edge():
     assert only_y.x[0] == neither.x[0] == figure.layout.xaxis.tickvals[0] < -1
     assert figure.layout.xaxis.ticktext[0] == "never"
     assert "both in time 1, only X in time 1, only Y in time 1, neither in time 1" in words(figure)
+
+
+def test_margins_beyond_the_axis_stand_at_its_edge(monkeypatch):
+    result = met((range(10, 40), LATE))
+    urgent = urgent_encounters(result)
+    assert "stand at the edge" not in words(margins_plot(result, urgent, theme="light"))
+    monkeypatch.setattr(margins, "MOST_MARGIN_S", 1.5)
+    figure = margins_plot(result, urgent, theme="light")
+    assert trace(figure, "only X in time (1)").x.tolist() == [1.5]
+    assert "margins of more than 1.5 s stand at the edge" in words(figure)
 
 
 def test_of_very_many_encounters_the_fastest_impacts_are_drawn(monkeypatch):
@@ -166,6 +177,13 @@ def test_the_lanes_have_the_last_chance_and_above_them_the_time_to_contact():
     lanes, strip = figure.layout.yaxis.domain, figure.layout.yaxis2.domain
     assert lanes[0] == 0 < lanes[1] < strip[0] < strip[1] == 1
     assert figure.layout.xaxis.anchor == "y2"
+
+
+def test_the_strip_above_the_lanes_reaches_as_far_as_the_car_needs_to_stop():
+    result = met((range(10, 40), LATE), deceleration=1.0)
+    figure = lanes_figure(result, 0, theme="light")
+    assert figure.layout.yaxis2.range == (0, 10)
+    assert "8.1 s needed to stop" in words(figure)
 
 
 def test_where_nobody_is_approached_there_are_lanes_alone():

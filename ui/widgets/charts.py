@@ -72,8 +72,9 @@ def kept_figure(kind: str, key: Hashable, make: Callable[[], go.Figure]) -> go.F
 def _draw_heading(figure: go.Figure, time_axis: str | None = None) -> str | None:
     """Draw title and subtitle as text of the page, which wraps; they leave the figure."""
     title, subtitle, *_ = _without_heading(figure).layout.meta
-    if time_axis:
-        figure.layout.meta = (title, subtitle, time_axis)
+    meta = (title, subtitle, time_axis)
+    if time_axis and tuple(figure.layout.meta) != meta:  # it may be drawn by others meanwhile
+        figure.layout.meta = meta
     if not title:
         return None
     st.html(f'<div class="nv-figure"><p><strong>{title}</strong> <span>{subtitle}</span></p></div>')

@@ -18,7 +18,7 @@ from nvcore.palette import Theme
 from nvcore.tables.encounters.time_left import nearest_contact, systems_in_words
 
 MOST_S: Final = 6.0
-"""Time to contact up to which it is drawn."""
+"""Time to contact up to which it is drawn, unless the car needs longer to stop."""
 POINTS: Final = 2000
 CLICKS: Final = 300
 STRIP_PX: Final = 84
@@ -54,10 +54,10 @@ def contact_strip(result: Result, recording: int, lanes_px: int, theme: Theme) -
     A click gives frame and encounter: `customdata` is the row in ``dataset.frames`` and that in
     ``result.encounters``.
     """
-    nearest = nearest_contact(result, recording)
-    if not (nearest["ttc_s"] < MOST_S).any():
+    nearest, needed_s = nearest_contact(result, recording), _needed_s(result, recording)
+    reach_s = max(MOST_S, float(np.ceil(1.2 * needed_s)))
+    if not (nearest["ttc_s"] < reach_s).any():
         return ContactStrip()
-    needed_s = _needed_s(result, recording)
     whole_px = lanes_px + GAP_PX + STRIP_PX
     place: dict[str, Any] = {
         "xref": "paper",
@@ -70,16 +70,16 @@ def contact_strip(result: Result, recording: int, lanes_px: int, theme: Theme) -
     across = axis(
         theme,
         "contact in (s)",
-        range=[0, MOST_S],
+        range=[0, reach_s],
         domain=[1 - STRIP_PX / whole_px, 1],
         fixedrange=True,
-        tickvals=[0, 2, 4],
+        tickvals=np.arange(3) * np.floor(reach_s / 3),
     )
     note = written(f"{needed_s:.1f} s needed to stop", **look, **place)
     return ContactStrip(
         height_px=GAP_PX + STRIP_PX,
         words="; above them the least time to contact",
-        traces=tuple(_traces(result, recording, nearest, needed_s, theme)),
+        traces=tuple(_traces(result, recording, nearest, needed_s, reach_s, theme)),
         xaxis={"anchor": "y2"},
         yaxis={"domain": [0, lanes_px / whole_px]},
         more={"yaxis2": across, "annotations": [note]},
@@ -87,13 +87,18 @@ def contact_strip(result: Result, recording: int, lanes_px: int, theme: Theme) -
 
 
 def _traces(
-    result: Result, recording: int, nearest: pd.DataFrame, needed_s: float, theme: Theme
+    result: Result,
+    recording: int,
+    nearest: pd.DataFrame,
+    needed_s: float,
+    reach_s: float,
+    theme: Theme,
 ) -> list[go.Scatter]:
     look, rows = LOOK[theme], result.dataset.frame_columns.rows_of(recording)
     time_s = result.dataset.frames["time_s"].to_numpy()[rows]
     ttc_s = np.nan_to_num(nearest["ttc_s"].to_numpy(), nan=np.inf)
-    drawn = decimate(np.minimum(ttc_s, MOST_S), n_points=POINTS)
-    values = np.where(ttc_s < MOST_S, ttc_s, np.nan)[drawn]
+    drawn = decimate(np.minimum(ttc_s, reach_s), n_points=POINTS)
+    values = np.where(ttc_s < reach_s, ttc_s, np.nan)[drawn]
     depth = np.where(values < needed_s, values, needed_s)
     limit = still_line(
         time_s[[0, -1]],
@@ -118,7 +123,8 @@ def _traces(
         yaxis="y2",
         line={"color": look.ink, "width": 1.6},
     )
-    return [area, limit, line, _clicks(result, rows.start, time_s, nearest.to_numpy(dtype=float))]
+    places = nearest.to_numpy(dtype=float)
+    return [area, limit, line, _clicks(result, rows.start, time_s, places, reach_s)]
 
 
 def _needed_s(result: Result, recording: int) -> float:
@@ -127,9 +133,11 @@ def _needed_s(result: Result, recording: int) -> float:
     return float(needed_time(np.array(speed_kmh), result.params))
 
 
-def _clicks(result: Result, start: int, time_s: np.ndarray, nearest: np.ndarray) -> go.Scatter:
+def _clicks(
+    result: Result, start: int, time_s: np.ndarray, nearest: np.ndarray, reach_s: float
+) -> go.Scatter:
     """Markers that are not seen, where the line is: each knows its frame, and who is nearest."""
-    known = np.flatnonzero(nearest[:, 0] < MOST_S)
+    known = np.flatnonzero(nearest[:, 0] < reach_s)
     known = known[evenly(len(known), n_points=CLICKS)]
     ttc_s, encounter = nearest[known, 0], nearest[known, 1].astype(np.int64)
     frame = result.dataset.frames["frame"].to_numpy()[start + known]

@@ -122,7 +122,11 @@ def lanes_figure(
     traces.append(last_chances(result, encounters, 0.6 * lane_px, theme))
     along = axis(theme, side="top", ticksuffix=" s", range=time_range(end_of(result, recording)))
     figure = draw(
-        [*(one for one in traces if len(one.x)), *strip.traces, _clicks(result, runs, n_lanes)],
+        [
+            *(trace for trace in traces if len(trace.x)),
+            *strip.traces,
+            _clicks(result, runs, n_lanes),
+        ],
         theme,
         title=f"Who is missed when, {name}",
         subtitle=f"{extent}; upper bar {labels[0]}, lower bar {labels[1]}{strip.words}",

@@ -67,6 +67,8 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
         extent += f"; the {MOST_MARKS:,} with the fastest impacts drawn"
     urgent = urgent.head(MOST_MARKS)
     low, high, never = _span(urgent)
+    if (urgent[["margin_s_x", "margin_s_y"]] > high).any(axis=None):
+        extent += f"; margins of more than {high:g} s stand at the edge"
     place = {
         letter: np.where(
             np.isnan(margin := urgent[f"margin_s_{letter}"].to_numpy(dtype=float)),

@@ -13,6 +13,7 @@ from nvcore.figures.marks import HOVER, system_marker
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, system_label, write
 from nvcore.metrics.time_left import turning_speeds
 from nvcore.palette import Theme
+from nvcore.wording import count_text
 
 OverSpeed = Literal["share_in_time", "mean_impact_kmh"]
 HEIGHT_PX: Final = 340
@@ -95,7 +96,7 @@ def over_speed_plot(
         traces,
         theme,
         title=style.title,
-        subtitle=f"{n[0]:,} encounters are urgent at {speeds[0]:g} km/h, {n[-1]:,} at "
+        subtitle=f"{count_text(n[0], 'urgent encounter')} at {speeds[0]:g} km/h, {n[-1]:,} at "
         f"{speeds[-1]:g}; {style.better}",
         height=HEIGHT_PX,
         hoverdistance=-1,

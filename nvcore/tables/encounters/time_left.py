@@ -129,11 +129,11 @@ def contact_at(result: Result, encounter: np.ndarray, frame_row: np.ndarray) -> 
         Rows of ``result.encounters`` and of the frames table; int64, shape (n,).
     """
     encounters, n_frames = result.encounters, len(result.dataset.frames)
-    of = np.repeat(np.arange(len(encounters)), np.diff(encounters.offsets))
-    key, wanted = of * n_frames + encounters.frame_index, encounter * n_frames + frame_row
+    own = np.repeat(np.arange(len(encounters)), np.diff(encounters.offsets))
+    key, wanted = own * n_frames + encounters.frame_index, encounter * n_frames + frame_row
     place = np.minimum(np.searchsorted(key, wanted), max(len(key) - 1, 0))
-    at = np.full(len(wanted), np.nan)
+    ttc_s = np.full(len(wanted), np.nan)
     if len(key):
         is_there = key[place] == wanted
-        at[is_there] = result.contact.ttc_s[encounters.order[place[is_there]]]
-    return at
+        ttc_s[is_there] = result.contact.ttc_s[encounters.order[place[is_there]]]
+    return ttc_s
