@@ -79,7 +79,7 @@ Where it fails:
   that ends a few pixels before the edge is cut, too, and does count: hence the ratio in the last
   second.
 - *Who bends or is covered* (drawn boxes lower than 0.9 of the person's height in the picture): the
-  range is widest there, and half of them are not closing.
+  range is wide there, and half of them are not closing.
 
 The [urgency](metrics.md#the-last-chance) of the encounters at 50 km/h, by the distances (rows) and
 by heights. By the metres the people come nearer at {speeds} (median):
