@@ -26,6 +26,8 @@ from ui.widgets.text import UNDEFINED, docs_link, plain
 KEYS: Final = (*(kind.value for kind in TimeLeft), "mean_impact_kmh", "median_margin_s")
 SHARE: Final = "in_time_by_unit"
 HEAD: Final = ("X", "Y", "X − Y", "95 % interval")
+WITHIN: Final = "*"
+"""Mark of an interval that speaks of these recordings alone."""
 
 
 def draw(result: Result) -> None:
@@ -70,9 +72,9 @@ def _draw_measures(result: Result) -> None:
         if row.key not in KEYS:
             continue
         shown = score_row(row, is_short=result.is_short)
-        rows.append(_with_interval(shown, evidence.get(row.key), notes))
+        rows.append(with_interval(shown, evidence.get(row.key), notes))
         if row.key == TimeLeft.IN_TIME.value and SHARE in evidence:
-            rows.append(_with_interval(_share(evidence[SHARE]), evidence[SHARE], notes))
+            rows.append(with_interval(_share(evidence[SHARE]), evidence[SHARE], notes))
     st.html(measures_html(rows, key="time-left", head=HEAD))
     lines = [f"{mark}: {plain(capitalised(note))}." for note, mark in notes.items()]
     if few := few_urgent(int(result.is_urgent.sum())):
@@ -96,19 +98,19 @@ def _share(row: Evidence) -> MeasureRow:
     return MeasureRow("as a share", cells, level=1)
 
 
-def _with_interval(row: MeasureRow, of: Evidence | None, notes: dict[str, str]) -> MeasureRow:
+def with_interval(row: MeasureRow, of: Evidence | None, notes: dict[str, str]) -> MeasureRow:
     """The row with the interval of its difference, and footnotes on what that does not say."""
     if of is None or not row.cells:
         return replace(row, cells=(*row.cells, ""))
     form = evidence_form(of.figure)
-    marks = [
-        notes.setdefault(note, ascii_lowercase[len(notes)])
-        for note in (part for part in of.note.split("; ") if part)
-    ]
+    marks = []
+    for note in filter(None, of.note.split("; ")):
+        n_letters = sum(mark != WITHIN for mark in notes.values())
+        marks.append(notes.setdefault(note, ascii_lowercase[n_letters]))
     interval = minus(interval_text(of.low, of.high, form))
     if interval != UNDEFINED and of.unit == BLOCKS:
-        interval += " *"
-        marks.append(notes.setdefault("within these recordings alone", "*"))
+        interval += f" {WITHIN}"
+        marks.append(notes.setdefault("within these recordings alone", WITHIN))
     return replace(row, cells=(*row.cells, interval), marks=" ".join(dict.fromkeys(marks)))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -11,8 +12,12 @@ from builders import Box
 from streamlit.testing.v1 import AppTest
 
 import pages
+from nvcore.evidence.measures import Evidence
+from nvcore.evidence.units import BLOCKS
 from pages import HEAD, alone, begin_with, checked, opened, texts
 from ui.time_left import approaches, listed
+from ui.time_left.numbers import with_interval
+from ui.widgets.html import MeasureRow
 
 ASSUMED = "Assumed speed (km/h)"
 
@@ -165,3 +170,14 @@ def test_where_time_left_is_unknown_the_page_says_why(
     assert "Time left to stop is unknown for all encounters" in texts(page)
     assert "Nothing can be said of any of them" in texts(page)
     assert not page.header
+
+
+def test_notes_are_lettered_from_a_on_beside_the_star_of_blocks() -> None:
+    notes: dict[str, str] = {}
+    unknown = Evidence.undefined("mean_impact_kmh", "", "lower", unit=BLOCKS, note="")
+    in_blocks = replace(unknown, low=-2.0, high=-1.0)
+    noted = replace(unknown, note="too few; all the same")
+    row = MeasureRow("", ("1", "2", "−1"))
+    assert with_interval(row, in_blocks, notes).cells[-1] == "−2.0 to −1.0 *"
+    assert with_interval(row, noted, notes).marks == "a b"
+    assert notes == {"within these recordings alone": "*", "too few": "a", "all the same": "b"}
