@@ -127,11 +127,11 @@ TIME_LEFT_MEASURES: Final[tuple[Measure, ...]] = (
         key="median_margin_s",
         label="median margin before the last chance (s)",
         form=".2f",
-        better=HIGHER,
+        better="",  # who confirms the easy ones alone has the larger one
         of=_median_margin_s,
         unit="s",
         meaning="Median time from confirmation to the last chance, of the urgent encounters that "
-        "it confirmed; negative: too late.",
+        "it confirmed; negative: too late. Who confirms the easy ones alone has the larger one.",
         empty=f"{_NOBODY}, or none of them confirmed",
         tables=(MeasureTable.SCORECARD,),
         applies=has_urgent,

@@ -75,7 +75,7 @@ def why_unknown(result: Result, encounter: int) -> str:
     if result.contact.is_sampled[encounter]:
         return "not every frame is evaluated"
     if result.contact.is_linked[encounter]:
-        return "the truth has no track id of his"
+        return "the truth gives this pedestrian no track id"
     return "he is there for too few frames, or cut by the picture's edge"
 
 

@@ -59,7 +59,7 @@ def test_an_urgent_encounter_says_when_and_what_each_system_did():
         ),
         (
             met([box._replace(track=-1) for box in approach(range(40), 5)]),
-            "Time left to stop is unknown: the truth has no track id of his.",
+            "Time left to stop is unknown: the truth gives this pedestrian no track id.",
         ),
     ],
     ids=["not urgent", "standing", "no chance", "outside", "short", "sampled", "linked"],

@@ -6,6 +6,7 @@ from dataclasses import replace
 from string import ascii_lowercase
 from typing import Final
 
+import numpy as np
 import streamlit as st
 
 from nvcore.comparison import Result
@@ -117,22 +118,36 @@ def with_interval(row: MeasureRow, of: Evidence | None, notes: dict[str, str]) -
 def _draw_meaning(result: Result) -> None:
     """What *in time* says, and what it does not."""
     params = result.params
-    if result.has_assumed_speed.any():
+    is_assumed = result.has_assumed_speed
+    if is_assumed.any():
+        if not is_assumed.all():
+            st.markdown("In recordings that do not state their speed:")
         st.markdown(plain(describe_needed(params)))
     else:
         st.markdown("The recordings state the speed of the car: the assumed one moves nothing.")
     st.markdown(
-        f"*In time*: matched in {params.confirm_n} of his last {params.confirm_m} frames before "
-        "the last chance. *Late*: only then or later; the car brakes too late and reaches him with "
-        "the *impact speed*. *Never*: the car does not brake."
+        f"*In time*: matched in {params.confirm_n:g} of {params.confirm_m:g} frames in a row at "
+        "some time before the last chance, if lost again as well. *Late*: only then or later; the "
+        "car brakes too late and reaches him with the *impact speed*. *Never*: the car does not "
+        "brake."
     )
     st.caption(
         "In time means that a warning could have come early enough, not that the driver would have "
         "heeded it, nor that nobody is hurt: pedestrians are taken to go on as they do, the car to "
-        "drive on at its speed. Time to contact comes from the truth's boxes alone. Whether a "
+        f"drive on at its speed. Time to contact comes from {_source(result)}. Whether a "
         "difference is more than chance is tested on the Overview "
         f"({docs_link('Time left', 'time-left')})."
     )
+
+
+def _source(result: Result) -> str:
+    """From what of the truth the time to contact comes."""
+    has_distance = np.isfinite(result.dataset.truth.distance_m[~result.dataset.truth.ignore])
+    if has_distance.all():
+        return "the truth's distances"
+    if not has_distance.any():
+        return "the heights of the truth's boxes"
+    return "the truth's distances where a pedestrian has one in every frame, else from box heights"
 
 
 def key_of(result: Result) -> tuple[object, ...]:

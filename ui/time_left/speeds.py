@@ -32,8 +32,8 @@ def draw(result: Result) -> None:
     for sentence in describe_turns(curve):
         st.markdown(plain(sentence))
     names, theme = (result.x.name, result.y.name), state.theme()
-    is_assumed = result.has_assumed_speed.any()
-    speed_kmh = result.params.speed_kmh if is_assumed else None
+    is_of_all = result.has_assumed_speed.all()  # else no point of the curve is the result
+    speed_kmh = result.params.speed_kmh if is_of_all else None
     for column, measure in zip(st.columns(2, gap="medium"), MEASURES, strict=True):
         make = partial(
             over_speed_plot, curve, names, theme=theme, measure=measure, speed_kmh=speed_kmh
@@ -42,7 +42,9 @@ def draw(result: Result) -> None:
             figure = kept_figure(f"time_left_{measure}", (key, speed_kmh, theme), make)
             draw_chart(figure, f"time_left_{measure}")
     st.caption(
-        "Each speed in place of all others, those of recordings as well. At a higher speed more "
+        "Each speed in place of all others, those of recordings as well, with the approach as it "
+        "was recorded: the same seconds are more metres at a higher speed, at which nobody knows "
+        "whether the systems detect as well. At a higher speed more "
         "pedestrians are urgent, and more are too near when first known and left out: so the share "
         "may rise with speed. Where the order turns is not tested: a single encounter may do it "
         f"({docs_link('Time left', 'time-left')})."

@@ -36,6 +36,7 @@ from nvcore.inputs.readers.csv_columns import (
 )
 from nvcore.inputs.readers.meaning.attributes import attributes_of_boxes, joined_attributes
 from nvcore.inputs.readers.meaning.categories import CategoryChoice, choose_categories, is_lookalike
+from nvcore.inputs.readers.meaning.distance import known_distances, odd_distances
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers, odd_levels
 from nvcore.inputs.readers.meaning.tracks import TEXT_IDS, track_numbers
@@ -191,6 +192,9 @@ def _read_one(
         if name in columns
     }
     findings: list[Finding] = []
+    if "distance_m" in values:
+        findings += odd_distances(values["distance_m"], lines, options.role)
+        values["distance_m"] = known_distances(values["distance_m"])
     if "right" in columns:
         with np.errstate(invalid="ignore"):  # infinite corners: reported as rows that are no box
             w, h = columns["right"].to_numpy() - x, columns["bottom"].to_numpy() - y
@@ -203,7 +207,7 @@ def _read_one(
     if "occlusion" in columns:
         level = columns["occlusion"].to_numpy()
         values["occlusion"] = levels_of_numbers(level)
-        findings = odd_levels(level, lines, options.role)
+        findings += odd_levels(level, lines, options.role)
     if options.role == "truth" and "score" in header.place:
         findings.append(
             warning(

@@ -35,6 +35,13 @@ def test_all_columns_are_read():
     assert reading.recordings["name"].tolist() == ["urban", "rural"]
 
 
+def test_a_distance_of_zero_or_less_is_unknown_with_a_note(read_text):
+    reading = read_text("frame,x,y,w,h,distance_m\n1,2,3,4,5,-1\n2,2,3,4,5,0\n3,2,3,4,5,0.5\n")
+    assert rows(reading.boxes, "distance_m") == [[None], [None], [0.5]]
+    (finding,) = (note for note in reading.findings if note.code == "unknown-distance")
+    assert finding.count == 2
+
+
 def test_without_recording_column_the_file_is_the_recording(read_text):
     reading = read_text("frame,x,y,w,h\n1,2,3,4,5\n", name="night/gt.csv")
     assert rows(reading.boxes, "recording") == rows(reading.recordings, "name") == [["night"]]

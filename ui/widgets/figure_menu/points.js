@@ -10,11 +10,15 @@ const LOOK_MS = 20;
 const LOOKS = 10;
 const spots = new Map(); // by the figure's key, which outlives a plot, the point that is marked
 const reachable = new WeakSet();
-let focused = null; // key of the figure that has the focus
+let focused = null; // page and key of the figure that has the focus
 
 function keyOf(plot) {
   const classes = plot.closest('[class*="st-key-"]')?.classList ?? [];
   return [...classes].find((name) => name.startsWith("st-key-"));
+}
+
+function nameOf(plot) {
+  return `${window.location.pathname} ${keyOf(plot)}`;
 }
 
 function areClicked(plot) {
@@ -188,7 +192,7 @@ function onKey(event) {
 
 function onFocus(event) {
   const plot = event.currentTarget;
-  focused = keyOf(plot);
+  focused = nameOf(plot);
   const points = pointsOf(plot);
   if (!points.length || !plot.matches(":focus-visible")) return;
   mark(plot, points, marked(plot, points) ?? target(points, null, ""));
@@ -198,14 +202,14 @@ function onBlur(event) {
   const plot = event.currentTarget;
   unhover(plot);
   setTimeout(() => { // by then a plot that is drawn anew is gone: the focus is the new one's
-    if (plot.isConnected && focused === keyOf(plot) && document.activeElement !== plot) focused = null;
+    if (plot.isConnected && focused === nameOf(plot) && document.activeElement !== plot) focused = null;
   }, 0);
 }
 
 // A figure that is drawn anew is another element; who works it by keys goes on in that.
 function takeOver(plot) {
   if (focused === null || document.activeElement !== document.body) return;
-  if (focused === keyOf(plot)) plot.focus({ preventScroll: true });
+  if (focused === nameOf(plot)) plot.focus({ preventScroll: true });
 }
 
 // Presses what lies where the mouse was clicked. Plotly looks that up every now and then, not when the
@@ -266,6 +270,7 @@ function nameFor(plot) {
 }
 
 function reachPoints() {
+  if (!focused?.startsWith(`${window.location.pathname} `)) focused = null; // another page
   for (const plot of document.querySelectorAll(".stPlotlyChart .js-plotly-plot")) {
     if (!plot._fullLayout) continue;
     makeReachable(plot);

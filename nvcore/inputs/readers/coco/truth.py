@@ -37,6 +37,7 @@ from nvcore.inputs.readers.meaning.attributes import (
     joined_classes,
 )
 from nvcore.inputs.readers.meaning.categories import CategoryChoice, choose_categories
+from nvcore.inputs.readers.meaning.distance import known_distances, odd_distances
 from nvcore.inputs.readers.meaning.occlusion import (
     levels_of_numbers,
     levels_of_visible_share,
@@ -144,6 +145,9 @@ def _read_annotations(
     columns["occlusion"], occlusion_facts, findings = _occlusion(records, lines)
     facts += occlusion_facts
     distance = records.numbers("distance_m", "distance")
+    if distance is not None:
+        findings += odd_distances(distance, lines, "truth")
+        columns["distance_m"] = known_distances(distance)
     keep = is_known & ~is_left_out
     boxes = lines.boxes(
         box.T,
@@ -151,7 +155,6 @@ def _read_annotations(
         recording=recording,
         frame=frame,
         ignore=ignore,
-        distance_m=np.nan if distance is None else distance,
         file=number,
         **columns,
     )

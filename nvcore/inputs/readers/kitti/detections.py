@@ -18,8 +18,9 @@ from nvcore.inputs.readers.base import (
     object_array,
     recordings_table,
 )
-from nvcore.inputs.readers.kitti.label import CORNERS, DISTANCE, box_of_corners, distance_of
+from nvcore.inputs.readers.kitti.label import CORNERS, DISTANCE, box_of_corners
 from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes
+from nvcore.inputs.readers.meaning.distance import known_distances
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.parse.text import (
     Layout,
@@ -106,7 +107,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
             recording=object_array(names)[table.lines.file],
             frame=frame,
             score=score,
-            distance_m=distance_of(table.columns[12]),
+            distance_m=known_distances(table.columns[12]),
         ),
         recordings=recordings_table(names),
         conversion=conversion_text([*facts, *assumed]),

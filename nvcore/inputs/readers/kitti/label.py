@@ -7,6 +7,7 @@ import pandas as pd
 
 from nvcore.inputs.readers.base import ReadOptions
 from nvcore.inputs.readers.meaning.classes import ClassChoice, ClassRule, choose_classes
+from nvcore.inputs.readers.meaning.distance import known_distances
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
 from nvcore.inputs.readers.parse.text import NumberTable
 from nvcore.schema import NO_TRACK
@@ -27,12 +28,6 @@ def box_of_corners(
 ) -> tuple[np.ndarray, ...]:
     """x, y, w, h of boxes whose corners are the first and the last pixel inside."""
     return left, top, right - left + 1, bottom - top + 1
-
-
-def distance_of(z: np.ndarray) -> np.ndarray:
-    """Distance in metres from the camera's Z; NaN where the files say -1000, -1 or the like."""
-    with np.errstate(invalid="ignore"):
-        return np.where(z > 0, z, np.nan)
 
 
 def label_boxes(
@@ -70,7 +65,7 @@ def label_boxes(
         score=score if has_score else np.nan,
         track=track,
         ignore=choice.ignore,
-        distance_m=distance_of(z),
+        distance_m=known_distances(z),
         occlusion=levels_of_numbers(occluded),
     )
     return boxes, choice, facts
