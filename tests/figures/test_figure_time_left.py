@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from approach import PLACE, approach, only
+from approach import ALL, LATE, NEVER, PLACE, approach, met
 from builders import at, make_dataset, result_of
 from figure_parts import shape, trace, words
 
@@ -18,18 +18,6 @@ from nvcore.figures.time_left.over_speed import over_speed_plot
 from nvcore.tables.encounters.time_left import urgent_encounters
 
 LAST_CHANCE = 29
-ALL, LATE, NEVER = range(40), range(30, 40), range(0)
-
-
-def met(*sides: tuple[range, range], **params: float) -> Result:
-    """A pedestrian in each recording, matched by X and Y in these frames."""
-    truth, x, y = [], [], []
-    for recording, (by_x, by_y) in enumerate(sides):
-        boxes = approach(range(40), 5, recording=recording)
-        truth += boxes
-        x += only(boxes, by_x)
-        y += only(boxes, by_y)
-    return result_of(make_dataset(truth, x, y, places=[PLACE] * len(sides)), **params)
 
 
 def up_to_contact(result: Result, **more: int):

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from builders import Box, Place
+from builders import Box, Place, make_dataset, result_of
+
+from nvcore.comparison import Result
 
 HEIGHT_PX_S = 50.0
 """Height of a box times the time to contact: 50 px are one second away."""
@@ -38,3 +40,17 @@ def only(boxes: Iterable[Box], frames: Iterable[int]) -> list[Box]:
 
 PLACE = Place(range(40), horizon=40.0)
 """Four seconds at ten frames a second."""
+
+# At 50 km/h and with contact after 5 s the last chance is frame 29, 2.1 s before contact.
+ALL, LATE, NEVER = range(40), range(30, 40), range(0)
+
+
+def met(*sides: tuple[range, range], **params: float) -> Result:
+    """A pedestrian in each recording, matched by X and Y in these frames."""
+    truth, x, y = [], [], []
+    for recording, (by_x, by_y) in enumerate(sides):
+        boxes = approach(range(40), 5, recording=recording)
+        truth += boxes
+        x += only(boxes, by_x)
+        y += only(boxes, by_y)
+    return result_of(make_dataset(truth, x, y, places=[PLACE] * len(sides)), **params)

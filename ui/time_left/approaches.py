@@ -15,6 +15,7 @@ from ui.session import state
 from ui.time_left.numbers import key_of
 from ui.time_left.opening import open_encounter
 from ui.widgets.charts import clicked_chart, kept_figure
+from ui.widgets.clicks import clicked_place
 from ui.widgets.text import docs_link
 
 FIRST: Final = "time_left_first"
@@ -80,6 +81,5 @@ def draw_margins(result: Result, urgent: pd.DataFrame) -> None:
 
 def _follow(result: Result, clicked: Any) -> None:
     if clicked is not None:
-        # Plotly passes several values as an object with their numbers as names
-        row, encounter = clicked.values() if isinstance(clicked, dict) else clicked
-        open_encounter(result, int(encounter), int(row))
+        row, encounter = clicked_place(clicked)
+        open_encounter(result, encounter, row)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, Final, Literal, NoReturn
 
 import numpy as np
@@ -20,6 +19,7 @@ from ui.shell import title
 from ui.timeline import listed, panel, viewer
 from ui.widgets.charts import clicked_chart, kept_figure
 from ui.widgets.choices import choose_side_by_side
+from ui.widgets.clicks import clicked_place
 from ui.widgets.text import docs_link
 
 PANEL_PX: Final = 640
@@ -94,10 +94,9 @@ def _draw_lanes(result: Result) -> None:
     )
     clicked = _clicked(lanes, "lanes", "x")
     if clicked is not None:
-        # Plotly passes several values as an object with their numbers as names
-        row, encounter = clicked.values() if isinstance(clicked, Mapping) else clicked
-        choose_encounter(result, int(encounter))
-        _go_to(int(row))
+        row, encounter = clicked_place(clicked)
+        choose_encounter(result, encounter)
+        _go_to(row)
 
 
 def _first_lane(place: DeltaGenerator, order: np.ndarray, chosen: int | None) -> int:

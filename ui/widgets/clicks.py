@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import streamlit as st
@@ -15,6 +16,13 @@ def clicked_point(key: str) -> tuple[Any, int] | None:
     value = points[0]["customdata"]
     # Plotly passes a single value as it is or in a list
     return (value[0] if isinstance(value, list) else value), int(points[0]["curve_number"])
+
+
+def clicked_place(clicked: Any) -> tuple[int, int]:
+    """Frame row and encounter that a clicked point has as its `customdata`."""
+    # Plotly passes several values as an object with their numbers as names
+    row, encounter = clicked.values() if isinstance(clicked, Mapping) else clicked
+    return int(row), int(encounter)
 
 
 def clicked_row(key: str) -> int | None:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from approach import PLACE, approach, only
+from approach import ALL, LATE, NEVER, approach, met
 from builders import at, make_dataset, result_of
 
-from nvcore.comparison import Result
 from nvcore.tables.encounters.time_left import (
     contact_at,
     count_in_time,
@@ -15,22 +14,6 @@ from nvcore.tables.encounters.time_left import (
     systems_in_words,
     urgent_encounters,
 )
-
-# At 50 km/h and with contact after 5 s the last chance is frame 29, 2.1 s before contact.
-
-
-def met(*sides: tuple[range, range], **params: float) -> Result:
-    """A pedestrian in each recording, matched by X and Y in these frames."""
-    truth, x, y = [], [], []
-    for recording, (by_x, by_y) in enumerate(sides):
-        boxes = approach(range(40), 5, recording=recording)
-        truth += boxes
-        x += only(boxes, by_x)
-        y += only(boxes, by_y)
-    return result_of(make_dataset(truth, x, y, places=[PLACE] * len(sides)), **params)
-
-
-ALL, LATE, NEVER = range(40), range(30, 40), range(0)
 
 
 def test_the_fastest_impact_is_on_top_then_the_smaller_margin():
