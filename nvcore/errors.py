@@ -5,6 +5,7 @@
     │   ├── FormatError             its content is not what the format says
     │   ├── UnknownFormatError      no reader recognises it, or no reader has that name
     │   ├── MediaError              pictures, a video or an archive cannot be used
+    │   ├── DetectorError           a detector's model or settings cannot be used
     │   ├── MissingFactError        image size, frame rate, ... are needed and not in the files
     │   └── SessionError            a session file says something that cannot be done
     ├── ParameterError              a live parameter is outside its range
@@ -71,6 +72,10 @@ class UnknownFormatError(InputError):
 
 class MediaError(InputError):
     """Pictures, a video or an archive cannot be used."""
+
+
+class DetectorError(InputError):
+    """A detector, its model or its settings cannot be used."""
 
 
 class MissingFactError(InputError):
