@@ -27,6 +27,7 @@ from nvcore.pictures.containers import (
     list_pictures,
     open_container,
 )
+from nvcore.pictures.header import check_size
 from nvcore.pictures.mp4 import check_samples
 from nvcore.wording import one_line
 
@@ -211,6 +212,7 @@ class Video:
         if name.startswith("gray"):
             pixel_format = "gray" if name == "gray" else "gray16le"
         width, height = self._stream.width, self._stream.height
+        check_size(width, height, self.name)  # it may change in the middle of a video
         picture: Picture = frame.reformat(
             width=width, height=height, format=pixel_format
         ).to_ndarray()

@@ -89,6 +89,18 @@ def test_grey_pictures_of_16_bit_keep_their_depth(tmp_path: Path):
     np.testing.assert_array_equal(picture, values)
 
 
+def test_a_video_does_not_grow_beyond_what_is_read(tmp_path: Path):
+    path = write_numbered_video(tmp_path / "a.webm", codec="libvpx-vp9", n=30, g="1")
+    digits, sizes = path.read_bytes().hex(), f"{WIDTH - 1:04x}{HEIGHT - 1:04x}"
+    key_picture = digits.rindex("498342")  # then 4 bits, width - 1 and height - 1 of 16 bits
+    assert digits[key_picture + 7 :].startswith(sizes)
+    grown = f"{digits[: key_picture + 11]}fff7{digits[key_picture + 15 :]}"
+    path.write_bytes(bytes.fromhex(grown))
+    video = open_pictures(path)
+    with pytest.raises(MediaError, match=r"a\.webm: states a size of 64 x 65528 px"):
+        video.read(29)
+
+
 @pytest.mark.parametrize("index", [-1, 5])
 def test_a_picture_beyond_the_last_is_an_error(tmp_path: Path, index: int):
     video = Video(write_numbered_video(tmp_path / "a.mp4", n=5))

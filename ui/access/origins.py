@@ -37,7 +37,14 @@ def is_own_origin(origin: str | None, host: str | None) -> bool:
     """
     if not is_own_host(host):
         return False
-    return origin is None or urlsplit(origin).netloc == host or origin in allowlisted_origins()
+    return origin is None or _netloc(origin) == host or origin in allowlisted_origins()
+
+
+def _netloc(origin: str) -> str | None:
+    try:
+        return urlsplit(origin).netloc
+    except ValueError:
+        return None
 
 
 def _hostname(host: str | None) -> str | None:

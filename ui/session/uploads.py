@@ -99,7 +99,7 @@ def safe_name(name: str, *, keep: str = "") -> str:
     if not dot or len(suffix) > 10:
         stem, dot, suffix = base, "", ""
     room = MAX_NAME_BYTES - len((dot + suffix).encode())
-    stem = stem.encode()[:room].decode("utf-8", "ignore").strip(" ")
+    stem = stem.encode()[:room].decode("utf-8", "ignore").strip(" .")
     return f"{stem}{dot}{suffix}" if stem else "file"
 
 

@@ -58,6 +58,7 @@ def test_a_page_of_another_port_is_not_the_server_s_own():
     assert is_own_origin(None, host)
     assert not is_own_origin("http://localhost:3000", host)
     assert not is_own_origin("null", host)
+    assert not is_own_origin("http://[", host)
     assert not is_own_origin("http://evil.example", "evil.example")
 
 

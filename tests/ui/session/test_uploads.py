@@ -80,6 +80,8 @@ def test_a_long_name_is_cut_and_keeps_its_ending():
     name = safe_name("ä" * 500 + ".csv")
     assert len(name.encode()) <= uploads.MAX_NAME_BYTES
     assert name.endswith("ä.csv")
+    cut_at_a_dot = safe_name("a" * (uploads.MAX_NAME_BYTES - 1) + "." + "b" * 20)
+    assert safe_name(cut_at_a_dot) == cut_at_a_dot == "a" * (uploads.MAX_NAME_BYTES - 1)
 
 
 def test_a_name_that_is_taken_gets_a_number():
