@@ -96,10 +96,23 @@ def check_size(width: int, height: int, name: str) -> None:
 def is_whole(content: bytes) -> bool:
     """Whether a PNG or JPEG is complete; other formats are trusted."""
     if content.startswith(b"\x89PNG"):
-        return b"IEND" in content[-(1 << 16) :]
+        return _has_whole_chunks(content)
     if content.startswith(b"\xff\xd8"):
         return b"\xff\xd9" in content[-(1 << 16) :]
     return True
+
+
+def _has_whole_chunks(content: bytes) -> bool:
+    """Whether the parts of a PNG, each as long as it states, end with its end mark.
+
+    The decoder takes as much memory as a part states, before it finds that there is less.
+    """
+    position = 8
+    while position + 12 <= len(content):  # a step per part
+        if content[position + 4 : position + 8] == b"IEND":
+            return True
+        position += 12 + int.from_bytes(content[position : position + 4], "big")
+    return False
 
 
 def _size(content: bytes) -> tuple[int, int] | None:

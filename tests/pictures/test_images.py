@@ -149,6 +149,14 @@ def test_a_picture_that_is_cut_off_is_an_error(ending: str, share: float):
         decode_image(content[: max(16, int(len(content) * share))], "a.x")
 
 
+def test_a_part_of_a_png_may_not_be_longer_than_the_file():
+    content = encoded(np.zeros((24, 32), np.uint8), ".png")
+    data = content.index(b"IDAT") - 4  # its length: the decoder would take so much memory
+    stated = content[:data] + (1_900_000_000).to_bytes(4, "big") + content[data + 4 :]
+    with pytest.raises(MediaError, match=r"a\.png: the picture is damaged or cut off"):
+        decode_image(stated, "a.png")
+
+
 def test_a_damaged_picture_is_named_and_the_others_are_read(tmp_path: Path):
     for number in (1, 2, 3):
         write_picture(tmp_path / f"{number}.png", numbered(number))
