@@ -14,6 +14,7 @@ from nvcore.auditing.agreement import (
 )
 from nvcore.auditing.boxes import audit_doubles, audit_geometry, audit_tracks
 from nvcore.auditing.cases import BoxSource, system_source, truth_source
+from nvcore.auditing.closing import audit_closing_speed
 from nvcore.auditing.comparability import (
     audit_borrowing,
     audit_encounter_lengths,
@@ -54,7 +55,8 @@ def audit(
     dataset
         Recordings, ground truth, systems.
     params
-        Settings; None: those that the dataset carries. Only thresholds and matching matter here.
+        Settings; None: those that the dataset carries. Only thresholds, matching, proximity,
+        distance and the assumed speed matter here.
     x, y
         Names of the compared systems; None: those that the dataset carries, else its first that is
         not the other one.
@@ -85,6 +87,7 @@ def audit(
         threshold, letter = role_of(system, names, params)
         findings += audit_system(dataset, system, threshold, letter=letter)
     findings += audit_pair(dataset, params, x=x, y=y)
+    findings += audit_view(dataset, params)
     return worst_first(findings)
 
 
@@ -126,10 +129,9 @@ def audit_system(
 def audit_pair(
     dataset: Dataset, params: Params, *, x: str | None = None, y: str | None = None
 ) -> tuple[Finding, ...]:
-    """The part of `audit` that depends on the settings and on both systems."""
+    """The part of `audit` that depends on both systems, their matching and proximity."""
     names = _compared(dataset, x, y)
     findings = [*audit_encounter_lengths(dataset, params), *audit_borrowing(dataset, params)]
-    findings += audit_foot_spread(dataset, params)
     if len(names) < 2 or names[0] == names[1]:
         return tuple(findings)
     system_x, system_y = (system_source(dataset, name) for name in names)
@@ -145,6 +147,11 @@ def audit_pair(
         findings += find_disagreement(dataset, system_x, system_y, matches)
         findings += audit_operating_points(system_x, system_y, matches, params)
     return tuple(findings)
+
+
+def audit_view(dataset: Dataset, params: Params) -> tuple[Finding, ...]:
+    """The part of `audit` about the drive as the camera saw it; at once, whatever setting moved."""
+    return (*audit_foot_spread(dataset, params), *audit_closing_speed(dataset, params))
 
 
 def _audit_boxes(source: BoxSource) -> list[Finding]:

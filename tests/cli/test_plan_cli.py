@@ -15,7 +15,7 @@ from nvcore.evidence.planning import PLAN_KEYS
 def test_the_plan_says_how_many_recordings_and_the_power_of_other_sizes():
     ran = nvcore("plan", SAMPLE, "--measure", "saliency", "--difference", "0.5")
     assert ran.exit_code == 0, ran.output
-    assert ran.stdout.startswith("Audit: nothing found.")
+    assert ran.stdout.startswith("Audit: 1 note.")
     assert "would show a difference of 0.50 s in 80 % of studies" in ran.stdout
     assert "difference as found (-0.48 s)\n  recordings  encounters" in ran.stdout
 

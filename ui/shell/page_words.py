@@ -39,6 +39,10 @@ _WORDS: Final = tuple(
         ),
         (r"--missing-distance height", "“Without a distance, weigh by” set to his height"),
         (r"--distance ground", "“Distance” set to foot points, under “Advanced”"),
+        (
+            r" \(--speed-kmh, or speed_kmh of the recording\)",
+            " (on the page Time left, or in the table of recordings)",
+        ),
         (r"--horizon\b", "the row of the horizon in the sidebar"),
         (r"--threshold-x and --threshold-y", "thresholds for X and Y"),
         (r"--threshold-x ([\d.e+-]*\d)", r"the threshold \1 for X"),

@@ -125,7 +125,8 @@ def test_what_is_still_to_be_chosen_is_said_first_and_what_is_open_is_named(tmp_
     assert first.type == "error"
     assert "Not opened: Uploaded files" in first.value
     assert "what this page is about: Sample recordings" in first.value
-    assert "The audit of Sample recordings found nothing" in texts(page)
+    assert "Open now: Sample recordings" in texts(page)
+    assert "1 remark to look at" in [folded.label for folded in page.expander]
     send(page, "upload_system_0", ("late.csv", late[1]))
     assert checked(page.run()).error == []
     press(page, "open_upload")

@@ -6,11 +6,11 @@ from functools import partial
 
 import streamlit as st
 
-from nvcore.auditing import audit_inputs, audit_pair, audit_system, role_of
+from nvcore.auditing import audit_inputs, audit_pair, audit_system, audit_view, role_of
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, worst_first
 from nvcore.params import Params
-from nvcore.params.metadata import MATCH, PROXIMITY, THRESHOLD
+from nvcore.params.metadata import MATCH, NEAREST, PROXIMITY, THRESHOLD, URGENCY
 from ui.session import state
 from ui.session.results.comparison import Cached
 
@@ -50,11 +50,15 @@ def findings_kept_by(
                 partial(audit_system, dataset, name, threshold, letter=letter),
                 most=2 * len(dataset.systems),
             )
-        return worst_first([*findings, *audit_pair(dataset, relevant, x=x, y=y)])
+        of_pair = relevant.only_for(THRESHOLD, MATCH, PROXIMITY)
+        findings += cached(
+            "audit_pair", (of_pair, x, y), lambda: audit_pair(dataset, of_pair, x=x, y=y)
+        )
+        return worst_first([*findings, *audit_view(dataset, relevant)])
 
     findings: tuple[Finding, ...] = cached("findings", key, make)
     return findings
 
 
 def _key(params: Params, x: str, y: str | None) -> tuple[Params, str, str | None]:
-    return params.only_for(THRESHOLD, MATCH, PROXIMITY), x, y
+    return params.only_for(THRESHOLD, MATCH, PROXIMITY, NEAREST, URGENCY), x, y

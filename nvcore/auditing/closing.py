@@ -1,0 +1,111 @@
+"""Whether pedestrians come nearer at about the speed that time left is computed with."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from nvcore.auditing.cases import TRUTH_NAME, spelled
+from nvcore.dataset import Dataset
+from nvcore.findings import Cases, Finding, Severity
+from nvcore.metrics.encounters import encounters_of
+from nvcore.metrics.time_left import KMH
+from nvcore.params import Params
+from nvcore.schema import NO_TRACK
+from nvcore.wording import count_text
+
+MIN_BOXES: Final = 5
+"""With fewer distances a pedestrian's speed is not measured, as his time to contact is not."""
+MIN_PEDESTRIANS: Final = 3
+"""The median over fewer says little of the car."""
+FACTOR: Final = 2.0
+"""Between two speeds that are far apart; pedestrians' own steps and the car's braking move the
+median by less."""
+
+
+def audit_closing_speed(dataset: Dataset, params: Params) -> list[Finding]:
+    """Recordings whose pedestrians come nearer far slower or faster than time left assumes.
+
+    Time to contact is measured in the recording; the time needed to stop and the speed of impact
+    are those of the stated or assumed speed. Where the two speeds differ, so do the two cars.
+    """
+    closing_kmh = closing_speeds(dataset)
+    stated_kmh = dataset.frame_columns.speed_kmh
+    used_kmh = np.where(np.isnan(stated_kmh), params.speed_kmh, stated_kmh)
+    is_far = np.maximum(used_kmh, closing_kmh) >= FACTOR * np.minimum(used_kmh, closing_kmh)
+    odd = np.flatnonzero(is_far)
+    if not len(odd):
+        return []
+    names = dataset.recordings["name"]
+    speeds = [
+        f"{names.iloc[row]} at {closing_kmh[row]:.0f} km/h ({used_kmh[row]:g} km/h "
+        f"{'assumed' if np.isnan(stated_kmh[row]) else 'stated'})"
+        for row in odd
+    ]
+    return [
+        Finding(
+            severity=Severity.NOTE,
+            code="closing-speed",
+            subject=TRUTH_NAME,
+            count=len(odd),
+            message=(
+                f"In {count_text(len(odd), 'recording')} pedestrians come nearer at a speed far "
+                "from the one that time left is computed with (median, by the truth's "
+                f"distances): {spelled(speeds)}."
+            ),
+            advice=(
+                "Read last chances to stop and impact speeds as those of a car at the assumed or "
+                "stated speed; for the car that made the recording, give its speed (--speed-kmh, "
+                "or speed_kmh of the recording)."
+            ),
+            example=f"recording {names.iloc[odd[0]]}",
+            cases=Cases("frames", dataset.frame_columns.first[odd]),
+        )
+    ]
+
+
+def closing_speeds(dataset: Dataset) -> np.ndarray:
+    """How fast a recording's pedestrians come nearer by the truth's distances, km/h; kept.
+
+    Of each pedestrian the slope of the least-squares line through his distances over time; of a
+    recording the median over those who come nearer at all.
+
+    Returns
+    -------
+    float64, shape (n_recordings,); NaN with fewer than `MIN_PEDESTRIANS`, and where time left is
+    unknown (not every frame is evaluated, or the tracks were linked by us).
+    """
+    if "closing_speeds" not in dataset.derived:
+        dataset.derived["closing_speeds"] = _speeds_of(dataset)
+    speeds: np.ndarray = dataset.derived["closing_speeds"]
+    return speeds
+
+
+def _speeds_of(dataset: Dataset) -> np.ndarray:
+    truth, frames = dataset.truth, dataset.frame_columns
+    _, encounters = encounters_of(dataset)
+    has_distance = np.isfinite(truth.distance_m[encounters.order])
+    rows, frame_row = encounters.order[has_distance], encounters.frame_index[has_distance]
+    pedestrian, n_pedestrians = encounters.encounter_of[rows], len(encounters)
+    n = np.bincount(pedestrian, minlength=n_pedestrians)
+
+    def centred(values: np.ndarray) -> np.ndarray:
+        mean = np.bincount(pedestrian, values, n_pedestrians)[pedestrian] / n[pedestrian]
+        off: np.ndarray = values - mean
+        return off
+
+    time_s = centred(frames.frame[frame_row] / frames.fps[frames.recording[frame_row]])
+    shared = np.bincount(pedestrian, time_s * centred(truth.distance_m[rows]), n_pedestrians)
+    spread = np.bincount(pedestrian, time_s**2, n_pedestrians)
+    is_measured = (n >= MIN_BOXES) & (spread > 0)
+    slope = np.divide(shared, spread, out=np.zeros(n_pedestrians), where=is_measured)
+    closing_kmh = -KMH * slope
+    is_given = truth.track[encounters.order[encounters.offsets[:-1]]] != NO_TRACK
+    is_nearing = is_given & (closing_kmh > 0) & (frames.sampling_step <= 1)[encounters.recording]
+    speeds = np.full(len(frames.fps), np.nan)
+    for row in np.unique(encounters.recording[is_nearing]):  # a loop over recordings
+        own = closing_kmh[is_nearing & (encounters.recording == row)]
+        if len(own) >= MIN_PEDESTRIANS:
+            speeds[row] = np.median(own)
+    return speeds
