@@ -135,15 +135,15 @@ def audit_pair(
     if len(names) < 2 or names[0] == names[1]:
         return tuple(findings)
     system_x, system_y = (system_source(dataset, name) for name in names)
-    findings += audit_weighting(truth_source(dataset), system_x, system_y, params)
     thresholds = params.threshold_x, params.threshold_y
     counting = tuple(
         above_threshold(system.boxes, threshold)
         for system, threshold in zip((system_x, system_y), thresholds, strict=True)
     )
     findings += audit_same_systems(system_x, system_y, counting)
+    matches = match_pair(dataset, system_x, system_y, params)
+    findings += audit_weighting(truth_source(dataset), system_x, system_y, matches, params)
     if np.any(~dataset.truth.ignore):
-        matches = match_pair(dataset, system_x, system_y, params)
         findings += find_disagreement(dataset, system_x, system_y, matches)
         findings += audit_operating_points(system_x, system_y, matches, params)
     return tuple(findings)

@@ -15,7 +15,12 @@ from nvcore.inputs.evaluated_frames import nth
 from nvcore.metrics.encounters import encounters_of, mostly_one_frame
 from nvcore.metrics.matching import Matches
 from nvcore.metrics.proximity import weigh_proximity
-from nvcore.metrics.proximity.borrowing import borrowed_distances, borrows, weighing_truth
+from nvcore.metrics.proximity.borrowing import (
+    Borrowed,
+    borrowed_distances,
+    borrows,
+    weighing_truth,
+)
 from nvcore.params import Params
 from nvcore.wording import capitalised, count_text
 
@@ -74,33 +79,49 @@ SHARE_APART: Final = 0.5
 """Difference of the shares without distance from which on two sources are weighted unlike."""
 
 
-def audit_weighting(truth: BoxSource, x: BoxSource, y: BoxSource, params: Params) -> list[Finding]:
+def audit_weighting(
+    truth: BoxSource,
+    x: BoxSource,
+    y: BoxSource,
+    matches: tuple[Matches, Matches],
+    params: Params,
+) -> list[Finding]:
     """X, Y and truth weighted by different rules, because one of them lacks distances.
 
     Only with proximity by distance. A box without a distance is weighted by its height, so that a
-    false alarm of one system may weigh more than the same one of the other.
+    false alarm of one system may weigh more than the same one of the other. As in the scorecard
+    ignore regions do not count, nor what lies on them or is below the threshold.
+
+    Parameters
+    ----------
+    matches
+        Of X and Y, with their thresholds.
     """
     if params.proximity != "distance":
         return []
     weighed = replace(truth, boxes=weighing_truth(truth.dataset, params))
-    without = [
-        (source, np.flatnonzero(np.isnan(source.boxes.distance_m) & ~source.boxes.ignore))
-        for source in (weighed, x, y)
-    ]
-    counts = [int(np.count_nonzero(~source.boxes.ignore)) for source, _ in without]
-    shares = [len(rows) / n if n else np.nan for (_, rows), n in zip(without, counts, strict=True)]
+    counting = ~truth.boxes.ignore, *(match.is_counted for match in matches)
+    sources = list(zip((weighed, x, y), counting, strict=True))
+    rows = [np.flatnonzero(np.isnan(one.boxes.distance_m) & counts) for one, counts in sources]
+    counts = [int(np.count_nonzero(counts)) for _, counts in sources]
+    shares = [len(own) / n if n else np.nan for own, n in zip(rows, counts, strict=True)]
     least = np.nanmin(shares, initial=1.0)
+    of_each = ", ".join(
+        f"{source.name} {share:.0%}"
+        for (source, _), share in zip(sources, shares, strict=True)
+        if not np.isnan(share)
+    )
     return [
         finding
-        for (source, rows), n_boxes, share in zip(without, counts, shares, strict=True)
+        for (source, _), own, n_boxes, share in zip(sources, rows, counts, shares, strict=True)
         if share - least >= SHARE_APART
         for finding in source.findings(
             Severity.WARNING,
             "mixed-weighting",
-            rows,
-            f"{len(rows):,} of {n_boxes:,} boxes ({share:.0%}) have no distance and are "
-            f"weighted by their height, the others by metres: {_whose(source, rows)}. Of the "
-            f"truth, X and Y the least share is {least:.0%}.",
+            own,
+            f"{_how_many(len(own), n_boxes)} no distance and weigh by height"
+            f"{', the others by metres' if len(own) < n_boxes else ''}: {_whose(source, own)}. "
+            f"Boxes without a distance, by source: {of_each}.",
             "Compare with --proximity height, which all boxes have, or give the distances"
             + (
                 " (--missing-distance borrow takes those of the systems)."
@@ -110,6 +131,13 @@ def audit_weighting(truth: BoxSource, x: BoxSource, y: BoxSource, params: Params
             is_of_all=True,
         )
     ]
+
+
+def _how_many(n: int, n_boxes: int) -> str:
+    """So many of the boxes have."""
+    if n == n_boxes:
+        return "The only box that counts has" if n == 1 else f"All {n:,} boxes that count have"
+    return f"{n:,} of {n_boxes:,} boxes that count ({n / n_boxes:.0%}) have"
 
 
 def _whose(source: BoxSource, rows: np.ndarray) -> str:
@@ -126,38 +154,62 @@ LARGE_SPREAD: Final = 0.25
 """Difference of the distances that systems report of one pedestrian, as a share, that is odd."""
 
 
+LARGE_REST: Final = 0.1
+"""Share of pedestrians' boxes that nobody's distance reaches from which on they are a warning."""
+
+
 def audit_borrowing(dataset: Dataset, params: Params) -> list[Finding]:
     """From whom pedestrians without a distance borrowed theirs, and how far the lenders differ.
 
-    A warning where one of several systems lends alone: what it misses before its first match and
-    after its last weighs by height, what it finds by metres.
+    A warning where many find no lender; where one of several systems lends alone (what it misses
+    before its first match and after its last weighs by height, what it finds by metres); and where
+    lenders differ.
     """
     if not borrows(params):
         return []
     borrowed = borrowed_distances(dataset)
+    if not borrowed.n_borrowed + borrowed.n_unknown:
+        return []
+    n_boxes = borrowed.n_own + borrowed.n_borrowed + borrowed.n_unknown
+    rest = borrowed.n_unknown / n_boxes
+    advice = _advice_on_borrowing(borrowed, rest, n_systems=len(dataset.systems))
+    return [
+        Finding(
+            severity=Severity.WARNING if advice else Severity.NOTE,
+            code="borrowed-distances",
+            subject=TRUTH_NAME,
+            count=borrowed.n_borrowed or borrowed.n_unknown,
+            message=(
+                f"{capitalised(borrowed.text)}. Of {n_boxes:,} truth boxes "
+                f"{borrowed.n_unknown:,} ({rest:.0%}) have no distance and weigh by height."
+            ),
+            advice=advice or "Nothing to do: X and Y are judged by the same weights.",
+        )
+    ]
+
+
+def _advice_on_borrowing(borrowed: Borrowed, rest: float, *, n_systems: int) -> str:
+    """What to do about what was borrowed; empty: nothing."""
     n_lenders = sum(n > 0 for n in borrowed.lent.values())
     if not n_lenders:
-        return []
-    is_alone = n_lenders == 1 < len(dataset.systems)
-    is_apart = borrowed.spread >= LARGE_SPREAD
-    advice = "Nothing to do: every system is judged by the same weights."
-    if is_alone:
-        advice = (
+        return (
+            "Give the distances of the truth or of a system's detections (distance_m), or compare "
+            "with --proximity height, which all boxes have."
+        )
+    advice = []
+    if rest >= LARGE_REST:
+        advice.append(
+            "Compare with --proximity height, too, which all boxes have: near and far are told by "
+            "two rules here."
+        )
+    if n_lenders == 1 < n_systems:
+        advice.append(
             "Compare with --missing-distance height, too: one system alone says here how near "
             "pedestrians are, and only where it finds them."
         )
-    elif is_apart:
-        advice = "Check the unit of the distances, and what they are measured from."
-    return [
-        Finding(
-            severity=Severity.WARNING if is_alone or is_apart else Severity.NOTE,
-            code="borrowed-distances",
-            subject=TRUTH_NAME,
-            count=borrowed.n_borrowed,
-            message=f"{capitalised(borrowed.text)}; {borrowed.n_unknown:,} others weigh by height.",
-            advice=advice,
-        )
-    ]
+    if borrowed.spread >= LARGE_SPREAD:
+        advice.append("Check the unit of the distances, and what they are measured from.")
+    return " ".join(advice)
 
 
 MIN_DETECTIONS: Final = 50

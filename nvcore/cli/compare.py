@@ -12,6 +12,7 @@ import click
 from nvcore.cli.options import (
     OUTPUT,
     GroupedCommand,
+    audit_options,
     examples,
     grouped_option,
     input_options,
@@ -32,7 +33,6 @@ from nvcore.cli.steps import (
     shown_paths,
 )
 from nvcore.inputs.session import Session
-from nvcore.params.metadata import THRESHOLD
 from nvcore.wording import one_line
 
 if TYPE_CHECKING:
@@ -168,11 +168,11 @@ def _protect_inputs(
     "--out",
     type=click.Path(file_okay=False, path_type=Path),
     metavar="DIR",
-    help="Write findings.csv and finding_entries.csv, the whole audit, into this folder.",
+    help="Write findings.csv and finding_entries.csv, the whole audit, into this folder, and "
+    "estimated horizons as horizons.csv, which --recordings reads.",
 )
 @grouped_option(OUTPUT, "--strict", is_flag=True, help="Warnings give exit code 1, too.")
-@grouped_option(THRESHOLD.group, "--threshold-x", type=float, help="Audit X at this threshold.")
-@grouped_option(THRESHOLD.group, "--threshold-y", type=float, help="Audit Y at this threshold.")
+@audit_options
 def check(out: Path | None, strict: bool, **options: Any) -> None:
     """Audit the inputs without scoring them.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,12 @@ OUTPUT = "Output"
 """Headings of the help, beside those of the parameters and click's own."""
 DETECTION = "Detection measures"
 OTHER = "Other"
+AUDIT_SETTINGS = (
+    *("threshold_x", "threshold_y", "match", "iou", "lateral_tolerance"),
+    *("proximity", "midpoint", "spread", "midpoint_m", "spread_m", "missing_distance", "horizon"),
+    *("distance", "speed_kmh"),
+)
+"""Parameters on which findings of the audit depend."""
 
 
 class GroupedOption(click.Option):
@@ -98,7 +104,16 @@ def flag_of(name: str) -> str:
 
 def parameter_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Flags for all live parameters, made from the fields of `Params`."""
-    for name, setting in reversed(SETTINGS.items()):
+    return _with_parameters(command, SETTINGS)
+
+
+def audit_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Flags for the parameters that the audit of the inputs depends on."""
+    return _with_parameters(command, AUDIT_SETTINGS)
+
+
+def _with_parameters(command: Callable[..., Any], names: Iterable[str]) -> Callable[..., Any]:
+    for name, setting in reversed([(name, SETTINGS[name]) for name in names]):
         number = int if setting.is_whole else float
         kind: Any = number if setting.words is None else click.Choice(list(setting.words))
         text = setting.meaning
@@ -220,8 +235,8 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
             "--recordings",
             metavar="FILE",
             help="CSV file with a line for each recording: recording,width,height,fps,context,"
-            "speed_kmh,horizon,tags,title,pictures (docs/formats.md). --size and --fps go before "
-            "it.",
+            "speed_kmh,horizon,tags,title,pictures,first_picture (docs/formats.md). --size and "
+            "--fps go before it.",
         ),
         grouped_option(
             FACTS,

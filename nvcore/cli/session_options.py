@@ -19,7 +19,7 @@ from nvcore.inputs.session import (
     override_recordings,
 )
 from nvcore.inputs.session_toml import read_session
-from nvcore.params import SETTINGS, params_from
+from nvcore.params import SETTINGS, Params, params_from
 from nvcore.protocols import PROTOCOLS
 from nvcore.wording import one_line
 
@@ -38,6 +38,8 @@ OF_FILES: Final = (
 def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
     """The session file, or one made from the flags; flags go before the file.
 
+    Settings without effect are named on standard error.
+
     Raises
     ------
     click.UsageError
@@ -46,8 +48,25 @@ def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
         If the session file or a value cannot be used.
     """
     given = {name: options[name] for name in SETTINGS if options.get(name) is not None}
-    if options["session_file"] is not None:
-        return _from_file(options, given, needs_y=needs_y)
+    make = _from_flags if options["session_file"] is None else _from_file
+    session = make(options, given, needs_y=needs_y)
+    for name in session.params.without_effect:
+        click.echo(_without_effect(name, session.params), err=True)
+    return session
+
+
+def _without_effect(name: str, params: Params) -> str:
+    """That a setting acts on nothing, and with which choice it would."""
+    used_with = SETTINGS[name].used_with
+    assert used_with is not None
+    choice, values = used_with
+    return (
+        f"note: {flag_of(name)} {getattr(params, name)} has no effect: it is used with "
+        f"{flag_of(choice)} {' or '.join(values)}, not {getattr(params, choice)}"
+    )
+
+
+def _from_flags(options: dict[str, Any], given: dict[str, Any], *, needs_y: bool) -> Session:
     if not options["truth"] or not options["x_paths"] or (needs_y and not options["y_paths"]):
         expected = (
             "--truth, --x and --y; to audit a single system use nvcore check"

@@ -67,7 +67,7 @@ class Params(
     Raises
     ------
     ParameterError
-        If a value is outside its range.
+        If a value is outside its range, or `confirm_n` more than `confirm_m`.
 
     References
     ----------
@@ -77,10 +77,26 @@ class Params(
     def __post_init__(self) -> None:
         for name, known in SETTINGS.items():
             known.check(name, getattr(self, name))
+        if self.confirm_n > self.confirm_m:
+            raise ParameterError(
+                f"confirm_n: expected at most confirm_m, which is {self.confirm_m:g}, got "
+                f"{self.confirm_n:g}: nobody would ever be confirmed"
+            )
 
     def given(self) -> dict[str, float | str]:
         """Settings by name, those that are None left out (for TOML and JSON)."""
         return {name: value for name, value in asdict(self).items() if value is not None}
+
+    @property
+    def without_effect(self) -> tuple[str, ...]:
+        """Settings that are not at their default, and that the others leave without effect."""
+        return tuple(
+            name
+            for name, known in SETTINGS.items()
+            if known.used_with is not None
+            and getattr(self, name) != known.default
+            and getattr(self, known.used_with[0]) not in known.used_with[1]
+        )
 
     def values_for(self, *stages: Stage) -> tuple[Any, ...]:
         """Values of the settings that the results of these stages depend on."""

@@ -85,7 +85,7 @@ class TimeLeftSettings:
         slider_format="%0.0f",
         label="Confirmed if matched in (frames)",
         meaning="A system is sure of a pedestrian, so that it can warn, when it matches him in so "
-        "many of his last confirm_m frames. More than confirm_m: it never is.",
+        "many of his last few frames; of how many, the next setting says. At most that many.",
         is_advanced=True,
     )
     confirm_m: int = setting(
@@ -98,7 +98,7 @@ class TimeLeftSettings:
         is_whole=True,
         slider_format="%0.0f",
         label="Confirmed within the last (frames)",
-        meaning="Of how many of a pedestrian's last frames confirm_n have to be matched; at his "
-        "first ones there are fewer.",
+        meaning="Among how many of a pedestrian's last frames the matched ones are counted that "
+        "confirm him; at his first frames there are fewer.",
         is_advanced=True,
     )

@@ -35,7 +35,7 @@ from nvcore.report.equal_alarms import at_equal_alarms, unequal_companions
 from nvcore.settings import Settings
 from nvcore.tables.boxes.matches import MATCHES, matches_parquet
 from nvcore.tables.columns import REPORT_COLUMNS
-from nvcore.tables.inputs import finding_entries
+from nvcore.tables.inputs import finding_entries, horizons_table
 from nvcore.tables.result import (
     encounters_table,
     events_table,
@@ -65,7 +65,7 @@ REPORT_FILES: Final = (
 """The files that a report may have, and `nvcore.output.files.MANIFEST`."""
 
 
-AUDIT_FILES: Final = ("findings.csv", "finding_entries.csv")
+AUDIT_FILES: Final = ("findings.csv", "finding_entries.csv", "horizons.csv")
 """The files that the audit by itself writes."""
 
 
@@ -190,7 +190,7 @@ def write_report(
 
 
 def write_audit(folder: Path, dataset: Dataset, findings: tuple[Finding, ...]) -> None:
-    """Write what the audit found into a folder, as `write_report` does.
+    """Write what the audit found, and estimated horizons, into a folder, as `write_report` does.
 
     Raises
     ------
@@ -202,6 +202,7 @@ def write_audit(folder: Path, dataset: Dataset, findings: tuple[Finding, ...]) -
     contents = [
         ("findings.csv", to_csv_bytes(findings_table(findings))),
         ("finding_entries.csv", to_csv_bytes(finding_entries(dataset, findings))),
+        ("horizons.csv", to_csv_bytes(horizons_table(dataset))),
     ]
     write_run(folder, contents, known=AUDIT_FILES)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.dataset import MOST_NAMED, Dataset
+from nvcore.dataset import Dataset
 from nvcore.evidence.companions import Companions, are_unequal, as_set_note, find_companions
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
@@ -39,6 +39,8 @@ from nvcore.wording import count_text, number, one_line, shortened
 
 SHORT_ROWS = "* means little here: most encounters are one frame long"
 """What the mark in the scorecard says."""
+MOST_HORIZONS = 40
+"""Estimated horizons that are printed; a table has all of them."""
 NAME_WIDTH = 16
 """Longest name of a system in the head of a column; the full name is above the table."""
 
@@ -134,13 +136,13 @@ def render_horizons(dataset: Dataset) -> str:
     ]
     if not horizons:
         return ""
-    more = len(horizons) - MOST_NAMED
+    more = len(horizons) - MOST_HORIZONS
     return _text(
         [
             "horizon, which is not stated, as box heights and foot rows tell (give it as horizon "
-            "in the session file or a table of recordings):",
-            *(f"  {text}" for text in horizons[:MOST_NAMED]),
-            *([f"  and of {more:,} more"] if more > 0 else []),
+            "in the session file; --out writes a table that --recordings reads):",
+            *(f"  {text}" for text in horizons[:MOST_HORIZONS]),
+            *([f"  and of {more:,} more, in the table that --out writes"] if more > 0 else []),
         ]
     )
 
@@ -157,13 +159,16 @@ def render_inputs(result: Result) -> str:
     borrowed = result.borrowed
     if borrowed is not None and borrowed.n_borrowed + borrowed.n_unknown:
         lines.append(borrowed.text)
-    for boxes, without in (
-        ("truth boxes", result.k_truth.n_without_distance),
-        ("boxes of X", result.x.weights.n_without_distance),
-        ("boxes of Y", result.y.weights.n_without_distance),
+    for of_source, without in (
+        ("of the truth", result.k_truth.n_without_distance),
+        ("of X", result.x.weights.n_without_distance),
+        ("of Y", result.y.weights.n_without_distance),
     ):
         if without:
-            lines.append(f"{without} {boxes} have no distance and are weighted by height")
+            boxes = count_text(without, f"box {of_source} has", f"boxes {of_source} have")
+            lines.append(
+                f"{boxes} no distance and {'weighs' if without == 1 else 'weigh'} by height"
+            )
     return "\n".join(lines)
 
 

@@ -9,6 +9,7 @@ import pandas as pd
 
 from nvcore.dataset import Dataset
 from nvcore.findings import Cases, Finding
+from nvcore.metrics.proximity.horizon import estimate_horizons
 from nvcore.output.cvat import cvat_bytes
 from nvcore.schema import NO_TRACK
 from nvcore.tables.columns import column_names
@@ -45,6 +46,24 @@ def left_out_table(dataset: Dataset) -> pd.DataFrame:
     """How many rows of which source could not be placed: columns subject, reason, n_rows."""
     counts = dataset.left_out.groupby(["subject", "reason"], sort=False).size()
     return counts.rename("n_rows").reset_index()
+
+
+def horizons_table(dataset: Dataset) -> pd.DataFrame:
+    """Estimated horizons of the recordings that do not state theirs, as a table of recordings.
+
+    Returns
+    -------
+    One row per recording with an estimate: recording, horizon (row of the picture, px).
+    """
+    is_open = dataset.recordings["horizon"].isna()
+    rows = [
+        (name, round(horizon.row_px, 1))
+        for name, horizon, is_asked in zip(
+            dataset.recordings["name"], estimate_horizons(dataset), is_open, strict=True
+        )
+        if is_asked and horizon is not None
+    ]
+    return pd.DataFrame(rows, columns=["recording", "horizon"])
 
 
 def finding_entries(dataset: Dataset, findings: Sequence[Finding]) -> pd.DataFrame:

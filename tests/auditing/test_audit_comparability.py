@@ -8,6 +8,7 @@ import pytest
 from audit_comparison import codes, dataset, drawn, find, truth_walk, walk
 from builders import NAN, Box, Place, make_dataset
 
+from nvcore.comparison import compare
 from nvcore.dataset import Dataset
 from nvcore.findings import Severity
 from nvcore.params import Params
@@ -124,9 +125,10 @@ def test_a_system_without_distances_beside_one_with_them_is_a_warning() -> None:
     made = dataset(truth_walk(distance_m=20.0), walk(), walk(distance_m=20.0))
     finding = find(made, "mixed-weighting", BY_DISTANCE)
     assert (finding.severity.value, finding.subject, finding.count) == ("warning", "x", 40)
-    assert "40 of 40 boxes (100%) have no distance" in finding.message
-    assert "by metres: in 1 recording, r0. Of the truth" in finding.message
-    assert "the least share is 0%" in finding.message
+    assert finding.message == (
+        "All 40 boxes that count have no distance and weigh by height: in 1 recording, r0. "
+        "Boxes without a distance, by source: truth 0%, x 100%, y 0%."
+    )
 
 
 def test_boxes_without_distances_are_no_cases_but_said_by_recording() -> None:
@@ -137,8 +139,20 @@ def test_boxes_without_distances_are_no_cases_but_said_by_recording() -> None:
     made = make_dataset(truth, x, drawn(truth, 1.0), places=[Place(range(2))] * 3)
     finding = find(made, "mixed-weighting", BY_DISTANCE)
     assert finding.cases is None
-    assert "4 of 6 boxes (67%)" in finding.message
-    assert "in 2 recordings, r1, r2. Of the truth" in finding.message
+    assert "4 of 6 boxes that count (67%) have no distance and weigh by height" in finding.message
+    assert "the others by metres: in 2 recordings, r1, r2." in finding.message
+
+
+def test_boxes_without_distances_are_those_that_the_scorecard_counts() -> None:
+    """Half of X's boxes lie on ignore regions, a quarter is below the threshold."""
+    regions = [Box(f, 400, 200, 40, 100, ignore=True) for f in range(40)]
+    low = [box._replace(x=250, score=0.1) for box in walk(stop=20)]
+    x = [*walk(), *(box._replace(ignore=False, score=0.9) for box in regions), *low]
+    made = dataset([*truth_walk(distance_m=20.0), *regions], x, NEAR)
+    params = replace(BY_DISTANCE, threshold_x=0.3)
+    finding = find(made, "mixed-weighting", params)
+    assert "All 40 boxes that count" in finding.message
+    assert compare(made, params).x.weights.n_without_distance == finding.count == 40
 
 
 def people(n_short: int, n_long: int, *, step: int = 1, h: float = 100) -> Dataset:
@@ -215,6 +229,23 @@ def test_lenders_far_apart_are_a_warning() -> None:
     finding = find(made, "borrowed-distances", BORROWED)
     assert finding.severity.value == "warning"
     assert "Check the unit" in finding.advice
+
+
+def test_many_pedestrians_whom_no_distance_reaches_are_a_warning() -> None:
+    seen = walk(stop=20, distance_m=20.0)
+    finding = find(dataset(truth_walk(), seen, seen), "borrowed-distances", BORROWED)
+    assert finding.severity.value == "warning"
+    assert "Of 40 truth boxes 20 (50%) have no distance and weigh by height." in finding.message
+    assert finding.advice.startswith("Compare with --proximity height, too")
+
+
+def test_without_any_lender_borrowing_is_a_warning_where_a_distance_is_missing() -> None:
+    finding = find(dataset(truth_walk(), walk(), walk()), "borrowed-distances", BORROWED)
+    assert (finding.severity.value, finding.count) == ("warning", 40)
+    assert finding.message.startswith("No match reports a distance that a pedestrian could borrow")
+    assert "distance_m" in finding.advice
+    everywhere = dataset(truth_walk(distance_m=20.0), walk(), walk())
+    assert "borrowed-distances" not in codes(everywhere, BORROWED)
 
 
 def test_ignore_regions_weigh_nothing_and_need_no_distance() -> None:

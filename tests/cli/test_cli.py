@@ -121,6 +121,18 @@ def test_every_live_parameter_is_a_flag_and_stands_in_the_written_session(
     assert written(tmp_path / "a")["parameters"] == OTHER
 
 
+def test_a_setting_without_effect_is_named_with_the_choice_that_uses_it(folder: Path):
+    ran = nvcore("compare", *flags(folder), "--missing-distance", "borrow")
+    assert ran.exit_code == 0, ran.output
+    assert (
+        "note: --missing-distance borrow has no effect: it is used with --proximity distance, "
+        "not height"
+    ) in ran.stderr
+    ran = nvcore("check", *flags(folder), "--missing-distance", "borrow", "--proximity", "distance")
+    assert "has no effect" not in ran.stderr
+    assert "No match reports a distance that a pedestrian could borrow" in ran.stdout
+
+
 def test_flags_go_before_the_parameters_of_the_session(folder: Path, tmp_path: Path):
     file = session(folder, "[parameters]\nalpha = 0.5\niou = 0.3\nthreshold_x = 0.6")
     nvcore("compare", file, "--alpha", 0.8, "--out", tmp_path / "a")

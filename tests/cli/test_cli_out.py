@@ -37,6 +37,25 @@ def test_check_writes_its_findings_whole_and_again(folder: Path):
     )
 
 
+def test_check_writes_estimated_horizons_as_a_table_that_recordings_reads(tmp_path: Path):
+    lines = SAMPLE.read_text().splitlines()
+    sample = write(
+        tmp_path / "sample" / "session.toml",
+        *(line for line in lines if not line.startswith(("horizon", "pictures"))),
+    )
+    for name in ("truth.csv", "fir.csv", "nir.csv"):
+        (sample.parent / name).symlink_to(SAMPLE.parent / name)
+    out = tmp_path / "audit"
+    ran = nvcore("check", sample, "--out", out)
+    table = pd.read_csv(out / "horizons.csv")
+    assert table.columns.tolist() == ["recording", "horizon"]
+    assert len(table) == 10
+    assert ran.stdout.count("boxes of") == 10
+    again = nvcore("check", sample, "--recordings", out / "horizons.csv")
+    assert again.exit_code == 0, again.output
+    assert "horizon, which is not stated" not in again.stdout
+
+
 def test_check_leaves_the_report_of_a_comparison_whole(folder: Path):
     report = folder.parent / "report"
     assert nvcore("compare", *flags(folder), "--out", report).exit_code == 0

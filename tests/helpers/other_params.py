@@ -22,7 +22,10 @@ def other_value(setting: Setting) -> Any:
     return (setting.default + (setting.slider_high or setting.high)) / 2
 
 
-OTHER: Final[dict[str, Any]] = {name: other_value(setting) for name, setting in SETTINGS.items()}
+OTHER: Final[dict[str, Any]] = {
+    **{name: other_value(setting) for name, setting in SETTINGS.items()},
+    "confirm_m": 3,  # at least confirm_n
+}
 WITH: Final[dict[str, dict[str, Any]]] = {
     "midpoint_m": {"proximity": "distance"},
     "spread_m": {"proximity": "distance"},

@@ -19,6 +19,8 @@ from nvcore.params.presets import PRESETS
 
 NUMBERS = [name for name, setting in SETTINGS.items() if setting.words is None]
 CHOICES = [name for name, setting in SETTINGS.items() if setting.words is not None]
+BESIDE = {"confirm_n": {"confirm_m": 100}, "confirm_m": {"confirm_n": 1}}
+"""What the ends of a range need beside them."""
 BOUNDED = [name for name in NUMBERS if math.isfinite(SETTINGS[name].high)]
 
 
@@ -59,13 +61,13 @@ def test_settings_for_a_stage_are_kept_and_all_others_are_the_defaults(names: se
 
 @pytest.mark.parametrize("name", BOUNDED)
 def test_both_ends_of_a_range_belong_to_it_unless_stated(name: str) -> None:
-    low, high = SETTINGS[name].low, SETTINGS[name].high
-    assert getattr(Params(**{name: high}), name) == high
+    low, high, beside = SETTINGS[name].low, SETTINGS[name].high, BESIDE.get(name, {})
+    assert getattr(Params(**{name: high, **beside}), name) == high
     if SETTINGS[name].is_above_low:
         with pytest.raises(ParameterError, match=f"{name}: expected more than {low:g}"):
             Params(**{name: low})
     else:
-        assert getattr(Params(**{name: low}), name) == low
+        assert getattr(Params(**{name: low, **beside}), name) == low
 
 
 @pytest.mark.parametrize("name", BOUNDED)
@@ -100,6 +102,19 @@ def test_none_is_allowed_where_it_is_the_default(name: str) -> None:
 
 def test_a_threshold_may_be_any_number_because_scores_have_any_scale() -> None:
     assert Params(threshold_x=-0.85, threshold_y=8e6).threshold_y == 8e6
+
+
+def test_more_frames_than_are_looked_at_can_never_confirm() -> None:
+    assert Params(confirm_n=4, confirm_m=4).confirm_n == 4
+    with pytest.raises(ParameterError, match=r"confirm_n: expected at most confirm_m, which is 4"):
+        Params(confirm_n=5, confirm_m=4)
+
+
+def test_settings_that_another_choice_leaves_without_effect_are_named() -> None:
+    assert Params().without_effect == ()
+    assert Params(missing_distance="borrow").without_effect == ("missing_distance",)
+    assert Params(missing_distance="borrow", proximity="distance").without_effect == ()
+    assert Params(midpoint=40, proximity="distance").without_effect == ("midpoint",)
 
 
 def test_given_leaves_out_what_is_none() -> None:

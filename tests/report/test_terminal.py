@@ -245,8 +245,8 @@ def test_linked_truth_and_missing_distances_are_told():
     result = result_of(make_dataset(truth, truth[:1], truth[:2]), proximity="distance")
     text = render_inputs(result)
     assert "the truth of 1 recording has pedestrians without track ids: they were linked" in text
-    assert "3 truth boxes have no distance and are weighted by height" in text
-    assert "1 boxes of X have no distance" in text
+    assert "3 boxes of the truth have no distance and weigh by height" in text
+    assert "1 box of X has no distance and weighs by height" in text
     assert "2 boxes of Y have no distance" in text
 
 
@@ -256,7 +256,7 @@ def test_borrowed_distances_are_told_with_their_lenders_and_only_where_somebody_
     settings = {"proximity": "distance", "missing_distance": "borrow"}
     text = render_inputs(result_of(make_dataset(truth, x), **settings))
     assert "3 truth boxes borrowed a distance: 2 as x (2) reports, 1 between those" in text
-    assert "truth boxes have no distance" not in text
+    assert "of the truth have no distance" not in text
     own = [box._replace(distance_m=20.0) for box in truth]
     assert "borrow" not in render_inputs(result_of(make_dataset(own, x), **settings))
     assert "no match reports" in render_inputs(result_of(make_dataset(truth), **settings))

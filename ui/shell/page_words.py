@@ -43,6 +43,7 @@ _WORDS: Final = tuple(
             r" \(--speed-kmh, or speed_kmh of the recording\)",
             " (on the page Time left, or in the table of recordings)",
         ),
+        (r"; nvcore check estimates it", "; the page Data estimates it"),
         (r"--horizon\b", "the row of the horizon in the sidebar"),
         (r"--threshold-x and --threshold-y", "thresholds for X and Y"),
         (r"--threshold-x ([\d.e+-]*\d)", r"the threshold \1 for X"),

@@ -82,7 +82,7 @@ def weigh_proximity(
     if by_horizon and np.isnan(horizon).any():
         raise ParameterError(
             "proximity by horizon needs the row of the horizon: give --horizon, or horizon for "
-            "every recording in the session file"
+            "every recording in the session file; nvcore check estimates it from the boxes"
         )
     zero = horizon + midpoint if by_horizon else midpoint
     k = np.empty(len(boxes))

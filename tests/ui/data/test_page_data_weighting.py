@@ -22,7 +22,7 @@ def opened_by_distance() -> AppTest:
 
 def test_a_truth_without_distances_may_borrow_them_on_a_click() -> None:
     page = opened_by_distance()
-    assert "have no distance and are weighted by their height" in texts(page)
+    assert "have no distance and weigh by height" in texts(page)
     (borrow,) = [button.key for button in page.button if (button.key or "").startswith("borrow_")]
     page = press(page, borrow)
     assert page.session_state["params"].missing_distance == "borrow"
