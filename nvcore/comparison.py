@@ -173,6 +173,11 @@ class Result:
         is_assumed: np.ndarray = np.isnan(self.dataset.frame_columns.speed_kmh)
         return is_assumed
 
+    @property
+    def assumed_speed_kmh(self) -> float | None:
+        """The speed that all recordings are assumed to have; None: some state their own."""
+        return float(self.params.speed_kmh) if self.has_assumed_speed.all() else None
+
     @cached_property
     def over_speed(self) -> pd.DataFrame:
         """Time left of both over the car's speed (`nvcore.metrics.time_left.curve_over_speed`)."""

@@ -139,7 +139,11 @@ class Figures:
             ``"share_in_time"`` or ``"mean_impact_kmh"``.
         """
         return over_speed_plot(
-            self._result.over_speed, self._names, theme=self._theme, measure=measure
+            self._result.over_speed,
+            self._names,
+            speed_kmh=self._result.assumed_speed_kmh,
+            theme=self._theme,
+            measure=measure,
         )
 
     def margins(self) -> go.Figure:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from approach import ALL, LATE, NEVER, PLACE, approach, met
 from builders import at, make_dataset, result_of
 from figure_parts import shape, trace, words
 
-from nvcore.comparison import Result
+from nvcore.api.figures import Figures
+from nvcore.comparison import Result, compare
 from nvcore.figures.over_time.lanes import lanes_figure
 from nvcore.figures.style import LOOK
 from nvcore.figures.time_left import margins
@@ -82,7 +85,7 @@ def test_without_urgent_encounters_the_figures_say_so():
     assert "No encounter is urgent" in words(up_to_contact(result))
     assert "No encounter is urgent" in words(margins_plot(result, urgent, theme="light"))
     still = result_of(make_dataset([at(frame, 50, track=1) for frame in range(20)]))
-    nobody = over_speed_plot(still.over_speed, ("x", "y"), theme="light")
+    nobody = over_speed_plot(still.over_speed, ("x", "y"), speed_kmh=50, theme="light")
     assert "Nobody is urgent at any speed" in words(nobody)
 
 
@@ -101,10 +104,21 @@ def test_the_curve_over_speed_has_the_numbers_and_marks_speed_and_turn():
     swapped = curve.assign(
         share_in_time_x=np.where(curve["speed_kmh"] < 90, 1.0, 0.0), share_in_time_y=0.5
     )
-    turned = over_speed_plot(swapped, ("a", "b"), theme="light")
+    turned = over_speed_plot(swapped, ("a", "b"), speed_kmh=None, theme="light")
     assert [one.name for one in turned.layout.shapes] == ["turn 90"]
     assert "turns at 90" in words(turned)
     assert "1 urgent encounter at" in words(figure)
+    assert figure.layout.xaxis.title.text == "speed of the car (km/h)"
+
+
+def test_where_recordings_state_their_speed_the_axis_says_that_it_is_replaced():
+    result = met((ALL, LATE), (ALL, LATE))
+    assert result.assumed_speed_kmh == 50
+    recordings = result.dataset.recordings.assign(speed_kmh=[30.0, np.nan])
+    stated = compare(replace(result.dataset, recordings=recordings), result.params)
+    assert stated.assumed_speed_kmh is None
+    figure = Figures(stated).over_speed()
+    assert figure.layout.xaxis.title.text == "speed of all recordings, in place of their own (km/h)"
 
 
 def test_margins_are_marked_by_who_is_in_time_and_never_stands_at_the_edge():

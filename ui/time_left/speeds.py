@@ -32,11 +32,10 @@ def draw(result: Result) -> None:
     for sentence in describe_turns(curve):
         st.markdown(plain(sentence))
     names, theme = (result.x.name, result.y.name), state.theme()
-    is_of_all = result.has_assumed_speed.all()  # else no point of the curve is the result
-    speed_kmh = result.params.speed_kmh if is_of_all else None
+    speed_kmh = result.assumed_speed_kmh
     for column, measure in zip(st.columns(2, gap="medium"), MEASURES, strict=True):
         make = partial(
-            over_speed_plot, curve, names, theme=theme, measure=measure, speed_kmh=speed_kmh
+            over_speed_plot, curve, names, speed_kmh=speed_kmh, theme=theme, measure=measure
         )
         with column:
             figure = kept_figure(f"time_left_{measure}", (key, speed_kmh, theme), make)

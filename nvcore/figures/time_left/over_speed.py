@@ -17,6 +17,7 @@ from nvcore.wording import count_text
 
 OverSpeed = Literal["share_in_time", "mean_impact_kmh"]
 HEIGHT_PX: Final = 340
+OWN_REPLACED: Final = "speed of all recordings, in place of their own (km/h)"
 TURNS: Final = 3
 """Most turns of the order that are marked; more are no matter of the speed."""
 
@@ -51,9 +52,9 @@ def over_speed_plot(
     curve: pd.DataFrame,
     names: tuple[str, str],
     *,
+    speed_kmh: float | None,
     theme: Theme,
     measure: OverSpeed = "share_in_time",
-    speed_kmh: float | None = None,
 ) -> go.Figure:
     """A measure of X and Y over the speed, with where the order turns.
 
@@ -63,10 +64,12 @@ def over_speed_plot(
         Of `nvcore.metrics.time_left.curve_over_speed`.
     names
         Names of X and Y.
+    speed_kmh
+        The speed that all recordings are assumed to have, marked
+        (`nvcore.comparison.Result.assumed_speed_kmh`); None: some state their own, in whose place
+        the curve puts each speed.
     measure
         ``share_in_time`` (higher is better) or ``mean_impact_kmh`` (lower is better).
-    speed_kmh
-        The speed that is assumed now, marked; None: none is.
     """
     defined = curve[curve["urgent"] > 0]
     if defined.empty:
@@ -102,7 +105,7 @@ def over_speed_plot(
         hoverdistance=-1,
         xaxis=axis(
             theme,
-            "speed of the car (km/h)",
+            OWN_REPLACED if speed_kmh is None else "speed of the car (km/h)",
             range=[5, 135],
             fixedrange=True,
             tickvals=np.arange(10, 131, 20),

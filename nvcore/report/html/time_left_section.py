@@ -39,13 +39,12 @@ def time_left_section(result: Result) -> Section:
 
 
 def _over_speed(result: Result, curve: pd.DataFrame, measure: OverSpeed) -> Chart:
-    speed_kmh = result.params.speed_kmh if result.has_assumed_speed.any() else None
     figure = over_speed_plot(
         curve,
         names_of(result),
+        speed_kmh=result.assumed_speed_kmh,
         theme=result.scheme("light"),
         measure=measure,
-        speed_kmh=speed_kmh,
     )
     return Chart(f"over-speed-{measure}", figure, f"{LOOKS[measure].title} of the car, X and Y")
 
