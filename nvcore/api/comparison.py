@@ -127,6 +127,11 @@ class Comparison:
         """The fused systems: ``X or Y`` as `x`, ``X and Y`` as `y`."""
         return self.result.fusion
 
+    @property
+    def over_speed(self) -> pd.DataFrame:
+        """Time left of both over the speed of the car, a row for each from 10 to 130 km/h."""
+        return self.result.over_speed
+
     @cached_property
     def frames(self) -> pd.DataFrame:
         """One row per listed frame: counts, distances, similarity of both systems."""

@@ -100,7 +100,12 @@ def describe_urgency(result: Result) -> str:
         return f"Time left to stop is unknown for all encounters{_why_unknown(result)}."
     who = count_text(n, "encounter is", "encounters are") if n else "Nobody is"
     text = f"{who} urgent {speed_text(result)}"
-    return f"{text}; {', '.join(others)}." if others else f"{text}."
+    if others:
+        text += f"; {', '.join(others)}"
+    if result.venn.distant:  # which the Venn diagram beside it leaves out
+        distant = count_text(result.venn.distant, "distant one")
+        text += f" (of all {len(result.encounters):,} encounters, {distant} among them)"
+    return f"{text}."
 
 
 def speed_text(result: Result) -> str:

@@ -10,7 +10,7 @@ import pytest
 from approach import PLACE, approach, only
 from builders import Place, at, make_dataset, result_of
 
-from nvcore.comparison import Result
+from nvcore.comparison import Result, compare
 from nvcore.metrics.venn import Venn, measure_exclusivity
 from nvcore.params import Params
 from nvcore.report.verdict.words import describe_time_left
@@ -191,6 +191,16 @@ def test_who_is_urgent_at_which_speed_and_why_others_are_not():
     corridor = result_of(result.dataset, corridor=0.5)
     assert "Nobody is urgent at 50 km/h (assumed); 1 without" in describe_urgency(corridor)
     assert "1 outside the corridor" in describe_urgency(corridor)
+
+
+def test_distant_encounters_are_said_to_be_among_those_counted():
+    far = [at(f, 85, track=2, h=5) for f in range(40)]
+    result = compare(make_dataset([*approach(range(40), 5), *far], places=[PLACE]))
+    assert result.venn.distant == 1
+    assert describe_urgency(result) == (
+        "1 encounter is urgent at 50 km/h (assumed); 1 not urgent (of all 2 encounters, 1 distant one "
+        "among them)."
+    )
 
 
 def test_nobody_urgent_and_nothing_known_are_told_apart():

@@ -19,6 +19,14 @@ from ui.widgets.text import UNDEFINED, docs_link, number
 
 HEADINGS: Final = {"height": "Height", "horizon": "Horizon", "distance": "Distance"}
 
+WHERE_FROM: Final = {
+    "horizon": "The row of the horizon is not known: the page Data estimates it from the boxes, or "
+    "takes it typed, under \u201cRecordings\u201d.",
+    "distance": "No distance of this pedestrian is known: give the truth's or the systems' "
+    "distances as distance_m; by distance, the truth can borrow those of its matches.",
+}
+"""What to do about a weighting that cannot be drawn."""
+
 
 def draw(result: Result, encounter: int) -> None:
     """Three curves of the weight and what follows from each; folded, they cost nothing."""
@@ -95,8 +103,7 @@ def _words(weightings: Weightings) -> str:
     )
     unknown = [kind for kind in KINDS if not facts[kind]["is_known"]]
     for kind in unknown:
-        what = {"horizon": "row of the horizon", "distance": "distance of this pedestrian"}
-        text += f" The {what[kind]} is not known."
+        text += f" {WHERE_FROM[kind]}"
     n_by_height = 0 if "distance" in unknown else int(facts["distance"]["n_by_height"])
     if n_by_height:
         text += f" By distance, {count_text(n_by_height, 'box', 'boxes')} without one count by "

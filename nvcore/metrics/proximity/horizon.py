@@ -15,6 +15,7 @@ from scipy.special import stdtrit
 from nvcore.dataset import Dataset
 from nvcore.metrics.encounters import encounters_of
 from nvcore.metrics.kernels.time_left import EDGE_PX
+from nvcore.wording import minus
 
 LEAST_BOXES: Final = 30
 LEAST_PEDESTRIANS: Final = 3
@@ -55,9 +56,10 @@ class Horizon:
     @property
     def text(self) -> str:
         """In words: "row 155 (95 %: 148 to 162; 1,216 boxes of 18 pedestrians)"."""
-        low, high = self.row_px - self.margin_px, self.row_px + self.margin_px
+        ends = self.row_px, self.row_px - self.margin_px, self.row_px + self.margin_px
+        row, low, high = (minus(f"{end:z.0f}") for end in ends)
         return (
-            f"row {self.row_px:.0f} (95 %: {low:.0f} to {high:.0f}; {self.n_boxes:,} boxes of "
+            f"row {row} (95 %: {low} to {high}; {self.n_boxes:,} boxes of "
             f"{self.n_pedestrians:,} pedestrians)"
         )
 

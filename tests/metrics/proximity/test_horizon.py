@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from builders import Box, Place, make_dataset
@@ -38,6 +40,8 @@ def test_people_of_one_stature_on_flat_ground_give_the_row_exactly() -> None:
     assert horizon.margin_px == pytest.approx(0, abs=1e-6)
     assert (horizon.n_boxes, horizon.n_pedestrians) == (120, 6)
     assert horizon.text == "row 200 (95 %: 200 to 200; 120 boxes of 6 pedestrians)"
+    above = replace(horizon, row_px=-12.4, margin_px=12.0)
+    assert above.text.startswith("row −12 (95 %: −24 to 0;")
 
 
 def test_neither_where_the_picture_starts_nor_its_scale_matters() -> None:

@@ -438,5 +438,5 @@ def test_what_neither_horizon_nor_distance_tell_is_a_dash(tmp_path, monkeypatch)
     page = checked(page.run())
     (weighed,) = [table.value for table in page.table if "Height (in use)" in table.value]
     assert set(weighed["Horizon"]) | set(weighed["Distance"]) == {"–"}
-    assert "The row of the horizon is not known." in texts(page)
-    assert "The distance of this pedestrian is not known." in texts(page)
+    assert "The row of the horizon is not known: the page Data estimates it" in texts(page)
+    assert "No distance of this pedestrian is known: give" in texts(page)
