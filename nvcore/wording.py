@@ -9,8 +9,10 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
 from decimal import Decimal
 from difflib import get_close_matches
+from string import ascii_lowercase
 from typing import Final
 
 UNDEFINED: Final = "–"
@@ -90,6 +92,31 @@ def rounded_form(form: str, width: float) -> str:
 def count_text(n: int, noun: str, plural: str | None = None) -> str:
     """A count with its noun: "1 frame", "3,000 frames"; `plural`: `noun` + s."""
     return f"{n:,} {noun if n == 1 else plural or noun + 's'}"
+
+
+@dataclass(frozen=True)
+class Footnotes:
+    """Notes below a table, and the marks by which its rows refer to them.
+
+    Attributes
+    ----------
+    marks
+        Mark of each note, in the order in which they were first named: a, b, c, ...
+    """
+
+    marks: dict[str, str] = field(default_factory=dict)
+
+    def mark(self, note: str, mark: str = "") -> str:
+        """The mark of a note; a new one gets `mark`, else the next letter."""
+        if note not in self.marks:
+            n = sum(known.isalpha() for known in self.marks.values())
+            n_letters = len(ascii_lowercase)
+            self.marks[note] = mark or ascii_lowercase[n % n_letters] * (1 + n // n_letters)
+        return self.marks[note]
+
+    def of_row(self, notes: Iterable[str]) -> str:
+        """The marks of all notes of a row: "a c"."""
+        return " ".join(dict.fromkeys(self.mark(note) for note in notes))
 
 
 def interval_text(low: float, high: float, form: str) -> str:

@@ -7,7 +7,6 @@ import math
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from string import ascii_lowercase
 from typing import Any, Final, NamedTuple
 
 import pandas as pd
@@ -23,6 +22,7 @@ from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_run
 from nvcore.params import Params
 from nvcore.wording import (
+    Footnotes,
     capitalised,
     count_text,
     difference,
@@ -138,16 +138,14 @@ def _order(pair: Mapping[Hashable, Any], winner: str) -> str:
 
 def pair_notes(table: pd.DataFrame, measure: PairMeasure) -> tuple[list[str], dict[str, str]]:
     """Footnotes of each pair without a p, as letters; the letters by their notes."""
-    marks: dict[str, str] = {}
-    of_pairs = []
-    for text, p in zip(
-        table[f"{measure.evidence}_note"], table[f"{measure.evidence}_p"], strict=True
-    ):
-        notes = [note for note in text.split("; ") if note and math.isnan(p)]
-        for note in notes:
-            marks.setdefault(note, ascii_lowercase[len(marks) % len(ascii_lowercase)])
-        of_pairs.append(" ".join(marks[note] for note in notes))
-    return of_pairs, marks
+    footnotes = Footnotes()
+    of_pairs = [
+        footnotes.of_row(note for note in text.split("; ") if note and math.isnan(p))
+        for text, p in zip(
+            table[f"{measure.evidence}_note"], table[f"{measure.evidence}_p"], strict=True
+        )
+    ]
+    return of_pairs, footnotes.marks
 
 
 def render_matrix(table: pd.DataFrame) -> str:

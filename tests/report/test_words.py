@@ -198,8 +198,8 @@ def test_distant_encounters_are_said_to_be_among_those_counted():
     result = compare(make_dataset([*approach(range(40), 5), *far], places=[PLACE]))
     assert result.venn.distant == 1
     assert describe_urgency(result) == (
-        "1 encounter is urgent at 50 km/h (assumed); 1 not urgent (of all 2 encounters, 1 distant one "
-        "among them)."
+        "1 encounter is urgent at 50 km/h (assumed); 1 not urgent (of all 2 encounters, 1 distant "
+        "one among them)."
     )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
-from string import ascii_lowercase
 from typing import Any, Final
 
 import numpy as np
@@ -19,7 +18,7 @@ from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.units import BLOCKS
 from nvcore.figures.forest import forest_in_words, subgroup_forest
 from nvcore.measures import EVIDENCE_KEYS, evidence_form, inference_of
-from nvcore.wording import capitalised, difference, interval_text, minus, number
+from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number
 from ui.session import state
 from ui.shell.messages import draw_as_set_note
 from ui.widgets.charts import draw_chart, kept_figure
@@ -120,12 +119,10 @@ def shown_evidence(
 ) -> tuple[list[MeasureRow], dict[str, str]]:
     """The table of evidence, a dash where nothing can be given; its footnotes with their marks."""
     rows: list[MeasureRow] = []
-    marks: dict[str, str] = {}
+    footnotes = Footnotes()
     for row in evidence.to_dict("records"):
         form = evidence_form(row["figure"])
         notes = [note for note in row["note"].split("; ") if note and note != AS_SET]
-        for note in notes:
-            marks.setdefault(note, ascii_lowercase[len(marks) % len(ascii_lowercase)])
         cells: tuple[str, ...] = (
             number(row["x"], form),
             number(row["y"], form),
@@ -141,7 +138,7 @@ def shown_evidence(
             MeasureRow(
                 label=with_arrow(row["label"], row["better"]),
                 cells=tuple(minus(cell) for cell in cells),
-                marks=" ".join(marks[note] for note in notes),
+                marks=footnotes.of_row(notes),
             )
         )
-    return rows, marks
+    return rows, footnotes.marks

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from string import ascii_lowercase
 from typing import Final
 
 import numpy as np
@@ -19,7 +18,7 @@ from nvcore.report.verdict.words import describe_time_left
 from nvcore.report.words import describe_urgency
 from nvcore.schema import TimeLeft, Urgency
 from nvcore.tables.scorecard import score_rows
-from nvcore.wording import capitalised, difference, interval_text, minus, number
+from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number
 from ui.session import state
 from ui.widgets.html import MeasureRow, measures_html, score_row
 from ui.widgets.text import UNDEFINED, docs_link, plain
@@ -28,7 +27,8 @@ KEYS: Final = (*(kind.value for kind in TimeLeft), "mean_impact_kmh", "median_ma
 SHARE: Final = "in_time_by_unit"
 HEAD: Final = ("X", "Y", "X − Y", "95 % interval")
 WITHIN: Final = "*"
-"""Mark of an interval that speaks of these recordings alone."""
+WITHIN_NOTE: Final = "within these recordings alone"
+"""Mark of an interval that speaks of no others, and what it says."""
 
 
 def draw(result: Result) -> None:
@@ -67,7 +67,7 @@ def _draw_nobody(result: Result) -> None:
 
 def _draw_measures(result: Result) -> None:
     evidence = _evidence(result)
-    notes: dict[str, str] = {}
+    notes = Footnotes()
     rows: list[MeasureRow] = []
     for row in score_rows(result):
         if row.key not in KEYS:
@@ -77,7 +77,7 @@ def _draw_measures(result: Result) -> None:
         if row.key == TimeLeft.IN_TIME.value and SHARE in evidence:
             rows.append(with_interval(_share(evidence[SHARE]), evidence[SHARE], notes))
     st.html(measures_html(rows, key="time-left", head=HEAD))
-    lines = [f"{mark}: {plain(capitalised(note))}." for note, mark in notes.items()]
+    lines = [f"{mark}: {plain(capitalised(note))}." for note, mark in notes.marks.items()]
     if few := few_urgent(int(result.is_urgent.sum())):
         lines.append(few)
     lines.append("Median margin: of those whom the system confirms at all.")
@@ -99,20 +99,18 @@ def _share(row: Evidence) -> MeasureRow:
     return MeasureRow("as a share", cells, level=1)
 
 
-def with_interval(row: MeasureRow, of: Evidence | None, notes: dict[str, str]) -> MeasureRow:
+def with_interval(row: MeasureRow, of: Evidence | None, notes: Footnotes) -> MeasureRow:
     """The row with the interval of its difference, and footnotes on what that does not say."""
     if of is None or not row.cells:
         return replace(row, cells=(*row.cells, ""))
     form = evidence_form(of.figure)
-    marks = []
-    for note in filter(None, of.note.split("; ")):
-        n_letters = sum(mark != WITHIN for mark in notes.values())
-        marks.append(notes.setdefault(note, ascii_lowercase[n_letters]))
+    of_row = [note for note in of.note.split("; ") if note]
     interval = minus(interval_text(of.low, of.high, form))
     if interval != UNDEFINED and of.unit == BLOCKS:
         interval += f" {WITHIN}"
-        marks.append(notes.setdefault("within these recordings alone", WITHIN))
-    return replace(row, cells=(*row.cells, interval), marks=" ".join(dict.fromkeys(marks)))
+        notes.mark(WITHIN_NOTE, WITHIN)
+        of_row.append(WITHIN_NOTE)
+    return replace(row, cells=(*row.cells, interval), marks=notes.of_row(of_row))
 
 
 def _draw_meaning(result: Result) -> None:

@@ -14,8 +14,9 @@ from streamlit.testing.v1 import AppTest
 import pages
 from nvcore.evidence.measures import Evidence
 from nvcore.evidence.units import BLOCKS
+from nvcore.wording import Footnotes
 from pages import HEAD, alone, begin_with, checked, opened, texts
-from ui.time_left import approaches, listed
+from ui.time_left import listed
 from ui.time_left.numbers import with_interval
 from ui.widgets.html import MeasureRow
 
@@ -114,7 +115,7 @@ def test_the_speed_stands_first_in_the_sidebar_and_moves_all():
     assert "Of 30 urgent encounters at 100 km/h" in headline.replace("\\", "")
     assert "".join(page.query_params["speed_kmh"]) == "100"
     # more than a screen full: in parts
-    choice = page.selectbox(key=approaches.FIRST)
+    choice = page.selectbox(key="time_left_first")
     assert len(choice.options) == 2
     checked(choice.set_value(20).run())
     page = checked(pages.to_page(page, "saliency"))
@@ -173,11 +174,15 @@ def test_where_time_left_is_unknown_the_page_says_why(
 
 
 def test_notes_are_lettered_from_a_on_beside_the_star_of_blocks() -> None:
-    notes: dict[str, str] = {}
+    notes = Footnotes()
     unknown = Evidence.undefined("mean_impact_kmh", "", "lower", unit=BLOCKS, note="")
     in_blocks = replace(unknown, low=-2.0, high=-1.0)
     noted = replace(unknown, note="too few; all the same")
     row = MeasureRow("", ("1", "2", "−1"))
     assert with_interval(row, in_blocks, notes).cells[-1] == "−2.0 to −1.0 *"
     assert with_interval(row, noted, notes).marks == "a b"
-    assert notes == {"within these recordings alone": "*", "too few": "a", "all the same": "b"}
+    assert notes.marks == {
+        "within these recordings alone": "*",
+        "too few": "a",
+        "all the same": "b",
+    }
