@@ -11,6 +11,7 @@ from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.dataset import Dataset
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.kernels.pairs import pair_frames
+from nvcore.metrics.proximity.borrowing import share_borrowed
 from nvcore.schema import DATASET_BOX_DTYPES, TRUTH, conform
 from nvcore.settings import Settings
 
@@ -82,6 +83,5 @@ def fuse(
         settings=Settings(),
     )
     # of the systems that were there, or a pedestrian would weigh otherwise for the fused ones
-    if "borrowed_distances" in dataset.derived:
-        fused.derived["borrowed_distances"] = dataset.derived["borrowed_distances"]
+    share_borrowed(dataset, fused)
     return fused

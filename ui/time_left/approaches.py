@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Any
 
 import pandas as pd
 import streamlit as st
@@ -15,10 +15,9 @@ from ui.session import state
 from ui.time_left.numbers import key_of
 from ui.time_left.opening import open_encounter
 from ui.widgets.charts import clicked_chart, kept_figure
+from ui.widgets.choices import choose_first
 from ui.widgets.clicks import clicked_place
 from ui.widgets.text import docs_link
-
-FIRST: Final = "time_left_first"
 
 
 def urgent_of(result: Result) -> pd.DataFrame:
@@ -31,7 +30,8 @@ def urgent_of(result: Result) -> pd.DataFrame:
 
 def draw(result: Result, urgent: pd.DataFrame) -> None:
     """A line for each urgent encounter; a click opens the moment."""
-    first = _choose_first(len(urgent))
+    label = "Urgent encounters, the fastest impact first"
+    first = choose_first(label, len(urgent), MOST_ROWS, "time_left_first", width=320)
     theme = state.theme()
     figure = kept_figure(
         "time_left_approaches",
@@ -45,23 +45,6 @@ def draw(result: Result, urgent: pd.DataFrame) -> None:
         "contact says that it never does. Click a mark to open its frame in the Timeline "
         f"({docs_link('Confirmed in time', 'confirmed-in-time')})."
     )
-
-
-def _choose_first(n: int) -> int:
-    """Which encounter is on top, where there are more than a screen full."""
-    pages = range(0, n, MOST_ROWS)
-    if len(pages) < 2:
-        return 0
-    if st.session_state.get(FIRST) not in pages:
-        st.session_state[FIRST] = 0
-    first: int = st.selectbox(
-        "Urgent encounters, the fastest impact first",
-        pages,
-        format_func=lambda start: f"{start + 1} to {min(start + MOST_ROWS, n)}",
-        key=FIRST,
-        width=320,
-    )
-    return first
 
 
 def draw_margins(result: Result, urgent: pd.DataFrame) -> None:

@@ -18,12 +18,13 @@ from ui.session.chosen import choose_encounter, chosen_encounter
 from ui.shell import title
 from ui.timeline import listed, panel, viewer
 from ui.widgets.charts import clicked_chart, kept_figure
-from ui.widgets.choices import choose_side_by_side
+from ui.widgets.choices import choose_first, choose_side_by_side
 from ui.widgets.clicks import clicked_place
 from ui.widgets.text import docs_link
 
 PANEL_PX: Final = 640
 """Height of what stands beside the picture; what is longer scrolls by itself."""
+FIRST: Final = "lanes_first"
 LANES: Final = 20
 """Lanes at a time: a screen full."""
 PLOTS: Final[dict[TimeLayout | Literal["losses"], str]] = {
@@ -101,23 +102,13 @@ def _draw_lanes(result: Result) -> None:
 
 def _first_lane(place: DeltaGenerator, order: np.ndarray, chosen: int | None) -> int:
     """Which lane is on top; where somebody else was chosen, the page with that lane comes."""
-    pages = range(0, len(order), LANES)
-    if len(pages) < 2:
-        return 0
-    seen = st.session_state.get("lanes_seen")
-    if chosen != seen and chosen in order:
-        lane = int(np.flatnonzero(order == chosen)[0])
-        st.session_state["lanes_first"] = lane - lane % LANES
-    st.session_state["lanes_seen"] = chosen
-    if st.session_state.get("lanes_first") not in pages:
-        st.session_state["lanes_first"] = 0
-    first: int = place.selectbox(
-        "Pedestrians, most severe first",
-        pages,
-        format_func=lambda start: f"{start + 1} to {min(start + LANES, len(order))}",
-        key="lanes_first",
-    )
-    return first
+    if len(order) > LANES:
+        if chosen != st.session_state.get("lanes_seen") and chosen in order:
+            lane = int(np.flatnonzero(order == chosen)[0])
+            st.session_state[FIRST] = lane - lane % LANES
+        st.session_state["lanes_seen"] = chosen
+    with place:
+        return choose_first("Pedestrians, most severe first", len(order), LANES, FIRST)
 
 
 def _draw_plot(result: Result) -> None:

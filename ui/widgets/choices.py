@@ -32,6 +32,23 @@ def choose_side_by_side(
     return option
 
 
+def choose_first(label: str, n: int, most: int, key: str, **more: Any) -> int:
+    """Which row is on top of a figure that has so many at a time; 0 where all of them fit."""
+    pages = range(0, n, most)
+    if len(pages) < 2:
+        return 0
+    if st.session_state.get(key) not in pages:
+        st.session_state[key] = 0
+    first: int = st.selectbox(
+        label,
+        pages,
+        format_func=lambda start: f"{start + 1} to {min(start + most, n)}",
+        key=key,
+        **more,
+    )
+    return first
+
+
 def draw_measures(
     table: pd.DataFrame, key: str, widths: Mapping[str, int], first: str = ""
 ) -> None:

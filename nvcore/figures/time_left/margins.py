@@ -22,11 +22,11 @@ from nvcore.figures.style import (
     system_label,
     write,
 )
+from nvcore.figures.time_left.approach import NO_URGENT
 from nvcore.palette import Theme
 from nvcore.tables.encounters.time_left import QUADRANTS, count_in_time, systems_in_words
 from nvcore.wording import count_text, minus
 
-NO_URGENT: Final = "No encounter is urgent: there is no margin."
 WORDS: Final = {
     "both": "both in time",
     "only_x": "only X in time",

@@ -20,6 +20,8 @@ from nvcore.wording import count_text, listed
 
 LONGEST_GAP_S: Final = 2.0
 """Between two known distances at most so far apart the pedestrian's is interpolated."""
+_DERIVED: Final = "borrowed_distances"
+"""Under which key of `Dataset.derived` it is kept."""
 LENDING: Final = Params()
 """Of matching: IoU of at least 0.5, in the order of the scores."""
 
@@ -96,9 +98,21 @@ def borrowed_distances(dataset: Dataset) -> Borrowed:
     reported, at most `LONGEST_GAP_S` apart, it is linear in time. Before the first and after the
     last known one nothing is borrowed.
     """
-    if "borrowed_distances" not in dataset.derived:
-        dataset.derived["borrowed_distances"] = _borrow(dataset)
-    borrowed: Borrowed = dataset.derived["borrowed_distances"]
+    borrowed = _known(dataset)
+    if borrowed is None:
+        borrowed = dataset.derived[_DERIVED] = _borrow(dataset)
+    return borrowed
+
+
+def share_borrowed(dataset: Dataset, other: Dataset) -> None:
+    """Give another dataset of the same truth what was borrowed for this one, if anything was."""
+    borrowed = _known(dataset)
+    if borrowed is not None:
+        other.derived[_DERIVED] = borrowed
+
+
+def _known(dataset: Dataset) -> Borrowed | None:
+    borrowed: Borrowed | None = dataset.derived.get(_DERIVED)
     return borrowed
 
 
