@@ -263,6 +263,8 @@ def test_a_figure_of_a_recording_takes_its_name_or_its_row(sample: Comparison):
     assert by_name.to_json() == by_row.to_json() != sample.figures.dark().timeline(4).to_json()
     with pytest.raises(nv.NvcoreError, match="no recording 'rural_chil'; did you mean 'rural_chi"):
         sample.figures.timeline("rural_chil")
+    with pytest.raises(nv.NvcoreError, match="there is no encounter 46; there are 46"):
+        sample.figures.weightings(46)
 
 
 # files

@@ -31,6 +31,7 @@ from nvcore.figures.time_left.approach import approach_plot
 from nvcore.figures.time_left.margins import margins_plot
 from nvcore.figures.time_left.over_speed import OverSpeed, over_speed_plot
 from nvcore.figures.venn import venn_figure
+from nvcore.figures.weightings import weightings_plot
 from nvcore.metrics.cost_map import map_cost
 from nvcore.palette import Shade
 from nvcore.scoring import SystemResult
@@ -38,7 +39,9 @@ from nvcore.stability.axes import Plane
 from nvcore.stability.map import map_stability
 from nvcore.stability.scores import Criterion
 from nvcore.tables.encounters.miss_classes import fusion_table
+from nvcore.tables.encounters.severity import weighed_encounters
 from nvcore.tables.encounters.time_left import urgent_encounters
+from nvcore.tables.encounters.weightings import compare_weightings
 from nvcore.tables.loss_strip import loss_strip
 from nvcore.tables.result import encounters_table, recordings_table
 from nvcore.wording import did_you_mean
@@ -129,6 +132,27 @@ class Figures:
     def time_left(self) -> go.Figure:
         """Urgent encounters up to contact, with the last chance and when X and Y confirm."""
         return approach_plot(self._result, urgent_encounters(self._result), theme=self._theme)
+
+    def weightings(self, encounter: int | None = None) -> go.Figure:
+        """The weight of one pedestrian over time, as height, horizon and distance tell it.
+
+        Parameters
+        ----------
+        encounter
+            Row of ``encounters``, counted from 0; None: the one whose failures weigh most.
+
+        Raises
+        ------
+        InputError
+            If there is no such row.
+        """
+        if encounter is None:
+            encounter = int(next(iter(weighed_encounters(self._result).index), 0))
+        n = len(self._result.encounters)
+        if not 0 <= encounter < n:
+            raise InputError(f"there is no encounter {encounter}; there are {n:,}")
+        weightings = compare_weightings(self._result, encounter)
+        return weightings_plot(self._result, encounter, weightings, theme=self._theme)
 
     def over_speed(self, measure: OverSpeed = "share_in_time") -> go.Figure:
         """Time left of X and Y over the speed of the car.

@@ -32,8 +32,6 @@ def weightings_plot(
 ) -> go.Figure:
     """Three curves of k over time, and below them the frames in which X and Y detect him.
 
-    `customdata` of the curves is the row in ``dataset.frames``.
-
     Parameters
     ----------
     encounter
@@ -56,7 +54,6 @@ def weightings_plot(
                 mode="lines",
                 name=label,
                 line={"dash": dash, "width": width, "color": getattr(look, colour)},
-                customdata=curves["row"],
                 text=[
                     f"frame {frame}, {second:.2f} s<br>k {label} {number(value, '.2f')}"
                     for frame, second, value in zip(curves["frame"], time_s, k, strict=True)

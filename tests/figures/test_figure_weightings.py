@@ -33,7 +33,6 @@ def test_each_kind_is_a_curve_of_its_own_dash_and_of_no_systems_colour(sample: R
     assert not {curve.line.color for curve in curves} & {LOOK["light"].x, LOOK["light"].y}
     for curve, kind in zip(curves, ("height", "horizon", "distance"), strict=True):
         np.testing.assert_array_equal(curve.y, weightings.curves[f"k_{kind}"])
-        np.testing.assert_array_equal(curve.customdata, weightings.curves["row"])
     assert "count from k = 0.5 on" in words(figure)
 
 

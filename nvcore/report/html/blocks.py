@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Final
 
 import plotly.graph_objects as go
 
-from nvcore.wording import one_line, shortened
+from nvcore.wording import minus, one_line, shortened
 
 MAX_ROWS = 200
 """Most rows of a table that are shown."""
 MAX_CELL = 400
 MAX_NOTE = 3000
 """Most characters of a cell, and of the note below a table; an ellipsis replaces the rest."""
+
+
+_SIGN: Final = re.compile(r"(?<![\w.])-(?=\.?\d)")
+"""The sign of a number; not that of an exponent, nor a hyphen in a name."""
 
 
 @dataclass(frozen=True)
@@ -176,14 +181,24 @@ def table(
     note: str = "",
     most: int = MAX_ROWS,
 ) -> Table:
-    """A table of any values as text; invisible characters are shown as escapes."""
+    """A table of any values as text; invisible characters are shown as escapes.
+
+    Parameters
+    ----------
+    right
+        Columns of numbers: aligned to the right, with a minus for a hyphen before a digit.
+    """
     notes = [note] if note else []
     if len(rows) > most:
         notes.append(f"The first {most:,} of {len(rows):,} rows are shown.")
-    cells = tuple(tuple(_cell(cell) for cell in row) for row in rows[:most])
+    cells = tuple(
+        tuple(_cell(cell, is_number=column in right) for column, cell in enumerate(row))
+        for row in rows[:most]
+    )
     return Table(title, tuple(head), cells, frozenset(right), shortened(" ".join(notes), MAX_NOTE))
 
 
-def _cell(cell: object) -> str:
+def _cell(cell: object, *, is_number: bool) -> str:
     # a number and its unit stay on one line
-    return shortened(one_line(str(cell)), MAX_CELL).replace(" pp", "\N{NO-BREAK SPACE}pp")
+    text = shortened(one_line(str(cell)), MAX_CELL).replace(" pp", "\N{NO-BREAK SPACE}pp")
+    return _SIGN.sub(minus("-"), text) if is_number else text

@@ -10,6 +10,7 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.figures.encounters import miss_classes_plot
 from nvcore.figures.venn import WORDS, venn_figure
+from nvcore.figures.weightings import weightings_plot
 from nvcore.measures import MeasureTable
 from nvcore.report.html import words
 from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table, table
@@ -23,6 +24,7 @@ from nvcore.report.words import (
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category
 from nvcore.tables.encounters.miss_classes import fusion_table
 from nvcore.tables.encounters.severity import weighed_encounters
+from nvcore.tables.encounters.weightings import compare_weightings
 from nvcore.tables.moments import encounter_moments
 from nvcore.tables.result import (
     encounters_table,
@@ -70,6 +72,7 @@ def encounters_section(result: Result) -> Section:
                 f"Encounters: {in_words}",
             ),
             _heaviest(result, encounters),
+            *_weightings(result, encounters),
             Sentences(sentences),
             Chart(
                 "classes",
@@ -119,6 +122,36 @@ def _heaviest(result: Result, encounters: pd.DataFrame) -> Table:
         "frames in which the other system detects the pedestrian, if there are any."
     )
     return table(title, head, rows, right=range(3, 8), note=note)
+
+
+def _weightings(result: Result, encounters: pd.DataFrame) -> tuple[Chart | Table, ...]:
+    """The heaviest encounter as height, horizon and distance weigh it; empty: nobody is missed."""
+    heaviest = encounters[encounters["severity_s"] > 0].head(1)
+    if heaviest.empty:
+        return ()
+    encounter = int(heaviest.index[0])
+    weightings = compare_weightings(result, encounter)
+    theme = result.scheme("light")
+    figure = weightings_plot(result, encounter, weightings, theme=theme)
+    rows = [
+        (
+            f"{kind} (in use)" if kind == weightings.in_use else kind,
+            number(facts["n_relevant"], ".0f"),
+            *(number(facts[f"missed_{letter}"], ".0f") for letter in "xy"),
+            *(number(facts[f"severity_s_{letter}"], ".2f") for letter in "xy"),
+        )
+        for kind, facts in weightings.table.to_dict("index").items()
+    ]
+    head = (
+        *("Nearness by", "Frames that count", "X misses", "Y misses"),
+        *("Severity X (s)", "Severity Y (s)"),
+    )
+    note = f"{UNDEFINED}: the horizon, or this pedestrian's distance, is not known."
+    title = "The heaviest encounter, weighed by height, horizon and distance"
+    return (
+        Chart("weightings", figure, "The heaviest encounter's weight over time, by each"),
+        table(title, head, rows, right=range(1, 6), note=note),
+    )
 
 
 def _boxes(result: Result) -> Table:

@@ -115,7 +115,7 @@ def significance_section(evidence: pd.DataFrame, theme: Theme) -> Section:
         rows.append((label, *values, *_evidence_of(row), effect))
         how = row["method"] or UNDEFINED, row["note"] or UNDEFINED
         ways.append((row["label"], f"{row['n']:,} {row['unit']}", *how))
-    head = ("Measure", "X", "Y", "X - Y", "95 % interval", "p", "p (Holm)", "Effect")
+    head = ("Measure", "X", "Y", "X − Y", "95 % interval", "p", "p (Holm)", "Effect")
     note = (
         "↑ higher is better, ↓ lower is better. Effect: Cohen's d_z or, with ×, the odds ratio of "
         "the encounters that only one detects."
@@ -153,7 +153,7 @@ def subgroups_section(subgroups: pd.DataFrame, theme: Theme) -> Section:
         "Only X",
         "Only Y",
         "Neither",
-        "X - Y",
+        "X − Y",
         "95 % interval",
         "p",
         "p (Holm)",
@@ -195,7 +195,7 @@ def subgroups_section(subgroups: pd.DataFrame, theme: Theme) -> Section:
 def _table_by_subgroup(subgroups: pd.DataFrame) -> Table:
     """One measure, for the groups that have it."""
     defined_rows = subgroups[np.isfinite(subgroups["x"])]
-    head = ("Factor", "Group", "From", "X", "Y", "X - Y", "95 % interval", "p", "p (Holm)")
+    head = ("Factor", "Group", "From", "X", "Y", "X − Y", "95 % interval", "p", "p (Holm)")
     form = evidence_form(subgroups["figure"].iloc[0])
     rows = [
         (

@@ -29,7 +29,7 @@ from nvcore.wording import UNDEFINED, capitalised, difference, duration_text, pe
 
 HEAD: Final = (
     "Measure",
-    "X - Y",
+    "X − Y",
     "Excluded: below",
     "Excluded: above",
     "Recordings",

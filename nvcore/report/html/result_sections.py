@@ -38,7 +38,7 @@ from nvcore.tables.scorecard import score_rows
 from nvcore.tables.windows import windows_table, worst_windows_text
 from nvcore.wording import difference, number
 
-MEASURES_HEAD = ("Measure", "X", "Y", "X - Y", "Better")
+MEASURES_HEAD = ("Measure", "X", "Y", "X − Y", "Better")
 PART = "– "
 """Before the label of a measure that is a part of the one above."""
 N_WORST = 3
@@ -87,7 +87,7 @@ def similarity_section(result: Result) -> Section:
         for row in recordings_shown.to_dict("records")
     ]
     low = f"below {result.params.low:g}"
-    head = ("Recording", "Frames", "Mean X", "Mean Y", "X - Y", f"{low}, X", f"{low}, Y")
+    head = ("Recording", "Frames", "Mean X", "Mean Y", "X − Y", f"{low}, X", f"{low}, Y")
     return Section(
         "similarity",
         "Similarity",

@@ -83,7 +83,7 @@ def _percent(share: float) -> str:
 def scorecard(params: Params) -> Intro:
     """Introduction of the scorecard."""
     return Intro(
-        what="All measures side by side. X - Y is the difference; of shares it is given in "
+        what="All measures side by side. X − Y is the difference; of shares it is given in "
         "percentage points (pp).",
         how="Each measure is explained in its own section below. An encounter is detected if at "
         f"least {_percent(params.coverage)} of its frames that count are matched. How the "

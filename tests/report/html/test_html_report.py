@@ -104,12 +104,18 @@ def test_what_the_author_writes_stands_on_the_first_page_as_text(result, session
     assert r"Which\none?" in first
 
 
+def test_the_heaviest_encounter_is_weighed_by_all_three(page: Page):
+    caption = "The heaviest encounter, weighed by height, horizon and distance"
+    assert page.row(caption, "height (in use)")[1:] != ["–"] * 4
+    assert page.row(caption, "distance") == ["–"] * 5
+
+
 def test_the_scorecard_has_the_measures_counted_by_hand(page):
     # fir matches all 40 boxes of 2 pedestrians, nir 10 of them, with one false alarm
     caption = "Measures of X and Y"
     assert page.row(caption, "encounters detected, of 2") == ["2", "1", "+1", "higher"]
     assert page.row(caption, "boxes matched, near or far, of 40") == ["40", "10", "+30", "higher"]
-    assert page.row(caption, "false-alert episodes") == ["0", "1", "-1", "lower"]
+    assert page.row(caption, "false-alert episodes") == ["0", "1", "−1", "lower"]
     assert page.row("Detection measures", "recall at the threshold")[:2] == ["1.0000", "0.2500"]
     assert "Log-average miss rate of X: nobody is missed at any of the 9 references" in page.text
     assert "Few pedestrians: 40, a single miss changes" in page.text
@@ -167,7 +173,7 @@ def test_subgroups_have_who_detects_more_and_the_other_figures(page):
     by_group = {name for name in page.tables if name.endswith(", by subgroup")}
     (saliency,) = [name for name in by_group if name.startswith("Saliency of a recording")]
     head, everybody, *groups = page.tables[saliency]
-    assert head[:6] == ["Factor", "Group", "From", "X", "Y", "X - Y"]
+    assert head[:6] == ["Factor", "Group", "From", "X", "Y", "X − Y"]
     assert everybody[0] == "all"
     assert {row[0] for row in groups} >= {"place"}
     assert all(row[3] != "–" for row in groups)
@@ -227,7 +233,7 @@ def test_a_text_in_css_can_end_neither_it_nor_the_style():
 
 def test_charts_are_figures_of_plotly_and_nothing_is_fetched_from_elsewhere(page, content):
     charts = page.charts()
-    assert len(charts) == 10
+    assert len(charts) == 11
     titles = [one["layout"]["title"].get("text", "") for one in charts.values()]
     assert sum("click" in title.lower() for title in titles) == 0
     assert re.findall(r'(?:src|href)="(?!#|data:image/jpeg;base64,)[^"]*"', content) == []
@@ -253,7 +259,7 @@ def test_changed_parameters_and_the_protocol_are_told_and_the_stability_map_may_
     assert "Protocol reasonable:" in page.text
     assert "height 50 or more px" in page.text
     assert "Not computed for these 40 frames" in page.text
-    assert len(page.charts()) == 9
+    assert len(page.charts()) == 10
 
 
 def test_frames_rather_than_persons_are_no_evidence_of_their_own(tmp_path, page):
@@ -323,7 +329,7 @@ def test_names_from_files_are_text(tmp_path):
     assert page.tags.count("b") == 0
     assert page.row("Similarity by recording", HOSTILE)[0] == "20"
     assert f"{HOSTILE} (X) and <b>nir</b> (Y) compared" in page.words
-    assert len(page.charts()) == 10  # their JSON is whole: no name ended its script
+    assert len(page.charts()) == 11  # their JSON is whole: no name ended its script
 
 
 @pytest.mark.parametrize(

@@ -48,9 +48,11 @@ def test_the_curve_in_use_is_the_weight_of_the_result(sample: Result) -> None:
     for encounter in range(0, len(encounters), 7):
         weightings = compare_weightings(sample, encounter)
         rows = encounters.order[slice(*encounters.offsets[encounter : encounter + 2])]
-        curve = weightings.curves["k_height"]
-        np.testing.assert_array_equal(np.sort(curve), np.sort(sample.k_truth.k[rows]))
-    assert weightings.in_use == "height"
+        frame_row = sample.dataset.truth.frame_index[rows]
+        assert (np.diff(frame_row) > 0).all()  # by frame, once in each
+        assert weightings.curves["row"].tolist() == frame_row.tolist()
+        assert weightings.curves["k_height"].tolist() == sample.k_truth.k[rows].tolist()
+        assert weightings.in_use == "height"
 
 
 def test_the_child_of_the_sample_counts_earlier_by_distance_than_by_height(sample: Result) -> None:
