@@ -16,8 +16,9 @@ def draw(result: Result) -> None:
         pairs.draw_only_pair(result)
         return
     st.caption(
-        "Every two of the open systems, each at its own threshold. p is corrected for all pairs "
-        "and both measures, and a difference is claimed only where it holds at equal false alarms "
+        "Every two of the open systems, each at its own threshold, by two measures: the share of "
+        "encounters that they detect, and mean similarity. p is corrected for all pairs and both "
+        "measures, and a difference is claimed only where it holds at equal false alarms "
         f"as well ({docs_link('Significance', 'three-systems-and-more', doc='significance')})."
     )
     draw_warnings(result)

@@ -86,7 +86,7 @@ def measure_names() -> list[str]:
 
 def value_text(value: float) -> str:
     """The value of a measure, with six digits."""
-    return "undefined" if math.isnan(value) else f"{value:.6g}"
+    return "undefined" if math.isnan(value) else f"{value + 0.0:.6g}"  # -0.0 is 0
 
 
 @dataclass(frozen=True)

@@ -127,7 +127,7 @@ def pair_text(pair: Mapping[Hashable, Any]) -> str:
         text = f"Nothing is claimed: {MIN_RECORDINGS} recordings are needed for a p"
     if pair["withheld"] and not claims:
         text = "Nothing is claimed"
-    reasons = f" More than chance as set, but no claim: {pair['withheld']}."
+    reasons = f" At the thresholds as set more than chance, but no claim: {pair['withheld']}."
     return f"{text}.{reasons if pair['withheld'] else ''}"
 
 

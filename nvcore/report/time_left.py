@@ -107,12 +107,15 @@ def _turns_of(curve: pd.DataFrame, measure: str) -> str:
         return f"{name} of X and Y is the same at every speed."
     turns = turning_speeds(curve, measure)
     first, second = "XY" if difference[apart[0]] > 0 else "YX"
+    n_even = int(np.count_nonzero(curve["urgent"])) - len(apart)
+    but = f" but {n_even} of {len(curve)}, at which X and Y are equal" if n_even else ""
+    even = f"; at {n_even} of {len(curve)} speeds X and Y are equal" if n_even else ""
     if not turns:
-        return f"{first} {does} at every speed at which the two differ."
+        return f"{first} {does} at every speed{but}."
     if len(turns) == 1:
-        return f"Below {turns[0]:g} km/h {first} {does}, from there on {second}, where they differ."
+        return f"Below {turns[0]:g} km/h {first} {does}, from there on {second}{even}."
     speeds = listed([f"{speed:g}" for speed in turns])
     return capitalised(
         f"{name.lower()} turns {len(turns)} times: up to {turns[0]:g} km/h {first} is ahead, and "
-        f"the order changes at {speeds} km/h."
+        f"the order changes at {speeds} km/h{even}."
     )

@@ -30,7 +30,7 @@ def up_to_contact(result: Result, **more: int):
 def test_a_line_runs_from_the_first_sight_to_the_last_annotated_frame_and_on_to_contact():
     figure = up_to_contact(met((range(10, 40), LATE)))
     assert trace(figure, "annotated").x[:2].round(6).tolist() == [5.0, 1.1]
-    assert trace(figure, "after the last annotated frame").x[:2].round(6).tolist() == [1.1, 0.0]
+    assert trace(figure, "no longer annotated").x[:2].round(6).tolist() == [1.1, 0.0]
     assert np.nanmax(trace(figure, "too late to stop").x) == pytest.approx(2.1)
     chance = trace(figure, "last chance to stop")
     assert chance.x.round(6).tolist() == [2.1]
@@ -135,6 +135,23 @@ def test_margins_are_marked_by_who_is_in_time_and_never_stands_at_the_edge():
     assert "both in time 1, only X in time 1, only Y in time 1, neither in time 1" in words(figure)
 
 
+def test_a_corner_where_a_mark_stands_has_no_word():
+    result = met((range(10, 40), range(36, 40)))
+    figure = margins_plot(result, urgent_encounters(result), theme="light")
+    corners = [note.text for note in figure.layout.annotations]
+    assert "only X in time" not in corners
+    assert {"only Y in time", "neither in time"} <= set(corners)
+
+
+def test_a_legend_of_several_rows_moves_no_margin_and_stands_above_the_data():
+    result = met((ALL, LATE))
+    speed = Figures(result).over_speed()
+    for figure in (up_to_contact(result), speed):
+        assert not figure.layout.margin.autoexpand
+        assert figure.layout.margin.t >= 88
+    assert trace(up_to_contact(result), "no longer annotated").showlegend is None
+
+
 def test_margins_beyond_the_axis_stand_at_its_edge(monkeypatch):
     result = met((range(10, 40), LATE))
     urgent = urgent_encounters(result)
@@ -171,7 +188,7 @@ def test_the_lanes_have_the_last_chance_and_above_them_the_time_to_contact():
     assert contact.y[[0, 30]].round(6).tolist() == [5.0, 2.0]
     assert contact.yaxis == "y2"
     assert "2.2 s needed to stop" in words(figure)
-    assert "above them the least time to contact" in words(figure)
+    assert "above them the least time to contact, up to 6 s" in words(figure)
     points = trace(figure, "contact")
     assert points.customdata[30].tolist() == [30, 0]
     assert points.text[30] == "pedestrian 1, frame 30, 3.00 s<br>2.00 s to contact, the least"

@@ -26,6 +26,7 @@ from nvcore.report.gate import (
     judge,
     measure_names,
     run_gate,
+    value_text,
 )
 from nvcore.report.gate_results import (
     is_gate_result,
@@ -351,3 +352,7 @@ def test_only_counts_of_encounters_have_classes():
         judge([parse_rule("saliency_x.child == 0")], {"saliency_x": 0.0})
     with pytest.raises(ParameterError, match=r"there is no measure 'new_misses\.'"):
         judge([parse_rule("new_misses. == 0")], {"new_misses": 0.0})
+
+
+def test_a_value_of_minus_nothing_is_nothing():
+    assert (value_text(-0.0), value_text(-0.5)) == ("0", "-0.5")

@@ -70,8 +70,8 @@ def test_both_claims_are_named_with_the_better_value_first():
         ({"unit": "blocks"}, "Nothing is claimed: 6 recordings are needed for a p."),
         (
             {"withheld": "mean similarity (not shown at equal false alarms)"},
-            "Nothing is claimed. More than chance as set, but no claim: mean similarity (not shown "
-            "at equal false alarms).",
+            "Nothing is claimed. At the thresholds as set more than chance, but no claim: mean "
+            "similarity (not shown at equal false alarms).",
         ),
         (
             {

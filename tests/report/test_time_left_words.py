@@ -93,13 +93,24 @@ def test_who_is_ahead_at_which_speed():
     curve = met().over_speed
     speeds = curve["speed_kmh"].to_numpy()
     first, second = describe_turns(curve)
-    assert first == "X confirms the larger share in time at every speed at which the two differ."
+    assert first == "X confirms the larger share in time at every speed."
     assert second.startswith("X has the lower mean impact speed at every speed")
     even = curve.assign(share_in_time_y=curve["share_in_time_x"])
     assert describe_turns(even)[0] == "The share in time of X and Y is the same at every speed."
     once = curve.assign(share_in_time_x=0.5, share_in_time_y=np.where(speeds < 90, 0.0, 1.0))
     assert describe_turns(once)[0] == (
-        "Below 90 km/h X confirms the larger share in time, from there on Y, where they differ."
+        "Below 90 km/h X confirms the larger share in time, from there on Y."
+    )
+    share = np.select([speeds < 50, speeds < 90], [0.0, 0.5], 1.0)
+    some = curve.assign(share_in_time_x=1.0, share_in_time_y=np.where(speeds < 20, 1.0, 0.0))
+    assert describe_turns(some)[0] == (
+        "X confirms the larger share in time at every speed but 2 of 25, at which X and Y are "
+        "equal."
+    )
+    tied = curve.assign(share_in_time_x=0.5, share_in_time_y=share)
+    assert describe_turns(tied)[0] == (
+        "Below 90 km/h X confirms the larger share in time, from there on Y; at 8 of 25 speeds X "
+        "and Y are equal."
     )
     often = curve.assign(share_in_time_x=0.5, share_in_time_y=np.where(speeds % 20 < 10, 0.0, 1.0))
     assert describe_turns(often)[0].startswith("The share in time turns ")

@@ -26,7 +26,13 @@ from ui.systems.pairs import BETWEEN
 from ui.widgets.html import MeasureRow, measures_html
 from ui.widgets.text import plain
 
-HEAD: Final = ("First", "Second", "First − second", "95 % interval", "p", "p (Holm)", "thresholds")
+HEAD: Final = ("First", "Second", "First − second", "95 % interval", "p", "p (Holm)")
+SETTING: Final = "thresholds"
+"""Heading of what marks pairs at unequal operating points, where there are any."""
+AS_SET_TEXT: Final = (
+    " *as set*: at unequal operating points, from which nothing is claimed; once a pair is open, "
+    "the sidebar sets it alike."
+)
 
 
 def draw(table: pd.DataFrame, systems: Sequence[str], shade: Shade) -> None:
@@ -36,11 +42,16 @@ def draw(table: pd.DataFrame, systems: Sequence[str], shade: Shade) -> None:
     st.html(
         measures_html(_systems(table, systems, shade), key="systems", head=head, first="System")
     )
+    has_unequal = bool(table["is_unequal"].any())
+    pairs_head = (*HEAD, SETTING) if has_unequal else HEAD
     for measure in PAIR_MEASURES:
         rows, notes = _pairs(table, measure, systems, shade)
         st.html(
             measures_html(
-                rows, key=f"pairs-{measure.value}", head=HEAD, first=capitalised(measure.title)
+                rows,
+                key=f"pairs-{measure.value}",
+                head=pairs_head,
+                first=capitalised(measure.title),
             )
         )
         if notes:
@@ -49,8 +60,7 @@ def draw(table: pd.DataFrame, systems: Sequence[str], shade: Shade) -> None:
     st.caption(
         "A dot marks the better system of a pair where the difference is claimed. The intervals, "
         "and p, are of the differences between recordings (between stretches of time, where these "
-        "are too few). *as set*: at unequal operating points, from which nothing is claimed; once "
-        "a pair is open, the sidebar sets it alike."
+        "are too few)." + (AS_SET_TEXT if has_unequal else "")
     )
     st.download_button(
         "matrix.csv",
@@ -80,11 +90,13 @@ def _pairs(
     for pair, mark in zip(table.to_dict("records"), marks, strict=True):
         scheme = scheme_for(shade, systems, pair["x"], pair["y"])
         cells = [minus(cell) for cell in pair_cells(pair, measure)]
+        if table["is_unequal"].any():
+            cells.append("as set" if pair["is_unequal"] else "alike")
         styles = {letter: scheme.style(letter) for letter in "xy"}
         rows.append(
             MeasureRow(
                 label=pair_name(pair, between=BETWEEN),
-                cells=(*cells, "as set" if pair["is_unequal"] else ""),
+                cells=tuple(cells),
                 better=winner_of(pair, measure),
                 marks=mark,
                 lines=tuple(_line(style, shade) for style in styles.values()),

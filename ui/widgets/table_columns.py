@@ -25,6 +25,7 @@ HEADINGS: Final = {
     "gap_s": "gap (s)",
     "tail_s": "tail (s)",
     "severity_s": "severity (s)",
+    "time_left": "confirms",
     "margin_s": "margin (s)",
     "impact_kmh": "impact (km/h)",
     "confirmed_frame": "confirmed in frame",
@@ -49,6 +50,7 @@ HEADINGS: Final = {
 
 PERCENT: Final = frozenset({"coverage", "occluded_share", "tau"})
 SIGNED: Final = frozenset({"lead_time_s", "margin_s", "lateral_position", "aspect_z"})
+WHOLE: Final = frozenset({"peak_height", "impact_kmh"})
 CATEGORY_WORDS: Final = {kind.value: text for kind, text in WORDS.items()}
 MISS_WORDS: Final = {kind.value: text for kind, text in CLASS_WORDS.items()}
 WIDTHS: Final = {
@@ -161,5 +163,5 @@ def _config(column: Column) -> Any:
     elif base in PERCENT:
         form = "%.0f %%"
     else:
-        form = "%+.2f" if base in SIGNED else "%.0f" if base == "peak_height" else "%.2f"
+        form = "%+.2f" if base in SIGNED else "%.0f" if base in WHOLE else "%.2f"
     return st.column_config.NumberColumn(label, width=width, help=text, pinned=pinned, format=form)

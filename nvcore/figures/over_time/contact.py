@@ -78,7 +78,7 @@ def contact_strip(result: Result, recording: int, lanes_px: int, theme: Theme) -
     note = written(f"{needed_s:.1f} s needed to stop", **look, **place)
     return ContactStrip(
         height_px=GAP_PX + STRIP_PX,
-        words="; above them the least time to contact",
+        words=f"; above them the least time to contact, up to {reach_s:g} s",
         traces=tuple(_traces(result, recording, nearest, needed_s, reach_s, theme)),
         xaxis={"anchor": "y2"},
         yaxis={"domain": [0, lanes_px / whole_px]},

@@ -35,8 +35,11 @@ that stands at the edge."""
 ROW_PX: Final = 26
 LEGEND_PX: Final = 4
 """Room between the rows and the legend."""
-AROUND_PX: Final = 148
-"""Height of title, legend and axis."""
+TOP_PX: Final = 108
+"""Height of title and legend, which in a narrow window has two rows."""
+BOTTOM_PX: Final = 48
+LETTER_PX: Final = 6.6
+"""Width of a letter of a row's label."""
 APART: Final = 0.2
 """How far the mark of X stands above a row's middle, and Y's below, in rows."""
 BAND: Final = 0.4
@@ -87,9 +90,16 @@ def approach_plot(
         theme,
         title="From the first sight to contact",
         subtitle=extent,
-        height=AROUND_PX + ROW_PX * n,
+        height=TOP_PX + ROW_PX * n + BOTTOM_PX,
         hoverdistance=-1,
-        margin={"l": 76, "r": RIGHT_PX, "t": 100, "b": 48},
+        # margins of Plotly's own choice put a legend of two rows over the data
+        margin={
+            "l": max(76, 16 + LETTER_PX * max(map(len, labels))),
+            "r": RIGHT_PX,
+            "t": TOP_PX,
+            "b": BOTTOM_PX,
+            "autoexpand": False,
+        },
         legend=LEGEND | {"y": 1 + LEGEND_PX / (ROW_PX * n)},
         annotations=_impacts(part, theme),
         xaxis=axis(
@@ -101,7 +111,7 @@ def approach_plot(
             zerolinewidth=1.5,
             zerolinecolor=look.ink,
         ),
-        yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False, automargin=True),
+        yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False),
     )
 
 
@@ -122,7 +132,8 @@ def _lines(part: pd.DataFrame, row: np.ndarray, reach: float, theme: Theme) -> l
         still_line(
             with_gaps(stop, zero),
             with_gaps(row, row),
-            "after the last annotated frame",
+            "no longer annotated",
+            showlegend=None,
             line={**line, "width": 1, "dash": "dot"},
         ),
     ]
@@ -206,6 +217,7 @@ def _system_marks(
         customdata=_places(never, urgent_row),
         cliponaxis=False,
         name=f"{letter.upper()} never",
+        showlegend=False,
         **steady_marker(symbol=look.symbol(letter), size=10, color=CLEAR, line=line),
     )
     return [sure, unsure]

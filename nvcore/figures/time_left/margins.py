@@ -36,6 +36,8 @@ WORDS: Final = {
 """Who confirmed an urgent encounter in time."""
 CORNERS: Final = {"both": (1, 1), "only_x": (1, 0), "only_y": (0, 1), "neither": (0, 0)}
 """Corner of the plot of each, as shares of its width and height."""
+WORD_SHARE: Final = (0.3, 0.2)
+"""Part of the plot's width and height that is kept free for the word in a corner."""
 MOST_MARKS: Final = 2000
 """Encounters drawn: those with the fastest impacts."""
 MOST_MARGIN_S: Final = 8.0
@@ -120,6 +122,8 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
     for letter in "xy":
         _last_chance(figure, letter, theme)
     for name, (right, up) in CORNERS.items():
+        if _is_taken(place, (right, up), ends):
+            continue  # the legend has the word as well
         sides: dict[str, Any] = {
             **({"x": 1, "xref": "paper"} if right else {"x": low}),
             **({"y": 1, "yref": "paper"} if up else {"y": low}),
@@ -130,6 +134,17 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
         }
         write(figure, WORDS[name], size=12, color=look.muted, **sides)
     return figure
+
+
+def _is_taken(place: dict[str, np.ndarray], corner: tuple[int, int], ends: list[float]) -> bool:
+    """Whether a mark stands where the word of a corner would."""
+    span = ends[1] - ends[0]
+    from_corner = [
+        np.abs(place[letter] - ends[is_high]) / span
+        for letter, is_high in zip("xy", corner, strict=True)
+    ]
+    is_near = (from_corner[0] < WORD_SHARE[0]) & (from_corner[1] < WORD_SHARE[1])
+    return bool(is_near.any())
 
 
 def _span(urgent: pd.DataFrame) -> tuple[float, float, float]:

@@ -14,7 +14,7 @@ from nvcore.report.time_left import describe_needed, describe_turns, few_urgent
 from nvcore.report.verdict.words import describe_time_left
 from nvcore.report.words import describe_urgency
 from nvcore.tables.encounters.time_left import urgent_encounters
-from nvcore.wording import minus, number
+from nvcore.wording import number
 
 
 def time_left_section(result: Result) -> Section:
@@ -58,13 +58,13 @@ def _listing(result: Result, urgent: pd.DataFrame) -> Table:
             row["track"],
             f"{time_s[row['urgent_row']]:.2f}",
             *(str(row[f"time_left_{letter}"]).replace("_", " ") for letter in "xy"),
-            *(minus(number(row[f"margin_s_{letter}"], "+.2f")) for letter in "xy"),
-            *(number(row[f"impact_kmh_{letter}"], ".1f") for letter in "xy"),
+            *(number(row[f"margin_s_{letter}"], "+.2f") for letter in "xy"),
+            *(number(row[f"impact_kmh_{letter}"], ".0f") for letter in "xy"),
         )
         for row in urgent.head(MOST_ROWS).to_dict("records")
     ]
     head = (
-        *("Recording", "Pedestrian", "Last chance at (s)", "X", "Y"),
+        *("Recording", "Pedestrian", "Last chance at (s)", "X confirms", "Y confirms"),
         *("Margin X (s)", "Margin Y (s)", "Impact X (km/h)", "Impact Y (km/h)"),
     )
     left_out = len(urgent) - len(rows)
