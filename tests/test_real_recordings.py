@@ -162,7 +162,7 @@ def test_kitti_s_pedestrians_are_weighted_by_their_distance(realdata: Path):
     # the lidar detector gives distances, the camera detector none
     assert summary["y"]["detections_without_distance"] == 0
     assert summary["x"]["detections_without_distance"] > 0
-    assert "boxes of X have no distance and are weighted by height" in told
+    assert "boxes of X have no distance and weigh by height" in told
 
 
 def test_the_unannotated_frames_of_the_night_video_are_not_scored(realdata: Path):
