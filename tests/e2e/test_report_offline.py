@@ -58,7 +58,7 @@ def test_it_asks_for_nothing_and_complains_of_nothing(seen, report):
 def test_every_chart_is_drawn(seen):
     page, _, _ = seen
     charts = page.locator(".chart")
-    assert charts.count() == 10
+    assert charts.count() == 11
     for i in range(charts.count()):
         expect(charts.nth(i).locator(".main-svg").first).to_be_visible()
     drawn = page.locator("#chart-venn").locator("path").count()
