@@ -8,14 +8,17 @@ from typing import Final, Literal
 
 from nvcore.errors import MissingExtraError
 
-Extra = Literal["app", "login", "report"]
+Extra = Literal["app", "detectors", "login", "onnx", "report"]
 
+DETECTORS: Final = ("av", "cv2")
 REPORT: Final = ("av", "cv2", "jinja2", "plotly", "tsdownsample")
 APP: Final = (*REPORT, "streamlit")
 PACKAGES: Final[dict[Extra, tuple[str, ...]]] = {
     "report": REPORT,
     "app": APP,
     "login": (*APP, "authlib", "httpx"),
+    "detectors": DETECTORS,
+    "onnx": (*DETECTORS, "google", "onnxruntime"),
 }
 """Names by which the packages of each extra of pyproject.toml are imported."""
 

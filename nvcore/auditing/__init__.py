@@ -33,6 +33,7 @@ from nvcore.auditing.recordings import (
 )
 from nvcore.auditing.rows import audit_left_out
 from nvcore.auditing.scores import audit_scores, audit_threshold
+from nvcore.auditing.training import audit_provenance
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, worst_first
 from nvcore.params import Params
@@ -101,6 +102,7 @@ def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
     for system in (system_source(dataset, name) for name in dataset.systems):
         findings += [*audit_system_coverage(system), *_audit_boxes(system), *audit_scores(system)]
         findings += audit_same_as_truth(system)
+    findings += audit_provenance(dataset)
     return tuple(findings)
 
 

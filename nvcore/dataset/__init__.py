@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.columns import BOX_COLUMNS, BoxColumns, FrameColumns, frame_gaps, offsets_of
+from nvcore.dataset.provenance import Provenance
 from nvcore.errors import InputError
 from nvcore.findings import Finding
 from nvcore.params import Params
@@ -60,6 +61,9 @@ class Dataset:
         `nvcore.metrics.encounter_classes`.
     settings
         How to compare it unless the caller says otherwise: the session that it was loaded from.
+    provenance
+        How the detections of systems were made, by their names; one of which nothing is known is
+        absent.
     """
 
     recordings: pd.DataFrame
@@ -73,6 +77,7 @@ class Dataset:
     notes: tuple[str, ...] = ()
     attributes: pd.DataFrame = field(default_factory=lambda: empty_attributes(), repr=False)
     settings: Settings = field(default_factory=Settings, repr=False)
+    provenance: Mapping[str, Provenance] = field(default_factory=dict, repr=False)
 
     @cached_property
     def frame_columns(self) -> FrameColumns:
@@ -235,6 +240,10 @@ class Dataset:
                 replace(finding, subject=subjects.get(finding.subject, finding.subject))
                 for finding in self.findings
             ),
+            provenance={
+                subjects.get(name, name): record.renamed(recordings)
+                for name, record in self.provenance.items()
+            },
             fingerprint=hashlib.sha256(text.encode()).hexdigest(),
         )
 

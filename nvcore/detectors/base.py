@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.pictures import Picture
+from nvcore.dataset.provenance import About, Setting, TrainedOn
+from nvcore.extras import needs
 
-Setting = bool | int | float | str | None
-"""A value of a detector's settings, as JSON has it."""
+with needs("detectors", "detectors need"):
+    from nvcore.pictures import Picture
+
+__all__ = ["About", "Detections", "Detector", "Setting", "TrainedOn"]
 
 
 @dataclass(frozen=True)
@@ -39,54 +41,6 @@ class Detections:
 
     def __len__(self) -> int:
         return len(self.score)
-
-
-@dataclass(frozen=True)
-class TrainedOn:
-    """A recording, or a part of it, on which a detector was trained.
-
-    Attributes
-    ----------
-    fingerprint
-        sha256 of what it was trained on: boxes and pictures, as hexadecimal digits.
-    recording
-        Name of the recording; empty: crops and scenes of no recording.
-    first_frame, last_frame
-        The frames, both included; None: the whole recording.
-    """
-
-    fingerprint: str
-    recording: str = ""
-    first_frame: int | None = None
-    last_frame: int | None = None
-
-
-@dataclass(frozen=True)
-class About:
-    """What a detector is, to be told apart from others and written beside its results.
-
-    Attributes
-    ----------
-    kind
-        Key in the registry: ``icf``, ``hog``, ``onnx``.
-    name
-        Of the model, for people.
-    labels
-        What it detects: ``("pedestrian",)``.
-    settings
-        All settings that its boxes depend on, by name.
-    fingerprint
-        sha256 over model and settings, as hexadecimal digits: equal if and only if the boxes are.
-    trained_on
-        What is known of its training; empty: nothing.
-    """
-
-    kind: str
-    name: str
-    labels: tuple[str, ...]
-    settings: Mapping[str, Setting]
-    fingerprint: str
-    trained_on: Sequence[TrainedOn] = field(default=())
 
 
 class Detector(Protocol):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextvars import copy_context
@@ -13,11 +14,12 @@ import numpy as np
 import pandas as pd
 
 from nvcore.dataset import Dataset, refuse_doubles
+from nvcore.dataset.provenance import read_provenance
 from nvcore.dataset.tables import tables_fingerprint
 from nvcore.errors import InputError
 from nvcore.inputs.files import digest, find_files, located, system_names
 from nvcore.inputs.placing import LoadedSource, place_sources
-from nvcore.inputs.readers.base import Reading, ReadOptions, Role, joined_findings
+from nvcore.inputs.readers.base import Reading, ReadOptions, Role, joined_findings, warning
 from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.readers.table import read_table, table_as_file
 from nvcore.inputs.recordings import check_names
@@ -69,7 +71,7 @@ def load(
         progress(len(loaded) / n_steps, f"reading {name}")
         table = tables.get(source)
         system = _read(session, source, name, "detections", truth.reading, table)
-        loaded.append(_corrected(system, source))
+        loaded.append(_with_provenance(_corrected(system, source), source, session.folder))
     progress(len(loaded) / n_steps, "placing boxes in frames")
     dataset = place_sources(
         session.of_all.as_titled, _named_by_session(session, loaded), max_frames
@@ -156,6 +158,26 @@ def _read(
     return LoadedSource(subject, files, digests, file_format, reading)
 
 
+def _with_provenance(system: LoadedSource, source: SystemSource, folder: Path) -> LoadedSource:
+    """The system with the record of how its detections were made, if one is named."""
+    if source.provenance is None:
+        return system
+    path = folder / source.provenance
+    if os.path.exists(path):  # noqa: PTH110  # Path.exists raises for names that are too long
+        return replace(system, provenance=read_provenance(path, source.provenance))
+    finding = warning(
+        "missing-provenance",
+        1,
+        "The record of how these detections were made is not there: no file has that path.",
+        "Correct the path, which starts from the folder of the session file. Until then nobody "
+        "knows whether the system was trained on what it is scored on.",
+        role=system.subject,
+        file=source.provenance,
+    )
+    findings = (*system.reading.findings, finding)
+    return replace(system, reading=replace(system.reading, findings=findings))
+
+
 def _common_size(truth: Reading | None) -> tuple[int, int] | None:
     """The size of the truth's pictures, where its files give a single one."""
     if truth is None:
@@ -218,7 +240,14 @@ def _named_by_session(session: Session, loaded: list[LoadedSource]) -> list[Load
     of_all = [name for source in loaded for name in source.reading.recordings["name"]]
     listed_names = dict.fromkeys([*of_all, *entries])
     refuse_doubles("recordings", [titles.get(name, name) for name in listed_names])
-    return [replace(source, reading=_renamed(source.reading, titles)) for source in loaded]
+    return [
+        replace(
+            source,
+            reading=_renamed(source.reading, titles),
+            provenance=source.provenance and source.provenance.renamed(titles),
+        )
+        for source in loaded
+    ]
 
 
 def _corrected(system: LoadedSource, source: SystemSource) -> LoadedSource:

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.dataset import Dataset
+from nvcore.dataset.provenance import Provenance
 from nvcore.dataset.tables import dataset_from_tables, what_is_stated
 from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.evaluated_frames import own_frames, parse_frames
@@ -100,6 +101,8 @@ class LoadedSource:
         ``truth``, or the system's name.
     files, digests
         Its files, and their sha256.
+    provenance
+        How its detections were made; None: nothing is known.
     """
 
     subject: str
@@ -107,6 +110,7 @@ class LoadedSource:
     digests: list[str]
     format: Format
     reading: Reading
+    provenance: Provenance | None = None
 
 
 def place_sources(session: Session, loaded: list[LoadedSource], max_frames: int | None) -> Dataset:
@@ -169,6 +173,9 @@ def place_sources(session: Session, loaded: list[LoadedSource], max_frames: int 
         findings=tuple(findings),
         notes=tuple(notes),
         settings=session,
+        provenance={
+            source.subject: source.provenance for source in loaded if source.provenance is not None
+        },
         **({} if truth.attributes is None else {"attributes": truth.attributes}),
     )
 
@@ -264,6 +271,7 @@ def _fingerprint(
     for item, source in zip(loaded, sources, strict=True):
         settings = {**asdict(source), "path": None, "format": item.format.name}
         settings |= {"threshold": None, "name": None}
+        settings.pop("provenance", None)  # says how boxes were made, and changes none
         digest.update(f"{item.subject}\n{item.digests}\n{settings}\n".encode())
     digest.update(what_is_stated(recordings).to_csv(index=False).encode())
     for listed in frames:

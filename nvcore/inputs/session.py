@@ -147,6 +147,8 @@ class SystemSource(Source):
         Added to x and y, after scaling.
     scale
         By which x and w, and y and h are multiplied.
+    provenance
+        A record of how they were made (`nvcore.dataset.provenance`); None: nothing is known.
     """
 
     name: str | None = None
@@ -154,9 +156,11 @@ class SystemSource(Source):
     offset_frames: int = 0
     offset_px: tuple[float, float] = (0.0, 0.0)
     scale: tuple[float, float] = (1.0, 1.0)
+    provenance: str | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        check_path("provenance", self.provenance)
         try:
             (self.name or "").encode()
         except UnicodeEncodeError as error:
@@ -226,9 +230,9 @@ class Session(Settings):
         for frames in (self.frames, *(recording.frames for recording in self.recordings)):
             if frames is not None and not is_frame_range(frames):
                 yield frames
-        yield from (
-            recording.pictures for recording in self.recordings if recording.pictures is not None
-        )
+        others = [recording.pictures for recording in self.recordings]
+        others += [system.provenance for system in self.systems]
+        yield from (path for path in others if path is not None)
 
     @property
     def of_all(self) -> Session:
@@ -309,6 +313,13 @@ class Session(Settings):
         """
         table = self.recordings_file if self.has_unread_recordings else None
 
+        def optional(path: str | None) -> str | None:
+            return None if path is None else rename(path)
+
+        def of_system(system: SystemSource) -> SystemSource:
+            paths, record = tuple(map(rename, system.path)), optional(system.provenance)
+            return replace(system, path=paths, provenance=record)
+
         def of_frames(frames: str | None) -> str | None:
             return frames if frames is None or is_frame_range(frames) else rename(frames)
 
@@ -316,15 +327,9 @@ class Session(Settings):
             self,
             folder=folder,
             truth=replace(self.truth, path=tuple(map(rename, self.truth.path))),
-            systems=tuple(
-                replace(system, path=tuple(map(rename, system.path))) for system in self.systems
-            ),
+            systems=tuple(map(of_system, self.systems)),
             recordings=tuple(
-                replace(
-                    entry,
-                    frames=of_frames(entry.frames),
-                    pictures=None if entry.pictures is None else rename(entry.pictures),
-                )
+                replace(entry, frames=of_frames(entry.frames), pictures=optional(entry.pictures))
                 for entry in self.recordings
             ),
             recordings_file=None if table is None else RecordingsFile(rename(table.path)),

@@ -34,6 +34,7 @@
     offset_frames = 0        added to the frame numbers
     offset_px = [0, 0]       added to x and y, after scaling
     scale = 1.0              by which coordinates are multiplied, or [x, y]
+    provenance = "fir.json"  a record of how they were made (docs/detectors.md)
 
     [compare]
     x = "FIR"
@@ -124,8 +125,13 @@ _WORDS: Final = {
 """What is expected, by the type of the field."""
 
 
-def read_session(path: str | Path) -> Session:
+def read_session(path: str | Path, *, needs_system: bool = True) -> Session:
     """Read a session file.
+
+    Parameters
+    ----------
+    needs_system
+        Whether one that names no system is refused: a detector may be about to make the first.
 
     Raises
     ------
@@ -142,7 +148,7 @@ def read_session(path: str | Path) -> Session:
         raise SessionError(f"cannot be opened ({error.strerror})", file=path) from error
     except (ValueError, RecursionError) as error:  # bad UTF-8, bad TOML, thousands of digits
         raise SessionError(f"is not TOML: {error}", file=path) from error
-    return _Decoder(path).session(content)
+    return _Decoder(path).session(content, needs_system)
 
 
 def _check_integers(value: object) -> None:
@@ -170,9 +176,9 @@ class _Decoder:
         except (SessionError, ParameterError, ValueError) as error:
             raise self.fail(f"{where}: {error}") from error
 
-    def session(self, content: dict[str, Any]) -> Session:
+    def session(self, content: dict[str, Any], needs_system: bool) -> Session:
         self.check_keys(content, _TABLES, "the session")
-        if "truth" not in content or not self.tables(content, "system"):
+        if "truth" not in content or (needs_system and not self.tables(content, "system")):
             raise self.fail("expected a [truth] table and at least one [[system]]")
         truth = self.source(Source, self.table(content, "truth"), "[truth]")
         systems = [
@@ -335,7 +341,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
         {
             **_given({"name": system.name}),
             **_source_table(system),
-            **_given({"threshold": system.threshold}),
+            **_given({"threshold": system.threshold, "provenance": system.provenance}),
             **_corrections(system),
         }
         for system in session.systems

@@ -156,7 +156,7 @@ def write_frame_lists(
     if len(set(texts.values())) == 1:
         return _write_files({path: next(iter(texts.values())).encode()}, inputs, force)
     contents, tables = {}, []
-    for name, file_name in zip(texts, _safe_names(list(texts)), strict=True):
+    for name, file_name in zip(texts, safe_names(list(texts)), strict=True):
         contents[path / f"{file_name}.txt"] = texts[name].encode()
         facts = tomli_w.dumps({"name": name, "frames": f"{file_name}.txt"})
         tables.append(f"[[recording]]\n{facts}")
@@ -373,7 +373,7 @@ def _mot(reading: Reading, path: Path, role: Role) -> dict[Path, bytes]:
     if len(names) > 1:
         parts = {
             path / f"{file_name}.txt": table[(boxes["recording"] == name).to_numpy()]
-            for name, file_name in zip(names, _safe_names(names), strict=True)
+            for name, file_name in zip(names, safe_names(names), strict=True)
         }
     return {
         target: to_csv_bytes(part, digits=None, header=False, missing="nan")
@@ -381,7 +381,7 @@ def _mot(reading: Reading, path: Path, role: Role) -> dict[Path, bytes]:
     }
 
 
-def _safe_names(names: list[str]) -> list[str]:
+def safe_names(names: list[str]) -> list[str]:
     """File names of recordings: no folders, no hidden files, no two the same."""
     names_in_use: set[str] = set()
     safe = []

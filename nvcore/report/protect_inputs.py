@@ -45,6 +45,11 @@ def files_read(session: Session) -> Iterator[Path]:
     for frames in (session.frames, *(facts.frames for facts in session.recordings)):
         if frames is not None and not is_frame_range(frames):
             yield session.folder / frames
+    yield from (
+        session.folder / system.provenance
+        for system in session.systems
+        if system.provenance is not None
+    )
     if session.recordings_file is not None:
         yield session.folder / session.recordings_file.path
     for facts in session.recordings:

@@ -1,0 +1,204 @@
+"""Systems that were trained on what they are scored on, as their records of provenance say."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.auditing.cases import place_of_frame, spelled
+from nvcore.dataset import Dataset
+from nvcore.dataset.provenance import (
+    Provenance,
+    TrainedOn,
+    is_in_ranges,
+    truth_fingerprint,
+)
+from nvcore.findings import Cases, Finding, Severity
+
+
+def audit_provenance(dataset: Dataset) -> list[Finding]:
+    """What the records of systems contradict: scored on their training, not run, other files."""
+    findings: list[Finding] = []
+    prints = _TruthPrints(dataset)
+    for name in dataset.systems:
+        record = dataset.provenance.get(name)
+        if record is not None:
+            findings += _trained(dataset, name, record.about.trained_on, prints)
+            findings += _not_run(dataset, name, record)
+            findings += _other_files(dataset, name, record)
+    return findings
+
+
+class _TruthPrints:
+    """Fingerprints of the ground truth of parts of recordings, each computed once."""
+
+    def __init__(self, dataset: Dataset):
+        self._truth, self._frames = dataset.truth, dataset.frame_columns
+        self._prints: dict[tuple[int, int], str] = {}
+
+    def of(self, rows: slice) -> str:
+        """That of these rows of the frames table."""
+        key = rows.start, rows.stop
+        if key not in self._prints:
+            boxes = self._truth.of_frames(*key)
+            frame = self._frames.frame[boxes.frame_index]
+            self._prints[key] = truth_fingerprint(frame, *boxes.xywh)
+        return self._prints[key]
+
+
+def _trained(
+    dataset: Dataset, name: str, trained_on: Sequence[TrainedOn], prints: _TruthPrints
+) -> list[Finding]:
+    """Evaluated frames that are among those of the training, and recordings that are in part."""
+    frames = dataset.frame_columns
+    number_of = {name: number for number, name in enumerate(dataset.recordings["name"])}
+    is_trained, is_namesake = np.zeros((2, len(frames)), dtype=bool)
+    has_part = np.zeros(len(dataset.recordings), dtype=bool)
+    for part in trained_on:  # as many as recordings were trained on
+        named = number_of.get(part.recording)
+        candidates = [named] if named is not None else range(len(has_part))
+        for number in candidates:
+            rows = _rows_of_part(frames.frame, frames.rows_of(number), part)
+            is_same = bool(part.fingerprint) and prints.of(rows) == part.fingerprint
+            if number == named and not is_same and _is_whole(rows, part):
+                is_namesake[rows] = True
+            elif number == named or is_same:
+                is_trained[rows] = True
+                has_part[number] = True
+    return [
+        *_on_frames(dataset, name, is_trained),
+        *_on_namesakes(dataset, name, is_namesake & ~is_trained),
+        *_beside_frames(dataset, name, is_trained, has_part),
+    ]
+
+
+def _is_whole(rows: slice, part: TrainedOn) -> bool:
+    """Whether all frames of the part are evaluated, so that its fingerprint can be theirs."""
+    if not part.fingerprint or part.first_frame is None or part.last_frame is None:
+        return False
+    n_frames = part.last_frame - part.first_frame + 1
+    return bool(rows.stop - rows.start == n_frames)
+
+
+def _rows_of_part(frame: NDArray[np.int64], rows: slice, part: TrainedOn) -> slice:
+    """The rows of a recording's frames that a part of it has."""
+    own = frame[rows]
+    start, stop = 0, len(own)
+    if part.first_frame is not None:
+        start = int(np.searchsorted(own, part.first_frame))
+    if part.last_frame is not None:
+        stop = int(np.searchsorted(own, part.last_frame, side="right"))
+    return slice(rows.start + start, rows.start + max(start, stop))
+
+
+def _on_frames(dataset: Dataset, name: str, is_trained: NDArray[np.bool_]) -> list[Finding]:
+    return _frames_finding(
+        dataset,
+        name,
+        np.flatnonzero(is_trained),
+        Severity.ERROR,
+        "trained-on-tested",
+        "{name} was trained on {n} of the {n_all} evaluated frames: {recordings}.",
+        "Compare it on recordings that it was not trained on (--only), or on other frames "
+        "(--frames): these say how well it remembers, not how well it detects.",
+    )
+
+
+def _on_namesakes(dataset: Dataset, name: str, is_namesake: NDArray[np.bool_]) -> list[Finding]:
+    return _frames_finding(
+        dataset,
+        name,
+        np.flatnonzero(is_namesake),
+        Severity.WARNING,
+        "trained-on-namesake",
+        "{name} was trained on {n} frames of recordings of the same name, with other ground truth: "
+        "{recordings}.",
+        "Find out whether they are the same recordings: if so, these say how well it remembers, "
+        "not how well it detects.",
+    )
+
+
+def _beside_frames(
+    dataset: Dataset, name: str, is_trained: NDArray[np.bool_], has_part: NDArray[np.bool_]
+) -> list[Finding]:
+    """Frames that were not trained on, of recordings that were in part."""
+    recording = dataset.frame_columns.recording
+    return _frames_finding(
+        dataset,
+        name,
+        np.flatnonzero(has_part[recording] & ~is_trained),
+        Severity.WARNING,
+        "trained-beside-tested",
+        "{n} evaluated frames are of recordings of which {name} was trained on other frames: "
+        "{recordings}.",
+        "The people and the place may be the same as in its training: recordings of which it has "
+        "seen nothing say more.",
+    )
+
+
+def _not_run(dataset: Dataset, name: str, record: Provenance) -> list[Finding]:
+    """Evaluated frames that the detector was never given: their pedestrians count as missed."""
+    if not record.frames:
+        return []
+    frames = dataset.frame_columns
+    is_run = np.zeros(len(frames), dtype=bool)
+    for number, recording in enumerate(dataset.recordings["name"]):
+        rows = frames.rows_of(number)
+        is_run[rows] = is_in_ranges(frames.frame[rows], record.frames.get(recording, ()))
+    return _frames_finding(
+        dataset,
+        name,
+        np.flatnonzero(~is_run),
+        Severity.WARNING,
+        "frames-not-run",
+        "{name} was not run on {n} of the {n_all} evaluated frames: {recordings}.",
+        "Their pedestrians count as missed. Run it on them, or leave them out (--only, --frames).",
+    )
+
+
+def _frames_finding(
+    dataset: Dataset,
+    name: str,
+    rows: NDArray[np.intp],
+    severity: Severity,
+    code: str,
+    message: str,
+    advice: str,
+) -> list[Finding]:
+    """A finding about rows of the frames table; none where there is no row.
+
+    Parameters
+    ----------
+    message
+        With places for the system's ``name``, the number ``n`` of frames, ``n_all``, and the names
+        of their ``recordings``.
+    """
+    if not len(rows):
+        return []
+    frames = dataset.frame_columns
+    names = dataset.recordings["name"].iloc[np.unique(frames.recording[rows])]
+    text = message.format(
+        name=name, n=f"{len(rows):,}", n_all=f"{len(frames):,}", recordings=spelled(names)
+    )
+    example, cases = place_of_frame(dataset, int(rows[0])), Cases("frames", rows)
+    return [Finding(severity, code, name, len(rows), text, advice, example=example, cases=cases)]
+
+
+def _other_files(dataset: Dataset, name: str, record: Provenance) -> list[Finding]:
+    """Detections that are not those which the record is about."""
+    digests = dataset.inputs["sha256"][dataset.inputs["subject"] == name]
+    n_other = len(set(digests) - set(record.files.values())) if record.files else 0
+    if not n_other:
+        return []
+    return [
+        Finding(
+            severity=Severity.WARNING,
+            code="other-provenance",
+            subject=name,
+            count=n_other,
+            message=f"The record of how the detections of {name} were made is about other files.",
+            advice="They have changed since, or the session names a record of another run.",
+        )
+    ]

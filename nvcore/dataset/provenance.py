@@ -1,0 +1,295 @@
+"""How a system's detections were made, as the record beside them says.
+
+    {"written_by": "nvcore 0.1.0",
+     "detector": {"kind": "hog", "name": "hog", "labels": ["pedestrian"], "fingerprint": "5f1c...",
+                  "settings": {"stride": 8}, "trained_on": [
+                      {"recording": "urban_01", "first_frame": 0, "last_frame": 399}]},
+     "files": {"urban_01.csv": "9e07..."},
+     "recordings": [{"name": "urban_01", "frames": ["0:299"]}]}
+
+A record written by hand, for a detector of one's own, needs what it was trained on alone.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.errors import FormatError, InputError
+
+Setting: TypeAlias = bool | int | float | str | None
+"""A value of a detector's settings, as JSON has it."""
+Ranges: TypeAlias = tuple[tuple[int, int], ...]
+"""Frame numbers as first and last of each run of them, ascending."""
+
+MAX_BYTES: Final = 16 << 20
+"""Of a record: millions of frames, unless they were picked one by one."""
+_MAX_FRAME: Final = 2**53
+_RANGE: Final = re.compile(r"(-?\d{1,15}):(-?\d{1,15})", re.ASCII)
+_EXPECTED: Final = "expected the record that nvcore detect writes (docs/detectors.md)"
+
+
+@dataclass(frozen=True)
+class TrainedOn:
+    """A recording, or a part of it, on which a detector was trained.
+
+    Attributes
+    ----------
+    fingerprint
+        Of the ground truth in these frames (`truth_fingerprint`), by which the recording is known
+        under another name, too; of crops and scenes sha256 of their bytes. Empty: not known.
+    recording
+        Name of the recording; empty: crops and scenes of no recording.
+    first_frame, last_frame
+        The frames, both included; None: from its beginning, to its end.
+    """
+
+    fingerprint: str = ""
+    recording: str = ""
+    first_frame: int | None = None
+    last_frame: int | None = None
+
+
+@dataclass(frozen=True)
+class About:
+    """What a detector is, to be told apart from others and written beside its results.
+
+    Attributes
+    ----------
+    kind
+        Key in the registry: ``icf``, ``hog``, ``onnx``.
+    name
+        Of the model, for people.
+    labels
+        What it detects: ``("pedestrian",)``.
+    settings
+        All settings that its boxes depend on, by name.
+    fingerprint
+        sha256 over model and settings, as hexadecimal digits: equal if and only if the boxes are.
+    trained_on
+        What is known of its training; empty: nothing.
+    threshold
+        Score from which on a box counts unless the user says otherwise; None: all do.
+    """
+
+    kind: str
+    name: str
+    labels: tuple[str, ...]
+    settings: Mapping[str, Setting]
+    fingerprint: str
+    trained_on: Sequence[TrainedOn] = field(default=())
+    threshold: float | None = None
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """How the detections of a system were made.
+
+    Attributes
+    ----------
+    about
+        The detector.
+    files
+        sha256 of each file with detections, by its name.
+    frames
+        Frames that the detector was given, by recording; empty: not known.
+    written_by
+        Program and version.
+    """
+
+    about: About
+    files: Mapping[str, str] = field(default_factory=dict)
+    frames: Mapping[str, Ranges] = field(default_factory=dict)
+    written_by: str = ""
+
+    def renamed(self, recordings: Mapping[str, str]) -> Provenance:
+        """The same with other names of some recordings, by the old ones."""
+        trained_on = tuple(
+            replace(part, recording=recordings.get(part.recording, part.recording))
+            for part in self.about.trained_on
+        )
+        frames = {recordings.get(name, name): ranges for name, ranges in self.frames.items()}
+        return replace(self, about=replace(self.about, trained_on=trained_on), frames=frames)
+
+
+def truth_fingerprint(
+    frame: NDArray[np.int64],
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    w: NDArray[np.float64],
+    h: NDArray[np.float64],
+) -> str:
+    """sha256 over the boxes of a recording's ground truth, in whatever order they come.
+
+    Coordinates count in hundredths of a pixel: the same truth in another format has the same
+    fingerprint. No box gives an empty text: nothing can be known by it.
+
+    Parameters
+    ----------
+    frame
+        Frame number of each box, shape (n,).
+    x, y, w, h
+        Left, top, width, height, px, shape (n,).
+    """
+    if not len(frame):
+        return ""
+    hundredths = [np.rint(100 * side).astype("<i8") for side in (x, y, w, h)]
+    rows = np.column_stack([np.asarray(frame).astype("<i8"), *hundredths])
+    return hashlib.sha256(rows[np.lexsort(rows.T[::-1])].tobytes()).hexdigest()
+
+
+def ranges_of(frames: NDArray[np.int64]) -> Ranges:
+    """Frame numbers, in any order, as runs of consecutive ones.
+
+    Examples
+    --------
+    >>> ranges_of(np.array([0, 1, 2, 5]))
+    ((0, 2), (5, 5))
+    """
+    ordered = np.unique(np.asarray(frames, dtype=np.int64))
+    if not len(ordered):
+        return ()
+    ends = np.flatnonzero(np.diff(ordered) > 1)
+    first = ordered[np.concatenate([[0], ends + 1])]
+    last = ordered[np.concatenate([ends, [len(ordered) - 1]])]
+    return tuple(zip(first.tolist(), last.tolist(), strict=True))
+
+
+def is_in_ranges(frames: NDArray[np.int64], ranges: Ranges) -> NDArray[np.bool_]:
+    """Whether each frame is in one of the ranges; bool, shape (n,)."""
+    if not ranges:
+        return np.zeros(len(frames), dtype=bool)
+    edges = np.array(ranges, dtype=np.int64)
+    row = np.searchsorted(edges[:, 0], frames, side="right") - 1
+    is_inside: NDArray[np.bool_] = (row >= 0) & (frames <= edges[np.maximum(row, 0), 1])
+    return is_inside
+
+
+def provenance_json(provenance: Provenance) -> bytes:
+    """The record as JSON; the same record gives the same bytes."""
+    about = provenance.about
+    parts = [
+        {key: value for key, value in asdict(part).items() if value not in (None, "")}
+        for part in about.trained_on
+    ]
+    content = {
+        "written_by": provenance.written_by,
+        "detector": {
+            "kind": about.kind,
+            "name": about.name,
+            "labels": list(about.labels),
+            "fingerprint": about.fingerprint,
+            "settings": dict(about.settings),
+            "trained_on": parts,
+        },
+        "files": dict(provenance.files),
+        "recordings": [
+            {"name": name, "frames": [f"{first}:{last}" for first, last in ranges]}
+            for name, ranges in provenance.frames.items()
+        ],
+    }
+    return (json.dumps(content, indent=1, ensure_ascii=False) + "\n").encode()
+
+
+def read_provenance(path: Path, name: str) -> Provenance:
+    """Read a record.
+
+    Parameters
+    ----------
+    name
+        Of the file, as the user gave it.
+
+    Raises
+    ------
+    InputError
+        If it cannot be opened, or is no such record; it is never half believed.
+    """
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise FormatError(f"is larger than {MAX_BYTES >> 20} MiB; {_EXPECTED}", file=name)
+        content = json.loads(path.read_bytes())
+    except OSError as error:
+        raise InputError(f"cannot be opened ({error.strerror})", file=name) from error
+    except (ValueError, RecursionError) as error:
+        raise FormatError(f"is not JSON: {error}; {_EXPECTED}", file=name) from error
+    try:
+        return _provenance(content)
+    except ValueError as error:
+        raise FormatError(f"{error}; {_EXPECTED}", file=name) from error
+
+
+def _provenance(content: object) -> Provenance:
+    record = _typed(content, dict, "the record")
+    detector = _value(record, "detector", dict)
+    settings = _value(detector, "settings", dict)
+    if not all(isinstance(value, Setting) for value in settings.values()):
+        raise ValueError("settings: expected texts and numbers")
+    labels = [_typed(label, str, "labels") for label in _value(detector, "labels", list)]
+    about = About(
+        kind=_value(detector, "kind", str),
+        name=_value(detector, "name", str),
+        labels=tuple(labels),
+        settings=settings,
+        fingerprint=_value(detector, "fingerprint", str),
+        trained_on=tuple(_trained_on(part) for part in _value(detector, "trained_on", list)),
+    )
+    files = _value(record, "files", dict)
+    recordings = [_typed(entry, dict, "recordings") for entry in _value(record, "recordings", list)]
+    return Provenance(
+        about=about,
+        files={name: _typed(digest, str, "files") for name, digest in files.items()},
+        frames={
+            _value(entry, "name", str): _ranges(_value(entry, "frames", list))
+            for entry in recordings
+        },
+        written_by=_value(record, "written_by", str),
+    )
+
+
+def _trained_on(content: object) -> TrainedOn:
+    table = _typed(content, dict, "trained_on")
+    ends = [
+        None if table.get(key) is None else _frame(table[key])
+        for key in ("first_frame", "last_frame")
+    ]
+    part = TrainedOn(_value(table, "fingerprint", str), _value(table, "recording", str), *ends)
+    if not part.recording and not part.fingerprint:
+        raise ValueError("trained_on: expected a recording or a fingerprint in each entry")
+    return part
+
+
+def _ranges(content: Sequence[object]) -> Ranges:
+    matches = [_RANGE.fullmatch(_typed(text, str, "frames")) for text in content]
+    ranges = tuple((int(match[1]), int(match[2])) for match in matches if match is not None)
+    ends = [number for pair in ranges for number in pair]
+    if len(ranges) < len(content) or ends != sorted(ends):
+        raise ValueError('frames: expected texts such as "0:299", in ascending order')
+    return ranges
+
+
+def _frame(number: object) -> int:
+    if not isinstance(number, int) or isinstance(number, bool) or abs(number) > _MAX_FRAME:
+        raise ValueError(f"expected a frame number, found {str(number)[:30]!r}")
+    return number
+
+
+_WORDS: Final[dict[type, str]] = {dict: "an object", list: "a list", str: "a text"}
+
+
+def _value(table: dict[str, Any], key: str, kind: type) -> Any:
+    """What a JSON object has under a key, of this type; empty where it has nothing."""
+    return _typed(table[key], kind, key) if key in table else kind()
+
+
+def _typed(value: object, kind: type, where: str) -> Any:
+    if not isinstance(value, kind):
+        raise ValueError(f"{where}: expected {_WORDS[kind]}, found {str(value)[:30]!r}")
+    return value

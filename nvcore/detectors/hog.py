@@ -1,0 +1,162 @@
+"""OpenCV's people detectors: histograms of oriented gradients and a linear classifier.
+
+Windows are kept with their scores: OpenCV's own grouping drops them.
+
+References
+----------
+N. Dalal, B. Triggs: Histograms of Oriented Gradients for Human Detection. CVPR 2005.
+M. Enzweiler, D. M. Gavrila: Monocular Pedestrian Detection: Survey and Experiments. PAMI 2009.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from nvcore.dataset.provenance import About, Setting
+from nvcore.detectors.base import Detections
+from nvcore.detectors.settings import setting, settings_from
+from nvcore.detectors.suppression import sorted_detections, suppress
+from nvcore.errors import DetectorError
+from nvcore.extras import needs
+from nvcore.pictures import Picture, stretch
+from nvcore.pictures.recordings import STRETCH
+
+with needs("detectors", "detectors need"):
+    import cv2
+
+CLASSIFIERS: Final = {
+    "inria": "INRIA's people, windows of 64 x 128 px",
+    "daimler": "Daimler's pedestrians, windows of 48 x 96 px: for smaller ones",
+}
+_WINDOWS: Final = {"inria": (64, 128), "daimler": (48, 96)}
+_WEIGHTS: Final[dict[str, Callable[[], Any]]] = {
+    "inria": cv2.HOGDescriptor.getDefaultPeopleDetector,
+    "daimler": cv2.HOGDescriptor.getDaimlerPeopleDetector,
+}
+_BLOCK_PX: Final = 8
+BODY_SHARE: Final = 0.75
+"""Height of the person in a window, of both classifiers: 96 of 128 and 72 of 96 px."""
+BODY_ASPECT: Final = 0.41
+"""Width over height of a pedestrian's box, as the benchmarks have it."""
+MOST_PIXELS: Final = 1 << 26
+"""Of a picture, enlarged."""
+
+
+@dataclass(frozen=True)
+class HogSettings:
+    """Settings of OpenCV's people detectors."""
+
+    classifier: str = setting("inria", "Which of OpenCV's classifiers.", choices=CLASSIFIERS)
+    hit_threshold: float = setting(
+        0.0, "Windows with a lower score are dropped at once.", low=-10, high=10
+    )
+    stride: int = setting(8, "Step of the window, px; a multiple of 8.", low=8, high=64)
+    scale_step: float = setting(
+        1.05, "Factor from one size of the picture to the next.", low=1.01, high=2
+    )
+    upscale: float = setting(
+        1.0, "Enlarges the picture first, for people smaller than the window.", low=0.25, high=4
+    )
+    padding: int = setting(8, "Margin added around the picture, px.", low=0, high=64)
+    overlap: float = setting(
+        0.5, "A box goes if its IoU with a more confident one is above this.", low=0, high=1
+    )
+    person_box: bool = setting(
+        True,
+        "Whether boxes are those of the person (3/4 of the window's height, 0.41 as wide); else "
+        "the windows, margin and all.",
+    )
+    stretch_8_bit: bool = setting(
+        False, "Whether grey levels of 8-bit pictures are stretched, too, as 16-bit ones always."
+    )
+
+    def __post_init__(self) -> None:
+        if self.stride % _BLOCK_PX:
+            raise DetectorError(f"stride: expected a multiple of 8, found {self.stride}")
+
+
+class Hog:
+    """One of OpenCV's people detectors; see `nvcore.detectors.base.Detector`."""
+
+    def __init__(self, settings: HogSettings):
+        self.settings = settings
+        values: dict[str, Setting] = asdict(settings)
+        name = settings.classifier
+        self._size = _WINDOWS[name]
+        self._weights = np.asarray(_WEIGHTS[name](), dtype=np.float32)
+        digest = hashlib.sha256(self._weights.astype("<f4").tobytes())
+        digest.update(json.dumps(values, sort_keys=True).encode())
+        self.about = About(
+            kind="hog",
+            name="HOG" if name == "inria" else f"HOG {name.capitalize()}",
+            labels=("pedestrian",),
+            settings=values,
+            fingerprint=digest.hexdigest(),
+        )
+        self._descriptor = cv2.HOGDescriptor(self._size, (16, 16), (8, 8), (8, 8), 9)
+        self._descriptor.setSVMDetector(self._weights)
+
+    def detect(self, picture: Picture) -> Detections:
+        """See `Detector.detect`."""
+        settings = self.settings
+        is_stretched = picture.dtype != np.uint8 or settings.stretch_8_bit
+        prepared = stretch(picture, *STRETCH) if is_stretched else picture
+        height, width = picture.shape[:2]
+        enlarged = round(width * settings.upscale), round(height * settings.upscale)
+        if enlarged[0] * enlarged[1] > MOST_PIXELS:
+            raise DetectorError(
+                f"upscale: a picture of {width} x {height} px enlarged {settings.upscale:g} times "
+                f"has more than {MOST_PIXELS:,} pixels"
+            )
+        if enlarged != (width, height):
+            prepared = cv2.resize(prepared, enlarged, interpolation=cv2.INTER_LINEAR)
+        window_width, window_height = self._size
+        margin = 2 * settings.padding
+        if enlarged[0] + margin < window_width or enlarged[1] + margin < window_height:
+            return sorted_detections(np.empty((0, 4)), np.empty(0))
+        windows, scores = self._descriptor.detectMultiScale(
+            prepared,
+            hitThreshold=settings.hit_threshold,
+            winStride=(settings.stride, settings.stride),
+            padding=(settings.padding, settings.padding),
+            scale=settings.scale_step,
+            groupThreshold=0,
+        )
+        boxes = np.asarray(windows, dtype=np.float64).reshape(-1, 4)
+        boxes = boxes * np.tile([width / enlarged[0], height / enlarged[1]], 2)
+        if settings.person_box:
+            boxes = _person_boxes(boxes)
+        score = np.asarray(scores, dtype=np.float64).reshape(-1)
+        return suppress(sorted_detections(boxes, score), settings.overlap)
+
+
+def _person_boxes(windows: np.ndarray) -> np.ndarray:
+    """The boxes of the people around whom the windows lie; both px, shape (n, 4)."""
+    x, y, w, h = windows.T
+    height = BODY_SHARE * h
+    width = BODY_ASPECT * height
+    return np.column_stack([x + 0.5 * (w - width), y + 0.5 * (h - height), width, height])
+
+
+def open_hog(variant: str, given: Mapping[str, Setting]) -> Hog:
+    """The detector ``hog`` or ``hog:daimler``.
+
+    Parameters
+    ----------
+    variant
+        What stands behind the colon; empty: the setting, or its default.
+
+    Raises
+    ------
+    DetectorError
+        If there is no such classifier, or a setting cannot be used.
+    """
+    return Hog(
+        settings_from(HogSettings, {**given, **({"classifier": variant} if variant else {})})
+    )

@@ -1,0 +1,116 @@
+"""A picture as the array that a network is fed with, and the way back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.detectors.onnx.layouts import Size
+from nvcore.pictures import Picture, stretch
+from nvcore.pictures.recordings import STRETCH
+
+MEAN: Final = (0.485, 0.456, 0.406)
+SPREAD: Final = (0.229, 0.224, 0.225)
+"""Of ImageNet's colours, red first, as shares of white."""
+
+
+@dataclass(frozen=True)
+class Form:
+    """How a network wants its pictures; see `OnnxSettings`.
+
+    Attributes
+    ----------
+    size
+        Width and height, px.
+    n_channels
+        1: grey, 3: colours.
+    is_last, has_batch
+        Whether the colours are the last axis; whether there is an axis for the pictures.
+    dtype
+        Of the array.
+    """
+
+    size: Size
+    n_channels: int
+    is_last: bool
+    has_batch: bool
+    dtype: np.dtype[Any]
+    fit: str
+    fill: int
+    values: str
+    colour: str
+    stretch_8_bit: bool
+
+
+@dataclass(frozen=True)
+class Fitting:
+    """Where a picture lies in the input: pixel x of the picture at ``left + x * across``."""
+
+    across: float
+    down: float
+    left: int
+    top: int
+
+    def to_picture(self, corners: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Left, top, right, bottom in pixels of the input as those of the picture; (n, 4)."""
+        moved: NDArray[np.float64] = corners - np.tile([self.left, self.top], 2)
+        sides: NDArray[np.float64] = moved / np.tile([self.across, self.down], 2)
+        return sides
+
+
+def network_input(picture: Picture, form: Form) -> tuple[NDArray[Any], Fitting]:
+    """The array for a picture, and where the picture lies in it."""
+    if picture.dtype != np.uint8 or form.stretch_8_bit:
+        picture = stretch(picture, *STRETCH)
+    picture = _coloured(picture, form)
+    resized, fitting = _resized(picture, form)
+    values = resized.reshape(*resized.shape[:2], form.n_channels)
+    array = _scaled(values, form)
+    if not form.is_last:
+        array = np.moveaxis(array, 2, 0)
+    if form.has_batch:
+        array = array[np.newaxis]
+    return np.ascontiguousarray(array, dtype=form.dtype), fitting
+
+
+def _coloured(picture: Picture, form: Form) -> Picture:
+    n_own = 1 if picture.ndim == 2 else 3
+    if n_own == form.n_channels:
+        return picture[..., ::-1] if n_own == 3 and form.colour == "bgr" else picture
+    code = cv2.COLOR_GRAY2RGB if n_own == 1 else cv2.COLOR_RGB2GRAY
+    coloured: Picture = cv2.cvtColor(picture, code)
+    return coloured
+
+
+def _resized(picture: Picture, form: Form) -> tuple[Picture, Fitting]:
+    (width, height), (own_height, own_width) = form.size, picture.shape[:2]
+    new = width, height
+    if form.fit != "stretch":
+        factor = min(width / own_width, height / own_height)
+        new = max(1, round(own_width * factor)), max(1, round(own_height * factor))
+    resized = np.ascontiguousarray(picture)
+    if new != (own_width, own_height):
+        resized = cv2.resize(resized, new, interpolation=cv2.INTER_LINEAR)
+    is_centred = form.fit == "letterbox"
+    left, top = ((width - new[0]) // 2, (height - new[1]) // 2) if is_centred else (0, 0)
+    if new != (width, height):
+        canvas = np.full((height, width, *resized.shape[2:]), form.fill, dtype=np.uint8)
+        canvas[top : top + new[1], left : left + new[0]] = resized
+        resized = canvas
+    return resized, Fitting(new[0] / own_width, new[1] / own_height, left, top)
+
+
+def _scaled(values: NDArray[np.uint8], form: Form) -> NDArray[Any]:
+    if form.values == "0..255" or form.dtype.kind == "u":
+        return values
+    shares = values.astype(np.float32) / np.float32(255)
+    if form.values == "0..1":
+        return shares
+    mean, spread = (np.array(numbers[: form.n_channels], np.float32) for numbers in (MEAN, SPREAD))
+    if form.colour == "bgr":
+        mean, spread = mean[::-1], spread[::-1]
+    return (shares - mean) / spread

@@ -1,0 +1,178 @@
+"""The kinds of detectors, and how one is opened by its name or its file.
+
+    open_detector("hog:daimler", {"upscale": 2})
+    open_detector("models/yolo.onnx", {"threshold": 0.3})
+
+What a kind needs is imported when one of it is opened.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from nvcore.dataset.provenance import Setting
+from nvcore.detectors.base import Detector
+from nvcore.errors import DetectorError
+from nvcore.file_kinds import binary_kind
+from nvcore.wording import did_you_mean, listed, one_line
+
+_HEAD_BYTES: Final = 4096
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of detector.
+
+    Attributes
+    ----------
+    key
+        Its name in records and commands.
+    title
+        What it is, for people.
+    built_in
+        Names of those that need no file, with what they are.
+    recognise
+        First bytes of a file -> whether it is a model of this kind.
+    open
+        (name or path as given, settings) -> the detector; raises DetectorError.
+    settings
+        -> the class of its settings; None: they are read from the model.
+    """
+
+    key: str
+    title: str
+    built_in: Mapping[str, str]
+    recognise: Callable[[bytes], bool]
+    open: Callable[[str, Mapping[str, Setting]], Detector]
+    settings: Callable[[], type | None]
+
+
+def _open_hog(text: str, settings: Mapping[str, Setting]) -> Detector:
+    from nvcore.detectors.hog import open_hog
+
+    return open_hog(text.partition(":")[2], settings)
+
+
+def _hog_settings() -> type:
+    from nvcore.detectors.hog import HogSettings
+
+    return HogSettings
+
+
+def _open_icf(text: str, settings: Mapping[str, Setting]) -> Detector:
+    from nvcore.detectors.icf import read_model  # type: ignore[import-not-found]
+
+    detector = read_model(Path(text))
+    if settings:
+        detector = detector.with_settings(settings)
+    model: Detector = detector
+    return model
+
+
+def _open_onnx(text: str, settings: Mapping[str, Setting]) -> Detector:
+    from nvcore.detectors.onnx import open_onnx
+
+    return open_onnx(Path(text), settings)
+
+
+def _onnx_settings() -> type:
+    from nvcore.detectors.onnx.settings import OnnxSettings
+
+    return OnnxSettings
+
+
+def _is_onnx(head: bytes) -> bool:
+    """A protobuf message that begins with the version of ONNX, or with the producer's name."""
+    is_version_first = len(head) > 2 and head[0] == 0x08 and 0 < head[1] < 64
+    return is_version_first or (len(head) > 2 and head[0] == 0x12 and head[1] < 128)
+
+
+DETECTORS: Final[dict[str, Kind]] = {
+    kind.key: kind
+    for kind in (
+        Kind(
+            "hog",
+            "OpenCV's people detectors: gradients in cells, a linear classifier",
+            {"hog": "trained on INRIA's people", "hog:daimler": "trained on Daimler's pedestrians"},
+            lambda _: False,
+            _open_hog,
+            _hog_settings,
+        ),
+        Kind(
+            "icf",
+            "Integral Channel Features with a soft cascade: a model that was trained here (.npz)",
+            {},
+            lambda head: head.startswith(b"PK\3\4"),
+            _open_icf,
+            lambda: None,
+        ),
+        Kind(
+            "onnx",
+            "a network of one's own in ONNX (.onnx), run by ONNX Runtime",
+            {},
+            _is_onnx,
+            _open_onnx,
+            _onnx_settings,
+        ),
+    )
+}
+"""The kinds of detectors by key."""
+
+
+def open_detector(text: str | Path, settings: Mapping[str, Setting] | None = None) -> Detector:
+    """A detector, ready to run.
+
+    Parameters
+    ----------
+    text
+        Name of a built-in one (``hog``, ``hog:daimler``), or the path of a model, which is
+        recognised by its content. A file is meant where both are there only with a path: ``./hog``.
+    settings
+        By name; texts are read as the setting's type. None: the defaults.
+
+    Raises
+    ------
+    DetectorError
+        If there is no such detector, its file is none or damaged, or a setting cannot be used.
+    MissingExtraError
+        If it needs packages that are not installed.
+    """
+    text, given = str(text), settings or {}
+    by_name = {name: kind for kind in DETECTORS.values() for name in kind.built_in}
+    if text in by_name:
+        return by_name[text].open(text, given)
+    return kind_of_file(Path(text)).open(text, given)
+
+
+def kind_of_file(path: Path) -> Kind:
+    """The kind of detector that a model file holds.
+
+    Raises
+    ------
+    DetectorError
+        If it cannot be opened or is no model.
+    """
+    name = one_line(str(path))
+    names = [name for kind in DETECTORS.values() for name in kind.built_in]
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(_HEAD_BYTES)
+    except FileNotFoundError as error:
+        known = f"built in are {listed(names)}; any other is the path of a model file"
+        hint = did_you_mean(str(path), names, known)
+        raise DetectorError(f"there is no such detector or file; {hint}", file=name) from error
+    except (OSError, ValueError) as error:  # a folder; a NUL in the name
+        reason = getattr(error, "strerror", None) or error
+        raise DetectorError(f"cannot be opened ({reason})", file=name) from error
+    for kind in DETECTORS.values():
+        if kind.recognise(head):
+            return kind
+    what = binary_kind(head) or ("text" if head else "empty")
+    raise DetectorError(
+        f"is {what.partition(':')[0]}, no model; expected one that nvcore train wrote (.npz), or "
+        "an ONNX file (.onnx)",
+        file=name,
+    )

@@ -1,0 +1,99 @@
+"""A detector's settings: fields of a dataclass that know their meaning and range."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import MISSING, Field, dataclass, field, fields
+from typing import Any, Final, TypeVar
+
+from nvcore.dataset.provenance import Setting
+from nvcore.errors import DetectorError
+from nvcore.wording import did_you_mean, listed
+
+AnySettings = TypeVar("AnySettings")
+
+_YES: Final = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
+
+
+@dataclass(frozen=True)
+class SettingFacts:
+    """What is known of a setting beside its name, type and default.
+
+    Attributes
+    ----------
+    meaning
+        In a sentence or two.
+    low, high
+        Range of a number, both included.
+    choices
+        What a text may be, with what that means; empty: any text, or a number.
+    """
+
+    meaning: str
+    low: float | None = None
+    high: float | None = None
+    choices: Mapping[str, str] | None = None
+
+
+def setting(default: Any, meaning: str, **facts: Any) -> Any:
+    """A field of a settings class; see `SettingFacts`."""
+    return field(default=default, metadata={"facts": SettingFacts(meaning, **facts)})
+
+
+def facts_of(spec: Field[Any]) -> SettingFacts:
+    """What is known of a field that `setting` made."""
+    facts: SettingFacts = spec.metadata["facts"]
+    return facts
+
+
+def settings_from(kind: type[AnySettings], given: Mapping[str, Setting]) -> AnySettings:
+    """Settings of this kind; what is not given has its default.
+
+    Parameters
+    ----------
+    kind
+        A dataclass with fields made by `setting`.
+    given
+        Values by name; texts, as the command line has them, are read as the field's type.
+
+    Raises
+    ------
+    DetectorError
+        If there is no such setting, or a value is outside its range.
+    """
+    specs = {spec.name: spec for spec in fields(kind)}  # type: ignore[arg-type]
+    values = {}
+    for name, value in given.items():
+        if name not in specs:
+            known = listed([*specs])
+            raise DetectorError(
+                f"there is no setting {name!r}; {did_you_mean(name, specs, f'there are {known}')}"
+            )
+        values[name] = _checked(specs[name], value)
+    return kind(**values)
+
+
+def _checked(spec: Field[Any], value: Setting) -> Setting:
+    assert spec.default is not MISSING
+    facts, kind = facts_of(spec), type(spec.default)
+    try:
+        number = _YES[value.lower()] if kind is bool and isinstance(value, str) else value
+        typed = kind(number)
+        if kind is not str and float(typed) != float(number):  # type: ignore[arg-type]
+            raise ValueError
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        words = {bool: "yes or no", int: "a whole number", float: "a number", str: "a text"}
+        raise DetectorError(f"{spec.name}: expected {words[kind]}, found {value!r}") from error
+    if facts.choices and typed not in facts.choices:
+        choices = listed([*facts.choices])
+        raise DetectorError(f"{spec.name}: expected one of {choices}, found {value!r}")
+    low, high = facts.low, facts.high
+    is_below, is_above = (
+        low is not None and not typed >= low,
+        high is not None and not typed <= high,
+    )
+    if is_below or is_above:
+        limits = f"at least {low:g}" if high is None else f"{low:g} to {high:g}"
+        raise DetectorError(f"{spec.name}: expected {limits}, found {value!r}")
+    checked: Setting = typed
+    return checked

@@ -1,0 +1,161 @@
+"""A detector's run as a system like any other: plain CSV, its provenance, and a session."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+from nvcore import __version__
+from nvcore.dataset import Dataset
+from nvcore.dataset.provenance import Provenance, provenance_json, ranges_of, read_provenance
+from nvcore.detectors.run import DetectorRun
+from nvcore.errors import InputError
+from nvcore.inputs.hashes import source_hash, source_hashes
+from nvcore.inputs.session import Session, SystemSource
+from nvcore.inputs.session_toml import write_session
+from nvcore.inputs.writers import safe_names
+from nvcore.output.csv_text import to_csv_bytes
+from nvcore.output.files import write_run
+
+SESSION_FILE: Final = "session.toml"
+PROVENANCE_FILE: Final = "provenance.json"
+
+
+@dataclass(frozen=True)
+class WrittenRun:
+    """What `write_detections` wrote.
+
+    Attributes
+    ----------
+    session
+        The session file: that of the dataset with the new system.
+    provenance
+        The record of how the boxes were made.
+    files
+        The files with the boxes, one a recording.
+    name
+        Of the system.
+    """
+
+    session: Path
+    provenance: Path
+    files: tuple[Path, ...]
+    name: str
+
+
+def file_names(dataset: Dataset) -> list[str]:
+    """Names of the files with boxes, one for each recording."""
+    return [f"{name}.csv" for name in safe_names([*dataset.recordings["name"]])]
+
+
+def write_detections(
+    run: DetectorRun,
+    dataset: Dataset,
+    folder: Path,
+    *,
+    name: str | None = None,
+    threshold: float | None = None,
+    against: str | None = None,
+) -> WrittenRun:
+    """Write the boxes, their provenance, and a session in which they are one system more.
+
+    The folder then holds this run alone: the files of an earlier run are gone.
+
+    Parameters
+    ----------
+    dataset
+        What the detector was run on, with the session that it was loaded from as its settings.
+    name
+        Of the system; None: the detector's, with a number where another is called so.
+    threshold
+        Of the system; None: the detector's own.
+    against
+        The system that it is compared with, as X; None: the one that was X before.
+
+    Raises
+    ------
+    InputError
+        If nothing was run, there is no system of that name, or the folder cannot be written to.
+    """
+    session = dataset.settings
+    assert isinstance(session, Session)
+    if against is not None:
+        dataset.system(against)
+    if name is not None and name in dataset.systems:
+        raise InputError(f"there is a system {name!r} already; give the new one another name")
+    name = name or _free_name(run.about.name, dataset.systems)
+    entries = session.entries([part.name for part in run.recordings])
+    contents: dict[str, bytes] = {}
+    frames = {}
+    for part, file_name in zip(run.recordings, file_names(dataset), strict=True):
+        if not len(part.frames):  # nobody knows what is there
+            continue
+        in_data = entries[part.name].name if part.name in entries else part.name
+        table = part.boxes.copy()
+        table.insert(0, "recording", in_data)
+        contents[file_name] = to_csv_bytes(table)
+        frames[in_data] = ranges_of(part.frames)
+    if not contents:
+        notes = " ".join(part.note for part in run.recordings if part.note)
+        raise InputError(f"the detector has seen no picture. {notes}".strip())
+    digests = {key: hashlib.sha256(content).hexdigest() for key, content in contents.items()}
+    record = Provenance(run.about, digests, frames, f"nvcore {__version__}")
+    system = SystemSource(
+        path=tuple(str(folder.absolute() / key) for key in contents),
+        format="csv",
+        name=name,
+        threshold=run.about.threshold if threshold is None else threshold,
+        provenance=str(folder.absolute() / PROVENANCE_FILE),
+    )
+    hashes = {**source_hashes(dataset), name: source_hash(digests.values())}
+    old_x = dataset.compared()[0] if against is None else against
+    params = dataset.params_of()
+    own_thresholds = zip(dataset.compared(), (params.threshold_x, params.threshold_y), strict=True)
+    thresholds = {own: value for own, value in own_thresholds if own is not None}
+    named = tuple(
+        replace(source, name=own, threshold=thresholds.get(own, source.threshold))
+        for source, own in zip(session.systems, dataset.systems, strict=True)
+    )
+    written = replace(
+        session,
+        systems=(*named, system),
+        hashes=hashes,
+        x=old_x or name,
+        y=None if old_x is None else name,
+        # now with the systems: those beside them were of another pair
+        params=replace(session.params, threshold_x=None, threshold_y=None),
+    )
+    text = write_session(written, version=__version__, fingerprint=dataset.fingerprint)
+    outputs = [
+        *contents.items(),
+        (PROVENANCE_FILE, provenance_json(record)),
+        (SESSION_FILE, text.encode()),
+    ]
+    write_run(folder, outputs, _written_before(folder))
+    return WrittenRun(
+        session=folder / SESSION_FILE,
+        provenance=folder / PROVENANCE_FILE,
+        files=tuple(folder / key for key in contents),
+        name=name,
+    )
+
+
+def _free_name(name: str, names: Iterable[str]) -> str:
+    """The name, with the first number that makes it differ from these."""
+    names, number, free = {*names}, 2, name or "detector"
+    while free in names:
+        free, number = f"{name} ({number})", number + 1
+    return free
+
+
+def _written_before(folder: Path) -> list[str]:
+    """Names of the files that an earlier run wrote there, as its record says."""
+    path = folder / PROVENANCE_FILE
+    try:
+        files = read_provenance(path, PROVENANCE_FILE).files if path.is_file() else {}
+    except InputError:  # no record of ours: nothing of it is touched
+        return []
+    return [name for name in files if Path(name).name == name and name.endswith(".csv")]
