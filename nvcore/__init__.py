@@ -31,6 +31,7 @@ __all__ = [
     "compare",
     "convert",
     "dataset_from_tables",
+    "detect",
     "gate",
     "load",
     "read_session",
@@ -38,6 +39,7 @@ __all__ = [
 
 _HOMES = {
     "nvcore.api.calls": ("audit", "compare", "convert", "gate"),
+    "nvcore.api.detect": ("detect",),
     "nvcore.api.inputs": ("load",),
     "nvcore.comparison": ("Result",),
     "nvcore.dataset": ("Dataset",),
@@ -61,6 +63,7 @@ if TYPE_CHECKING:
     from nvcore import stability as stability
     from nvcore import tables as tables
     from nvcore.api.calls import audit, compare, convert, gate
+    from nvcore.api.detect import detect
     from nvcore.api.inputs import load
     from nvcore.comparison import Result
     from nvcore.dataset import Dataset

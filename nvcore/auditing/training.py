@@ -100,7 +100,7 @@ def _on_frames(dataset: Dataset, name: str, is_trained: NDArray[np.bool_]) -> li
         np.flatnonzero(is_trained),
         Severity.ERROR,
         "trained-on-tested",
-        "{name} was trained on {n} of the {n_all} evaluated frames: {recordings}.",
+        "Trained on {n} of the {n_all} evaluated frames: {recordings}.",
         "Compare it on recordings that it was not trained on (--only), or on other frames "
         "(--frames): these say how well it remembers, not how well it detects.",
     )
@@ -113,7 +113,7 @@ def _on_namesakes(dataset: Dataset, name: str, is_namesake: NDArray[np.bool_]) -
         np.flatnonzero(is_namesake),
         Severity.WARNING,
         "trained-on-namesake",
-        "{name} was trained on {n} frames of recordings of the same name, with other ground truth: "
+        "Trained on {n} frames of recordings of the same name, with other ground truth: "
         "{recordings}.",
         "Find out whether they are the same recordings: if so, these say how well it remembers, "
         "not how well it detects.",
@@ -131,7 +131,7 @@ def _beside_frames(
         np.flatnonzero(has_part[recording] & ~is_trained),
         Severity.WARNING,
         "trained-beside-tested",
-        "{n} evaluated frames are of recordings of which {name} was trained on other frames: "
+        "{n} evaluated frames are of recordings of which other frames were its training: "
         "{recordings}.",
         "The people and the place may be the same as in its training: recordings of which it has "
         "seen nothing say more.",
@@ -153,7 +153,7 @@ def _not_run(dataset: Dataset, name: str, record: Provenance) -> list[Finding]:
         np.flatnonzero(~is_run),
         Severity.WARNING,
         "frames-not-run",
-        "{name} was not run on {n} of the {n_all} evaluated frames: {recordings}.",
+        "Not run on {n} of the {n_all} evaluated frames: {recordings}.",
         "Their pedestrians count as missed. Run it on them, or leave them out (--only, --frames).",
     )
 
@@ -172,16 +172,14 @@ def _frames_finding(
     Parameters
     ----------
     message
-        With places for the system's ``name``, the number ``n`` of frames, ``n_all``, and the names
-        of their ``recordings``.
+        With places for ``n``, the number of these frames, ``n_all`` and the ``recordings``.
     """
     if not len(rows):
         return []
     frames = dataset.frame_columns
     names = dataset.recordings["name"].iloc[np.unique(frames.recording[rows])]
-    text = message.format(
-        name=name, n=f"{len(rows):,}", n_all=f"{len(frames):,}", recordings=spelled(names)
-    )
+    n, n_all = f"{len(rows):,}", f"{len(frames):,}"
+    text = message.format(n=n, n_all=n_all, recordings=spelled(names))
     example, cases = place_of_frame(dataset, int(rows[0])), Cases("frames", rows)
     return [Finding(severity, code, name, len(rows), text, advice, example=example, cases=cases)]
 
@@ -198,7 +196,7 @@ def _other_files(dataset: Dataset, name: str, record: Provenance) -> list[Findin
             code="other-provenance",
             subject=name,
             count=n_other,
-            message=f"The record of how the detections of {name} were made is about other files.",
+            message="The record of how these detections were made is about other files.",
             advice="They have changed since, or the session names a record of another run.",
         )
     ]

@@ -12,6 +12,7 @@ from nvcore import __version__
 from nvcore.cli.app import app
 from nvcore.cli.compare import check, compare
 from nvcore.cli.convert import convert
+from nvcore.cli.detect import detect, models
 from nvcore.cli.gate import gate
 from nvcore.cli.matrix import matrix
 from nvcore.cli.options import examples
@@ -33,5 +34,8 @@ def main() -> None:
     """Compare two pedestrian-detection systems by what the driver notices."""
 
 
-for command in (compare, check, convert, gate, matrix, plan, report, app, sample):
+for command in (
+    *(compare, check, convert, gate, matrix, plan, report),
+    *(detect, models, app, sample),
+):
     main.add_command(command)

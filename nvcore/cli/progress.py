@@ -45,3 +45,33 @@ class TerminalProgress:
             self.bar.label = one_line(label).ljust(28)
             self.bar.update(1)
         self.done += 1
+
+
+class ShareProgress:
+    """A bar on the error stream for work that says which share is done; for terminals alone."""
+
+    PARTS = 1000
+
+    def __init__(self) -> None:
+        self.done = 0
+        self.bar: Any = None
+
+    def __enter__(self) -> ShareProgress:
+        if sys.stderr.isatty():
+            self.bar = click.progressbar(length=self.PARTS, file=sys.stderr, width=24)
+            self.bar.show_eta = False  # the words say it
+            self.bar.__enter__()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.bar is not None:
+            self.bar.finish()
+            self.bar.__exit__(None, None, None)
+
+    def __call__(self, share: float, words: str) -> None:
+        """Progress of the work."""
+        if self.bar is not None:
+            done = int(share * self.PARTS)
+            self.bar.label = one_line(words).ljust(56)
+            self.bar.update(max(0, done - self.done))
+            self.done = max(done, self.done)

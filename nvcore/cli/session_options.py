@@ -117,7 +117,7 @@ def _with_facts(session: Session, options: dict[str, Any]) -> Session:
         session,
         size=size_option(options),
         fps=options["fps"],
-        frames=None if options["frames"] is None else _frames(options["frames"]),
+        frames=None if options["frames"] is None else frames_option(options["frames"]),
     )
 
 
@@ -229,6 +229,6 @@ def source_options(options: dict[str, Any]) -> dict[str, Any]:
     return {"classes": names, **bases}
 
 
-def _frames(text: str) -> str:
+def frames_option(text: str) -> str:
     """A frame list file named by flag is relative to where the command runs."""
     return text if is_frame_range(text) else str(Path.cwd() / text)

@@ -99,7 +99,10 @@ class Hog:
             settings=values,
             fingerprint=digest.hexdigest(),
         )
-        self._descriptor = cv2.HOGDescriptor(self._size, (16, 16), (8, 8), (8, 8), 9)
+        # made as OpenCV's own example does: INRIA's with gamma correction, Daimler's without
+        is_plain = name == "inria"
+        sizes = () if is_plain else (self._size, (16, 16), (8, 8), (8, 8), 9)
+        self._descriptor = cv2.HOGDescriptor(*sizes)
         self._descriptor.setSVMDetector(self._weights)
 
     def detect(self, picture: Picture) -> Detections:

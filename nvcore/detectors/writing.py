@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -38,17 +39,46 @@ class WrittenRun:
         The files with the boxes, one a recording.
     name
         Of the system.
+    run
+        What came out, and which frames were not seen.
     """
 
     session: Path
     provenance: Path
     files: tuple[Path, ...]
     name: str
+    run: DetectorRun
 
 
-def file_names(dataset: Dataset) -> list[str]:
+def outputs(folder: Path, dataset: Dataset) -> list[Path]:
+    """The files that `write_detections` may write."""
+    names = [*_file_names(dataset), PROVENANCE_FILE, SESSION_FILE]
+    return [folder / name for name in names]
+
+
+def _file_names(dataset: Dataset) -> list[str]:
     """Names of the files with boxes, one for each recording."""
     return [f"{name}.csv" for name in safe_names([*dataset.recordings["name"]])]
+
+
+def check_target(
+    dataset: Dataset, folder: Path, *, name: str | None = None, against: str | None = None
+) -> None:
+    """Refuse what `write_detections` would refuse, before a long run.
+
+    Raises
+    ------
+    InputError
+        If there is no system to compare with of that name, one that has the new one's, or the
+        folder cannot be written to.
+    """
+    if against is not None:
+        dataset.system(against)
+    if name is not None and name in dataset.systems:
+        raise InputError(f"there is a system {name!r} already; give the new one another name")
+    place = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK):
+        raise InputError("cannot be written to; give another folder", file=folder)
 
 
 def write_detections(
@@ -82,21 +112,19 @@ def write_detections(
     """
     session = dataset.settings
     assert isinstance(session, Session)
-    if against is not None:
-        dataset.system(against)
-    if name is not None and name in dataset.systems:
-        raise InputError(f"there is a system {name!r} already; give the new one another name")
+    check_target(dataset, folder, name=name, against=against)
     name = name or _free_name(run.about.name, dataset.systems)
     entries = session.entries([part.name for part in run.recordings])
     contents: dict[str, bytes] = {}
     frames = {}
-    for part, file_name in zip(run.recordings, file_names(dataset), strict=True):
+    file_of = dict(zip(dataset.recordings["name"], _file_names(dataset), strict=True))
+    for part in run.recordings:
         if not len(part.frames):  # nobody knows what is there
             continue
         in_data = entries[part.name].name if part.name in entries else part.name
         table = part.boxes.copy()
         table.insert(0, "recording", in_data)
-        contents[file_name] = to_csv_bytes(table)
+        contents[file_of[part.name]] = to_csv_bytes(table)
         frames[in_data] = ranges_of(part.frames)
     if not contents:
         notes = " ".join(part.note for part in run.recordings if part.note)
@@ -129,17 +157,18 @@ def write_detections(
         params=replace(session.params, threshold_x=None, threshold_y=None),
     )
     text = write_session(written, version=__version__, fingerprint=dataset.fingerprint)
-    outputs = [
+    files = [
         *contents.items(),
         (PROVENANCE_FILE, provenance_json(record)),
         (SESSION_FILE, text.encode()),
     ]
-    write_run(folder, outputs, _written_before(folder))
+    write_run(folder, files, _written_before(folder))
     return WrittenRun(
         session=folder / SESSION_FILE,
         provenance=folder / PROVENANCE_FILE,
         files=tuple(folder / key for key in contents),
         name=name,
+        run=run,
     )
 
 

@@ -153,7 +153,7 @@ def _yolox(outputs: Outputs, size: Size) -> Candidates:
             break
     else:
         raise DetectorError(
-            f"expected {cell_count(size, CELLS_PX[0]):,} rows for an input of {size} "
+            f"expected {cell_count(size, CELLS_PX[0]):,} rows for {size[0]} x {size[1]} "
             f"px, found {len(rows):,}; is it another layout?"
         )
     corners, sides = [], []

@@ -34,6 +34,8 @@ CAVEATS: Final = {
     "other may come out better",
     "mixed-weighting": "X and Y are weighted by different rules",
     "same-boxes": "two of the inputs have the same boxes",
+    "trained-on-tested": "a system is scored on frames that it was trained on",
+    "trained-on-namesake": "a system may be scored on frames that it was trained on",
     "size-too-large": "the image size seems wrong",
     "implausible-fps": "the frame rate seems wrong",
     "time-offset": "a system seems to be off in time",
@@ -46,6 +48,10 @@ CAVEATS: Final = {
 """What a finding of the audit means for the verdict, by its code."""
 
 LESSER: Final = {
+    "trained-beside-tested": "a system was trained on other frames of the same recordings",
+    "frames-not-run": "a system was not run on all evaluated frames",
+    "missing-provenance": "a system's record of its training is not there",
+    "other-provenance": "a system's record of its training is about other files",
     "kitti-size": "the truth contradicts the picture size of some recordings",
     "outside-picture": "boxes lie outside the picture",
     "boxes-in-fractions": "boxes seem to be in fractions of the picture rather than in pixels",

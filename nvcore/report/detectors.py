@@ -1,0 +1,108 @@
+"""Detectors and their runs in words, for a terminal."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any
+
+from nvcore.dataset.provenance import About, TrainedOn
+from nvcore.detectors.registry import DETECTORS, Kind
+from nvcore.detectors.run import DetectorRun, Expectation
+from nvcore.detectors.settings import SettingFacts, facts_of
+from nvcore.wording import count_text, duration_text, listed, one_line
+
+_FINGERPRINT = 12
+"""Digits of a fingerprint that are shown."""
+
+
+def render_detectors() -> str:
+    """All detectors that need no model, and what models there may be."""
+    lines = []
+    for kind in DETECTORS.values():
+        lines.append(f"{kind.key}: {kind.title}")
+        lines += [f"  {name:14} {text}" for name, text in kind.built_in.items()]
+    return "\n".join(lines)
+
+
+def render_about(about: About) -> str:
+    """What a detector is: labels, training, and its settings with their range and meaning."""
+    kind = DETECTORS[about.kind]
+    trained_on = [_trained_on(part) for part in about.trained_on] or ["not known"]
+    lines = [
+        f"{one_line(about.name)}: {kind.title}",
+        f"detects: {one_line(listed(about.labels))}",
+        f"fingerprint: {about.fingerprint}",
+        f"trained on: {'; '.join(trained_on)}",
+        "settings:",
+        *_settings(about, kind),
+    ]
+    return "\n".join(lines)
+
+
+def _trained_on(part: TrainedOn) -> str:
+    if not part.recording:
+        return f"crops and scenes ({part.fingerprint[:_FINGERPRINT]})"
+    if part.first_frame is None and part.last_frame is None:
+        return one_line(part.recording)
+    first, last = ("" if end is None else end for end in (part.first_frame, part.last_frame))
+    return f"{one_line(part.recording)}, frames {first}:{last}"
+
+
+def _settings(about: About, kind: Kind) -> list[str]:
+    settings = kind.settings()
+    if settings is None:
+        return [f"  {name} = {_value(value)}" for name, value in about.settings.items()]
+    lines = []
+    for spec in fields(settings):
+        facts = facts_of(spec)
+        lines.append(f"  {spec.name} = {_value(about.settings.get(spec.name))}")
+        lines.append(f"      {facts.meaning}{_range(facts)}")
+        lines += [f"        {word:12} {text}" for word, text in (facts.choices or {}).items()]
+    return lines
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return one_line(str(value)) if value not in (None, "") else "–"
+
+
+def _range(facts: SettingFacts) -> str:
+    if facts.low is None:
+        return ""
+    return (
+        f" {facts.low:g} or more." if facts.high is None else f" {facts.low:g} to {facts.high:g}."
+    )
+
+
+def render_expectation(expectation: Expectation, n_recordings: int) -> str:
+    """How long a run will take."""
+    threads = count_text(expectation.n_threads, "thread")
+    return (
+        f"{count_text(expectation.n_pictures, 'picture')} of "
+        f"{count_text(n_recordings, 'recording')} on {threads}: about "
+        f"{duration_text(expectation.seconds)} ({expectation.seconds_each:.2g} s a picture)"
+    )
+
+
+def render_run(run: DetectorRun) -> str:
+    """What came out of a run, and which frames were not seen."""
+    rate = run.n_pictures / run.seconds if run.seconds > 0 else 0.0
+    n_run = sum(len(part.frames) > 0 for part in run.recordings)
+    lines = [
+        f"{run.n_boxes:,} boxes in {count_text(run.n_pictures, 'picture')} of "
+        f"{count_text(n_run, 'recording')}, in {duration_text(run.seconds)} "
+        f"({rate:.1f} pictures a second)"
+    ]
+    if run.n_without:
+        lines.append(
+            f"{run.n_without:,} of {run.n_without + run.n_pictures:,} evaluated frames were not "
+            "seen, and count as missed where they are compared:"
+        )
+        lines += [
+            f"  {one_line(part.name)}: {part.n_listed - len(part.frames):,} of {part.n_listed:,}. "
+            f"{part.note}".rstrip()
+            for part in run.recordings
+            if len(part.frames) < part.n_listed
+        ]
+    return "\n".join(lines)

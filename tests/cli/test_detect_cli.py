@@ -1,0 +1,166 @@
+"""``nvcore detect`` and ``nvcore models``: from pictures to a verdict, and what is refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from inputs import nvcore
+from onnx_models import blob_model
+from places import SAMPLE
+
+from nvcore.detectors import run as run_module
+from nvcore.detectors.base import Detector
+
+QUICK = ("--detector", "hog:daimler", "--set", "scale_step=1.3")
+PART = ("--only", "urban_crossing", "--frames", "40:80:8")
+
+
+@pytest.fixture
+def blobs(tmp_path: Path) -> Path:
+    return blob_model(tmp_path / "blobs.onnx", 64, 48)
+
+
+def test_from_pictures_to_a_verdict(tmp_path: Path):
+    out = tmp_path / "hog"
+    ran = nvcore("detect", SAMPLE, *QUICK, *PART, "--threshold", "1", "--out", out)
+    assert ran.exit_code == 0, ran.output
+    assert "6 pictures of 1 recording on" in ran.stderr
+    assert "about" in ran.stderr
+    assert "boxes in 6 pictures of 1 recording" in ran.stdout
+    assert f"compare: nvcore compare {out / 'session.toml'}" in ran.stderr
+    compared = nvcore("compare", out / "session.toml")
+    assert compared.exit_code == 0, compared.output
+    assert "Y = HOG Daimler, score >= 1" in compared.stdout
+    assert "In short" in compared.stdout
+
+
+def test_the_same_run_gives_the_same_files(tmp_path: Path, blobs: Path):
+    files = []
+    for name, threads in (("one", 1), ("two", 2)):
+        out = tmp_path / name
+        ran = nvcore(
+            *("detect", SAMPLE, "--detector", blobs, "--set", "threshold=0.2", *PART),
+            *("--threads", threads, "--out", out),
+        )
+        assert ran.exit_code == 0, ran.output
+        files.append((out / "urban_crossing.csv").read_bytes())
+    assert files[0] == files[1]
+    assert files[0].count(b"\n") > 1
+
+
+def test_what_it_was_trained_on_fails_the_gate(tmp_path: Path, blobs: Path):
+    out = tmp_path / "out"
+    trained = ("--trained-on", "urban_crossing=:55", "--trained-on", "elsewhere")
+    ran = nvcore("detect", SAMPLE, "--detector", blobs, *PART, *trained, "--out", out)
+    assert ran.exit_code == 0, ran.output
+    record = json.loads((out / "provenance.json").read_bytes())
+    assert record["detector"]["trained_on"] == [
+        {"recording": "urban_crossing", "last_frame": 55},
+        {"recording": "elsewhere"},
+    ]
+    checked = nvcore("check", out / "session.toml")
+    assert checked.exit_code == 1
+    assert (
+        "error   blobs: Trained on 2 of the 6 evaluated frames: urban_crossing." in checked.stdout
+    )
+    gate = nvcore("gate", out / "session.toml", "--rule", "encounters >= 0")
+    assert gate.exit_code == 1
+    assert "audit_errors is 1" in gate.output
+
+
+def test_a_session_without_a_system_is_enough(tmp_path: Path, blobs: Path):
+    session = tmp_path / "session.toml"
+    head, _, _ = SAMPLE.read_text().partition("[[system]]")
+    session.write_text(head.replace('"truth.csv"', f'"{SAMPLE.parent / "truth.csv"}"').replace(
+        'pictures = "', f'pictures = "{SAMPLE.parent}/'
+    ))  # fmt: skip
+    first, second = tmp_path / "first", tmp_path / "second"
+    ran = nvcore("detect", session, "--detector", blobs, *PART, "--name", "A", "--out", first)
+    assert ran.exit_code == 0, ran.output
+    assert f"a second system: nvcore detect {first / 'session.toml'} ..." in ran.stderr
+    more = ("--set", "threshold=0.1", "--name", "B", "--out", second)
+    ran = nvcore("detect", first / "session.toml", "--detector", blobs, *more)
+    assert ran.exit_code == 0, ran.output
+    assert "X = A" in nvcore("compare", second / "session.toml").stdout
+
+
+def test_what_is_interrupted_leaves_nothing(
+    tmp_path: Path, blobs: Path, monkeypatch: pytest.MonkeyPatch
+):
+    def interrupted(*_: Any, **__: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(run_module, "run_detector", interrupted)
+    out = tmp_path / "out"
+    ran = nvcore("detect", SAMPLE, "--detector", blobs, *PART, "--out", out)
+    assert (ran.exit_code, ran.stderr.splitlines()[-1]) == (130, "Stopped.")
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--detector", "hogg"), "there is no such detector or file; did you mean 'hog'?"),
+        (("--detector", "hog", "--set", "stride"), "--set: expected KEY=VALUE, found 'stride'"),
+        (("--detector", "hog", "--set", "strid=8"), "did you mean 'stride'?"),
+        (("--detector", "hog", "--only", "nowhere"), "there is no recording 'nowhere'"),
+        (("--detector", "hog", "--against", "HOG"), "there is no system 'HOG'; there are FIR, NIR"),
+        (("--detector", "hog", "--name", "FIR"), "there is a system 'FIR' already"),
+        (("--detector", str(SAMPLE)), "is text, no model"),
+    ],
+)
+def test_bad_input_is_said_before_anything_runs(
+    options: tuple[str, ...], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    def never(_detector: Detector, *_: Any, **__: Any) -> None:
+        raise AssertionError("ran")
+
+    monkeypatch.setattr(run_module, "run_detector", never)
+    ran = nvcore("detect", SAMPLE, "--out", tmp_path / "out", *options)
+    assert ran.exit_code == 2
+    assert words in ran.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_no_input_is_replaced(tmp_path: Path, blobs: Path):
+    out = tmp_path / "out"
+    nvcore("detect", SAMPLE, "--detector", blobs, *PART, "--out", out)
+    again = nvcore("detect", out / "session.toml", "--detector", blobs, "--out", out)
+    assert again.exit_code == 2
+    assert "is an input, and would be replaced" in again.stderr
+
+
+def test_a_session_without_pictures_says_what_to_do(folder: Path):
+    (folder / "session.toml").write_text(
+        '[defaults]\nsize = "640x480"\nfps = 20\n[truth]\npath = "truth.csv"\n'
+    )
+    ran = nvcore("detect", folder / "session.toml", "--detector", "hog", "--out", folder / "out")
+    assert ran.exit_code == 2
+    assert "no evaluated frame has a picture; name the pictures of each recording" in ran.stderr
+
+
+def test_the_detectors_are_listed():
+    ran = nvcore("models")
+    assert ran.exit_code == 0
+    assert "hog:daimler    trained on Daimler's pedestrians" in ran.stdout
+    assert "icf: Integral Channel Features" in ran.stdout
+
+
+def test_a_model_is_described_with_its_settings(blobs: Path):
+    ran = nvcore("models", blobs, "--set", "threshold=0.2")
+    assert ran.exit_code == 0
+    lines = ran.stdout.splitlines()
+    assert lines[0] == "blobs: a network of one's own in ONNX (.onnx), run by ONNX Runtime"
+    assert lines[1] == "detects: person"
+    assert "trained on: not known" in lines
+    assert "  threshold = 0.2" in lines
+    assert "      Boxes with a lower score are dropped. 0 to 1." in lines
+
+
+def test_settings_without_a_detector_are_a_mistake():
+    ran = nvcore("models", "--set", "a=1")
+    assert ran.exit_code == 2
+    assert "--set is about a detector; name it" in ran.stderr

@@ -1,0 +1,124 @@
+"""The record beside detections: written, read, refused."""
+
+from __future__ import annotations
+
+import json
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nvcore.dataset.provenance import (
+    About,
+    Provenance,
+    TrainedOn,
+    is_in_ranges,
+    provenance_json,
+    ranges_of,
+    read_provenance,
+    truth_fingerprint,
+)
+from nvcore.errors import FormatError, InputError
+
+RECORD = Provenance(
+    About(
+        kind="hog",
+        name="HOG",
+        labels=("pedestrian",),
+        settings={"stride": 8, "person_box": True, "classifier": "inria", "none": None},
+        fingerprint="5f1c",
+        trained_on=(TrainedOn("ab", "night", 0, 399), TrainedOn(fingerprint="cd")),
+    ),
+    files={"night.csv": "9e07"},
+    frames={"night": ((0, 299), (400, 400)), "day": ()},
+    written_by="nvcore 0.1.0",
+)
+
+
+def read(content: bytes | str, tmp_path: Path) -> Provenance:
+    path = tmp_path / "record.json"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return read_provenance(path, "record.json")
+
+
+def test_what_is_written_is_read(tmp_path: Path):
+    assert read(provenance_json(RECORD), tmp_path) == RECORD
+
+
+def test_a_record_by_hand_needs_the_training_alone(tmp_path: Path):
+    record = read('{"detector": {"trained_on": [{"recording": "night"}]}}', tmp_path)
+    assert record.about.trained_on == (TrainedOn(recording="night"),)
+    assert (record.files, record.frames, record.about.kind) == ({}, {}, "")
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("{", "is not JSON"),
+        ("[" * 100_000, "is not JSON"),
+        ("[]", "the record: expected an object, found '[]'"),
+        ('{"detector": []}', "detector: expected an object"),
+        ('{"detector": {"trained_on": [{}]}}', "expected a recording or a fingerprint"),
+        ('{"detector": {"trained_on": ["night"]}}', "trained_on: expected an object"),
+        (
+            '{"detector": {"trained_on": [{"recording": "a", "first_frame": 0.5}]}}',
+            "expected a frame number, found '0.5'",
+        ),
+        (
+            '{"detector": {"trained_on": [{"recording": "a", "first_frame": 1e300}]}}',
+            "expected a frame number",
+        ),
+        ('{"detector": {"settings": {"a": []}}}', "settings: expected texts and numbers"),
+        ('{"recordings": [{"name": "a", "frames": ["5:2"]}]}', "in ascending order"),
+        ('{"recordings": [{"name": "a", "frames": ["0:5", "3:9"]}]}', "in ascending order"),
+        ('{"recordings": [{"name": "a", "frames": [[0, 5]]}]}', "frames: expected a text"),
+        ('{"recordings": [{"name": 7, "frames": []}]}', "name: expected a text, found '7'"),
+        ('{"files": {"a.csv": null}}', "files: expected a text"),
+    ],
+)
+def test_anything_else_is_refused(content: str, words: str, tmp_path: Path):
+    with pytest.raises(FormatError) as caught:
+        read(content, tmp_path)
+    assert str(caught.value).startswith("record.json: ")
+    assert words in str(caught.value)
+    assert str(caught.value).endswith("that nvcore detect writes (docs/detectors.md)")
+
+
+def test_a_record_that_is_not_there_is_an_input_error(tmp_path: Path):
+    with pytest.raises(InputError, match=r"gone\.json: cannot be opened"):
+        read_provenance(tmp_path / "gone.json", "gone.json")
+
+
+def test_a_record_of_another_size_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("nvcore.dataset.provenance.MAX_BYTES", 10)
+    with pytest.raises(FormatError, match="is larger than"):
+        read(json.dumps({"written_by": "somebody"}), tmp_path)
+
+
+@given(st.lists(st.integers(-50, 50)))
+def test_ranges_hold_exactly_their_frames(frames: list[int]):
+    ranges = ranges_of(np.array(frames, np.int64))
+    every = np.arange(-60, 60)
+    assert every[is_in_ranges(every, ranges)].tolist() == sorted(set(frames))
+    assert all(last < first - 1 for (_, last), (first, _) in pairwise(ranges))
+
+
+def test_the_fingerprint_of_a_truth_depends_on_its_boxes_alone():
+    frame, x = np.array([3, 1, 1]), np.array([1.0, 2.0, 3.0])
+    sides = x, x + 1, x + 2, x + 3
+    own = truth_fingerprint(frame, *sides)
+    order = [2, 0, 1]
+    assert truth_fingerprint(frame[order], *(side[order] for side in sides)) == own
+    assert truth_fingerprint(frame, sides[0] + 0.001, *sides[1:]) == own
+    assert truth_fingerprint(frame, sides[0] + 0.1, *sides[1:]) != own
+    assert truth_fingerprint(frame + 1, *sides) != own
+    assert truth_fingerprint(frame[:0], *(side[:0] for side in sides)) == ""
+
+
+def test_renaming_a_recording_renames_it_everywhere():
+    record = RECORD.renamed({"night": "Night 1"})
+    assert record.about.trained_on[0].recording == "Night 1"
+    assert [*record.frames] == ["Night 1", "day"]
