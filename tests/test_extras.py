@@ -29,6 +29,8 @@ def test_the_extras_bring_what_their_parts_import():
     assert of["report"] == named(extras["report"])
     assert of["app"] == named(extras["app"]) - {"nvcore"} | of["report"]
     assert of["login"] == named(extras["login"]) - {"nvcore"} | of["app"]
+    assert of["detectors"] == named(extras["detectors"]) <= of["report"]
+    assert of["onnx"] == named(extras["onnx"]) - {"nvcore"} | of["detectors"]
     assert not of["login"] & named(PROJECT["dependencies"])
 
 

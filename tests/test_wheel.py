@@ -58,8 +58,13 @@ def test_the_light_core_is_enough_for(arguments: tuple[str, ...], wheel: Install
         (("report", "{}/session.toml"), f"the HTML report needs {MISSING}[report]'"),
         (("sample", "drawn"), f"drawing the sample recordings needs {MISSING}[report]'"),
         (("app",), f"the dashboard needs {MISSING}[app]'"),
+        (
+            ("detect", "{}/session.toml", "--detector", "hog", "--out", "hog"),
+            f"nvcore detect needs {MISSING}[detectors]'",
+        ),
+        (("models",), f"nvcore models needs {MISSING}[detectors]'"),
     ],
-    ids=["report", "sample", "app"],
+    ids=["report", "sample", "app", "detect", "models"],
 )
 def test_the_light_core_names_the_extra_for(
     arguments: tuple[str, ...], told: str, wheel: Installed
@@ -93,6 +98,17 @@ def test_the_extra_for_reports_is_enough_for_a_report(wheel: Installed):
     done = wheel.run("report", wheel.sample, *options, extras=("report",))
     assert done.returncode == 0, done.stderr
     assert "encounters detected, of 38" in (wheel.folder / "night.html").read_text()
+
+
+def test_the_extra_for_detectors_is_enough_for_one_but_onnx(wheel: Installed):
+    part = ("--only", "urban_crossing", "--frames", "40:41", "--out", "hog")
+    quick = ("--detector", "hog:daimler", "--set", "scale_step=1.5")
+    done = wheel.run("detect", wheel.sample, *quick, *part, extras=("detectors",))
+    assert done.returncode == 0, done.stderr
+    model = wheel.folder / "model.onnx"
+    model.write_bytes(b"\x08\x08\x12\x04test")
+    done = wheel.run("models", model, extras=("detectors",))
+    assert (done.returncode, done.stderr) == (2, f"Error: ONNX models need {MISSING}[onnx]'\n")
 
 
 def test_the_dashboard_starts_and_ends_with_control_c(wheel: Installed):

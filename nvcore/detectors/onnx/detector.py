@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import hashlib
 import json
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, replace
@@ -34,6 +35,9 @@ from nvcore.extras import needs
 from nvcore.pictures import Picture
 from nvcore.wording import one_line, shortened
 
+# ONNX Runtime reads it once: its official builds report their use over the network otherwise, and
+# keep a number of the machine in the user's cache. Recordings are confidential.
+os.environ["ORT_DISABLE_TELEMETRY"] = "1"
 with needs("onnx", "ONNX models need"):
     import onnxruntime
     from onnxruntime.capi import onnxruntime_pybind11_state as states
@@ -103,6 +107,7 @@ def open_onnx(path: Path, given: Mapping[str, Setting]) -> OnnxDetector:
 
 
 def _options(n_threads: int) -> Any:
+    onnxruntime.disable_telemetry_events()  # where another program has loaded it before
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads, options.inter_op_num_threads = n_threads, 1
     options.log_severity_level = 4  # what goes wrong is raised

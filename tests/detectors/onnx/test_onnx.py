@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from contextlib import suppress
 from pathlib import Path
 
@@ -9,6 +12,7 @@ import numpy as np
 import pytest
 from onnx import TensorProto, helper
 from onnx_models import blob_model, constant, external_model, fixed_model, save
+from places import ROOT
 
 from nvcore.detectors.onnx import open_onnx
 from nvcore.errors import DetectorError
@@ -121,6 +125,23 @@ def test_threads_change_no_fingerprint_but_a_threshold_does(tmp_path: Path):
         for given in ({"threads": 1}, {"threads": 2}, {"threshold": 0.1})
     )
     assert one == two != other
+
+
+def test_nothing_is_reported_to_the_maker_of_the_runtime(tmp_path: Path):
+    # its telemetry keeps a number of the machine in the user's cache
+    home = tmp_path / "home"
+    home.mkdir()
+    path = blob_model(tmp_path / "blobs.onnx")
+    code = (
+        "import numpy as np\n"
+        "from nvcore.detectors.registry import open_detector\n"
+        f"detector = open_detector({str(path)!r})\n"
+        "detector.detect(np.zeros((64, 64), np.uint8))\n"
+    )
+    kept = {key: value for key, value in os.environ.items() if not key.startswith(("ORT", "XDG"))}
+    environment = {**kept, "HOME": str(home)}
+    subprocess.run([sys.executable, "-c", code], env=environment, cwd=ROOT, check=True)
+    assert not [*home.rglob("*onnxruntime*")]
 
 
 def test_weights_beside_the_model_belong_to_it(tmp_path: Path):
