@@ -196,7 +196,7 @@ def provenance_json(provenance: Provenance) -> bytes:
             for name, ranges in provenance.frames.items()
         ],
     }
-    return (json.dumps(content, indent=1, ensure_ascii=False) + "\n").encode()
+    return (json.dumps(content, indent=1) + "\n").encode()
 
 
 def read_provenance(path: Path, name: str) -> Provenance:

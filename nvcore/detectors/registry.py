@@ -15,6 +15,7 @@ from typing import Final
 
 from nvcore.dataset.provenance import Setting
 from nvcore.detectors.base import Detector
+from nvcore.detectors.settings import typed_like
 from nvcore.errors import DetectorError
 from nvcore.file_kinds import binary_kind
 from nvcore.wording import did_you_mean, listed, one_line
@@ -63,13 +64,13 @@ def _hog_settings() -> type:
 
 
 def _open_icf(text: str, settings: Mapping[str, Setting]) -> Detector:
-    from nvcore.detectors.icf import read_model  # type: ignore[import-not-found]
+    from nvcore.detectors.icf import read_model  # type: ignore[import-not-found,unused-ignore]
 
     detector = read_model(Path(text))
     if settings:
-        detector = detector.with_settings(settings)
-    model: Detector = detector
-    return model
+        detector = detector.run_with(**typed_like(detector.model.settings, settings))
+    opened: Detector = detector
+    return opened
 
 
 def _open_onnx(text: str, settings: Mapping[str, Setting]) -> Detector:

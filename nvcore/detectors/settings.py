@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
 from typing import Any, Final, TypeVar
@@ -12,6 +13,7 @@ from nvcore.wording import did_you_mean, listed
 
 AnySettings = TypeVar("AnySettings")
 
+_SEPARATOR: Final = re.compile(r"[,\s]+")
 _YES: Final = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
 
 
@@ -73,9 +75,34 @@ def settings_from(kind: type[AnySettings], given: Mapping[str, Setting]) -> AnyS
     return kind(**values)
 
 
-def _checked(spec: Field[Any], value: Setting) -> Setting:
-    assert spec.default is not MISSING
-    facts, kind = facts_of(spec), type(spec.default)
+def typed_like(settings: object, given: Mapping[str, Setting]) -> dict[str, Any]:
+    """Texts read as the types that the settings of these names have; other values as they are.
+
+    Several values stand in one text, with commas or spaces between. What is no setting stays as it
+    is, for whoever checks the names.
+
+    Raises
+    ------
+    DetectorError
+        If a text is not of the type.
+    """
+    values: dict[str, Any] = {}
+    for name, value in given.items():
+        before = getattr(settings, name, value)
+        if isinstance(before, tuple) and isinstance(value, str):
+            kind = type(before[0]) if before else float
+            values[name] = tuple(
+                _typed(name, kind, part) for part in _SEPARATOR.split(value) if part
+            )
+        elif isinstance(value, str) and before is not None:
+            values[name] = _typed(name, type(before), value)
+        else:
+            values[name] = value
+    return values
+
+
+def _typed(name: str, kind: type, value: Setting) -> Any:
+    """The value as a bool, int, float or str."""
     try:
         number = _YES[value.lower()] if kind is bool and isinstance(value, str) else value
         typed = kind(number)
@@ -83,7 +110,14 @@ def _checked(spec: Field[Any], value: Setting) -> Setting:
             raise ValueError
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         words = {bool: "yes or no", int: "a whole number", float: "a number", str: "a text"}
-        raise DetectorError(f"{spec.name}: expected {words[kind]}, found {value!r}") from error
+        raise DetectorError(f"{name}: expected {words[kind]}, found {value!r}") from error
+    return typed
+
+
+def _checked(spec: Field[Any], value: Setting) -> Setting:
+    assert spec.default is not MISSING
+    facts = facts_of(spec)
+    typed = _typed(spec.name, type(spec.default), value)
     if facts.choices and typed not in facts.choices:
         choices = listed([*facts.choices])
         raise DetectorError(f"{spec.name}: expected one of {choices}, found {value!r}")

@@ -208,6 +208,17 @@ def recordings() -> Iterator[bytes]:
     yield b'recording;tags\n"a b";"x;y"\n'
 
 
+def provenance() -> Iterator[bytes]:
+    """One by hand, and one with all that there is."""
+    yield b'{"detector": {"trained_on": [{"recording": "a", "first_frame": 0}]}}'
+    yield (
+        b'{"written_by": "nvcore", "detector": {"kind": "hog", "name": "HOG", "labels": ["sign"], '
+        b'"fingerprint": "5f", "settings": {"a": 1, "b": true, "c": null, "d": 0.5, "e": "f"}, '
+        b'"trained_on": [{"fingerprint": "ab", "last_frame": -3}]}, "files": {"a.csv": "cd"}, '
+        b'"recordings": [{"name": "a", "frames": ["0:9", "11:11"]}]}'
+    )
+
+
 def frame_lists() -> Iterator[bytes]:
     """Ranges, and a file."""
     yield from (b"0:299", b"-5:10:2", b"1\n2\n5\n", b"\xef\xbb\xbf3\r\n4\r\n")

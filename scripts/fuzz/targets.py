@@ -21,6 +21,7 @@ import numpy as np
 
 from nvcore.auditing import audit
 from nvcore.comparison import compare
+from nvcore.dataset.provenance import provenance_json, read_provenance
 from nvcore.errors import SessionError
 from nvcore.inputs.evaluated_frames import own_frames, parse_frames
 from nvcore.inputs.facts import is_frame_range
@@ -256,6 +257,15 @@ def recordings(content: bytes, folder: Path) -> None:
         assert line > 1, "no line"
 
 
+def provenance(content: bytes, folder: Path) -> None:
+    """A record of how detections were made."""
+    path = folder / "provenance.json"
+    _write(path, content)
+    text = provenance_json(read_provenance(path, "provenance.json"))
+    _write(path, text)
+    assert provenance_json(read_provenance(path, "again")) == text, "another record"
+
+
 def frame_lists(content: bytes, folder: Path) -> None:
     """Evaluated frames: a range, or a file of numbers."""
     _write(folder / "frames.txt", content)
@@ -372,6 +382,7 @@ TARGETS: Final = {
     "media": Target(media, seeds.media, 2.0, 1 << 16),
     "sessions": Target(sessions, seeds.sessions, 1.0),
     "recordings": Target(recordings, seeds.recordings, 0.5),
+    "provenance": Target(provenance, seeds.provenance, 0.25),
     "frames": Target(frame_lists, seeds.frame_lists, 0.25),
     "rules": Target(rules, seeds.rules, 0.25),
     "routes": Target(routes, seeds.requests, 1.0, module="ui.session.routes"),
