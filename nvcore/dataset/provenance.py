@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.errors import FormatError, InputError
+from nvcore.wording import one_line, shortened
 
 Setting: TypeAlias = bool | int | float | str | None
 """A value of a detector's settings, as JSON has it."""
@@ -33,6 +34,7 @@ Ranges: TypeAlias = tuple[tuple[int, int], ...]
 MAX_BYTES: Final = 16 << 20
 """Of a record: millions of frames, unless they were picked one by one."""
 _MAX_FRAME: Final = 2**53
+_SHOWN_NAME: Final = 40
 _RANGE: Final = re.compile(r"(-?\d{1,15}):(-?\d{1,15})", re.ASCII)
 _EXPECTED: Final = "expected the record that nvcore detect writes (docs/detectors.md)"
 
@@ -109,6 +111,15 @@ class Provenance:
     files: Mapping[str, str] = field(default_factory=dict)
     frames: Mapping[str, Ranges] = field(default_factory=dict)
     written_by: str = ""
+
+    @property
+    def made_by(self) -> str:
+        """The detector in a few words; empty: not known."""
+        about = self.about
+        if not about.kind:
+            return ""
+        name = shortened(one_line(about.name), _SHOWN_NAME)
+        return f"made by {one_line(about.kind)} ({name}, fingerprint {about.fingerprint[:12]})"
 
     def renamed(self, recordings: Mapping[str, str]) -> Provenance:
         """The same with other names of some recordings, by the old ones."""

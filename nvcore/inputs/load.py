@@ -164,7 +164,10 @@ def _with_provenance(system: LoadedSource, source: SystemSource, folder: Path) -
         return system
     path = folder / source.provenance
     if os.path.exists(path):  # noqa: PTH110  # Path.exists raises for names that are too long
-        return replace(system, provenance=read_provenance(path, source.provenance))
+        record = read_provenance(path, source.provenance)
+        facts = [system.reading.conversion, record.made_by]
+        reading = replace(system.reading, conversion="; ".join(filter(None, facts)))
+        return replace(system, reading=reading, provenance=record)
     finding = warning(
         "missing-provenance",
         1,

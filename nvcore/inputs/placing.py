@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.dataset import Dataset
-from nvcore.dataset.provenance import Provenance
+from nvcore.dataset.provenance import Provenance, provenance_json
 from nvcore.dataset.tables import dataset_from_tables, what_is_stated
 from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.evaluated_frames import own_frames, parse_frames
@@ -271,8 +271,10 @@ def _fingerprint(
     for item, source in zip(loaded, sources, strict=True):
         settings = {**asdict(source), "path": None, "format": item.format.name}
         settings |= {"threshold": None, "name": None}
-        settings.pop("provenance", None)  # says how boxes were made, and changes none
+        settings.pop("provenance", None)  # a path; what counts is the record
         digest.update(f"{item.subject}\n{item.digests}\n{settings}\n".encode())
+        if item.provenance is not None:
+            digest.update(provenance_json(item.provenance))
     digest.update(what_is_stated(recordings).to_csv(index=False).encode())
     for listed in frames:
         digest.update(listed.astype(np.int64).tobytes())

@@ -85,6 +85,18 @@ def test_the_record_says_how_the_boxes_were_made(dataset: Dataset, tmp_path: Pat
     findings = {finding.code: finding.count for finding in audit(nv.load(written.session))}
     assert findings["trained-on-tested"] == 5
     assert "other-provenance" not in findings
+    inputs = nv.load(written.session).inputs.set_index("subject")
+    assert inputs["conversion"]["HOG"].endswith("; made by hog (HOG, fingerprint 5f1c)")
+
+
+def test_the_fingerprint_of_the_inputs_covers_the_record(dataset: Dataset, tmp_path: Path):
+    written = write_detections(run_of(), dataset, tmp_path / "out")
+    before = nv.load(written.session).fingerprint
+    text = written.provenance.read_text()
+    written.provenance.write_text(text.replace('"stride": 8', '"stride": 16'))
+    assert nv.load(written.session).fingerprint != before
+    written.provenance.write_text(text)
+    assert nv.load(written.session).fingerprint == before
 
 
 def test_boxes_changed_afterwards_are_said(dataset: Dataset, tmp_path: Path):

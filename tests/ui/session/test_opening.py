@@ -169,6 +169,13 @@ def test_a_session_file_never_reaches_files_that_were_not_sent(tmp_path: Path, p
         uploaded(tmp_path, text)
 
 
+def test_a_record_of_provenance_is_one_of_the_files_sent(tmp_path: Path):
+    text = TOML + 'provenance = "/home/me/runs/A/det.txt"\n'
+    assert uploaded(tmp_path, text).systems[1].provenance == "A/det.txt"
+    with pytest.raises(SessionError, match=r"'passwd', which was not sent"):
+        uploaded(tmp_path, TOML + 'provenance = "../../etc/passwd"\n')
+
+
 def test_a_session_file_that_would_be_read_for_hours_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
@@ -243,6 +250,12 @@ def test_a_session_that_leaves_the_folder_is_refused(root: Path, path: str):
 def test_frame_lists_and_pictures_stay_in_the_folder_as_well(root: Path, facts: dict[str, str]):
     refused = session(root, recordings=(RecordingEntry("r", **facts),))
     assert "outside the folder" in refusal(refused, root)
+
+
+def test_a_record_of_provenance_stays_in_the_folder_as_well(root: Path):
+    plain = session(root)
+    system = replace(plain.systems[0], provenance="../private/p.csv")
+    assert "outside the folder" in refusal(replace(plain, systems=(system,)), root)
 
 
 @pytest.mark.parametrize("path", ["link.csv", "sub", "*.csv"])
