@@ -119,7 +119,8 @@ class Provenance:
         if not about.kind:
             return ""
         name = shortened(one_line(about.name), _SHOWN_NAME)
-        return f"made by {one_line(about.kind)} ({name}, fingerprint {about.fingerprint[:12]})"
+        kind = shortened(one_line(about.kind), _SHOWN_NAME)
+        return f"made by {kind} ({name}, fingerprint {one_line(about.fingerprint[:12])})"
 
     def renamed(self, recordings: Mapping[str, str]) -> Provenance:
         """The same with other names of some recordings, by the old ones."""

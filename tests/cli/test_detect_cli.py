@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +13,7 @@ from inputs import nvcore
 from onnx_models import blob_model
 from places import SAMPLE
 
+from nvcore.cli.progress import ShareProgress
 from nvcore.detectors import run as run_module
 from nvcore.detectors.base import Detector
 
@@ -164,3 +167,18 @@ def test_settings_without_a_detector_are_a_mistake():
     ran = nvcore("models", "--set", "a=1")
     assert ran.exit_code == 2
     assert "--set is about a detector; name it" in ran.stderr
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_progress_on_a_terminal_says_what_is_left(monkeypatch: pytest.MonkeyPatch):
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    with ShareProgress() as progress:
+        for done in range(3):
+            progress(done / 2, f"night: {done} of 2 pictures, {2 - done} s left")
+    assert "night: 1 of 2 pictures, 1 s left" in terminal.getvalue()
+    assert "100%" in terminal.getvalue()
