@@ -9,19 +9,15 @@ from numpy.typing import NDArray
 
 from nvcore.auditing.cases import place_of_frame, spelled
 from nvcore.dataset import Dataset
-from nvcore.dataset.provenance import (
-    Provenance,
-    TrainedOn,
-    is_in_ranges,
-    truth_fingerprint,
-)
+from nvcore.dataset.provenance import Provenance, TrainedOn, is_in_ranges
+from nvcore.dataset.training import part_fingerprint, rows_of_part
 from nvcore.findings import Cases, Finding, Severity
 
 
 def audit_provenance(dataset: Dataset) -> list[Finding]:
     """What the records of systems contradict: scored on their training, not run, other files."""
     findings: list[Finding] = []
-    prints = _TruthPrints(dataset)
+    prints: dict[tuple[int, int], str] = {}
     for name in dataset.systems:
         record = dataset.provenance.get(name)
         if record is not None:
@@ -31,27 +27,19 @@ def audit_provenance(dataset: Dataset) -> list[Finding]:
     return findings
 
 
-class _TruthPrints:
-    """Fingerprints of the ground truth of parts of recordings, each computed once."""
-
-    def __init__(self, dataset: Dataset):
-        self._truth, self._frames = dataset.truth, dataset.frame_columns
-        self._prints: dict[tuple[int, int], str] = {}
-
-    def of(self, rows: slice) -> str:
-        """That of these rows of the frames table."""
-        key = rows.start, rows.stop
-        if key not in self._prints:
-            boxes = self._truth.of_frames(*key)
-            frame = self._frames.frame[boxes.frame_index]
-            self._prints[key] = truth_fingerprint(frame, *boxes.xywh)
-        return self._prints[key]
-
-
 def _trained(
-    dataset: Dataset, name: str, trained_on: Sequence[TrainedOn], prints: _TruthPrints
+    dataset: Dataset,
+    name: str,
+    trained_on: Sequence[TrainedOn],
+    prints: dict[tuple[int, int], str],
 ) -> list[Finding]:
-    """Evaluated frames that are among those of the training, and recordings that are in part."""
+    """Evaluated frames that are among those of the training, and recordings that are in part.
+
+    Parameters
+    ----------
+    prints
+        Fingerprints of the truth by rows of the frames table, for all systems.
+    """
     frames = dataset.frame_columns
     number_of = {name: number for number, name in enumerate(dataset.recordings["name"])}
     is_trained, is_namesake = np.zeros((2, len(frames)), dtype=bool)
@@ -60,8 +48,11 @@ def _trained(
         named = number_of.get(part.recording)
         candidates = [named] if named is not None else range(len(has_part))
         for number in candidates:
-            rows = _rows_of_part(frames.frame, frames.rows_of(number), part)
-            is_same = bool(part.fingerprint) and prints.of(rows) == part.fingerprint
+            rows = rows_of_part(dataset, number, part)
+            key = rows.start, rows.stop
+            if part.fingerprint and key not in prints:
+                prints[key] = part_fingerprint(dataset, rows)
+            is_same = bool(part.fingerprint) and prints[key] == part.fingerprint
             if number == named and not is_same and _is_whole(rows, part):
                 is_namesake[rows] = True
             elif number == named or is_same:
@@ -80,17 +71,6 @@ def _is_whole(rows: slice, part: TrainedOn) -> bool:
         return False
     n_frames = part.last_frame - part.first_frame + 1
     return bool(rows.stop - rows.start == n_frames)
-
-
-def _rows_of_part(frame: NDArray[np.int64], rows: slice, part: TrainedOn) -> slice:
-    """The rows of a recording's frames that a part of it has."""
-    own = frame[rows]
-    start, stop = 0, len(own)
-    if part.first_frame is not None:
-        start = int(np.searchsorted(own, part.first_frame))
-    if part.last_frame is not None:
-        stop = int(np.searchsorted(own, part.last_frame, side="right"))
-    return slice(rows.start + start, rows.start + max(start, stop))
 
 
 def _on_frames(dataset: Dataset, name: str, is_trained: NDArray[np.bool_]) -> list[Finding]:

@@ -14,6 +14,8 @@ from nvcore.auditing import audit
 from nvcore.auditing.training import audit_provenance
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About, Provenance, TrainedOn, truth_fingerprint
+from nvcore.dataset.training import trained_part
+from nvcore.errors import InputError
 from nvcore.findings import Finding, Severity
 
 TRUTH = [at(frame, 20 + frame, recording=number) for number in (0, 1) for frame in range(10)]
@@ -120,6 +122,24 @@ def test_renamed_systems_and_recordings_keep_what_is_known(new: str):
         new,
         "Trained on 10 of the 20 evaluated frames: Night.",
     )
+
+
+def test_what_a_training_notes_is_found_again_under_another_name():
+    part = trained_part(dataset(), "r0", 2, 5)
+    assert (part.recording, part.first_frame, part.last_frame) == ("r0", 2, 5)
+    assert part.fingerprint == print_of(2, 5)
+    assert codes_and_counts(dataset(part))[0] == ("error", "trained-on-tested", 4)
+    elsewhere = dataset(replace(part, recording="lost"), frames=range(2, 10))
+    assert codes_and_counts(elsewhere)[0] == ("error", "trained-on-tested", 8)
+
+
+def test_a_training_notes_the_frames_that_it_has():
+    part = trained_part(dataset(), "r1", first_frame=7)
+    assert (part.first_frame, part.last_frame) == (7, 9)
+    with pytest.raises(InputError, match="there is no recording 'r2'; they are r0 and r1"):
+        trained_part(dataset(), "r2")
+    with pytest.raises(InputError, match="recording 'r1' has no evaluated frame in that part"):
+        trained_part(dataset(), "r1", 20, 30)
 
 
 def test_other_recordings_alone_are_fine():

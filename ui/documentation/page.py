@@ -19,6 +19,7 @@ PAGES: Final = {
     "ratings": "Ratings",
     "report": "Report files",
     "formats": "Formats",
+    "detectors": "Detectors",
     "python": "Python",
 }
 _HEADING: Final = re.compile(r"(#{1,6}) +(.*)")

@@ -1,0 +1,64 @@
+"""Parts of recordings that a detector is trained on, and where they are in a dataset."""
+
+from __future__ import annotations
+
+from nvcore.dataset import Dataset
+from nvcore.dataset.provenance import TrainedOn, truth_fingerprint
+from nvcore.errors import InputError
+from nvcore.wording import did_you_mean, listed
+
+
+def trained_part(
+    dataset: Dataset,
+    recording: str,
+    first_frame: int | None = None,
+    last_frame: int | None = None,
+) -> TrainedOn:
+    """What to note of a training on a recording, or on a part of its frames.
+
+    Parameters
+    ----------
+    dataset
+        Of the training; its truth gives the fingerprint.
+    recording
+        Name of the recording.
+    first_frame, last_frame
+        The frames, both included; None: its first and last evaluated ones.
+
+    Raises
+    ------
+    InputError
+        If there is no such recording, or it has no such frames.
+    """
+    names = dataset.recordings["name"].tolist()
+    if recording not in names:
+        known = f"they are {listed(names)}"
+        raise InputError(
+            f"there is no recording {recording!r}; {did_you_mean(recording, names, known)}"
+        )
+    part = TrainedOn("", recording, first_frame, last_frame)
+    rows = rows_of_part(dataset, names.index(recording), part)
+    if rows.start == rows.stop:
+        raise InputError(f"recording {recording!r} has no evaluated frame in that part")
+    frames = dataset.frame_columns.frame[rows]
+    fingerprint = part_fingerprint(dataset, rows)
+    return TrainedOn(fingerprint, recording, int(frames[0]), int(frames[-1]))
+
+
+def rows_of_part(dataset: Dataset, number: int, part: TrainedOn) -> slice:
+    """Rows of the frames table that are of a part, if the recording of this number is its own."""
+    frames = dataset.frame_columns
+    rows = frames.rows_of(number)
+    own = frames.frame[rows]
+    start, stop = 0, len(own)
+    if part.first_frame is not None:
+        start = int(own.searchsorted(part.first_frame))
+    if part.last_frame is not None:
+        stop = int(own.searchsorted(part.last_frame, side="right"))
+    return slice(rows.start + start, rows.start + max(start, stop))
+
+
+def part_fingerprint(dataset: Dataset, rows: slice) -> str:
+    """`truth_fingerprint` of the boxes in these rows of the frames table."""
+    boxes = dataset.truth.of_frames(rows.start, rows.stop)
+    return truth_fingerprint(dataset.frame_columns.frame[boxes.frame_index], *boxes.xywh)
