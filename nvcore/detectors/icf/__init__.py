@@ -1,0 +1,51 @@
+"""Integral Channel Features: a sliding window, boosted trees over sums of rectangles, a cascade.
+
+    model = train(scenes, SIGNS, name="signs", label="speed sign")
+    write_model(model, Path("signs.npz"))
+    boxes = read_model(Path("signs.npz")).detect(picture)
+
+References
+----------
+P. Dollár, Z. Tu, P. Perona, S. Belongie: Integral channel features, BMVC 2009; L. Bourdev,
+J. Brandt: Robust object detection via soft cascade, CVPR 2005.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from nvcore.detectors.icf.detector import IcfDetector
+from nvcore.detectors.icf.model import IcfModel
+from nvcore.detectors.icf.model_file import read_file, to_bytes
+from nvcore.detectors.icf.settings import AS_IN_REPORT, PEDESTRIANS, SIGNS, IcfSettings
+from nvcore.detectors.icf.training import train
+from nvcore.detectors.icf.windows import Scene
+
+__all__ = [
+    "AS_IN_REPORT",
+    "PEDESTRIANS",
+    "SIGNS",
+    "IcfDetector",
+    "IcfModel",
+    "IcfSettings",
+    "Scene",
+    "read_model",
+    "train",
+    "write_model",
+]
+
+
+def read_model(path: Path) -> IcfDetector:
+    """The detector of a model file.
+
+    Raises
+    ------
+    DetectorError
+        If the file cannot be read, is damaged, or is no such model.
+    """
+    return IcfDetector(read_file(path))
+
+
+def write_model(model: IcfModel, path: Path) -> None:
+    """Write a model to a file, which by custom ends in ``.npz``."""
+    path.write_bytes(to_bytes(model))

@@ -1,0 +1,209 @@
+"""AdaBoost over trees of two levels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.detectors.icf.kernels import in_threads
+from nvcore.detectors.icf.kernels.training import BINS, best_stumps, running_sums, to_bins
+from nvcore.progress import Progress, no_progress
+
+_SAMPLED: Final = 4096
+"""Windows from which the edges of the bins are taken."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trees:
+    """Trees of three decisions and four leaves.
+
+    Attributes
+    ----------
+    feature
+        Feature of the root, the left and the right node; int32, (n, 3).
+    threshold
+        A window goes right where the feature's value is at least this; int32, (n, 3).
+    leaves
+        Confidence of each leaf, from left to right: alpha or -alpha; float64, (n, 4).
+    """
+
+    feature: NDArray[np.int32]
+    threshold: NDArray[np.int32]
+    leaves: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.leaves)
+
+    def running_sums(self, values: NDArray[np.int32]) -> NDArray[np.float64]:
+        """Sum of the confidences after each tree; float64, (n_windows, n_trees).
+
+        Parameters
+        ----------
+        values
+            Of all features, (n_windows, n_features).
+        """
+        sums = np.empty((len(values), len(self)))
+        in_threads(
+            running_sums, len(values), values, self.feature, self.threshold, self.leaves, sums
+        )
+        return sums
+
+
+@dataclass(frozen=True, eq=False)
+class Boosted:
+    """What a round of boosting gave.
+
+    Attributes
+    ----------
+    trees
+        In the order in which they were learned.
+    error
+        Share of the windows that the sum of all trees up to this one takes for the wrong kind;
+        float64, (n_trees,). 0 is best.
+    weighted_error
+        Of each tree by itself, under the weights it was learned with; float64, (n_trees,).
+    """
+
+    trees: Trees
+    error: NDArray[np.float64]
+    weighted_error: NDArray[np.float64]
+
+
+def bin_edges(values: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Edges that part each feature's values into 256 bins, about as many windows in each.
+
+    Parameters
+    ----------
+    values
+        (n_windows, n_features).
+
+    Returns
+    -------
+    int32, (n_features, 255), ascending; where a feature has few values, some are equal.
+    """
+    step = max(1, len(values) // _SAMPLED)
+    sample = np.sort(values[::step], axis=0)
+    rank = (np.arange(1, BINS) * len(sample)) // BINS
+    return np.ascontiguousarray(sample[rank].T)
+
+
+def boost(
+    values: NDArray[np.int32],
+    is_object: NDArray[np.bool_],
+    *,
+    n_trees: int,
+    feature_share: float = 1.0,
+    patience: int | None = None,
+    seed: int = 0,
+    progress: Progress = no_progress,
+) -> Boosted:
+    """Discrete AdaBoost over trees of depth 2.
+
+    Each tree is grown node by node: the split whose sides differ most in signed weight. Then
+    ``eps`` is the weight of the windows that it takes for the wrong kind, its confidence
+    ``alpha = ln((1 - eps) / eps) / 2``, and weights are multiplied by ``exp(-alpha)`` where it is
+    right and ``exp(alpha)`` where it is wrong, and divided by their sum. At first objects and
+    background weigh one half each.
+
+    Parameters
+    ----------
+    values
+        Of the features, int32, (n_windows, n_features).
+    is_object
+        Bool, (n_windows,); at least one window of each kind.
+    n_trees, feature_share, patience
+        As in `nvcore.detectors.icf.settings.IcfSettings`.
+
+    Returns
+    -------
+    Boosted
+        Fewer trees where one makes no error and the next would be the same, or where none is
+        better than chance.
+
+    References
+    ----------
+    Y. Freund, R. Schapire: A decision-theoretic generalization of on-line learning, JCSS 1997;
+    P. Dollár et al.: Integral channel features, BMVC 2009.
+    """
+    rng = np.random.default_rng(seed)
+    edges = bin_edges(values)
+    bins = np.empty((values.shape[1], len(values)), np.uint8)
+    in_threads(to_bins, values.shape[1], values, edges, bins)
+    sign = np.where(is_object, 1.0, -1.0)
+    weights = np.where(is_object, 0.5 / is_object.sum(), 0.5 / (~is_object).sum())
+    total = np.zeros(len(values))
+    nodes, leaves, error, weighted_error = [], [], [], []
+    n_tried = max(1, round(feature_share * len(bins)))
+    for tree in range(n_trees):
+        progress(tree / n_trees, "boosting")
+        tried = np.arange(len(bins))
+        if n_tried < len(bins):
+            tried = np.sort(rng.choice(len(bins), n_tried, replace=False))
+        split, leaf = _grow(bins, tried, weights * sign)
+        side = np.where(np.bincount(leaf, weights * sign, 4) > 0, 1.0, -1.0)
+        is_wrong = side[leaf] != sign
+        eps = float(weights[is_wrong].sum())
+        if eps >= 0.5:
+            break
+        # a tree without error would get an infinite confidence: half a window is wrong, then
+        alpha = float(0.5 * np.log((1 - eps) / eps)) if eps > 0 else _surest(weights)
+        weights = weights * np.exp(np.where(is_wrong, alpha, -alpha))
+        weights /= weights.sum()
+        total += alpha * side[leaf]
+        nodes.append(split)
+        leaves.append(alpha * side)
+        error.append(float(((total > 0) != is_object).mean()))
+        weighted_error.append(eps)
+        is_repeated = eps <= 0 and n_tried == len(bins)  # with equal weights, the same tree again
+        if is_repeated or _is_at_end(error, patience):
+            break
+    splits = np.array(nodes, np.int64).reshape(-1, 3, 2)
+    feature, cut = splits[..., 0], splits[..., 1]
+    trees = Trees(feature.astype(np.int32), edges[feature, cut], np.array(leaves).reshape(-1, 4))
+    return Boosted(trees, np.array(error), np.array(weighted_error))
+
+
+def _surest(weights: NDArray[np.float64]) -> float:
+    """Confidence as if half a window of mean weight were wrong."""
+    eps = 0.5 / len(weights)
+    return float(0.5 * np.log((1 - eps) / eps))
+
+
+def _is_at_end(error: Sequence[float], patience: int | None) -> bool:
+    """Whether the error has not fallen for that many trees."""
+    if patience is None or len(error) <= patience:
+        return False
+    return min(error[-patience:]) >= min(error[:-patience])
+
+
+def _grow(
+    bins: NDArray[np.uint8], tried: NDArray[np.int64], signed: NDArray[np.float64]
+) -> tuple[list[tuple[int, int]], NDArray[np.int64]]:
+    """Feature and cut of the three nodes, and the leaf (0..3) that each window comes to."""
+    rows = np.arange(bins.shape[1])
+    node = np.zeros(len(rows), np.uint8)
+    (root,) = _splits(bins, tried, rows, node, signed, 1)
+    node = (bins[root[0]] > root[1]).astype(np.uint8)
+    left, right = _splits(bins, tried, rows, node, signed, 2)
+    below = np.where(node, bins[right[0]] > right[1], bins[left[0]] > left[1])
+    return [root, left, right], 2 * node.astype(np.int64) + below
+
+
+def _splits(
+    bins: NDArray[np.uint8],
+    tried: NDArray[np.int64],
+    rows: NDArray[np.int64],
+    node: NDArray[np.uint8],
+    signed: NDArray[np.float64],
+    n_nodes: int,
+) -> list[tuple[int, int]]:
+    """Best feature and cut of each node; of equal ones the first."""
+    gain = np.empty((len(tried), 2))
+    cut = np.empty((len(tried), 2), np.int64)
+    in_threads(best_stumps, len(tried), bins, tried, rows, node, signed, gain, cut)
+    best = gain[:, :n_nodes].argmax(axis=0)
+    return [(int(tried[i]), int(cut[i, k])) for k, i in enumerate(best)]

@@ -1,0 +1,83 @@
+"""What rejects a window before the last tree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.detectors.icf.settings import IcfSettings
+
+FIRST_STAGE: Final = 2
+"""Trees of the first stage of a hard cascade; all stages before the next have as many together."""
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """Confidences with which objects that a training did not see pass the trees.
+
+    Attributes
+    ----------
+    trace
+        Lowest sum of the confidences up to each tree; float64, (n_trees,).
+    stage_ends
+        Number of trees up to the end of each stage; int32, (n_stages,), the last is n_trees.
+    stage_floors
+        Lowest sum of the confidences of a stage's own trees; float64, (n_stages,).
+    """
+
+    trace: NDArray[np.float64]
+    stage_ends: NDArray[np.int32]
+    stage_floors: NDArray[np.float64]
+
+
+def calibrate(sums: NDArray[np.float64], kept_share: float) -> Calibration:
+    """Direct backward pruning: no object that is confident at the end is rejected on the way.
+
+    Of the objects, the share `kept_share` with the highest sum over all trees counts. The trace is
+    the least of their sums after each tree. The stages of a hard cascade are calibrated likewise.
+
+    Parameters
+    ----------
+    sums
+        Running sums of held-out objects, (n_objects, n_trees); at least one of each.
+
+    References
+    ----------
+    C. Zhang, P. Viola: Multiple-instance pruning for learning efficient cascade detectors,
+    NIPS 2007.
+    """
+    n_kept = max(1, round(kept_share * len(sums)))
+    passing = sums[np.argsort(-sums[:, -1], kind="stable")[:n_kept]]
+    ends = stage_ends(sums.shape[1])
+    at_ends = passing[:, ends - 1]
+    of_stage = np.diff(at_ends, axis=1, prepend=0.0)
+    return Calibration(passing.min(axis=0), ends, of_stage.min(axis=0))
+
+
+def stage_ends(n_trees: int) -> NDArray[np.int32]:
+    """Number of trees up to the end of each stage: 2, 4, 8, ..., n_trees."""
+    ends = [FIRST_STAGE]
+    while ends[-1] < n_trees:
+        ends.append(2 * ends[-1])
+    return np.array([*ends[:-1], n_trees], np.int32)
+
+
+def floors(
+    settings: IcfSettings, calibration: Calibration
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Lowest sum after each tree with which a window stays, and where the sum begins anew."""
+    n_trees = len(calibration.trace)
+    restarts = np.zeros(n_trees, np.bool_)
+    if settings.cascade == "calibrated":
+        return calibration.trace, restarts
+    if settings.cascade == "constant":
+        return np.full(n_trees, float(settings.rejection)), restarts
+    lowest = np.full(n_trees, -np.inf)
+    if settings.cascade == "hard":
+        # sums of a stage are differences at calibration, sums here: rounded differently
+        lowest[calibration.stage_ends - 1] = calibration.stage_floors - 1e-9
+        restarts[calibration.stage_ends[:-1]] = True
+    return lowest, restarts

@@ -1,0 +1,187 @@
+"""The detector: a trained model, run over pictures."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from queue import Empty, SimpleQueue
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.detectors.base import About, Detections
+from nvcore.detectors.icf.cascade import floors
+from nvcore.detectors.icf.channels import Bytes, check_picture, integral_images
+from nvcore.detectors.icf.features import corner_offsets
+from nvcore.detectors.icf.kernels.pictures import scan, suppress
+from nvcore.detectors.icf.model import IcfModel
+from nvcore.detectors.icf.model_file import fingerprint
+from nvcore.detectors.icf.pyramid import Level, levels, planes_of
+from nvcore.detectors.icf.regions import Places, places
+from nvcore.detectors.icf.settings import IcfSettings, OverlapOf
+from nvcore.pictures import Picture
+
+KIND: Final = "icf"
+
+
+@dataclass(frozen=True, eq=False)
+class ScoreMap:
+    """Windows of a picture at one scale.
+
+    Attributes
+    ----------
+    level
+        The picture at that scale.
+    score
+        Confidence of each window, NaN where it was rejected or not looked at; float64,
+        (rows, columns); the window of row r and column c begins at pixel (c, r) * stride.
+    depth
+        Trees that each window came through, 0: not looked at; int32, (rows, columns).
+    """
+
+    level: Level
+    score: NDArray[np.float64]
+    depth: NDArray[np.int32]
+
+    @property
+    def n_windows(self) -> int:
+        """Windows that were looked at."""
+        return int(np.count_nonzero(self.depth))
+
+    @property
+    def n_features(self) -> int:
+        """Features that were evaluated, two for each tree of each window."""
+        return 2 * int(self.depth.sum(dtype=np.int64))
+
+
+class IcfDetector:
+    """A trained model that is ready to run; any thread may use it.
+
+    Attributes
+    ----------
+    model
+        With the settings of this run.
+    about
+        What it is, for others.
+    """
+
+    def __init__(self, model: IcfModel) -> None:
+        self.model = model
+        self.about = About(
+            kind=KIND,
+            name=model.name,
+            labels=(model.label,),
+            settings=model.settings.in_words(),
+            fingerprint=fingerprint(model),
+            trained_on=model.trained_on,
+        )
+        self._buffers: SimpleQueue[NDArray[np.int32]] = SimpleQueue()
+
+    def run_with(self, **changes: Any) -> IcfDetector:
+        """The same detector with other settings; errors as `IcfModel.run_with`."""
+        return IcfDetector(self.model.run_with(**changes))
+
+    def detect(self, picture: Picture) -> Detections:
+        """Boxes in one picture, at or above the threshold, after suppression.
+
+        Parameters
+        ----------
+        picture
+            Grey (h, w) or RGB (h, w, 3), uint8 or uint16.
+
+        Raises
+        ------
+        DetectorError
+            If it is no such picture, grey where the model needs colour, or too large.
+        """
+        return suppressed(self.candidates(self.score_maps(picture)), self.model.settings)
+
+    def score_maps(self, picture: Picture) -> list[ScoreMap]:
+        """Confidence of every window, one map for each scale; errors as `detect`."""
+        picture = check_picture(picture, self.model.is_colour)
+        groups = levels(picture.shape[1], picture.shape[0], self.model.settings)
+        where = places(picture, self.model.settings, self.model.band)
+        with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+            maps = pool.map(lambda group: list(self._maps(picture, group, where)), groups)
+            return [score_map for of_group in maps for score_map in of_group]
+
+    def candidates(self, maps: Sequence[ScoreMap]) -> Detections:
+        """Boxes of all windows at or above the threshold, before suppression."""
+        settings = self.model.settings
+        boxes, scores = [np.empty((4, 0))], [np.empty(0)]
+        for score_map in maps:
+            row, column = np.nonzero(score_map.score >= settings.threshold)
+            boxes.append(score_map.level.boxes(row, column, settings))
+            scores.append(score_map.score[row, column])
+        (x, y, w, h), score = np.concatenate(boxes, axis=1), np.concatenate(scores)
+        order = np.argsort(-score, kind="stable")
+        return Detections(x[order], y[order], w[order], h[order], score[order])
+
+    def _maps(self, picture: Bytes, group: tuple[Level, ...], where: Places) -> Iterator[ScoreMap]:
+        model, settings = self.model, self.model.settings
+        lowest, restarts = floors(settings, model.calibration)
+        for level, planes in planes_of(picture, group, settings, model.powers):
+            buffer = self._buffer(len(planes) * (level.width + 1) * (level.height + 1))
+            sums = integral_images(planes, buffer)
+            rows, columns = level.grid(settings)
+            is_open = where.are_open(
+                np.arange(0.0, columns) * settings.stride * level.across,
+                np.arange(0.0, rows) * settings.stride * level.down,
+                settings.window_width * level.across,
+                settings.window_height * level.down,
+            )
+            score = np.empty((rows, columns))
+            depth = np.empty((rows, columns), np.int32)
+            nodes = tree_nodes(model, level.width, level.height)
+            leaves = model.trees.leaves.reshape(-1)
+            scan(
+                0, rows, sums.reshape(-1), level.width + 1, settings.stride, nodes, leaves,
+                lowest, restarts, is_open, score, depth,
+            )  # fmt: skip
+            self._buffers.put(buffer)
+            yield ScoreMap(level, score, depth)
+
+    def _buffer(self, size: int) -> NDArray[np.int32]:
+        """Memory for integral images that was used before: new memory costs more than the sums."""
+        try:
+            buffer = self._buffers.get_nowait()
+        except Empty:
+            buffer = np.empty(0, np.int32)
+        return buffer if len(buffer) >= size else np.empty(size, np.int32)
+
+
+def tree_nodes(model: IcfModel, width: int, height: int) -> NDArray[np.int32]:
+    """Nodes of all trees for pictures of a size, as the kernel `scan` takes them.
+
+    Returns
+    -------
+    int32, (n_trees * 3, 9).
+    """
+    offsets = corner_offsets(model.features, width, height)
+    feature = model.trees.feature.reshape(-1)
+    threshold = model.trees.threshold.reshape(-1, 1)
+    return np.concatenate([offsets[feature], threshold], axis=1)
+
+
+def stays(boxes: NDArray[np.float64], overlap: float, overlap_of: OverlapOf) -> NDArray[np.bool_]:
+    """Boxes that no more confident one which stays overlaps too much (greedy suppression).
+
+    Parameters
+    ----------
+    boxes
+        Left, top, width, height, the most confident first; (4, n).
+    """
+    is_staying = np.zeros(boxes.shape[1], np.bool_)
+    x, y, w, h = np.ascontiguousarray(boxes)
+    suppress(x, y, w, h, float(overlap), overlap_of == "smaller", is_staying)
+    return is_staying
+
+
+def suppressed(boxes: Detections, settings: IcfSettings) -> Detections:
+    """Boxes after suppression (`stays`), in their order."""
+    columns = np.stack([boxes.x, boxes.y, boxes.w, boxes.h, boxes.score])
+    x, y, w, h, score = columns[:, stays(columns[:4], settings.overlap, settings.overlap_of)]
+    return Detections(x, y, w, h, score)

@@ -1,0 +1,207 @@
+"""What a model sees and how it decides, as arrays to be drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.detectors.icf.cascade import floors
+from nvcore.detectors.icf.channels import (
+    Bytes,
+    blurred,
+    channel_planes,
+    check_picture,
+    equalised,
+    integral_images,
+    resized,
+)
+from nvcore.detectors.icf.features import values_at
+from nvcore.detectors.icf.model import IcfModel
+from nvcore.detectors.icf.pyramid import Level, levels, rescaled
+from nvcore.errors import ParameterError
+from nvcore.pictures import Picture
+
+
+@dataclass(frozen=True, eq=False)
+class Preparation:
+    """A picture on its way to the channels, each (h, w) or (h, w, 3), uint8.
+
+    Attributes
+    ----------
+    resized, blurred, equalised
+        At the scale; after the Gaussian; after the equalisation of its brightness.
+    """
+
+    resized: Bytes
+    blurred: Bytes
+    equalised: Bytes
+
+
+@dataclass(frozen=True, eq=False)
+class WindowPath:
+    """How a window fares over the trees.
+
+    Attributes
+    ----------
+    confidence
+        Running sum after each tree, as if nothing rejected it; float64, (n_trees,).
+    floor
+        What rejects it where the sum is lower: of the same sum, or with a hard cascade of the sum
+        since the stage began; float64, (n_trees,); -inf: nothing.
+    rejected_after
+        Number of trees after which it is rejected; None: it comes through.
+    leaf
+        Leaf of each tree that it comes to, 0..3 from left to right; int64, (n_trees,).
+    """
+
+    confidence: NDArray[np.float64]
+    floor: NDArray[np.float64]
+    rejected_after: int | None
+    leaf: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Node:
+    """A decision of a tree: right where the mean of a channel over a rectangle is high enough.
+
+    Attributes
+    ----------
+    channel, left, top, right, bottom
+        What is summed: a channel, and a rectangle in the window, px.
+    minus
+        The same of the rectangle that is subtracted; None: there is none.
+    threshold
+        Least mean with which a window goes right, in units of the channel's 0..1; with a
+        difference, the least difference of means.
+    """
+
+    channel: str
+    left: int
+    top: int
+    right: int
+    bottom: int
+    minus: tuple[str, int, int, int, int] | None
+    threshold: float
+
+
+@dataclass(frozen=True)
+class Tree:
+    """A tree to be drawn: its decisions, and the confidence of each leaf from left to right."""
+
+    root: Node
+    left: Node
+    right: Node
+    leaves: tuple[float, float, float, float]
+
+
+def preparation(model: IcfModel, picture: Picture, scale: float) -> Preparation:
+    """The picture before and after blur and equalisation, at one scale.
+
+    Raises
+    ------
+    DetectorError
+        If the model cannot work on it.
+    ParameterError
+        If no window fits into the picture at that scale.
+    """
+    level, picture = _at_scale(model, picture, scale)
+    small = resized(picture, level.width, level.height)
+    smooth = blurred(small, model.settings)
+    return Preparation(small, smooth, equalised(smooth, model.settings))
+
+
+def channels_of(model: IcfModel, picture: Picture, scale: float) -> dict[str, Bytes]:
+    """Every channel by its name, at one scale: (h, w), 0..255; errors as `preparation`."""
+    level, picture = _at_scale(model, picture, scale)
+    planes = channel_planes(resized(picture, level.width, level.height), model.settings)
+    return dict(zip(model.channels, planes, strict=True))
+
+
+def approximation_error(
+    model: IcfModel, picture: Picture, scale: float, from_scale: float
+) -> dict[str, float]:
+    """How far channels made from those of another scale are from the computed ones.
+
+    Mean absolute difference over the mean of the computed channel, by the channel's name; 0 is
+    best, NaN where the channel is 0 everywhere. Errors as `preparation`.
+    """
+    level, pixels = _at_scale(model, picture, scale)
+    near, _ = _at_scale(model, picture, from_scale)
+    exact = channel_planes(resized(pixels, level.width, level.height), model.settings)
+    planes = channel_planes(resized(pixels, near.width, near.height), model.settings)
+    close = rescaled(planes, level.width, level.height, model.powers)
+    apart = np.abs(close.astype(float) - exact).mean(axis=(1, 2))
+    mean = exact.mean(axis=(1, 2))
+    ratio = np.divide(apart, mean, out=np.full(len(mean), np.nan), where=mean > 0)
+    return dict(zip(model.channels, ratio.tolist(), strict=True))
+
+
+def window_path(
+    model: IcfModel, picture: Picture, scale: float, row: int, column: int
+) -> WindowPath:
+    """How one window fares over the trees; errors as `preparation`.
+
+    Parameters
+    ----------
+    row, column
+        Of the window in the grid of that scale.
+    """
+    level, pixels = _at_scale(model, picture, scale)
+    rows, columns = level.grid(model.settings)
+    if not (0 <= row < rows and 0 <= column < columns):
+        raise ParameterError(
+            f"window {row}, {column}: at scale {scale:g} there are {rows} rows of {columns} windows"
+        )
+    planes = channel_planes(resized(pixels, level.width, level.height), model.settings)
+    base = (row * (level.width + 1) + column) * model.settings.stride
+    values = values_at(integral_images(planes), np.array([base], np.int64), model.features)
+    confidence = model.trees.running_sums(values)[0]
+    lowest, restarts = floors(model.settings, model.calibration)
+    starts = np.maximum.accumulate(np.where(restarts, np.arange(len(confidence)), 0))
+    before = np.concatenate([[0.0], confidence])[starts]
+    is_below = confidence - before < lowest
+    rejected = int(is_below.argmax()) + 1 if is_below.any() else None
+    return WindowPath(confidence, lowest, rejected, _leaves(model, values[0]))
+
+
+def tree(model: IcfModel, index: int) -> Tree:
+    """One tree of a model, to be drawn.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such tree.
+    """
+    if not 0 <= index < len(model.trees):
+        raise ParameterError(f"tree {index}: there are {len(model.trees)}, counted from 0")
+    root, left, right = (_node(model, index, k) for k in range(3))
+    a, b, c, d = (float(leaf) for leaf in model.trees.leaves[index])
+    return Tree(root, left, right, (a, b, c, d))
+
+
+def _at_scale(model: IcfModel, picture: Picture, scale: float) -> tuple[Level, Bytes]:
+    picture = check_picture(picture, model.is_colour)
+    single = model.run_with(scales=(float(scale),)).settings
+    groups = levels(picture.shape[1], picture.shape[0], single)
+    if not groups:
+        raise ParameterError(f"scale {scale:g}: the picture is smaller than the window there")
+    return groups[0][0], picture
+
+
+def _leaves(model: IcfModel, values: NDArray[np.int32]) -> NDArray[np.int64]:
+    is_right = values[model.trees.feature] >= model.trees.threshold
+    right = is_right[:, 0].astype(np.int64)
+    return 2 * right + np.where(is_right[:, 0], is_right[:, 2], is_right[:, 1])
+
+
+def _node(model: IcfModel, index: int, k: int) -> Node:
+    feature = model.features[model.trees.feature[index, k]]
+    channel, left, top, right, bottom, *second = (int(value) for value in feature)
+    area = (right - left) * (bottom - top)
+    minus = None
+    if second[0] >= 0:
+        minus = (model.channels[second[0]], second[1], second[2], second[3], second[4])
+    threshold = float(model.trees.threshold[index, k]) / (255 * area)
+    return Node(model.channels[channel], left, top, right, bottom, minus, threshold)

@@ -1,0 +1,92 @@
+"""Features: sums of a channel over a rectangle of the window, or the difference of two."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.detectors.icf.kernels import in_threads
+from nvcore.detectors.icf.kernels.training import feature_values
+from nvcore.detectors.icf.settings import IcfSettings
+
+Features = NDArray[np.int32]
+"""(n, 10): channel, left, top, right, bottom of a rectangle in the window, px, right and bottom
+not included; and the same of the rectangle that is subtracted, -1 where there is none."""
+
+N_COLUMNS: Final = 10
+
+
+def draw_features(settings: IcfSettings, n_channels: int, seed: int) -> Features:
+    """A pool of features with channel, place and size drawn at random.
+
+    Two different columns and rows are drawn for the sides of a rectangle, all with equal
+    probability, again where the area is too small. The subtracted rectangle of a difference has
+    the same size, and place and channel of its own.
+    """
+    rng = np.random.default_rng(seed)
+    size = settings.window_width, settings.window_height
+    corners = np.empty((0, 4), np.int32)
+    while len(corners) < settings.features:
+        x = rng.integers(0, size[0] + 1, (settings.features, 2))
+        y = rng.integers(0, size[1] + 1, (settings.features, 2))
+        x.sort(axis=1)
+        y.sort(axis=1)
+        is_large = np.diff(x)[:, 0] * np.diff(y)[:, 0] >= settings.least_area
+        drawn = np.stack([x[:, 0], y[:, 0], x[:, 1], y[:, 1]], axis=1)[is_large]
+        corners = np.concatenate([corners, drawn])
+    n = settings.features
+    features = np.full((n, N_COLUMNS), -1, np.int32)
+    features[:, 0] = rng.integers(0, n_channels, n)
+    features[:, 1:5] = corners[:n]
+    is_difference = np.arange(n) < round(settings.difference_share * n)
+    first = features[is_difference]
+    for low, high, side in ((1, 3, size[0]), (2, 4, size[1])):
+        length = first[:, high] - first[:, low]
+        first[:, low + 5] = rng.integers(0, side - length + 1)
+        first[:, high + 5] = first[:, low + 5] + length
+    first[:, 5] = rng.integers(0, n_channels, len(first))
+    features[is_difference] = first
+    return features
+
+
+def corner_offsets(features: Features, width: int, height: int) -> NDArray[np.int32]:
+    """Where the corners of each feature lie in the integral images of pictures of a size.
+
+    Returns
+    -------
+    int32, (n, 8): offsets from the window's first corner, in the flat array of
+    `nvcore.detectors.icf.channels.integral_images`: top left, top right, bottom left, bottom right
+    of both rectangles; -1 where there is no second one.
+    """
+    across, plane = width + 1, (width + 1) * (height + 1)
+    offsets = np.full((len(features), 8), -1, np.int32)
+    for half in (0, 1):
+        channel, left, top, right, bottom = features[:, 5 * half : 5 * half + 5].T
+        first = channel * plane
+        four = [first + y * across + x for y in (top, bottom) for x in (left, right)]
+        offsets[:, 4 * half : 4 * half + 4] = np.where(channel < 0, -1, np.array(four)).T
+    return offsets
+
+
+def values_at(
+    sums: NDArray[np.int32], base: NDArray[np.int64], features: Features
+) -> NDArray[np.int32]:
+    """Values of all features at windows of one picture, or of many small ones.
+
+    Parameters
+    ----------
+    sums
+        Integral images, (n_channels, h + 1, w + 1) or (n_pictures, n_channels, h + 1, w + 1).
+    base
+        Place of each window in the flat array, (n_windows,).
+
+    Returns
+    -------
+    int32, (n_windows, n_features): sums of 0..255 for a channel's 0..1.
+    """
+    values = np.empty((len(base), len(features)), np.int32)
+    offsets = corner_offsets(features, sums.shape[-1] - 1, sums.shape[-2] - 1)
+    in_threads(feature_values, len(base), sums.reshape(-1), base, offsets, values)
+    return values

@@ -1,0 +1,88 @@
+"""A trained model: all that a run needs, and where it comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.detectors.base import TrainedOn
+from nvcore.detectors.icf.boosting import Trees
+from nvcore.detectors.icf.cascade import Calibration
+from nvcore.detectors.icf.channels import plane_names
+from nvcore.detectors.icf.features import Features
+from nvcore.detectors.icf.regions import EVERYWHERE, Band
+from nvcore.detectors.icf.settings import OF_A_RUN, IcfSettings
+from nvcore.errors import ParameterError
+
+
+@dataclass(frozen=True, eq=False)
+class IcfModel:
+    """A trained model.
+
+    Attributes
+    ----------
+    name
+        For people.
+    label
+        What its boxes are: ``pedestrian``.
+    settings
+        With which it was trained, and with which it runs unless told otherwise.
+    is_colour
+        Whether it needs colour pictures; else it works on grey ones.
+    features
+        Those that its trees use.
+    trees, calibration
+        The classifier, and what held-out objects reach in it.
+    powers
+        By which power of the scale each channel changes; float64, (n_channels,).
+    band
+        Where the boxes of the training lay.
+    error
+        Training error after each tree of the last round; float64, (n_trees,).
+    n_objects, n_background
+        Windows of the last round.
+    seed
+        Of the training.
+    trained_on
+        The training's data.
+    """
+
+    name: str
+    label: str
+    settings: IcfSettings
+    is_colour: bool
+    features: Features
+    trees: Trees
+    calibration: Calibration
+    powers: NDArray[np.float64]
+    error: NDArray[np.float64]
+    n_objects: int
+    n_background: int
+    seed: int
+    band: Band = EVERYWHERE
+    trained_on: Sequence[TrainedOn] = field(default=())
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Name of each channel that the features count in."""
+        return plane_names(self.settings, self.is_colour)
+
+    def run_with(self, **changes: Any) -> IcfModel:
+        """The same model with other settings of its runs.
+
+        Raises
+        ------
+        ParameterError
+            If one is not a setting of a run (`OF_A_RUN`), or its value is not possible.
+        """
+        odd = sorted(set(changes) - OF_A_RUN)
+        if odd:
+            raise ParameterError(
+                f"{', '.join(odd)}: not a setting that a trained model can be run with otherwise; "
+                f"such are {', '.join(sorted(OF_A_RUN))}"
+            )
+        return replace(self, settings=replace(self.settings, **changes))

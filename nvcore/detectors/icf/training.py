@@ -1,0 +1,311 @@
+"""Training: windows of objects and background, rounds of boosting, hard background between them."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.detectors.base import TrainedOn
+from nvcore.detectors.icf.boosting import Boosted, Trees, boost
+from nvcore.detectors.icf.cascade import Calibration, calibrate
+from nvcore.detectors.icf.channels import check_picture, has_colour, plane_names
+from nvcore.detectors.icf.detector import IcfDetector, ScoreMap, stays
+from nvcore.detectors.icf.features import Features, draw_features
+from nvcore.detectors.icf.model import IcfModel
+from nvcore.detectors.icf.pyramid import scaling_powers
+from nvcore.detectors.icf.regions import Band, learn_band
+from nvcore.detectors.icf.settings import IcfSettings
+from nvcore.detectors.icf.windows import (
+    Scene,
+    is_background,
+    level_values,
+    object_values,
+    random_background,
+)
+from nvcore.errors import DetectorError
+from nvcore.progress import Progress, no_progress, part_of
+
+HELD_OUT_SHARE: Final = 0.1
+"""Share of the objects' pictures on which rejection is calibrated, where none are given."""
+_MINING_REJECTION: Final = -1.0
+_DIVERSE: Final = 0.6
+_FOR_POWERS: Final = 20
+_WINDOWS: Final = 0.1
+"""Share of a training's time that cutting out windows takes, about."""
+_MINING: Final = 0.35
+"""Share of a round's time that mining takes, about."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """What all steps of one training share."""
+
+    scenes: Sequence[Scene]
+    settings: IcfSettings
+    features: Features
+    is_colour: bool
+    seed: int
+    band: Band
+
+    def backgrounds(self) -> Iterator[tuple[int, Scene]]:
+        for i in range(len(self.scenes)):
+            scene = self.scenes[i]
+            if scene.has_background:
+                yield i, scene
+
+    def model(self, boosted: Boosted, **known: object) -> IcfModel:
+        """A model of the pool's features, which rejects what is surely background."""
+        n = len(boosted.trees)
+        trace = np.full(n, _MINING_REJECTION)
+        nothing = Calibration(trace, np.array([n], np.int32), np.array([-np.inf]))
+        model = IcfModel(
+            name="in training",
+            label="object",
+            settings=replace(
+                self.settings,
+                cascade="constant",
+                rejection=_MINING_REJECTION,
+                scales_between=0,
+                threshold=0.0,
+                region=(),
+                use_band=False,
+                proposals="none",
+            ),
+            is_colour=self.is_colour,
+            features=self.features,
+            trees=boosted.trees,
+            calibration=nothing,
+            powers=np.zeros(len(plane_names(self.settings, self.is_colour))),
+            error=boosted.error,
+            n_objects=0,
+            n_background=0,
+            seed=self.seed,
+        )
+        return replace(model, **known)  # type: ignore[arg-type]
+
+
+def train(
+    scenes: Sequence[Scene],
+    settings: IcfSettings,
+    *,
+    name: str,
+    label: str,
+    seed: int = 0,
+    held_out: Sequence[Scene] | None = None,
+    trained_on: Sequence[TrainedOn] = (),
+    progress: Progress = no_progress,
+) -> IcfModel:
+    """Train a model; the same scenes, settings and seed give the same model.
+
+    Parameters
+    ----------
+    scenes
+        Crops of objects, scenes with objects, scenes without; each is asked for several times, so
+        that a sequence may read its pictures when it is asked.
+    name, label
+        Of the model, and what it detects.
+    held_out
+        Further objects, on which rejection is calibrated; None: every tenth of the scenes with
+        objects is held out.
+    trained_on
+        What to note of the data; empty: their fingerprint.
+    progress
+        May raise `concurrent.futures.CancelledError`.
+
+    Raises
+    ------
+    DetectorError
+        If there is no object to learn or to calibrate on, or no background.
+    """
+    progress(0.0, "reading pictures")
+    scenes, held_out = _parted(scenes, held_out)
+    is_colour, digest, band = _surveyed(scenes, held_out)
+    n_channels = len(plane_names(settings, is_colour))
+    features = draw_features(settings, n_channels, seed)
+    task = _Task(scenes, settings, features, is_colour, seed, band)
+    objects = object_values(_with_objects(scenes), settings, features, is_colour, seed)
+    background = _first_background(task, part_of(progress, 0.0, _WINDOWS))
+    if not len(objects) or not len(background):
+        missing = "object" if not len(objects) else "background"
+        raise DetectorError(f"a training needs windows of both kinds; there is no {missing}")
+    boosted, background = _rounds(task, objects, background, part_of(progress, _WINDOWS, 0.98))
+    progress(0.98, "calibrating")
+    seen = object_values(_with_objects(held_out), settings, features, is_colour, seed + 1)
+    if not len(seen):
+        raise DetectorError("there is no object left to calibrate on: give more, or others")
+    boosted, kept = _only_used(boosted, features)
+    calibration = calibrate(boosted.trees.running_sums(seen[:, kept]), settings.kept_share)
+    return task.model(
+        boosted,
+        name=name,
+        label=label,
+        settings=settings,
+        features=features[kept],
+        calibration=calibration,
+        powers=scaling_powers(_some_pictures(task), settings, is_colour),
+        n_objects=len(objects),
+        n_background=len(background),
+        band=band,
+        trained_on=tuple(trained_on) or (TrainedOn(digest),),
+    )
+
+
+def _parted(
+    scenes: Sequence[Scene], held_out: Sequence[Scene] | None
+) -> tuple[Sequence[Scene], Sequence[Scene]]:
+    """Scenes to train on, and those to calibrate on."""
+    if held_out is not None:
+        return scenes, held_out
+    holding = [i for i in range(len(scenes)) if len(scenes[i].boxes)]
+    out = set(holding[:: round(1 / HELD_OUT_SHARE)]) if len(holding) > 1 else set()
+    return (
+        _Subset(scenes, [i for i in range(len(scenes)) if i not in out]),
+        _Subset(scenes, sorted(out)),
+    )
+
+
+class _Subset(Sequence[Scene]):
+    """Some scenes of a sequence that reads them when asked."""
+
+    def __init__(self, scenes: Sequence[Scene], indices: Sequence[int]) -> None:
+        self._scenes, self._indices = scenes, indices
+
+    def __len__(self) -> int:
+        return len(self._indices)
+
+    def __getitem__(self, index: int) -> Scene:  # type: ignore[override]
+        return self._scenes[self._indices[index]]
+
+
+def _with_objects(scenes: Sequence[Scene]) -> Iterator[Scene]:
+    return (scene for scene in scenes if len(scene.boxes))
+
+
+def _surveyed(scenes: Sequence[Scene], held_out: Sequence[Scene]) -> tuple[bool, str, Band]:
+    """Whether every picture has colour, sha256 over pictures and boxes, where the boxes lie."""
+    digest = hashlib.sha256()
+    is_colour, any_colour = True, False
+    rows, heights = [], []
+    for part in (scenes, held_out):
+        for scene in part:
+            picture = scene.picture
+            is_colour &= picture.ndim == 3
+            any_colour = any_colour or has_colour(picture)
+            digest.update(f"{picture.shape} {picture.dtype} {scene.has_background}".encode())
+            for array in (picture, scene.boxes, scene.ignored):
+                digest.update(np.ascontiguousarray(array).tobytes())
+            if scene.has_background and part is scenes:
+                rows.append((scene.boxes[:, 1] + scene.boxes[:, 3] / 2) / picture.shape[0])
+                heights.append(scene.boxes[:, 3] / picture.shape[0])
+    nothing = [np.empty(0)]
+    band = learn_band(np.concatenate([*rows, *nothing]), np.concatenate([*heights, *nothing]))
+    return is_colour and any_colour, digest.hexdigest(), band
+
+
+def _first_background(task: _Task, progress: Progress) -> NDArray[np.int32]:
+    """Windows of background drawn at random, about as many from each scene."""
+    n_scenes = sum(1 for _ in task.backgrounds())
+    each = -(-task.settings.negatives // max(n_scenes, 1))
+    values = [np.empty((0, len(task.features)), np.int32)]
+    for n, (i, scene) in enumerate(task.backgrounds()):
+        progress(n / n_scenes, "background")
+        rng = np.random.default_rng([task.seed, i])
+        drawn = random_background(scene, task.settings, task.features, task.is_colour, each, rng)
+        values.append(drawn)
+    return np.concatenate(values)
+
+
+def _rounds(
+    task: _Task, objects: NDArray[np.int32], background: NDArray[np.int32], progress: Progress
+) -> tuple[Boosted, NDArray[np.int32]]:
+    """All rounds: the trees of the last, and its background."""
+    settings = task.settings
+    ends = np.cumsum(np.array([0, *settings.trees_per_round]) + 200)
+    shares = (ends - ends[0]) / (ends[-1] - ends[0])
+    boosted = Boosted(
+        Trees(np.empty((0, 3), np.int32), np.empty((0, 3), np.int32), np.empty((0, 4))),
+        np.empty(0),
+        np.empty(0),
+    )
+    for i, n_trees in enumerate(settings.trees_per_round):
+        of_round = part_of(progress, float(shares[i]), float(shares[i + 1]))
+        start = 0.0
+        if i and settings.negatives_per_round:
+            start = _MINING
+            hard = _mined(task, boosted, part_of(of_round, 0.0, start))
+            background = np.concatenate([background, hard])
+        boosted = boost(
+            np.concatenate([objects, background]),
+            np.arange(len(objects) + len(background)) < len(objects),
+            n_trees=n_trees,
+            feature_share=settings.feature_share,
+            patience=settings.patience,
+            seed=task.seed + i,
+            progress=part_of(of_round, start, 1.0),
+        )
+        if not len(boosted.trees):
+            raise DetectorError("no feature tells the objects from the background: check the boxes")
+    return boosted, background
+
+
+def _mined(task: _Task, boosted: Boosted, progress: Progress) -> NDArray[np.int32]:
+    """Background that the trees take for objects: the most confident windows of all scenes."""
+    boosted, kept = _only_used(boosted, task.features)
+    detector = IcfDetector(task.model(boosted, features=task.features[kept]))
+    n_scenes = sum(1 for _ in task.backgrounds())
+    most = task.settings.negatives_per_round
+    each = max(10, -(-4 * most // max(n_scenes, 1)))
+    values, scores = [np.empty((0, len(task.features)), np.int32)], [np.empty(0)]
+    for n, (_, scene) in enumerate(task.backgrounds()):
+        progress(n / n_scenes, "looking for hard background")
+        for score_map, row, column in _hardest(
+            detector.score_maps(scene.picture), scene, task, each
+        ):
+            picture = check_picture(scene.picture, task.is_colour)
+            values.append(
+                level_values(picture, score_map.level, row, column, task.settings, task.features)
+            )
+            scores.append(score_map.score[row, column])
+    score = np.concatenate(scores)
+    order = np.argsort(-score, kind="stable")[:most]
+    return np.concatenate(values)[order]
+
+
+def _hardest(
+    maps: Sequence[ScoreMap], scene: Scene, task: _Task, most: int
+) -> Iterator[tuple[ScoreMap, NDArray[np.int64], NDArray[np.int64]]]:
+    """Maps, rows and columns of the most confident windows of background that differ in place."""
+    boxes, scores, places = [np.empty((4, 0))], [np.empty(0)], [np.empty((3, 0), np.int64)]
+    for i, score_map in enumerate(maps):
+        row, column = np.nonzero(score_map.score >= 0)
+        of_map = score_map.level.boxes(row, column, task.settings)
+        is_free = is_background(of_map, scene)
+        boxes.append(of_map[:, is_free])
+        scores.append(score_map.score[row, column][is_free])
+        places.append(np.stack([np.full(len(row), i), row, column])[:, is_free])
+    order = np.argsort(-np.concatenate(scores), kind="stable")[: 50 * most]
+    is_staying = stays(np.concatenate(boxes, axis=1)[:, order], _DIVERSE, "union")
+    place = np.concatenate(places, axis=1)[:, order[is_staying][:most]]
+    for i in np.unique(place[0]):
+        _, row, column = place[:, place[0] == i]
+        yield maps[i], row, column
+
+
+def _only_used(boosted: Boosted, features: Features) -> tuple[Boosted, NDArray[np.int64]]:
+    """The trees with their features renumbered, and which of the pool these are."""
+    assert len(features)
+    kept, index = np.unique(boosted.trees.feature, return_inverse=True)
+    feature = index.reshape(boosted.trees.feature.shape).astype(np.int32)
+    return replace(boosted, trees=replace(boosted.trees, feature=feature)), kept.astype(np.int64)
+
+
+def _some_pictures(task: _Task) -> Iterator[NDArray[np.uint8]]:
+    """At most 20 scenes with background, evenly spread."""
+    indices = [i for i, _ in task.backgrounds()]
+    for i in indices[:: max(1, -(-len(indices) // _FOR_POWERS))]:
+        yield check_picture(task.scenes[i].picture, task.is_colour)

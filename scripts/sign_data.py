@@ -1,0 +1,153 @@
+"""German traffic signs as scenes to train on: GTSDB scenes and GTSRB crops, and how they are split.
+
+The scenes of `gtsdb/report` are for testing only. Those of `gtsdb/train` are split by their number:
+of four, one is for testing, one for choosing settings, two for training; the final model is trained
+on all but those for testing. Of the crops, every third is held out.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import cv2
+import numpy as np
+
+from nvcore.detectors.icf import Scene
+
+SPEED_LIMITS: Final = (0, 1, 2, 3, 4, 5, 7, 8)
+TESTED, CHOOSING = 0, 1
+"""Scenes by their number modulo 4."""
+ALIKE: Final = 0.85
+"""Normalised cross-correlation from which a crop is taken for the sign of a test scene."""
+_COMPARED_PX: Final = 32
+
+
+@dataclass(frozen=True)
+class SignScene:
+    """A road scene: its picture, the boxes of speed limits, and those of other signs, (n, 4)."""
+
+    path: Path
+    boxes: np.ndarray
+    others: np.ndarray
+
+    @property
+    def number(self) -> int:
+        """In its file's name."""
+        return int(self.path.stem)
+
+    def read(self) -> np.ndarray:
+        """Its picture, RGB."""
+        return read_rgb(self.path)
+
+
+@dataclass(frozen=True)
+class Crop:
+    """A picture of one sign."""
+
+    path: Path
+    box: np.ndarray
+    sign: int
+
+    @property
+    def is_speed_limit(self) -> bool:
+        """Whether the sign is one of the eight speed limits."""
+        return self.sign in SPEED_LIMITS
+
+
+class LazyScenes(Sequence[Scene]):
+    """Scenes and crops, read when asked for: scenes first."""
+
+    def __init__(self, scenes: Sequence[SignScene], crops: Sequence[Crop]) -> None:
+        self._scenes, self._crops = scenes, crops
+
+    def __len__(self) -> int:
+        return len(self._scenes) + len(self._crops)
+
+    def __getitem__(self, index: int) -> Scene:  # type: ignore[override]
+        if not 0 <= index < len(self):
+            raise IndexError(index)
+        if index < len(self._scenes):
+            scene = self._scenes[index]
+            return Scene(scene.read(), scene.boxes)
+        crop = self._crops[index - len(self._scenes)]
+        picture = read_rgb(crop.path)
+        if crop.is_speed_limit:
+            return Scene(picture, crop.box[None], has_background=False)
+        return Scene(picture)
+
+
+def read_rgb(path: Path) -> np.ndarray:
+    """A picture file as RGB."""
+    return cv2.cvtColor(cv2.imread(str(path), cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
+
+
+def read_scenes(folder: Path) -> list[SignScene]:
+    """Scenes of a folder of GTSDB; corners are inclusive."""
+    boxes: dict[str, list[list[float]]] = {}
+    others: dict[str, list[list[float]]] = {}
+    for line in (folder / "gt.txt").read_text().split():
+        name, *values = line.split(";")
+        x1, y1, x2, y2, sign = map(int, values)
+        kind = boxes if sign in SPEED_LIMITS else others
+        kind.setdefault(name, []).append([x1, y1, x2 - x1 + 1, y2 - y1 + 1])
+    return [
+        SignScene(folder / name, _table(boxes.get(name)), _table(others.get(name)))
+        for name in (folder / "scenes.txt").read_text().split()
+    ]
+
+
+def read_crops(folder: Path) -> list[Crop]:
+    """Crops of GTSRB, in the order of their names; corners of the sign are inclusive."""
+    crops = []
+    with (folder / "Test.csv").open(newline="") as file:
+        for row in csv.DictReader(file):
+            x1, y1, x2, y2 = (int(row[f"Roi.{side}"]) for side in ("X1", "Y1", "X2", "Y2"))
+            box = np.array([x1, y1, x2 - x1 + 1, y2 - y1 + 1], float)
+            crops.append(Crop(folder / row["Path"], box, int(row["ClassId"])))
+    return sorted(crops, key=lambda crop: crop.path.name)
+
+
+def held_out(crops: Sequence[Crop]) -> tuple[list[Crop], list[Crop]]:
+    """Crops to train on, and every third of the speed limits."""
+    limits = [crop for crop in crops if crop.is_speed_limit]
+    tested = limits[::3]
+    names = {crop.path.name for crop in tested}
+    return [crop for crop in crops if crop.path.name not in names], tested
+
+
+def unlike(crops: Sequence[Crop], scenes: Sequence[SignScene]) -> tuple[list[Crop], list[str]]:
+    """Crops that resemble no speed limit of these scenes, and the names of the others."""
+    signs = [
+        standardised(picture, box)
+        for scene in scenes
+        if len(scene.boxes)
+        for picture in [scene.read()]
+        for box in scene.boxes
+    ]
+    reference = np.array(signs)
+    kept, alike = [], []
+    for crop in crops:
+        best = (reference @ standardised(read_rgb(crop.path), crop.box)).max()
+        if crop.is_speed_limit and best > ALIKE:
+            alike.append(crop.path.name)
+        else:
+            kept.append(crop)
+    return kept, alike
+
+
+def standardised(picture: np.ndarray, box: np.ndarray) -> np.ndarray:
+    """A sign as a grey patch of mean 0 and length 1: products are normalised cross-correlations."""
+    x, y, w, h = box.astype(int)
+    grey = cv2.cvtColor(picture[y : y + h, x : x + w], cv2.COLOR_RGB2GRAY)
+    size = (_COMPARED_PX, _COMPARED_PX)
+    patch = cv2.resize(grey, size, interpolation=cv2.INTER_AREA).astype(float).ravel()
+    patch -= patch.mean()
+    return patch / max(float(np.linalg.norm(patch)), 1e-9)
+
+
+def _table(rows: list[list[float]] | None) -> np.ndarray:
+    return np.array(rows or np.empty((0, 4)), float)
