@@ -59,7 +59,7 @@ class Crop:
 
 
 class LazyScenes(Sequence[Scene]):
-    """Scenes and crops, read when asked for: scenes first."""
+    """Scenes and crops, scenes first; read when asked for the first time."""
 
     def __init__(self, scenes: Sequence[SignScene], crops: Sequence[Crop]) -> None:
         self._scenes, self._crops = scenes, crops

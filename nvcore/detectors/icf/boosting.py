@@ -184,11 +184,10 @@ def _grow(
     bins: NDArray[np.uint8], tried: NDArray[np.int64], signed: NDArray[np.float64]
 ) -> tuple[list[tuple[int, int]], NDArray[np.int64]]:
     """Feature and cut of the three nodes, and the leaf (0..3) that each window comes to."""
-    rows = np.arange(bins.shape[1])
-    node = np.zeros(len(rows), np.uint8)
-    (root,) = _splits(bins, tried, rows, node, signed, 1)
+    node = np.zeros(len(signed), np.uint8)
+    (root,) = _splits(bins, tried, node, signed, 1)
     node = (bins[root[0]] > root[1]).astype(np.uint8)
-    left, right = _splits(bins, tried, rows, node, signed, 2)
+    left, right = _splits(bins, tried, node, signed, 2)
     below = np.where(node, bins[right[0]] > right[1], bins[left[0]] > left[1])
     return [root, left, right], 2 * node.astype(np.int64) + below
 
@@ -196,7 +195,6 @@ def _grow(
 def _splits(
     bins: NDArray[np.uint8],
     tried: NDArray[np.int64],
-    rows: NDArray[np.int64],
     node: NDArray[np.uint8],
     signed: NDArray[np.float64],
     n_nodes: int,
@@ -204,6 +202,6 @@ def _splits(
     """Best feature and cut of each node; of equal ones the first."""
     gain = np.empty((len(tried), 2))
     cut = np.empty((len(tried), 2), np.int64)
-    in_threads(best_stumps, len(tried), bins, tried, rows, node, signed, gain, cut)
+    in_threads(best_stumps, len(tried), bins, tried, node, signed, gain, cut)
     best = gain[:, :n_nodes].argmax(axis=0)
     return [(int(tried[i]), int(cut[i, k])) for k, i in enumerate(best)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from queue import Empty, SimpleQueue
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from nvcore.detectors.base import About, Detections
 from nvcore.detectors.icf.cascade import floors
 from nvcore.detectors.icf.channels import Bytes, check_picture, integral_images
-from nvcore.detectors.icf.features import corner_offsets
+from nvcore.detectors.icf.features import corner_offsets, has_differences
 from nvcore.detectors.icf.kernels.pictures import scan, suppress
 from nvcore.detectors.icf.model import IcfModel
 from nvcore.detectors.icf.model_file import fingerprint
@@ -55,6 +55,9 @@ class ScoreMap:
     def n_features(self) -> int:
         """Features that were evaluated, two for each tree of each window."""
         return 2 * int(self.depth.sum(dtype=np.int64))
+
+
+Look = Callable[[ScoreMap, NDArray[np.int32]], None]
 
 
 class IcfDetector:
@@ -99,13 +102,20 @@ class IcfDetector:
         """
         return suppressed(self.candidates(self.score_maps(picture)), self.model.settings)
 
-    def score_maps(self, picture: Picture) -> list[ScoreMap]:
-        """Confidence of every window, one map for each scale; errors as `detect`."""
+    def score_maps(self, picture: Picture, look: Look | None = None) -> list[ScoreMap]:
+        """Confidence of every window, one map for each scale; errors as `detect`.
+
+        Parameters
+        ----------
+        look
+            Called with each map and the integral images that it was made from, which are
+            overwritten afterwards; in several threads.
+        """
         picture = check_picture(picture, self.model.is_colour)
         groups = levels(picture.shape[1], picture.shape[0], self.model.settings)
         where = places(picture, self.model.settings, self.model.band)
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-            maps = pool.map(lambda group: list(self._maps(picture, group, where)), groups)
+            maps = pool.map(lambda group: list(self._maps(picture, group, where, look)), groups)
             return [score_map for of_group in maps for score_map in of_group]
 
     def candidates(self, maps: Sequence[ScoreMap]) -> Detections:
@@ -120,7 +130,9 @@ class IcfDetector:
         order = np.argsort(-score, kind="stable")
         return Detections(x[order], y[order], w[order], h[order], score[order])
 
-    def _maps(self, picture: Bytes, group: tuple[Level, ...], where: Places) -> Iterator[ScoreMap]:
+    def _maps(
+        self, picture: Bytes, group: tuple[Level, ...], where: Places, look: Look | None
+    ) -> Iterator[ScoreMap]:
         model, settings = self.model, self.model.settings
         lowest, restarts = floors(settings, model.calibration)
         for level, planes in planes_of(picture, group, settings, model.powers):
@@ -135,14 +147,18 @@ class IcfDetector:
             )
             score = np.empty((rows, columns))
             depth = np.empty((rows, columns), np.int32)
-            nodes = tree_nodes(model, level.width, level.height)
-            leaves = model.trees.leaves.reshape(-1)
+            corners = corner_offsets(model.features, level.width, level.height)
             scan(
-                0, rows, sums.reshape(-1), level.width + 1, settings.stride, nodes, leaves,
-                lowest, restarts, is_open, score, depth,
+                0, rows, sums.reshape(-1), level.width + 1, settings.stride,
+                corners[model.trees.feature.reshape(-1)], model.trees.threshold.reshape(-1),
+                has_differences(model.features), model.trees.leaves, lowest, restarts,
+                is_open, score, depth,
             )  # fmt: skip
+            score_map = ScoreMap(level, score, depth)
+            if look is not None:
+                look(score_map, sums)
             self._buffers.put(buffer)
-            yield ScoreMap(level, score, depth)
+            yield score_map
 
     def _buffer(self, size: int) -> NDArray[np.int32]:
         """Memory for integral images that was used before: new memory costs more than the sums."""
@@ -151,19 +167,6 @@ class IcfDetector:
         except Empty:
             buffer = np.empty(0, np.int32)
         return buffer if len(buffer) >= size else np.empty(size, np.int32)
-
-
-def tree_nodes(model: IcfModel, width: int, height: int) -> NDArray[np.int32]:
-    """Nodes of all trees for pictures of a size, as the kernel `scan` takes them.
-
-    Returns
-    -------
-    int32, (n_trees * 3, 9).
-    """
-    offsets = corner_offsets(model.features, width, height)
-    feature = model.trees.feature.reshape(-1)
-    threshold = model.trees.threshold.reshape(-1, 1)
-    return np.concatenate([offsets[feature], threshold], axis=1)
 
 
 def stays(boxes: NDArray[np.float64], overlap: float, overlap_of: OverlapOf) -> NDArray[np.bool_]:

@@ -51,23 +51,28 @@ def draw_features(settings: IcfSettings, n_channels: int, seed: int) -> Features
     return features
 
 
-def corner_offsets(features: Features, width: int, height: int) -> NDArray[np.int32]:
+def corner_offsets(features: Features, width: int, height: int) -> NDArray[np.uint32]:
     """Where the corners of each feature lie in the integral images of pictures of a size.
 
     Returns
     -------
-    int32, (n, 8): offsets from the window's first corner, in the flat array of
+    uint32, (n, 8): offsets from the window's first corner, in the flat array of
     `nvcore.detectors.icf.channels.integral_images`: top left, top right, bottom left, bottom right
-    of both rectangles; -1 where there is no second one.
+    of both rectangles; 0 where there is no second one, so that its sum is 0.
     """
     across, plane = width + 1, (width + 1) * (height + 1)
-    offsets = np.full((len(features), 8), -1, np.int32)
+    offsets = np.zeros((len(features), 8), np.uint32)
     for half in (0, 1):
-        channel, left, top, right, bottom = features[:, 5 * half : 5 * half + 5].T
+        channel, left, top, right, bottom = features[:, 5 * half : 5 * half + 5].T.astype(np.int64)
         first = channel * plane
         four = [first + y * across + x for y in (top, bottom) for x in (left, right)]
-        offsets[:, 4 * half : 4 * half + 4] = np.where(channel < 0, -1, np.array(four)).T
+        offsets[:, 4 * half : 4 * half + 4] = np.where(channel < 0, 0, np.array(four)).T
     return offsets
+
+
+def has_differences(features: Features) -> bool:
+    """Whether any feature is the difference of two rectangles."""
+    return bool((features[:, 5] >= 0).any())
 
 
 def values_at(
@@ -87,6 +92,7 @@ def values_at(
     int32, (n_windows, n_features): sums of 0..255 for a channel's 0..1.
     """
     values = np.empty((len(base), len(features)), np.int32)
-    offsets = corner_offsets(features, sums.shape[-1] - 1, sums.shape[-2] - 1)
-    in_threads(feature_values, len(base), sums.reshape(-1), base, offsets, values)
+    corners = corner_offsets(features, sums.shape[-1] - 1, sums.shape[-2] - 1)
+    flat, has_second = sums.reshape(-1), has_differences(features)
+    in_threads(feature_values, len(base), flat, base, corners, has_second, values)
     return values

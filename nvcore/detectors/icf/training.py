@@ -15,7 +15,7 @@ from nvcore.detectors.icf.boosting import Boosted, Trees, boost
 from nvcore.detectors.icf.cascade import Calibration, calibrate
 from nvcore.detectors.icf.channels import check_picture, has_colour, plane_names
 from nvcore.detectors.icf.detector import IcfDetector, ScoreMap, stays
-from nvcore.detectors.icf.features import Features, draw_features
+from nvcore.detectors.icf.features import Features, draw_features, values_at
 from nvcore.detectors.icf.model import IcfModel
 from nvcore.detectors.icf.pyramid import scaling_powers
 from nvcore.detectors.icf.regions import Band, learn_band
@@ -23,7 +23,6 @@ from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.detectors.icf.windows import (
     Scene,
     is_background,
-    level_values,
     object_values,
     random_background,
 )
@@ -260,40 +259,64 @@ def _mined(task: _Task, boosted: Boosted, progress: Progress) -> NDArray[np.int3
     n_scenes = sum(1 for _ in task.backgrounds())
     most = task.settings.negatives_per_round
     each = max(10, -(-4 * most // max(n_scenes, 1)))
-    values, scores = [np.empty((0, len(task.features)), np.int32)], [np.empty(0)]
+    found = [_nothing(task)]
     for n, (_, scene) in enumerate(task.backgrounds()):
         progress(n / n_scenes, "looking for hard background")
-        for score_map, row, column in _hardest(
-            detector.score_maps(scene.picture), scene, task, each
-        ):
-            picture = check_picture(scene.picture, task.is_colour)
-            values.append(
-                level_values(picture, score_map.level, row, column, task.settings, task.features)
-            )
-            scores.append(score_map.score[row, column])
-    score = np.concatenate(scores)
-    order = np.argsort(-score, kind="stable")[:most]
-    return np.concatenate(values)[order]
+        found.append(_hardest(detector, scene, task, each))
+    hard = _joined(found)
+    return hard.values[np.argsort(-hard.score, kind="stable")[:most]]
 
 
-def _hardest(
-    maps: Sequence[ScoreMap], scene: Scene, task: _Task, most: int
-) -> Iterator[tuple[ScoreMap, NDArray[np.int64], NDArray[np.int64]]]:
-    """Maps, rows and columns of the most confident windows of background that differ in place."""
-    boxes, scores, places = [np.empty((4, 0))], [np.empty(0)], [np.empty((3, 0), np.int64)]
-    for i, score_map in enumerate(maps):
+@dataclass(frozen=True, eq=False)
+class _Hard:
+    """Windows of background: boxes (4, n), scores (n,), values (n, n_features)."""
+
+    boxes: NDArray[np.float64]
+    score: NDArray[np.float64]
+    values: NDArray[np.int32]
+
+    def at(self, index: NDArray[np.int64]) -> _Hard:
+        return _Hard(self.boxes[:, index], self.score[index], self.values[index])
+
+
+def _nothing(task: _Task) -> _Hard:
+    return _Hard(np.empty((4, 0)), np.empty(0), np.empty((0, len(task.features)), np.int32))
+
+
+def _joined(parts: Sequence[_Hard]) -> _Hard:
+    return _Hard(
+        np.concatenate([part.boxes for part in parts], axis=1),
+        np.concatenate([part.score for part in parts]),
+        np.concatenate([part.values for part in parts]),
+    )
+
+
+def _differing(
+    boxes: NDArray[np.float64], score: NDArray[np.float64], most: int
+) -> NDArray[np.int64]:
+    """Indices of the most confident boxes that differ in place."""
+    order = np.argsort(-score, kind="stable")[: 50 * most]
+    return order[stays(boxes[:, order], _DIVERSE, "union")][:most]
+
+
+def _hardest(detector: IcfDetector, scene: Scene, task: _Task, most: int) -> _Hard:
+    """The most confident windows of a scene's background that differ in place."""
+    parts: dict[float, _Hard] = {}
+
+    def look(score_map: ScoreMap, sums: NDArray[np.int32]) -> None:
+        level = score_map.level
         row, column = np.nonzero(score_map.score >= 0)
-        of_map = score_map.level.boxes(row, column, task.settings)
-        is_free = is_background(of_map, scene)
-        boxes.append(of_map[:, is_free])
-        scores.append(score_map.score[row, column][is_free])
-        places.append(np.stack([np.full(len(row), i), row, column])[:, is_free])
-    order = np.argsort(-np.concatenate(scores), kind="stable")[: 50 * most]
-    is_staying = stays(np.concatenate(boxes, axis=1)[:, order], _DIVERSE, "union")
-    place = np.concatenate(places, axis=1)[:, order[is_staying][:most]]
-    for i in np.unique(place[0]):
-        _, row, column = place[:, place[0] == i]
-        yield maps[i], row, column
+        boxes = level.boxes(row, column, task.settings)
+        score = score_map.score[row, column]
+        index = np.flatnonzero(is_background(boxes, scene))
+        index = index[_differing(boxes[:, index], score[index], most)]
+        base = (row[index] * (level.width + 1) + column[index]) * task.settings.stride
+        values = values_at(sums, base, task.features)
+        parts[level.scale] = _Hard(boxes[:, index], score[index], values)
+
+    detector.score_maps(scene.picture, look)
+    whole = _joined([_nothing(task), *(parts[scale] for scale in sorted(parts))])
+    return whole.at(_differing(whole.boxes, whole.score, most))
 
 
 def _only_used(boosted: Boosted, features: Features) -> tuple[Boosted, NDArray[np.int64]]:

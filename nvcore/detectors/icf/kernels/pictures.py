@@ -32,27 +32,27 @@ def gradients(grey, table, magnitude, orientations):
 
 
 @compiled
-def rectangle_sum(integral, base, node):
-    """Sum of a feature at a window: its first rectangle, less its second one if it has one."""
-    total = (
-        np.int64(integral[base + node[0]])
-        - integral[base + node[1]]
-        - integral[base + node[2]]
-        + integral[base + node[3]]
+def corner_sum(integral, base, corners, node, half):
+    """Sum over a rectangle at a window, from the places of its corners; all unsigned."""
+    one, two, three = np.uint64(1), np.uint64(2), np.uint64(3)
+    return (
+        np.int64(integral[base + np.uint64(corners[node, half])])
+        - integral[base + np.uint64(corners[node, half + one])]
+        - integral[base + np.uint64(corners[node, half + two])]
+        + integral[base + np.uint64(corners[node, half + three])]
     )
-    if node[4] >= 0:
-        total -= (
-            np.int64(integral[base + node[4]])
-            - integral[base + node[5]]
-            - integral[base + node[6]]
-            + integral[base + node[7]]
-        )
-    return np.int32(total)
 
 
 @compiled
-def scan(lo, hi, integral, width, stride, nodes, leaves, floors, restarts, is_open, score, depth):
+def scan(
+    lo, hi, integral, width, stride, corners, threshold, has_second, leaves, floors, restarts,
+    is_open, score, depth,
+):  # fmt: skip
     """Confidence of the windows in rows lo..hi of the grid; NaN where a window is rejected.
+
+    The trees go over the windows of a row that are left, one tree after another: neighbours read
+    the same lines of the integral images. Indices are unsigned, and which way a window goes is
+    arithmetic, not a branch: together this is four times as fast.
 
     Parameters
     ----------
@@ -60,11 +60,15 @@ def scan(lo, hi, integral, width, stride, nodes, leaves, floors, restarts, is_op
         Integral images of all planes one after another, int32, flat.
     width
         Of an integral image.
-    nodes
-        (n_trees * 3, 9) int32: offsets of the corners of two rectangles, and the threshold, of
-        each tree's root, left and right node.
+    corners
+        (n_trees * 3, 8) uint32: the corners of two rectangles (`corner_offsets`) of each tree's
+        root, left and right node.
+    threshold
+        (n_trees * 3,) int32.
+    has_second
+        Whether any feature is a difference.
     leaves
-        (n_trees * 4): confidence of each leaf.
+        (n_trees, 4): confidence of each leaf.
     floors, restarts
         Lowest sum after each tree with which a window stays, and whether that sum begins anew
         with the tree.
@@ -73,35 +77,54 @@ def scan(lo, hi, integral, width, stride, nodes, leaves, floors, restarts, is_op
     score, depth
         Out: sum over all trees, and the number of trees that were evaluated.
     """
-    n_trees = floors.size
+    n_trees, n_columns = floors.size, is_open.shape[1]
+    zero, one, two, four = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(4)
+    step = np.uint64(stride)
+    column = np.empty(n_columns, np.uint64)
+    total = np.empty(n_columns)
+    part = np.empty(n_columns)
     for row in range(lo, hi):
-        for column in range(is_open.shape[1]):
-            score[row, column] = np.nan
-            depth[row, column] = 0
-            if not is_open[row, column]:
-                continue
-            base = row * stride * width + column * stride
-            total = 0.0
-            part = 0.0
-            tree = 0
-            while tree < n_trees:
-                if restarts[tree]:
-                    part = 0.0
-                root = nodes[3 * tree]
-                right = 1 if rectangle_sum(integral, base, root) >= root[8] else 0
-                child = nodes[3 * tree + 1 + right]
-                leaf = 2 * right
-                if rectangle_sum(integral, base, child) >= child[8]:
-                    leaf += 1
-                confidence = leaves[4 * tree + leaf]
-                total += confidence
-                part += confidence
-                tree += 1
-                if part < floors[tree - 1]:
-                    break
-            else:
-                score[row, column] = total
-            depth[row, column] = tree
+        n_left = zero
+        for c in range(n_columns):
+            score[row, c] = np.nan
+            depth[row, c] = 0
+            if is_open[row, c]:
+                column[n_left] = c
+                total[n_left] = part[n_left] = 0.0
+                n_left += one
+        first = np.uint64(row * stride * width)
+        for tree in range(n_trees):
+            root = np.uint64(3 * tree)
+            restart, floor = restarts[tree], floors[tree]
+            n_staying = zero
+            i = zero
+            while i < n_left:
+                base = first + column[i] * step
+                value = corner_sum(integral, base, corners, root, zero)
+                if has_second:
+                    value -= corner_sum(integral, base, corners, root, four)
+                right = np.uint64(np.int32(value) >= threshold[root])
+                child = root + one + right
+                value = corner_sum(integral, base, corners, child, zero)
+                if has_second:
+                    value -= corner_sum(integral, base, corners, child, four)
+                leaf = two * right + np.uint64(np.int32(value) >= threshold[child])
+                confidence = leaves[tree, leaf]
+                sum_of_part = confidence if restart else part[i] + confidence
+                at = column[i]
+                depth[row, at] = tree + 1
+                column[n_staying] = at
+                total[n_staying] = total[i] + confidence
+                part[n_staying] = sum_of_part
+                n_staying += np.uint64(sum_of_part >= floor)
+                i += one
+            n_left = n_staying
+            if n_left == zero:
+                break
+        i = zero
+        while i < n_left:
+            score[row, column[i]] = total[i]
+            i += one
 
 
 @compiled

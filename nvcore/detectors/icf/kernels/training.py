@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nvcore.detectors.icf.kernels.pictures import rectangle_sum
+from nvcore.detectors.icf.kernels.pictures import corner_sum
 from nvcore.metrics.kernels import compiled
 
 BINS = 256
@@ -12,7 +12,7 @@ _BLOCK = 16  # features whose values share a line of the cache
 
 
 @compiled
-def feature_values(lo, hi, integral, base, offsets, values):
+def feature_values(lo, hi, integral, base, corners, has_second, values):
     """Value of every feature at windows lo..hi: ``values[window, feature]``, int32.
 
     Parameters
@@ -21,12 +21,20 @@ def feature_values(lo, hi, integral, base, offsets, values):
         Flat, int32; of one picture, or of many windows one after another.
     base
         Where each window begins in it, int64.
-    offsets
-        (n_features, 8) int32, as the first columns of the nodes of `scan`.
+    corners, has_second
+        (n_features, 8), as of the kernel `scan`.
     """
+    zero, one, four = np.uint64(0), np.uint64(1), np.uint64(4)
+    n_features = np.uint64(corners.shape[0])
     for window in range(lo, hi):
-        for feature in range(offsets.shape[0]):
-            values[window, feature] = rectangle_sum(integral, base[window], offsets[feature])
+        first = np.uint64(base[window])
+        feature = zero
+        while feature < n_features:
+            value = corner_sum(integral, first, corners, feature, zero)
+            if has_second:
+                value -= corner_sum(integral, first, corners, feature, four)
+            values[window, feature] = np.int32(value)
+            feature += one
 
 
 @compiled
@@ -57,12 +65,12 @@ def to_bins(lo, hi, values, edges, bins):
 
 
 @compiled
-def best_stumps(lo, hi, bins, features, rows, node, signed, gain, cut):
+def best_stumps(lo, hi, bins, features, node, signed, gain, cut):
     """Best split of each node by each of the features lo..hi.
 
     The gain of a split is how far apart both sides are, ``abs(right - left)`` of their sums of
-    signed weights: twice the gain is what the weighted error of a stump falls by. Of equal ones
-    the lowest cut counts.
+    signed weights: the weighted error of a stump is least where it is greatest. Of equal ones the
+    lowest cut counts.
 
     Parameters
     ----------
@@ -70,40 +78,51 @@ def best_stumps(lo, hi, bins, features, rows, node, signed, gain, cut):
         (n_features, n_windows) uint8.
     features
         Those that are tried, int64.
-    rows, node, signed
-        Windows that take part, the node (0 or 1) that each has come to, and its weight, negative
-        for background.
+    node, signed
+        Node (0 or 1) that each window has come to, and its weight, negative for background.
     gain, cut
         Out, (n_tried, 2): of the best split; windows of bins above the cut go right.
     """
-    histogram = np.empty((4, 2 * BINS))
-    n = rows.size
-    n_whole = n - n % 4
+    zero, one, two, three, four = (
+        np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(3), np.uint64(4)
+    )  # fmt: skip
+    eight = np.uint64(8)  # a node's histogram has 2^8 bins
+    # four histograms: else each sum would wait for the one before it
+    first, second = np.empty(2 * BINS), np.empty(2 * BINS)
+    third, fourth = np.empty(2 * BINS), np.empty(2 * BINS)
+    n = np.uint64(node.size)
+    n_whole = n - n % four
     for tried in range(lo, hi):
         values = bins[features[tried]]
-        histogram[:] = 0.0
-        # four histograms: else each sum would wait for the one before it
-        for i in range(0, n_whole, 4):
-            histogram[0, node[i] * BINS + values[rows[i]]] += signed[i]
-            histogram[1, node[i + 1] * BINS + values[rows[i + 1]]] += signed[i + 1]
-            histogram[2, node[i + 2] * BINS + values[rows[i + 2]]] += signed[i + 2]
-            histogram[3, node[i + 3] * BINS + values[rows[i + 3]]] += signed[i + 3]
-        for i in range(n_whole, n):
-            histogram[0, node[i] * BINS + values[rows[i]]] += signed[i]
+        first[:] = 0.0
+        second[:] = 0.0
+        third[:] = 0.0
+        fourth[:] = 0.0
+        i = zero
+        while i < n_whole:
+            j, k, m = i + one, i + two, i + three
+            first[(np.uint64(node[i]) << eight) + np.uint64(values[i])] += signed[i]
+            second[(np.uint64(node[j]) << eight) + np.uint64(values[j])] += signed[j]
+            third[(np.uint64(node[k]) << eight) + np.uint64(values[k])] += signed[k]
+            fourth[(np.uint64(node[m]) << eight) + np.uint64(values[m])] += signed[m]
+            i += four
+        while i < n:
+            first[(np.uint64(node[i]) << eight) + np.uint64(values[i])] += signed[i]
+            i += one
         for side in range(2):
             whole = 0.0
-            for k in range(side * BINS, (side + 1) * BINS):
-                histogram[0, k] += histogram[1, k] + histogram[2, k] + histogram[3, k]
-                whole += histogram[0, k]
+            for b in range(side * BINS, (side + 1) * BINS):
+                first[b] += second[b] + third[b] + fourth[b]
+                whole += first[b]
             left = 0.0
             best = -1.0
             best_cut = 0
-            for k in range(BINS - 1):
-                left += histogram[0, side * BINS + k]
+            for b in range(BINS - 1):
+                left += first[side * BINS + b]
                 apart = abs(whole - 2.0 * left)
                 if apart > best:
                     best = apart
-                    best_cut = k
+                    best_cut = b
             gain[tried, side] = best
             cut[tried, side] = best_cut
 

@@ -1,0 +1,197 @@
+"""Model files: the same again to the byte, and nothing damaged or hostile gets in."""
+
+from __future__ import annotations
+
+import io
+import json
+import pickle
+import zipfile
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nvcore.detectors.base import TrainedOn
+from nvcore.detectors.icf import IcfDetector, read_model, write_model
+from nvcore.detectors.icf.model_file import from_bytes, to_bytes
+from nvcore.detectors.icf.regions import Band
+from nvcore.errors import DetectorError
+
+
+def test_a_model_is_read_as_it_was_written(model, tmp_path, drawn):
+    part = TrainedOn("ab" * 32, "drive", 0, 399)
+    whole = replace(model, band=Band(0.1, 0.5, 0.02, 0.03), trained_on=(part,), name="signs, day")
+    path = tmp_path / "signs.npz"
+    write_model(whole, path)
+    detector = read_model(path)
+    assert to_bytes(detector.model) == path.read_bytes()
+    assert detector.about == IcfDetector(whole).about
+    assert detector.model.band == whole.band
+    assert detector.model.trained_on == (part,)
+    picture = drawn(100).picture
+    np.testing.assert_array_equal(
+        detector.detect(picture).score, IcfDetector(whole).detect(picture).score
+    )
+
+
+def test_numpy_opens_a_model_without_pickle(model, tmp_path):
+    write_model(model, tmp_path / "m.npz")
+    with np.load(tmp_path / "m.npz", allow_pickle=False) as arrays:
+        assert json.loads(arrays["about"].tobytes())["label"] == "disc"
+        np.testing.assert_array_equal(arrays["leaves"], model.trees.leaves)
+
+
+def members(content: bytes) -> dict[str, bytes]:
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def packed(files: dict[str, bytes]) -> bytes:
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files.items():
+            archive.writestr(name, content)
+    return stream.getvalue()
+
+
+def npy(array: np.ndarray, **more: bool) -> bytes:
+    stream = io.BytesIO()
+    np.lib.format.write_array(stream, array, version=(1, 0), **more)
+    return stream.getvalue()
+
+
+def with_array(name: str, change: Callable[[np.ndarray], np.ndarray]):
+    def altered(files: dict[str, bytes]) -> None:
+        array = np.lib.format.read_array(io.BytesIO(files[f"{name}.npy"]))
+        files[f"{name}.npy"] = npy(change(array.copy()))
+
+    return altered
+
+
+def put(name: str, index: object, value: float):
+    def change(array: np.ndarray) -> np.ndarray:
+        array[index] = value
+        return array
+
+    return with_array(name, change)
+
+
+def with_fact(name: str, value: object):
+    def altered(files: dict[str, bytes]) -> None:
+        array = np.lib.format.read_array(io.BytesIO(files["about.npy"]))
+        about = json.loads(array.tobytes())
+        about[name] = value
+        files["about.npy"] = npy(np.frombuffer(json.dumps(about).encode(), np.uint8))
+
+    return altered
+
+
+def with_setting(name: str, value: object):
+    def altered(files: dict[str, bytes]) -> None:
+        array = np.lib.format.read_array(io.BytesIO(files["about.npy"]))
+        with_fact("settings", {**json.loads(array.tobytes())["settings"], name: value})(files)
+
+    return altered
+
+
+def with_text(text: bytes):
+    return lambda files: files.update({"about.npy": npy(np.frombuffer(text, np.uint8))})
+
+
+def with_pickle(files: dict[str, bytes]) -> None:
+    files["trace.npy"] = npy(np.array([print], dtype=object), allow_pickle=True)
+
+
+def stating_more(files: dict[str, bytes]) -> None:
+    """A header that states 8 TB."""
+    header = io.BytesIO()
+    np.lib.format.write_array_header_1_0(
+        header, {"descr": "<f8", "fortran_order": False, "shape": (10**12,)}
+    )
+    files["trace.npy"] = header.getvalue() + bytes(80)
+
+
+CASES = {
+    "no array": lambda files: files.pop("trace.npy"),
+    "one more": lambda files: files.update({"more.npy": npy(np.zeros(1))}),
+    "a path": lambda files: files.update({"../trace.npy": files.pop("trace.npy")}),
+    "pickle": with_pickle,
+    "huge": stating_more,
+    "cut off": lambda files: files.update({"leaves.npy": files["leaves.npy"][:-3]}),
+    "no magic": lambda files: files.update({"leaves.npy": pickle.dumps([1])}),
+    "other type": with_array("leaves", lambda a: a.astype(np.float32)),
+    "Fortran": with_array("leaves", np.asfortranarray),
+    "fewer leaves": with_array("leaves", lambda a: a[:-1]),
+    "no trees": with_array("trace", lambda a: a[:0]),
+    "half a band": with_array("band", lambda _: np.zeros(3)),
+    "NaN": put("leaves", (0, 0), np.nan),
+    "infinite": put("trace", 0, -np.inf),
+    "feature beyond": put("node_feature", (0, 0), 10_000),
+    "feature below": put("node_feature", (0, 1), -1),
+    "channel beyond": put("features", (0, 0), 10),
+    "right of the window": put("features", (0, 3), 25),
+    "left of the window": put("features", (0, 1), -2),
+    "turned": put("features", (0, 2), 24),
+    "half a difference": put("features", (0, 5), 0),
+    "stages": put("stage_ends", -1, 5),
+    "a stage of none": put("stage_ends", 0, 0),
+    "powers": put("powers", 0, 9.0),
+    "other powers": with_array("powers", lambda a: a[:-1]),
+    "version": with_fact("version", 2),
+    "format": with_fact("format", "other"),
+    "name": with_fact("name", "a\x1b[31m"),
+    "no name": with_fact("name", ""),
+    "seed": with_fact("seed", True),
+    "trained on": with_fact("trained_on", [{"fingerprint": 3}]),
+    "trained on what": with_fact("trained_on", [7]),
+    "a window of millions": with_setting("window_width", 10**9),
+    "stride": with_setting("stride", 0),
+    "a stride of half a pixel": with_setting("stride", 0.5),
+    "no scale": with_setting("scales", []),
+    "channels": with_setting("channels", ["luv", ["hsv"]]),
+    "an unknown setting": with_setting("colour", 1),
+    "grey": with_fact("is_colour", False),
+    "no JSON": with_text(b"{"),
+    "a list": with_text(b"[]"),
+    "NaN in JSON": with_text(b'{"format": NaN}'),
+    "deep": with_text(b"[" * 100_000),
+    "no text": with_text(b"\xff\xfe"),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_hostile_model_is_refused_with_its_name(model, case):
+    files = members(to_bytes(model))
+    CASES[case](files)
+    with pytest.raises(DetectorError, match=r"^signs\.npz: .{8}"):
+        from_bytes(packed(files), "signs.npz")
+
+
+def test_the_cases_differ_from_a_model_that_is_accepted(model):
+    content = packed(members(to_bytes(model)))
+    assert to_bytes(from_bytes(content, "signs.npz")) == to_bytes(model)
+
+
+def test_no_cut_or_changed_byte_breaks_the_reader(model):
+    content = bytearray(to_bytes(model))
+    rng = np.random.default_rng(0)
+    for position in rng.integers(0, len(content), 60):
+        damaged = content.copy()
+        damaged[position] ^= 1 << int(rng.integers(8))
+        for variant in (bytes(damaged), bytes(content[:position])):
+            with suppress(DetectorError):  # a changed confidence is still a model
+                from_bytes(variant, "signs.npz")
+
+
+def test_more_data_than_a_model_may_have_is_not_unpacked(model):
+    files = members(to_bytes(model))
+    files["trace.npy"] = bytes(100 << 20)
+    with pytest.raises(DetectorError, match="at most 64 MiB"):
+        from_bytes(packed(files), "signs.npz")
+
+
+def test_a_file_that_is_not_there_is_said(tmp_path):
+    with pytest.raises(DetectorError, match=r"none\.npz: cannot be opened"):
+        read_model(tmp_path / "none.npz")
