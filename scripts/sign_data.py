@@ -63,6 +63,7 @@ class LazyScenes(Sequence[Scene]):
 
     def __init__(self, scenes: Sequence[SignScene], crops: Sequence[Crop]) -> None:
         self._scenes, self._crops = scenes, crops
+        self._read: dict[int, Scene] = {}
 
     def __len__(self) -> int:
         return len(self._scenes) + len(self._crops)
@@ -70,6 +71,11 @@ class LazyScenes(Sequence[Scene]):
     def __getitem__(self, index: int) -> Scene:  # type: ignore[override]
         if not 0 <= index < len(self):
             raise IndexError(index)
+        if index not in self._read:
+            self._read[index] = self._scene(index)
+        return self._read[index]
+
+    def _scene(self, index: int) -> Scene:
         if index < len(self._scenes):
             scene = self._scenes[index]
             return Scene(scene.read(), scene.boxes)

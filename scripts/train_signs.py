@@ -1,0 +1,241 @@
+"""Train a detector of speed limits on real signs, and measure it on signs that it has not seen.
+
+    python -m scripts.train_signs [--model FILE] [--evaluate] [--left-out FILE]
+
+Trains on the scenes and crops of `scripts.sign_data` (some ten minutes on two free cores), writes
+the model, and the names of the crops that were left out because they resemble a sign of a test
+scene. `--evaluate` only measures a model that is there. The data are those in `$NVCORE_REALDATA`
+(default: `../shared/realdata`); their licence is for research, so that models of them do not ship.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+import pandas as pd
+
+import nvcore as nv
+from nvcore.dataset import Dataset
+from nvcore.detection import DetectionCurve, detection_curve, detection_outcomes, pr_auc
+from nvcore.detection.miss_rate import log_average_miss_rate
+from nvcore.detectors.base import Detections
+from nvcore.detectors.icf import SIGNS, IcfDetector, IcfModel, read_model, train, write_model
+from nvcore.detectors.icf.channels import check_picture
+from nvcore.detectors.icf.detector import suppressed
+from nvcore.detectors.icf.windows import object_windows, window_values
+from nvcore.params import Params
+from nvcore.protocols import PROTOCOLS
+from scripts.sign_data import (
+    CHOOSING,
+    TESTED,
+    Crop,
+    LazyScenes,
+    SignScene,
+    held_out,
+    read_crops,
+    read_rgb,
+    read_scenes,
+    unlike,
+)
+
+ROOT = Path(__file__).resolve().parents[1]
+SIZE = (1360, 800)
+LEAST_PX = 20
+"""Smaller signs are neither missed nor false."""
+PRECISION = 0.95
+LOWEST = -1e6
+"""A threshold that every window passes which the cascade lets through."""
+RESAMPLED = 1000
+EVERY = 6
+"""Every sixth crop and scene with a sign is held out of the training for calibration."""
+SEED = 1
+
+
+@dataclass(frozen=True)
+class Run:
+    """Detections of all scenes: tables as of plain CSV, windows and features that it took."""
+
+    truth: pd.DataFrame
+    boxes: pd.DataFrame
+    n_windows: int
+    n_features: int
+    seconds: float
+
+
+def run(scenes: Sequence[SignScene], detector: IcfDetector) -> Run:
+    """Run a detector over scenes, at every confidence that its cascade lets through."""
+    truth, boxes = [], []
+    n_windows = n_features = 0
+    seconds = 0.0
+    for frame, scene in enumerate(scenes):
+        for x, y, w, h in scene.boxes:
+            truth.append((frame, x, y, w, h, int(min(w, h) < LEAST_PX)))
+        picture = scene.read()
+        start = perf_counter()
+        maps = detector.score_maps(picture)
+        found: Detections = suppressed(detector.candidates(maps), detector.model.settings)
+        seconds += perf_counter() - start
+        n_windows += sum(score_map.n_windows for score_map in maps)
+        n_features += sum(score_map.n_features for score_map in maps)
+        columns = (found.x, found.y, found.w, found.h, found.score)
+        boxes += [(frame, *box) for box in zip(*columns, strict=True)]
+    return Run(
+        pd.DataFrame(truth, columns=["frame", "x", "y", "w", "h", "ignore"]),
+        pd.DataFrame(boxes, columns=["frame", "x", "y", "w", "h", "score"]),
+        n_windows,
+        n_features,
+        seconds,
+    )
+
+
+def dataset_of(result: Run, n_scenes: int) -> Dataset:
+    """The run as data of the product."""
+    return nv.load(truth=result.truth, x=result.boxes, size=SIZE, fps=1, frames=range(n_scenes))
+
+
+def missed(of: DetectionCurve) -> int:
+    """Signs missed at the lowest threshold with a precision of 95 % or more."""
+    reached = of.tp[of.precision >= PRECISION]
+    return of.n_truth - int(reached.max(initial=0))
+
+
+def area_interval(dataset: Dataset) -> tuple[float, float]:
+    """95 % interval of the area under the curve, by resampling scenes."""
+    outcomes = detection_outcomes(dataset, dataset.systems[0], Params())
+    truth = outcomes.truth.truth.frame_index[outcomes.truth.counts]
+    n = len(dataset.frames)
+    rng = np.random.default_rng(SEED)
+    areas = []
+    for _ in range(RESAMPLED):
+        times = np.bincount(rng.integers(0, n, n), minlength=n)
+        weight = times[outcomes.frame_index]
+        curve = DetectionCurve(
+            system="",
+            protocol=PROTOCOLS["all"],
+            threshold=outcomes.score,
+            tp=np.cumsum(weight * outcomes.is_match),
+            fp=np.cumsum(weight * ~outcomes.is_match),
+            n_truth=int(times[truth].sum()),
+            n_images=n,
+        )
+        areas.append(pr_auc(curve))
+    low, high = np.nanpercentile(areas, [2.5, 97.5])
+    return float(low), float(high)
+
+
+def measure(name: str, scenes: Sequence[SignScene], detector: IcfDetector) -> str:
+    """How well the detector does on these scenes, in a sentence."""
+    result = run(scenes, detector)
+    dataset = dataset_of(result, len(scenes))
+    curve = detection_curve(dataset, dataset.systems[0], Params())
+    low, high = area_interval(dataset)
+    windows = result.n_windows / len(scenes)
+    at = int(np.argmax(curve.tp))
+    return (
+        f"{name}: {curve.n_truth} signs in {len(scenes)} scenes; PR-AUC {pr_auc(curve):.4f} "
+        f"({low:.4f} to {high:.4f}); missed at a precision of 95 %: {missed(curve)}; highest "
+        f"recall {curve.recall[at]:.3f} with {curve.fp[at]} false positives "
+        f"({curve.fppw(windows)[at]:.2e} per window); log-average miss rate "
+        f"{log_average_miss_rate(curve):.3f}; {windows:,.0f} windows a scene, "
+        f"{result.n_features / result.n_windows:.1f} features a window, "
+        f"{result.seconds / len(scenes):.2f} s a scene"
+    )
+
+
+def rejected(crops: Sequence[Crop], detector: IcfDetector) -> int:
+    """Crops whose window the cascade rejects."""
+    model = detector.model
+    plain = replace(model.settings, copies=0)
+    rng = np.random.default_rng(SEED)
+    windows = [
+        window
+        for crop in crops
+        for window in object_windows(check_picture(read_rgb(crop.path), True), crop.box, plain, rng)
+    ]
+    sums = model.trees.running_sums(window_values(windows, plain, model.features))
+    return int((sums < model.calibration.trace).any(axis=1).sum())
+
+
+def train_signs(realdata: Path, *, choosing: bool) -> tuple[IcfModel, list[str]]:
+    """A model of all that is not for testing, and the crops that resemble a sign that is.
+
+    Parameters
+    ----------
+    choosing
+        Leave out the scenes on which settings are chosen, too.
+    """
+    scenes = read_scenes(realdata / "gtsdb" / "train")
+    tested = [scene for scene in scenes if scene.number % 4 == TESTED]
+    out = {TESTED, CHOOSING} if choosing else {TESTED}
+    crops, _ = held_out(read_crops(realdata / "gtsrb"))
+    crops, alike = unlike(crops, [*tested, *read_scenes(realdata / "gtsdb" / "report")])
+    limits = [crop for crop in crops if crop.is_speed_limit]
+    calibrating = {crop.path.name for crop in limits[::EVERY]}
+    holding = [scene for scene in scenes if scene.number % 4 not in out]
+    with_signs = [scene for scene in holding if len(scene.boxes)]
+    calibrating |= {scene.path.name for scene in with_signs[::EVERY]}
+    parts = [
+        LazyScenes(
+            [scene for scene in holding if (scene.path.name in calibrating) == is_out],
+            [crop for crop in crops if (crop.path.name in calibrating) == is_out],
+        )
+        for is_out in (False, True)
+    ]
+    start = perf_counter()
+
+    def progress(share: float, what: str) -> None:
+        print(f"\r{share:4.0%} {what:40s} {perf_counter() - start:5.0f} s", end="", flush=True)
+
+    model = train(
+        parts[0],
+        SIGNS,
+        name="speed limits",
+        label="speed limit",
+        seed=SEED,
+        held_out=parts[1],
+        progress=progress,
+    )
+    print(f"\r{'trained':45s} {perf_counter() - start:5.0f} s")
+    return model, alike
+
+
+def main() -> None:
+    """Train, write, measure."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--model", type=Path, default=Path("signs.npz"))
+    parser.add_argument("--left-out", type=Path, default=Path("left_out.txt"))
+    parser.add_argument("--evaluate", action="store_true")
+    parser.add_argument(
+        "--choosing", action="store_true", help="leave out and measure on what settings are for"
+    )
+    options = parser.parse_args()
+    realdata = Path(os.environ.get("NVCORE_REALDATA", ROOT.parent / "shared" / "realdata"))
+    if not options.evaluate:
+        model, alike = train_signs(realdata, choosing=options.choosing)
+        write_model(model, options.model)
+        options.left_out.write_text("".join(f"{name}\n" for name in sorted(alike)))
+        print(f"{len(alike)} crops resemble a sign of a test scene: {options.left_out}")
+        print(f"{model.n_objects} windows of objects, {model.n_background} of background")
+    detector = read_model(options.model).run_with(threshold=LOWEST)
+    scenes = read_scenes(realdata / "gtsdb" / "train")
+    if options.choosing:
+        chosen = [scene for scene in scenes if scene.number % 4 == CHOOSING]
+        print(measure("for choosing settings", chosen, detector))
+        return
+    tested = [scene for scene in scenes if scene.number % 4 == TESTED]
+    print(measure(f"signs of {LEAST_PX} px and more", tested, detector))
+    print(measure("as in the report", read_scenes(realdata / "gtsdb" / "report"), detector))
+    _, crops = held_out(read_crops(realdata / "gtsrb"))
+    print(f"rejected of {len(crops)} crops held out: {rejected(crops, detector)}")
+
+
+if __name__ == "__main__":
+    main()
