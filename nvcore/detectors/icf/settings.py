@@ -86,10 +86,10 @@ class IcfSettings:
         so that small and blurred objects are learned, too.
     cascade, rejection
         What rejects a window before the last tree: the running sum of confidences below a
-        ``constant`` (`rejection`) or below the trace of held-out objects (``calibrated``); the
+        ``constant`` (`rejection`) or below the least that objects had there (``calibrated``); the
         sum of one of the stages by itself (``hard``); or nothing (``none``).
     kept_share
-        Share of the held-out objects that the calibrated trace and the stages let pass.
+        Share of the objects that the calibrated trace and the stages let pass.
     scales
         Divisors of the picture's size, ascending; below 1 it is enlarged.
     scales_between
@@ -327,17 +327,19 @@ AS_IN_REPORT: Final = IcfSettings(
 """The speed-sign detector of the Aalborg report (2015); what it does not say is a default."""
 
 SIGNS: Final = IcfSettings(
-    window_width=48,
-    window_height=48,
-    object_width=40.0,
-    object_height=40.0,
+    window_width=32,
+    window_height=32,
+    object_width=27.0,
+    object_height=27.0,
+    features=4000,
+    least_area=16,
     trees_per_round=(64, 256, 1024),
     least_object_px=16.0,
-    scales=tuple(round(0.4 * 1.1**i, 4) for i in range(24)),
+    scales=tuple(round(0.64 * 1.12**i, 4) for i in range(18)),
     stride=4,
     overlap_of="smaller",
 )
-"""Round signs of some 16 px and more."""
+"""Round signs of 17 to 118 px."""
 
 PEDESTRIANS: Final = IcfSettings(
     window_width=32,

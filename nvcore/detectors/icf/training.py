@@ -31,7 +31,8 @@ from nvcore.progress import Progress, no_progress, part_of
 
 HELD_OUT_SHARE: Final = 0.1
 """Share of the objects' pictures on which rejection is calibrated, where none are given."""
-_MINING_REJECTION: Final = -1.0
+_MINING_SHARE: Final = 0.98
+"""Share of the training's objects that a round's own trace lets pass while it is mined with."""
 _DIVERSE: Final = 0.6
 _FOR_POWERS: Final = 20
 _WINDOWS: Final = 0.1
@@ -57,28 +58,24 @@ class _Task:
             if scene.has_background:
                 yield i, scene
 
-    def model(self, boosted: Boosted, **known: object) -> IcfModel:
-        """A model of the pool's features, which rejects what is surely background."""
-        n = len(boosted.trees)
-        trace = np.full(n, _MINING_REJECTION)
-        nothing = Calibration(trace, np.array([n], np.int32), np.array([-np.inf]))
+    def model(self, boosted: Boosted, calibration: Calibration, **known: object) -> IcfModel:
+        """A model of these trees, which looks everywhere."""
+        boosted, kept = _only_used(boosted)
         model = IcfModel(
             name="in training",
             label="object",
             settings=replace(
                 self.settings,
-                cascade="constant",
-                rejection=_MINING_REJECTION,
+                cascade="calibrated",
                 scales_between=0,
-                threshold=0.0,
                 region=(),
                 use_band=False,
                 proposals="none",
             ),
             is_colour=self.is_colour,
-            features=self.features,
+            features=self.features[kept],
             trees=boosted.trees,
-            calibration=nothing,
+            calibration=calibration,
             powers=np.zeros(len(plane_names(self.settings, self.is_colour))),
             error=boosted.error,
             n_objects=0,
@@ -109,8 +106,8 @@ def train(
     name, label
         Of the model, and what it detects.
     held_out
-        Further objects, on which rejection is calibrated; None: every tenth of the scenes with
-        objects is held out.
+        Further objects, not trained on; rejection is calibrated on these and on those trained on.
+        None: every tenth of the scenes with objects is held out.
     trained_on
         What to note of the data; empty: their fingerprint.
     progress
@@ -128,24 +125,22 @@ def train(
     features = draw_features(settings, n_channels, seed)
     task = _Task(scenes, settings, features, is_colour, seed, band)
     objects = object_values(_with_objects(scenes), settings, features, is_colour, seed)
+    unseen = object_values(_with_objects(held_out), settings, features, is_colour, seed + 1)
     background = _first_background(task, part_of(progress, 0.0, _WINDOWS))
     if not len(objects) or not len(background):
         missing = "object" if not len(objects) else "background"
         raise DetectorError(f"a training needs windows of both kinds; there is no {missing}")
+    if not len(unseen):
+        raise DetectorError("there is no object left to calibrate on: give more, or others")
     boosted, background = _rounds(task, objects, background, part_of(progress, _WINDOWS, 0.98))
     progress(0.98, "calibrating")
-    seen = object_values(_with_objects(held_out), settings, features, is_colour, seed + 1)
-    if not len(seen):
-        raise DetectorError("there is no object left to calibrate on: give more, or others")
-    boosted, kept = _only_used(boosted, features)
-    calibration = calibrate(boosted.trees.running_sums(seen[:, kept]), settings.kept_share)
+    sums = boosted.trees.running_sums(np.concatenate([objects, unseen]))
     return task.model(
         boosted,
+        calibrate(sums, settings.kept_share),
         name=name,
         label=label,
         settings=settings,
-        features=features[kept],
-        calibration=calibration,
         powers=scaling_powers(_some_pictures(task), settings, is_colour),
         n_objects=len(objects),
         n_background=len(background),
@@ -236,7 +231,7 @@ def _rounds(
         start = 0.0
         if i and settings.negatives_per_round:
             start = _MINING
-            hard = _mined(task, boosted, part_of(of_round, 0.0, start))
+            hard = _mined(task, boosted, objects, part_of(of_round, 0.0, start))
             background = np.concatenate([background, hard])
         boosted = boost(
             np.concatenate([objects, background]),
@@ -252,10 +247,12 @@ def _rounds(
     return boosted, background
 
 
-def _mined(task: _Task, boosted: Boosted, progress: Progress) -> NDArray[np.int32]:
+def _mined(
+    task: _Task, boosted: Boosted, objects: NDArray[np.int32], progress: Progress
+) -> NDArray[np.int32]:
     """Background that the trees take for objects: the most confident windows of all scenes."""
-    boosted, kept = _only_used(boosted, task.features)
-    detector = IcfDetector(task.model(boosted, features=task.features[kept]))
+    calibration = calibrate(boosted.trees.running_sums(objects), _MINING_SHARE)
+    detector = IcfDetector(task.model(boosted, calibration))
     n_scenes = sum(1 for _ in task.backgrounds())
     most = task.settings.negatives_per_round
     each = max(10, -(-4 * most // max(n_scenes, 1)))
@@ -305,7 +302,7 @@ def _hardest(detector: IcfDetector, scene: Scene, task: _Task, most: int) -> _Ha
 
     def look(score_map: ScoreMap, sums: NDArray[np.int32]) -> None:
         level = score_map.level
-        row, column = np.nonzero(score_map.score >= 0)
+        row, column = np.nonzero(~np.isnan(score_map.score))
         boxes = level.boxes(row, column, task.settings)
         score = score_map.score[row, column]
         index = np.flatnonzero(is_background(boxes, scene))
@@ -319,9 +316,8 @@ def _hardest(detector: IcfDetector, scene: Scene, task: _Task, most: int) -> _Ha
     return whole.at(_differing(whole.boxes, whole.score, most))
 
 
-def _only_used(boosted: Boosted, features: Features) -> tuple[Boosted, NDArray[np.int64]]:
+def _only_used(boosted: Boosted) -> tuple[Boosted, NDArray[np.int64]]:
     """The trees with their features renumbered, and which of the pool these are."""
-    assert len(features)
     kept, index = np.unique(boosted.trees.feature, return_inverse=True)
     feature = index.reshape(boosted.trees.feature.shape).astype(np.int32)
     return replace(boosted, trees=replace(boosted.trees, feature=feature)), kept.astype(np.int64)
