@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -12,17 +12,16 @@ from numpy.typing import NDArray
 
 from nvcore.detectors.base import TrainedOn
 from nvcore.detectors.icf.boosting import Boosted, Trees, boost
-from nvcore.detectors.icf.cascade import Calibration, calibrate
+from nvcore.detectors.icf.cascade import calibrate
 from nvcore.detectors.icf.channels import check_picture, has_colour, plane_names
-from nvcore.detectors.icf.detector import IcfDetector, ScoreMap, stays
-from nvcore.detectors.icf.features import Features, draw_features, values_at
+from nvcore.detectors.icf.features import draw_features
+from nvcore.detectors.icf.mining import Task, mine
 from nvcore.detectors.icf.model import IcfModel
 from nvcore.detectors.icf.pyramid import scaling_powers
 from nvcore.detectors.icf.regions import Band, learn_band
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.detectors.icf.windows import (
     Scene,
-    is_background,
     object_values,
     random_background,
 )
@@ -31,58 +30,13 @@ from nvcore.progress import Progress, no_progress, part_of
 
 HELD_OUT_SHARE: Final = 0.1
 """Share of the objects' pictures on which rejection is calibrated, where none are given."""
-_MINING_SHARE: Final = 0.98
-"""Share of the training's objects that a round's own trace lets pass while it is mined with."""
-_DIVERSE: Final = 0.6
 _FOR_POWERS: Final = 20
-_WINDOWS: Final = 0.1
-"""Share of a training's time that cutting out windows takes, about."""
+_READING: Final = 0.03
+_CUTTING: Final = 0.07
+_WINDOWS: Final = 0.12
+"""Shares of a training's time, about: pictures are read, objects cut out, background drawn."""
 _MINING: Final = 0.35
 """Share of a round's time that mining takes, about."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Task:
-    """What all steps of one training share."""
-
-    scenes: Sequence[Scene]
-    settings: IcfSettings
-    features: Features
-    is_colour: bool
-    seed: int
-    band: Band
-
-    def backgrounds(self) -> Iterator[tuple[int, Scene]]:
-        for i in range(len(self.scenes)):
-            scene = self.scenes[i]
-            if scene.has_background:
-                yield i, scene
-
-    def model(self, boosted: Boosted, calibration: Calibration, **known: object) -> IcfModel:
-        """A model of these trees, which looks everywhere."""
-        boosted, kept = _only_used(boosted)
-        model = IcfModel(
-            name="in training",
-            label="object",
-            settings=replace(
-                self.settings,
-                cascade="calibrated",
-                scales_between=0,
-                region=(),
-                use_band=False,
-                proposals="none",
-            ),
-            is_colour=self.is_colour,
-            features=self.features[kept],
-            trees=boosted.trees,
-            calibration=calibration,
-            powers=np.zeros(len(plane_names(self.settings, self.is_colour))),
-            error=boosted.error,
-            n_objects=0,
-            n_background=0,
-            seed=self.seed,
-        )
-        return replace(model, **known)  # type: ignore[arg-type]
 
 
 def train(
@@ -118,15 +72,15 @@ def train(
     DetectorError
         If there is no object to learn or to calibrate on, or no background.
     """
-    progress(0.0, "reading pictures")
     scenes, held_out = _parted(scenes, held_out)
-    is_colour, digest, band = _surveyed(scenes, held_out)
+    reading, cutting = part_of(progress, 0.0, _READING), part_of(progress, _READING, _CUTTING)
+    is_colour, digest, band = _surveyed(scenes, held_out, reading)
     n_channels = len(plane_names(settings, is_colour))
     features = draw_features(settings, n_channels, seed)
-    task = _Task(scenes, settings, features, is_colour, seed, band)
-    objects = object_values(_with_objects(scenes), settings, features, is_colour, seed)
+    task = Task(scenes, settings, features, is_colour, seed)
+    objects = object_values(_with_objects(scenes, cutting), settings, features, is_colour, seed)
     unseen = object_values(_with_objects(held_out), settings, features, is_colour, seed + 1)
-    background = _first_background(task, part_of(progress, 0.0, _WINDOWS))
+    background = _first_background(task, part_of(progress, _CUTTING, _WINDOWS))
     if not len(objects) or not len(background):
         missing = "object" if not len(objects) else "background"
         raise DetectorError(f"a training needs windows of both kinds; there is no {missing}")
@@ -135,9 +89,8 @@ def train(
     boosted, background = _rounds(task, objects, background, part_of(progress, _WINDOWS, 0.98))
     progress(0.98, "calibrating")
     sums = boosted.trees.running_sums(np.concatenate([objects, unseen]))
-    return task.model(
-        boosted,
-        calibrate(sums, settings.kept_share),
+    return replace(
+        task.model(boosted, calibrate(sums, settings.kept_share)),
         name=name,
         label=label,
         settings=settings,
@@ -176,17 +129,25 @@ class _Subset(Sequence[Scene]):
         return self._scenes[self._indices[index]]
 
 
-def _with_objects(scenes: Sequence[Scene]) -> Iterator[Scene]:
-    return (scene for scene in scenes if len(scene.boxes))
+def _with_objects(scenes: Sequence[Scene], progress: Progress = no_progress) -> Iterator[Scene]:
+    for i in range(len(scenes)):
+        progress(i / len(scenes), "cutting out objects")
+        scene = scenes[i]
+        if len(scene.boxes):
+            yield scene
 
 
-def _surveyed(scenes: Sequence[Scene], held_out: Sequence[Scene]) -> tuple[bool, str, Band]:
+def _surveyed(
+    scenes: Sequence[Scene], held_out: Sequence[Scene], progress: Progress
+) -> tuple[bool, str, Band]:
     """Whether every picture has colour, sha256 over pictures and boxes, where the boxes lie."""
     digest = hashlib.sha256()
     is_colour, any_colour = True, False
     rows, heights = [], []
     for part in (scenes, held_out):
-        for scene in part:
+        for i in range(len(part)):
+            progress(i / len(part) if part is scenes else 1.0, "reading pictures")
+            scene = part[i]
             picture = scene.picture
             is_colour &= picture.ndim == 3
             any_colour = any_colour or has_colour(picture)
@@ -201,7 +162,7 @@ def _surveyed(scenes: Sequence[Scene], held_out: Sequence[Scene]) -> tuple[bool,
     return is_colour and any_colour, digest.hexdigest(), band
 
 
-def _first_background(task: _Task, progress: Progress) -> NDArray[np.int32]:
+def _first_background(task: Task, progress: Progress) -> NDArray[np.int32]:
     """Windows of background drawn at random, about as many from each scene."""
     n_scenes = sum(1 for _ in task.backgrounds())
     each = -(-task.settings.negatives // max(n_scenes, 1))
@@ -215,7 +176,7 @@ def _first_background(task: _Task, progress: Progress) -> NDArray[np.int32]:
 
 
 def _rounds(
-    task: _Task, objects: NDArray[np.int32], background: NDArray[np.int32], progress: Progress
+    task: Task, objects: NDArray[np.int32], background: NDArray[np.int32], progress: Progress
 ) -> tuple[Boosted, NDArray[np.int32]]:
     """All rounds: the trees of the last, and its background."""
     settings = task.settings
@@ -231,7 +192,7 @@ def _rounds(
         start = 0.0
         if i and settings.negatives_per_round:
             start = _MINING
-            hard = _mined(task, boosted, objects, part_of(of_round, 0.0, start))
+            hard = mine(task, boosted, objects, part_of(of_round, 0.0, start))
             background = np.concatenate([background, hard])
         boosted = boost(
             np.concatenate([objects, background]),
@@ -247,83 +208,7 @@ def _rounds(
     return boosted, background
 
 
-def _mined(
-    task: _Task, boosted: Boosted, objects: NDArray[np.int32], progress: Progress
-) -> NDArray[np.int32]:
-    """Background that the trees take for objects: the most confident windows of all scenes."""
-    calibration = calibrate(boosted.trees.running_sums(objects), _MINING_SHARE)
-    detector = IcfDetector(task.model(boosted, calibration))
-    n_scenes = sum(1 for _ in task.backgrounds())
-    most = task.settings.negatives_per_round
-    each = max(10, -(-4 * most // max(n_scenes, 1)))
-    found = [_nothing(task)]
-    for n, (_, scene) in enumerate(task.backgrounds()):
-        progress(n / n_scenes, "looking for hard background")
-        found.append(_hardest(detector, scene, task, each))
-    hard = _joined(found)
-    return hard.values[np.argsort(-hard.score, kind="stable")[:most]]
-
-
-@dataclass(frozen=True, eq=False)
-class _Hard:
-    """Windows of background: boxes (4, n), scores (n,), values (n, n_features)."""
-
-    boxes: NDArray[np.float64]
-    score: NDArray[np.float64]
-    values: NDArray[np.int32]
-
-    def at(self, index: NDArray[np.int64]) -> _Hard:
-        return _Hard(self.boxes[:, index], self.score[index], self.values[index])
-
-
-def _nothing(task: _Task) -> _Hard:
-    return _Hard(np.empty((4, 0)), np.empty(0), np.empty((0, len(task.features)), np.int32))
-
-
-def _joined(parts: Sequence[_Hard]) -> _Hard:
-    return _Hard(
-        np.concatenate([part.boxes for part in parts], axis=1),
-        np.concatenate([part.score for part in parts]),
-        np.concatenate([part.values for part in parts]),
-    )
-
-
-def _differing(
-    boxes: NDArray[np.float64], score: NDArray[np.float64], most: int
-) -> NDArray[np.int64]:
-    """Indices of the most confident boxes that differ in place."""
-    order = np.argsort(-score, kind="stable")[: 50 * most]
-    return order[stays(boxes[:, order], _DIVERSE, "union")][:most]
-
-
-def _hardest(detector: IcfDetector, scene: Scene, task: _Task, most: int) -> _Hard:
-    """The most confident windows of a scene's background that differ in place."""
-    parts: dict[float, _Hard] = {}
-
-    def look(score_map: ScoreMap, sums: NDArray[np.int32]) -> None:
-        level = score_map.level
-        row, column = np.nonzero(~np.isnan(score_map.score))
-        boxes = level.boxes(row, column, task.settings)
-        score = score_map.score[row, column]
-        index = np.flatnonzero(is_background(boxes, scene))
-        index = index[_differing(boxes[:, index], score[index], most)]
-        base = (row[index] * (level.width + 1) + column[index]) * task.settings.stride
-        values = values_at(sums, base, task.features)
-        parts[level.scale] = _Hard(boxes[:, index], score[index], values)
-
-    detector.score_maps(scene.picture, look)
-    whole = _joined([_nothing(task), *(parts[scale] for scale in sorted(parts))])
-    return whole.at(_differing(whole.boxes, whole.score, most))
-
-
-def _only_used(boosted: Boosted) -> tuple[Boosted, NDArray[np.int64]]:
-    """The trees with their features renumbered, and which of the pool these are."""
-    kept, index = np.unique(boosted.trees.feature, return_inverse=True)
-    feature = index.reshape(boosted.trees.feature.shape).astype(np.int32)
-    return replace(boosted, trees=replace(boosted.trees, feature=feature)), kept.astype(np.int64)
-
-
-def _some_pictures(task: _Task) -> Iterator[NDArray[np.uint8]]:
+def _some_pictures(task: Task) -> Iterator[NDArray[np.uint8]]:
     """At most 20 scenes with background, evenly spread."""
     indices = [i for i, _ in task.backgrounds()]
     for i in indices[:: max(1, -(-len(indices) // _FOR_POWERS))]:

@@ -1,0 +1,154 @@
+"""Hard background: the windows that a round of training takes for objects, for the next round."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.detectors.icf.boosting import Boosted
+from nvcore.detectors.icf.cascade import Calibration, calibrate
+from nvcore.detectors.icf.channels import plane_names
+from nvcore.detectors.icf.detector import IcfDetector, ScoreMap, stays
+from nvcore.detectors.icf.features import Features, values_at
+from nvcore.detectors.icf.model import IcfModel
+from nvcore.detectors.icf.settings import IcfSettings
+from nvcore.detectors.icf.windows import Scene, is_background
+from nvcore.progress import Progress
+
+_PASSING: Final = 0.98
+"""Share of the training's objects that a round's own trace lets pass while it is mined with."""
+_DIVERSE: Final = 0.6
+"""IoU from which two windows are one and the same background."""
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """What all steps of one training share: its scenes, settings, pool of features and seed."""
+
+    scenes: Sequence[Scene]
+    settings: IcfSettings
+    features: Features
+    is_colour: bool
+    seed: int
+
+    def backgrounds(self) -> Iterator[tuple[int, Scene]]:
+        """Scenes with background, and their places among all."""
+        for i in range(len(self.scenes)):
+            scene = self.scenes[i]
+            if scene.has_background:
+                yield i, scene
+
+    def model(self, boosted: Boosted, calibration: Calibration) -> IcfModel:
+        """A model of these trees, without a name, which looks everywhere."""
+        boosted, kept = _only_used(boosted)
+        return IcfModel(
+            name="in training",
+            label="object",
+            settings=replace(
+                self.settings,
+                cascade="calibrated",
+                scales_between=0,
+                region=(),
+                use_band=False,
+                proposals="none",
+            ),
+            is_colour=self.is_colour,
+            features=self.features[kept],
+            trees=boosted.trees,
+            calibration=calibration,
+            powers=np.zeros(len(plane_names(self.settings, self.is_colour))),
+            error=boosted.error,
+            n_objects=0,
+            n_background=0,
+            seed=self.seed,
+        )
+
+
+def mine(
+    task: Task, boosted: Boosted, objects: NDArray[np.int32], progress: Progress
+) -> NDArray[np.int32]:
+    """Background that the trees take for objects: the most confident windows of all scenes.
+
+    Parameters
+    ----------
+    objects
+        Feature values of the training's objects; what few of them reach is not looked at.
+
+    Returns
+    -------
+    Feature values, int32, (n, n_features); n is at most `negatives_per_round`.
+    """
+    calibration = calibrate(boosted.trees.running_sums(objects), _PASSING)
+    detector = IcfDetector(task.model(boosted, calibration))
+    n_scenes = sum(1 for _ in task.backgrounds())
+    most = task.settings.negatives_per_round
+    each = max(10, -(-4 * most // max(n_scenes, 1)))
+    windows = [_nothing(task)]
+    for n, (_, scene) in enumerate(task.backgrounds()):
+        progress(n / n_scenes, "looking for hard background")
+        windows.append(_hardest(detector, scene, task, each))
+    hard = _joined(windows)
+    return hard.values[np.argsort(-hard.score, kind="stable")[:most]]
+
+
+@dataclass(frozen=True, eq=False)
+class _Hard:
+    """Windows of background: boxes (4, n), scores (n,), values (n, n_features)."""
+
+    boxes: NDArray[np.float64]
+    score: NDArray[np.float64]
+    values: NDArray[np.int32]
+
+    def at(self, index: NDArray[np.int64]) -> _Hard:
+        return _Hard(self.boxes[:, index], self.score[index], self.values[index])
+
+
+def _nothing(task: Task) -> _Hard:
+    return _Hard(np.empty((4, 0)), np.empty(0), np.empty((0, len(task.features)), np.int32))
+
+
+def _joined(parts: Sequence[_Hard]) -> _Hard:
+    return _Hard(
+        np.concatenate([part.boxes for part in parts], axis=1),
+        np.concatenate([part.score for part in parts]),
+        np.concatenate([part.values for part in parts]),
+    )
+
+
+def _differing(
+    boxes: NDArray[np.float64], score: NDArray[np.float64], most: int
+) -> NDArray[np.int64]:
+    """Indices of the most confident boxes that differ in place."""
+    order = np.argsort(-score, kind="stable")[: 50 * most]
+    return order[stays(boxes[:, order], _DIVERSE, "union")][:most]
+
+
+def _hardest(detector: IcfDetector, scene: Scene, task: Task, most: int) -> _Hard:
+    """The most confident windows of a scene's background that differ in place."""
+    parts: dict[float, _Hard] = {}
+
+    def look(score_map: ScoreMap, sums: NDArray[np.int32]) -> None:
+        level = score_map.level
+        row, column = np.nonzero(~np.isnan(score_map.score))
+        boxes = level.boxes(row, column, task.settings)
+        score = score_map.score[row, column]
+        index = np.flatnonzero(is_background(boxes, scene))
+        index = index[_differing(boxes[:, index], score[index], most)]
+        base = (row[index] * (level.width + 1) + column[index]) * task.settings.stride
+        values = values_at(sums, base, task.features)
+        parts[level.scale] = _Hard(boxes[:, index], score[index], values)
+
+    detector.score_maps(scene.picture, look)
+    whole = _joined([_nothing(task), *(parts[scale] for scale in sorted(parts))])
+    return whole.at(_differing(whole.boxes, whole.score, most))
+
+
+def _only_used(boosted: Boosted) -> tuple[Boosted, NDArray[np.int64]]:
+    """The trees with their features renumbered, and which of the pool these are."""
+    kept, index = np.unique(boosted.trees.feature, return_inverse=True)
+    feature = index.reshape(boosted.trees.feature.shape).astype(np.int32)
+    return replace(boosted, trees=replace(boosted.trees, feature=feature)), kept.astype(np.int64)
