@@ -15,12 +15,15 @@ from nvcore.detectors.icf.channels import plane_names
 from nvcore.detectors.icf.detector import IcfDetector, ScoreMap, stays
 from nvcore.detectors.icf.features import Features, values_at
 from nvcore.detectors.icf.model import IcfModel
-from nvcore.detectors.icf.settings import IcfSettings
+from nvcore.detectors.icf.settings import MAX_STRIDE, IcfSettings
 from nvcore.detectors.icf.windows import Scene, is_background
 from nvcore.progress import Progress
 
 _PASSING: Final = 0.98
 """Share of the training's objects that a round's own trace lets pass while it is mined with."""
+_SURPLUS: Final = 1.5
+"""Windows that are found for each one that is wanted."""
+_STEP: Final = 2
 _DIVERSE: Final = 0.6
 """IoU from which two windows are one and the same background."""
 
@@ -43,7 +46,7 @@ class Task:
                 yield i, scene
 
     def model(self, boosted: Boosted, calibration: Calibration) -> IcfModel:
-        """A model of these trees, without a name, which looks everywhere."""
+        """A model of these trees, without a name, to look for hard background."""
         boosted, kept = _only_used(boosted)
         return IcfModel(
             name="in training",
@@ -51,6 +54,7 @@ class Task:
             settings=replace(
                 self.settings,
                 cascade="calibrated",
+                stride=min(_STEP * self.settings.stride, MAX_STRIDE),
                 scales_between=0,
                 region=(),
                 use_band=False,
@@ -71,7 +75,11 @@ class Task:
 def mine(
     task: Task, boosted: Boosted, objects: NDArray[np.int32], progress: Progress
 ) -> NDArray[np.int32]:
-    """Background that the trees take for objects: the most confident windows of all scenes.
+    """Background that the trees take for objects: the most confident windows that are found.
+
+    Scenes are visited in random order, until there are half as many more windows as are wanted:
+    a first round, with its few trees, is wrong about many. Every other window is looked at, both
+    ways: what is taken for an object is so in neighbouring windows, too.
 
     Parameters
     ----------
@@ -84,13 +92,20 @@ def mine(
     """
     calibration = calibrate(boosted.trees.running_sums(objects), _PASSING)
     detector = IcfDetector(task.model(boosted, calibration))
-    n_scenes = sum(1 for _ in task.backgrounds())
     most = task.settings.negatives_per_round
-    each = max(10, -(-4 * most // max(n_scenes, 1)))
+    order = np.random.default_rng([task.seed, len(boosted.trees)]).permutation(len(task.scenes))
+    each = max(10, most // 40, -(-2 * most // max(len(order), 1)))
     windows = [_nothing(task)]
-    for n, (_, scene) in enumerate(task.backgrounds()):
-        progress(n / n_scenes, "looking for hard background")
+    n_windows = 0
+    for n, i in enumerate(order):
+        scene = task.scenes[int(i)]
+        if not scene.has_background:
+            continue
+        progress(max(n / len(order), n_windows / (_SURPLUS * most)), "looking for hard background")
         windows.append(_hardest(detector, scene, task, each))
+        n_windows += len(windows[-1].score)
+        if n_windows >= _SURPLUS * most:
+            break
     hard = _joined(windows)
     return hard.values[np.argsort(-hard.score, kind="stable")[:most]]
 
@@ -130,15 +145,16 @@ def _differing(
 def _hardest(detector: IcfDetector, scene: Scene, task: Task, most: int) -> _Hard:
     """The most confident windows of a scene's background that differ in place."""
     parts: dict[float, _Hard] = {}
+    settings = detector.model.settings
 
     def look(score_map: ScoreMap, sums: NDArray[np.int32]) -> None:
         level = score_map.level
         row, column = np.nonzero(~np.isnan(score_map.score))
-        boxes = level.boxes(row, column, task.settings)
+        boxes = level.boxes(row, column, settings)
         score = score_map.score[row, column]
         index = np.flatnonzero(is_background(boxes, scene))
         index = index[_differing(boxes[:, index], score[index], most)]
-        base = (row[index] * (level.width + 1) + column[index]) * task.settings.stride
+        base = (row[index] * (level.width + 1) + column[index]) * settings.stride
         values = values_at(sums, base, task.features)
         parts[level.scale] = _Hard(boxes[:, index], score[index], values)
 

@@ -37,6 +37,7 @@ OF_A_RUN: Final = frozenset(
 )
 """Settings that a trained model may be run with otherwise; the others made it what it is."""
 MAX_WINDOW: Final = 256
+MAX_STRIDE: Final = 256
 MAX_SCALES: Final = 64
 MAX_TREES: Final = 20_000
 MAX_FEATURES: Final = 200_000
@@ -236,7 +237,7 @@ _RANGES: Final[dict[str, tuple[float, float]]] = {
     "rejection": (-1000, 1000),
     "kept_share": (0.5, 1),
     "scales_between": (0, MAX_SCALES),
-    "stride": (1, MAX_WINDOW),
+    "stride": (1, MAX_STRIDE),
     "threshold": (-1e6, 1e6),
     "overlap": (0, 2),
     "red_share": (0, 1),
@@ -331,15 +332,15 @@ SIGNS: Final = IcfSettings(
     window_height=32,
     object_width=27.0,
     object_height=27.0,
-    features=4000,
+    features=3000,
     least_area=16,
-    trees_per_round=(64, 256, 1024),
+    trees_per_round=(64, 256, 800),
     least_object_px=16.0,
-    scales=tuple(round(0.64 * 1.12**i, 4) for i in range(18)),
+    scales=tuple(round(0.66 * 1.15**i, 4) for i in range(15)),
     stride=4,
     overlap_of="smaller",
 )
-"""Round signs of 17 to 118 px."""
+"""Round signs of 18 to 125 px."""
 
 PEDESTRIANS: Final = IcfSettings(
     window_width=32,

@@ -28,7 +28,8 @@ _MOST_SHARED: Final = 0.2
 _MARGIN: Final = 4
 """Pixels around a window that its blur and gradients see."""
 _BLOCK: Final = 256
-_SCALES_A_PICTURE: Final = 3
+_ON_A_SCALE: Final = 50
+"""Windows of a picture that are drawn on one scale: each scale takes time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +115,7 @@ def random_background(
     n: int,
     rng: np.random.Generator,
 ) -> NDArray[np.int32]:
-    """Feature values of at most `n` windows of background, at three scales drawn at random."""
+    """Feature values of at most `n` windows of background, at scales drawn at random."""
     picture = check_picture(scene.picture, is_colour)
     height, width = picture.shape[:2]
     singly = [level for group in levels(width, height, settings) for level in group]
@@ -122,7 +123,7 @@ def random_background(
     if not singly:
         return values[0]
     area = np.array([np.prod(level.grid(settings)) for level in singly], float)
-    n_levels = min(_SCALES_A_PICTURE, len(singly))
+    n_levels = min(-(-n // _ON_A_SCALE), len(singly))
     # small objects have most of the windows: they are drawn more often, but not as often as that
     drawn = rng.choice(len(singly), n_levels, replace=False, p=np.sqrt(area) / np.sqrt(area).sum())
     for i in np.sort(drawn):

@@ -51,9 +51,18 @@ def test_a_model_notes_what_it_was_trained_on(drawn, settings):
     assert train(scenes, quick(settings), **known, trained_on=[part]).trained_on == (part,)
 
 
-def test_hard_background_is_added_between_rounds(model, settings):
-    assert settings.negatives < model.n_background
-    assert model.n_background <= settings.negatives + settings.negatives_per_round + 29
+def test_hard_background_is_added_between_rounds(drawn, settings):
+    scenes = [drawn(i) for i in range(12)]
+    n = [
+        train(scenes, replace(quick(settings), negatives_per_round=most), name="d", label="disc")
+        for most in (0, 15, 200)
+    ]
+    assert n[1].n_background == n[0].n_background + 15
+    assert n[2].n_background > n[1].n_background
+    assert [len(model.trees) for model in n] == [8, 8, 8]
+
+
+def test_windows_are_told_apart_at_the_end(model, settings):
     assert len(model.trees) == len(model.error) == settings.trees_per_round[-1]
     assert model.error[-1] == 0
 
