@@ -53,8 +53,9 @@ def test_a_model_notes_what_it_was_trained_on(drawn, settings):
 
 def test_hard_background_is_added_between_rounds(drawn, settings):
     scenes = [drawn(i) for i in range(12)]
+    few = replace(quick(settings), negatives=12)
     n = [
-        train(scenes, replace(quick(settings), negatives_per_round=most), name="d", label="disc")
+        train(scenes, replace(few, negatives_per_round=most), name="d", label="disc")
         for most in (0, 15, 200)
     ]
     assert n[1].n_background == n[0].n_background + 15
