@@ -26,6 +26,7 @@ from nvcore.detection import DetectionCurve, detection_curve, detection_outcomes
 from nvcore.detection.miss_rate import log_average_miss_rate
 from nvcore.detectors.base import Detections
 from nvcore.detectors.icf import SIGNS, IcfDetector, IcfModel, read_model, train, write_model
+from nvcore.detectors.icf.cascade import floors
 from nvcore.detectors.icf.channels import check_picture
 from nvcore.detectors.icf.detector import suppressed
 from nvcore.detectors.icf.windows import object_windows, window_values
@@ -159,7 +160,7 @@ def rejected(crops: Sequence[Crop], detector: IcfDetector) -> int:
         for window in object_windows(check_picture(read_rgb(crop.path), True), crop.box, plain, rng)
     ]
     sums = model.trees.running_sums(window_values(windows, plain, model.features))
-    return int((sums < model.calibration.trace).any(axis=1).sum())
+    return int((sums < floors(model.settings, model.calibration)[0]).any(axis=1).sum())
 
 
 def train_signs(realdata: Path, *, choosing: bool) -> tuple[IcfModel, list[str]]:

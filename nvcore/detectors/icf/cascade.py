@@ -68,11 +68,15 @@ def stage_ends(n_trees: int) -> NDArray[np.int32]:
 def floors(
     settings: IcfSettings, calibration: Calibration
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Lowest sum after each tree with which a window stays, and where the sum begins anew."""
+    """Lowest sum after each tree with which a window stays, and where the sum begins anew.
+
+    A calibrated trace rejects no window whose sum is above 0, even where all objects had more:
+    so far the trees take it for an object.
+    """
     n_trees = len(calibration.trace)
     restarts = np.zeros(n_trees, np.bool_)
     if settings.cascade == "calibrated":
-        return calibration.trace, restarts
+        return np.minimum(calibration.trace, 0.0), restarts
     if settings.cascade == "constant":
         return np.full(n_trees, float(settings.rejection)), restarts
     lowest = np.full(n_trees, -np.inf)

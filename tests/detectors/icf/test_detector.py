@@ -135,6 +135,13 @@ def test_the_trace_is_the_least_sum_of_those_that_are_kept():
     np.testing.assert_array_equal(calibration.stage_floors, [0.5, 1.0])
 
 
+def test_no_window_is_rejected_that_the_trees_take_for_an_object_so_far(model):
+    calibration = calibrate(np.array([[0.5, -1.0, 4.0], [2.0, -2.0, 3.0]]), kept_share=1.0)
+    lowest, restarts = floors(replace(model.settings, cascade="calibrated"), calibration)
+    assert lowest.tolist() == [0.0, -2.0, 0.0]
+    assert not restarts.any()
+
+
 def test_each_stage_of_a_hard_cascade_begins_anew(model):
     calibration = calibrate(np.arange(1.0, 9.0)[None], kept_share=1.0)
     lowest, restarts = floors(replace(model.settings, cascade="hard"), calibration)
