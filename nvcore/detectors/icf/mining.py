@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -30,20 +30,14 @@ _DIVERSE: Final = 0.6
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """What all steps of one training share: its scenes, settings, pool of features and seed."""
+    """What all steps of one training share; `backgrounds` are the scenes with background."""
 
     scenes: Sequence[Scene]
+    backgrounds: Sequence[int]
     settings: IcfSettings
     features: Features
     is_colour: bool
     seed: int
-
-    def backgrounds(self) -> Iterator[tuple[int, Scene]]:
-        """Scenes with background, and their places among all."""
-        for i in range(len(self.scenes)):
-            scene = self.scenes[i]
-            if scene.has_background:
-                yield i, scene
 
     def model(self, boosted: Boosted, calibration: Calibration) -> IcfModel:
         """A model of these trees, without a name, to look for hard background."""
@@ -66,6 +60,7 @@ class Task:
             calibration=calibration,
             powers=np.zeros(len(plane_names(self.settings, self.is_colour))),
             error=boosted.error,
+            round_ends=np.array([len(boosted.error)], np.int32),
             n_objects=0,
             n_background=0,
             seed=self.seed,
@@ -93,16 +88,14 @@ def mine(
     calibration = calibrate(boosted.trees.running_sums(objects), _PASSING)
     detector = IcfDetector(task.model(boosted, calibration))
     most = task.settings.negatives_per_round
-    order = np.random.default_rng([task.seed, len(boosted.trees)]).permutation(len(task.scenes))
+    rng = np.random.default_rng([task.seed, len(boosted.trees)])
+    order = rng.permutation(np.array(task.backgrounds, np.int64))
     each = max(10, most // 40, -(-2 * most // max(len(order), 1)))
     windows = [_nothing(task)]
     n_windows = 0
     for n, i in enumerate(order):
-        scene = task.scenes[int(i)]
-        if not scene.has_background:
-            continue
         progress(max(n / len(order), n_windows / (_SURPLUS * most)), "looking for hard background")
-        windows.append(_hardest(detector, scene, task, each))
+        windows.append(_hardest(detector, task.scenes[int(i)], task, each))
         n_windows += len(windows[-1].score)
         if n_windows >= _SURPLUS * most:
             break

@@ -41,8 +41,9 @@ class IcfModel:
         By which power of the scale each channel changes; float64, (n_channels,).
     band
         Where the boxes of the training lay.
-    error
-        Training error after each tree of the last round; float64, (n_trees,).
+    error, round_ends
+        Training error after each tree, of all rounds one after another, float64, and where each
+        round ends in it, int32, (n_rounds,).
     n_objects, n_background
         Windows of the last round.
     seed
@@ -60,6 +61,7 @@ class IcfModel:
     calibration: Calibration
     powers: NDArray[np.float64]
     error: NDArray[np.float64]
+    round_ends: NDArray[np.int32]
     n_objects: int
     n_background: int
     seed: int

@@ -30,7 +30,13 @@ VERSION: Final = 1
 MAX_BYTES: Final = 1 << 26
 """Size of a model file, and of all that is in it."""
 _ABOUT: Final = "about"
-_MOST: Final = {"n": MAX_TREES, "features": MAX_FEATURES, "stages": 64, "band": 4, "channels": 64}
+_MOST: Final = {
+    "n": MAX_TREES,
+    "features": MAX_FEATURES,
+    "stages": 64,
+    "channels": 64,
+    "rounds": 20,
+}
 _ARRAYS: Final[dict[str, tuple[str, tuple[str | int, ...]]]] = {
     "features": ("<i4", ("features", N_COLUMNS)),
     "node_feature": ("<i4", ("n", 3)),
@@ -40,7 +46,8 @@ _ARRAYS: Final[dict[str, tuple[str, tuple[str | int, ...]]]] = {
     "stage_ends": ("<i4", ("stages",)),
     "stage_floors": ("<f8", ("stages",)),
     "powers": ("<f8", ("channels",)),
-    "error": ("<f8", ("n",)),
+    "error": ("<f8", ("errors",)),
+    "round_ends": ("<i4", ("rounds",)),
     "band": ("<f8", ("band",)),
 }
 """Type and shape of each array; equal words are equal lengths."""
@@ -150,6 +157,7 @@ def _members(model: IcfModel) -> dict[str, NDArray[Any]]:
         "stage_floors": model.calibration.stage_floors,
         "powers": model.powers,
         "error": model.error,
+        "round_ends": model.round_ends,
         "band": np.array(band),
     }
     arrays = {
@@ -250,6 +258,7 @@ def _checked(about: Mapping[str, Any], arrays: dict[str, NDArray[Any]]) -> IcfMo
         calibration=Calibration(arrays["trace"], arrays["stage_ends"], arrays["stage_floors"]),
         powers=arrays["powers"],
         error=arrays["error"],
+        round_ends=arrays["round_ends"],
         n_objects=about["n_objects"],
         n_background=about["n_background"],
         seed=about["seed"],
@@ -290,9 +299,12 @@ def _check_indices(model: IcfModel) -> None:
             is_inside |= (model.features[:, 5:] == -1).all(axis=1)
         if not is_inside.all():
             raise DetectorError("features: a rectangle does not lie within the window")
-    ends = model.calibration.stage_ends
-    if ends[0] < 1 or (np.diff(ends) < 1).any() or ends[-1] != len(model.trees):
-        raise DetectorError("stage_ends: expected ascending numbers of trees up to all of them")
+    for name, ends, last in (
+        ("stage_ends", model.calibration.stage_ends, len(model.trees)),
+        ("round_ends", model.round_ends, len(model.error)),
+    ):
+        if (np.diff(ends, prepend=0) < 1).any() or ends[-1] != last:
+            raise DetectorError(f"{name}: expected ascending numbers up to {last}")
 
 
 def _trained_on(part: object) -> TrainedOn:

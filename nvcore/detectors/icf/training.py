@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.detectors.base import TrainedOn
-from nvcore.detectors.icf.boosting import Boosted, Trees, boost
+from nvcore.detectors.icf.boosting import Boosted, boost
 from nvcore.detectors.icf.cascade import calibrate
 from nvcore.detectors.icf.channels import check_picture, has_colour, plane_names
 from nvcore.detectors.icf.features import draw_features
@@ -74,10 +74,10 @@ def train(
     """
     scenes, held_out = _parted(scenes, held_out)
     reading, cutting = part_of(progress, 0.0, _READING), part_of(progress, _READING, _CUTTING)
-    is_colour, digest, band = _surveyed(scenes, held_out, reading)
-    n_channels = len(plane_names(settings, is_colour))
-    features = draw_features(settings, n_channels, seed)
-    task = Task(scenes, settings, features, is_colour, seed)
+    survey = _surveyed(scenes, held_out, reading)
+    is_colour = survey.is_colour
+    features = draw_features(settings, len(plane_names(settings, is_colour)), seed)
+    task = Task(scenes, survey.backgrounds, settings, features, is_colour, seed)
     objects = object_values(_with_objects(scenes, cutting), settings, features, is_colour, seed)
     unseen = object_values(_with_objects(held_out), settings, features, is_colour, seed + 1)
     background = _first_background(task, part_of(progress, _CUTTING, _WINDOWS))
@@ -86,20 +86,44 @@ def train(
         raise DetectorError(f"a training needs windows of both kinds; there is no {missing}")
     if not len(unseen):
         raise DetectorError("there is no object left to calibrate on: give more, or others")
-    boosted, background = _rounds(task, objects, background, part_of(progress, _WINDOWS, 0.98))
+    rounds, background = _rounds(task, objects, background, part_of(progress, _WINDOWS, 0.98))
     progress(0.98, "calibrating")
-    sums = boosted.trees.running_sums(np.concatenate([objects, unseen]))
+    sums = rounds[-1].trees.running_sums(np.concatenate([objects, unseen]))
     return replace(
-        task.model(boosted, calibrate(sums, settings.kept_share)),
+        task.model(rounds[-1], calibrate(sums, settings.kept_share)),
         name=name,
         label=label,
         settings=settings,
         powers=scaling_powers(_some_pictures(task), settings, is_colour),
+        error=np.concatenate([boosted.error for boosted in rounds]),
+        round_ends=np.cumsum([len(boosted.error) for boosted in rounds], dtype=np.int32),
         n_objects=len(objects),
         n_background=len(background),
-        band=band,
-        trained_on=tuple(trained_on) or (TrainedOn(digest),),
+        band=survey.band,
+        trained_on=tuple(trained_on) or (TrainedOn(survey.fingerprint),),
     )
+
+
+@dataclass(frozen=True)
+class _Survey:
+    """What is learned of the pictures by reading them once.
+
+    Attributes
+    ----------
+    is_colour
+        Whether all are in colour, and any is not grey.
+    fingerprint
+        sha256 over pictures and boxes.
+    band
+        Where the boxes lie.
+    backgrounds
+        Places of the scenes with background.
+    """
+
+    is_colour: bool
+    fingerprint: str
+    band: Band
+    backgrounds: list[int]
 
 
 def _parted(
@@ -137,13 +161,11 @@ def _with_objects(scenes: Sequence[Scene], progress: Progress = no_progress) -> 
             yield scene
 
 
-def _surveyed(
-    scenes: Sequence[Scene], held_out: Sequence[Scene], progress: Progress
-) -> tuple[bool, str, Band]:
-    """Whether every picture has colour, sha256 over pictures and boxes, where the boxes lie."""
+def _surveyed(scenes: Sequence[Scene], held_out: Sequence[Scene], progress: Progress) -> _Survey:
+    """Read everything once."""
     digest = hashlib.sha256()
     is_colour, any_colour = True, False
-    rows, heights = [], []
+    rows, heights, backgrounds = [np.empty(0)], [np.empty(0)], []
     for part in (scenes, held_out):
         for i in range(len(part)):
             progress(i / len(part) if part is scenes else 1.0, "reading pictures")
@@ -155,21 +177,22 @@ def _surveyed(
             for array in (picture, scene.boxes, scene.ignored):
                 digest.update(np.ascontiguousarray(array).tobytes())
             if scene.has_background and part is scenes:
+                backgrounds.append(i)
                 rows.append((scene.boxes[:, 1] + scene.boxes[:, 3] / 2) / picture.shape[0])
                 heights.append(scene.boxes[:, 3] / picture.shape[0])
-    nothing = [np.empty(0)]
-    band = learn_band(np.concatenate([*rows, *nothing]), np.concatenate([*heights, *nothing]))
-    return is_colour and any_colour, digest.hexdigest(), band
+    band = learn_band(np.concatenate(rows), np.concatenate(heights))
+    return _Survey(is_colour and any_colour, digest.hexdigest(), band, backgrounds)
 
 
 def _first_background(task: Task, progress: Progress) -> NDArray[np.int32]:
     """Windows of background drawn at random, about as many from each scene."""
-    n_scenes = sum(1 for _ in task.backgrounds())
+    n_scenes = len(task.backgrounds)
     each = -(-task.settings.negatives // max(n_scenes, 1))
     values = [np.empty((0, len(task.features)), np.int32)]
-    for n, (i, scene) in enumerate(task.backgrounds()):
+    for n, i in enumerate(task.backgrounds):
         progress(n / n_scenes, "background")
         rng = np.random.default_rng([task.seed, i])
+        scene = task.scenes[i]
         drawn = random_background(scene, task.settings, task.features, task.is_colour, each, rng)
         values.append(drawn)
     return np.concatenate(values)
@@ -177,22 +200,22 @@ def _first_background(task: Task, progress: Progress) -> NDArray[np.int32]:
 
 def _rounds(
     task: Task, objects: NDArray[np.int32], background: NDArray[np.int32], progress: Progress
-) -> tuple[Boosted, NDArray[np.int32]]:
-    """All rounds: the trees of the last, and its background."""
+) -> tuple[list[Boosted], NDArray[np.int32]]:
+    """What each round gave, and the background of the last.
+
+    Without hard background all rounds learn from the same windows, and only the last one counts.
+    """
     settings = task.settings
+    numbers = settings.trees_per_round if settings.negatives_per_round else ()
+    rounds: list[Boosted] = []
     ends = np.cumsum(np.array([0, *settings.trees_per_round]) + 200)
     shares = (ends - ends[0]) / (ends[-1] - ends[0])
-    boosted = Boosted(
-        Trees(np.empty((0, 3), np.int32), np.empty((0, 3), np.int32), np.empty((0, 4))),
-        np.empty(0),
-        np.empty(0),
-    )
-    for i, n_trees in enumerate(settings.trees_per_round):
+    for i, n_trees in enumerate(numbers or settings.trees_per_round[-1:]):
         of_round = part_of(progress, float(shares[i]), float(shares[i + 1]))
         start = 0.0
-        if i and settings.negatives_per_round:
+        if rounds:
             start = _MINING
-            hard = mine(task, boosted, objects, part_of(of_round, 0.0, start))
+            hard = mine(task, rounds[-1], objects, part_of(of_round, 0.0, start))
             background = np.concatenate([background, hard])
         boosted = boost(
             np.concatenate([objects, background]),
@@ -205,11 +228,11 @@ def _rounds(
         )
         if not len(boosted.trees):
             raise DetectorError("no feature tells the objects from the background: check the boxes")
-    return boosted, background
+        rounds.append(boosted)
+    return rounds, background
 
 
 def _some_pictures(task: Task) -> Iterator[NDArray[np.uint8]]:
     """At most 20 scenes with background, evenly spread."""
-    indices = [i for i, _ in task.backgrounds()]
-    for i in indices[:: max(1, -(-len(indices) // _FOR_POWERS))]:
+    for i in task.backgrounds[:: max(1, -(-len(task.backgrounds) // _FOR_POWERS))]:
         yield check_picture(task.scenes[i].picture, task.is_colour)

@@ -137,6 +137,7 @@ CASES = {
     "half a difference": put("features", (0, 5), 0),
     "stages": put("stage_ends", -1, 5),
     "a stage of none": put("stage_ends", 0, 0),
+    "rounds": put("round_ends", 0, 61),
     "powers": put("powers", 0, 9.0),
     "other powers": with_array("powers", lambda a: a[:-1]),
     "version": with_fact("version", 2),

@@ -13,7 +13,7 @@ from nvcore.detectors.base import TrainedOn
 from nvcore.detectors.icf import IcfDetector, IcfSettings, Scene, train
 from nvcore.detectors.icf.channels import check_picture
 from nvcore.detectors.icf.features import draw_features
-from nvcore.detectors.icf.model_file import to_bytes
+from nvcore.detectors.icf.model_file import from_bytes, to_bytes
 from nvcore.detectors.icf.pyramid import levels, planes_of
 from nvcore.detectors.icf.windows import (
     is_background,
@@ -64,8 +64,18 @@ def test_hard_background_is_added_between_rounds(drawn, settings):
 
 
 def test_windows_are_told_apart_at_the_end(model, settings):
-    assert len(model.trees) == len(model.error) == settings.trees_per_round[-1]
+    assert len(model.trees) == settings.trees_per_round[-1]
+    assert model.round_ends.tolist() == [12, 60]
     assert model.error[-1] == 0
+
+
+def test_without_hard_background_only_the_last_round_is_run(drawn, settings):
+    scenes = [drawn(i) for i in range(12)]
+    alone = replace(quick(settings), negatives_per_round=0)
+    model = train(scenes, alone, name="d", label="disc", seed=1)
+    assert model.round_ends.tolist() == [8]
+    both = as_bytes(scenes, replace(alone, trees_per_round=(8,)))
+    assert from_bytes(both, "").trees.leaves.tolist() == model.trees.leaves.tolist()
 
 
 def test_only_the_features_that_trees_use_are_kept(model):
