@@ -8,6 +8,7 @@ from typing import Final, Self
 
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.wording.objects import PEDESTRIAN, Objects
 
 MIN_FPS: Final = 0.001
 MAX_FPS: Final = 10_000.0
@@ -29,6 +30,9 @@ class Settings:
     only_tags, only
         Compare only recordings that have all of these tags, and of these only those so named, by
         title or as in the data; (): all.
+    objects
+        What the boxes are of: which classes the readers keep unless told otherwise, and what the
+        texts call them.
     """
 
     x: str | None = None
@@ -37,6 +41,7 @@ class Settings:
     protocol: Protocol = PROTOCOLS["all"]
     only_tags: tuple[str, ...] = ()
     only: tuple[str, ...] = ()
+    objects: Objects = PEDESTRIAN
 
     def renamed(
         self,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from nvcore.api.inputs import (
     PathLike,
     Size,
     load,
+    objects_named,
     size_from,
     with_choices,
     with_params,
@@ -31,6 +32,7 @@ from nvcore.protocols import Protocol
 from nvcore.report.gate import Outcome, measure_names, run_gate
 from nvcore.report.gate_results import terminal_lines
 from nvcore.report.rules import read_rules
+from nvcore.wording.objects import PEDESTRIAN
 
 
 def compare(
@@ -47,6 +49,7 @@ def compare(
     name_x: str | None = None,
     name_y: str | None = None,
     protocol: str | Protocol | None = None,
+    objects: str | Sequence[str] | None = None,
     **params: float | str | None,
 ) -> Comparison:
     """Compare two systems against the ground truth.
@@ -58,7 +61,7 @@ def compare(
     ----------
     source
         A session file, a session, or a dataset made by `load`.
-    truth, x, y, size, fps, frames, recordings, name_x, name_y, protocol
+    truth, x, y, size, fps, frames, recordings, name_x, name_y, protocol, objects
         See `load`.
     params
         Settings by name, such as ``alpha=0.8`` or ``threshold_x=0.5``: see `nvcore.Params`. A
@@ -77,7 +80,8 @@ def compare(
     >>> print(result)  # doctest: +SKIP
     >>> result = compare(truth=truth, x=x, y=y, size=(1280, 720), fps=30)  # doctest: +SKIP
     """
-    facts = {"size": size, "fps": fps, "frames": frames, "recordings": recordings}
+    facts: dict[str, Any] = {"size": size, "fps": fps, "frames": frames, "recordings": recordings}
+    facts |= {"objects": objects}
     inputs = {"truth": truth, "x": x, "y": y, **facts}
     dataset = _dataset(source, inputs, name_x, name_y, protocol)
     return Comparison(comparison.compare(with_params(dataset, params)))
@@ -96,13 +100,14 @@ def audit(
     recordings: PathLike | None = None,
     name_x: str | None = None,
     name_y: str | None = None,
+    objects: str | Sequence[str] | None = None,
     **params: float | str | None,
 ) -> tuple[Finding, ...]:
     """What is wrong or suspicious in the inputs, worst first; nothing is scored.
 
     Parameters
     ----------
-    source, truth, x, y, size, fps, frames, recordings, name_x, name_y, params
+    source, truth, x, y, size, fps, frames, recordings, name_x, name_y, objects, params
         See `compare`. One system is enough.
 
     Raises
@@ -117,7 +122,8 @@ def audit(
     >>> for finding in audit("sample_data/session.toml"):  # doctest: +SKIP
     ...     print(finding.severity, finding.subject, finding.message)
     """
-    facts = {"size": size, "fps": fps, "frames": frames, "recordings": recordings}
+    facts: dict[str, Any] = {"size": size, "fps": fps, "frames": frames, "recordings": recordings}
+    facts |= {"objects": objects}
     inputs = {"truth": truth, "x": x, "y": y, **facts}
     dataset = _dataset(source, inputs, name_x, name_y, None)
     return audit_dataset(with_params(dataset, params))
@@ -213,6 +219,7 @@ def convert(
     role: Role | None = None,
     truth: PathLike | Source | None = None,
     size: Size | None = None,
+    objects: str | Sequence[str] | None = None,
     frames_out: PathLike | None = None,
     force: bool = False,
 ) -> Conversion:
@@ -222,7 +229,7 @@ def convert(
     ----------
     source, truth
         A file, folder or glob, or a `Source` that says how to read it.
-    target, to, role, size, frames_out, force
+    target, to, role, size, objects, frames_out, force
         See `nvcore.inputs.conversion.convert`.
 
     Returns
@@ -247,6 +254,7 @@ def convert(
         role=role,
         truth=truth if isinstance(truth, Source | None) else Source(str(truth)),
         size=size_from(size),
+        objects=objects_named(objects) or PEDESTRIAN,
         frames_out=None if frames_out is None else Path(frames_out),
         force=force,
     )

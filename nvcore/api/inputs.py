@@ -26,6 +26,7 @@ from nvcore.inputs.session_toml import read_session
 from nvcore.params import params_from
 from nvcore.protocols import Protocol, protocol_from
 from nvcore.settings import Settings
+from nvcore.wording.objects import Objects, objects_from
 
 PathLike = str | Path
 Input = PathLike | Sequence[PathLike] | Source | pd.DataFrame
@@ -58,6 +59,7 @@ def load(
     name_x: str | None = None,
     name_y: str | None = None,
     protocol: str | Protocol | None = None,
+    objects: str | Sequence[str] | None = None,
 ) -> Dataset:
     """Read the inputs of a comparison.
 
@@ -85,6 +87,9 @@ def load(
         Names of X and Y; with a session: which of its systems they are.
     protocol
         Which pedestrians count in the detection measures, such as ``"reasonable"``.
+    objects
+        What the boxes are of, such as ``"speed sign"``; of kinds that the program does not know
+        the singular, or (singular, plural). None: as the session says, else pedestrians.
 
     Returns
     -------
@@ -120,6 +125,7 @@ def load(
     session = with_recordings_file(session, goes_first=recordings is not None)
     session = override_recordings(session, size=size_from(size), fps=fps, frames=_frames(frames))
     session = with_choices(session, name_x, name_y, protocol)
+    session = replace(session, objects=objects_named(objects) or session.objects)
     try:
         return load_session(session, tables=tables)
     except MissingFactError as error:
@@ -128,6 +134,22 @@ def load(
         raise MissingFactError(
             error.message + hint, file=error.file, line=error.line, facts=error.facts
         ) from error
+
+
+def objects_named(names: str | Sequence[str] | None) -> Objects | None:
+    """The objects of these names; None: not given.
+
+    Raises
+    ------
+    InputError
+        If they are no names.
+    """
+    if names is None:
+        return None
+    try:
+        return objects_from(names)
+    except ValueError as error:
+        raise InputError(f"objects: {error}") from error
 
 
 def size_from(size: Size | None) -> tuple[int, int] | None:

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from nvcore.cli.options import examples, format_option, reading_options
-from nvcore.cli.session_options import size_option, source_options
+from nvcore.cli.options import examples, format_option, objects_option, reading_options
+from nvcore.cli.session_options import objects_from_option, size_option, source_options
 from nvcore.cli.steps import findings_at_paths, pasteable_errors, shown_paths
 from nvcore.inputs.session import Source
 from nvcore.wording import one_line
+from nvcore.wording.objects import PEDESTRIAN
 
 if TYPE_CHECKING:
     from nvcore.inputs.readers.base import Role
@@ -65,6 +66,7 @@ def _reading_options(command: Any) -> Any:
 )
 @click.option("--force", is_flag=True, help="Replace files that exist (never the input).")
 @format_option
+@objects_option
 @_reading_options
 def convert(
     source: str,
@@ -103,6 +105,7 @@ def convert(
             role=None if role is None else kind,
             truth=truth,
             size=size_option(options),
+            objects=objects_from_option(options) or PEDESTRIAN,
             frames_out=frames_out,
             force=force,
         )

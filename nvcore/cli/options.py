@@ -148,13 +148,22 @@ format_option = grouped_option(
 )
 """The flag for the format of all inputs."""
 
+objects_option = grouped_option(
+    READING,
+    "--objects",
+    metavar="NAME[,PLURAL]",
+    help="What the boxes are of: 'speed sign', or any other singular, and its plural if an s does "
+    "not make it. Default: the session file's, or pedestrian.",
+)
+"""The flag for the kind of objects."""
+
 reading_options = (
     grouped_option(
         READING,
         "--classes",
         metavar="NAMES",
-        help="Class names or numbers that count as pedestrians, with commas. Default: the format's "
-        "usual ones.",
+        help="Class names or numbers that count, with commas. Default: the usual ones of the "
+        "format and of --objects.",
     ),
     grouped_option(
         FACTS,
@@ -223,6 +232,7 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
         grouped_option(READING, "--format-x", metavar="FORMAT", help="Format of X, likewise."),
         grouped_option(READING, "--format-y", metavar="FORMAT", help="Format of Y, likewise."),
         *reading_options,
+        objects_option,
         grouped_option(
             FACTS,
             "--fps",

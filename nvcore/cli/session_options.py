@@ -22,6 +22,7 @@ from nvcore.inputs.session_toml import read_session
 from nvcore.params import SETTINGS, Params, params_from
 from nvcore.protocols import PROTOCOLS
 from nvcore.wording import one_line
+from nvcore.wording.objects import Objects, objects_from
 
 OF_FILES: Final = (
     "format_",
@@ -112,6 +113,7 @@ def _with_facts(session: Session, options: dict[str, Any]) -> Session:
         session,
         only_tags=tuple(dict.fromkeys(options["tags"])) or session.only_tags,
         only=tuple(dict.fromkeys(options["only"])) or session.only,
+        objects=objects_from_option(options) or session.objects,
     )
     return override_recordings(
         session,
@@ -216,6 +218,16 @@ def size_option(options: dict[str, Any]) -> tuple[int, int] | None:
         return parse_size(options["size"])
     except ValueError as error:
         raise click.BadParameter(str(error), param_hint="--size") from error
+
+
+def objects_from_option(options: dict[str, Any]) -> Objects | None:
+    """The objects given by ``--objects``."""
+    if options["objects"] is None:
+        return None
+    try:
+        return objects_from([name.strip() for name in options["objects"].split(",")])
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="--objects") from error
 
 
 def source_options(options: dict[str, Any]) -> dict[str, Any]:

@@ -118,9 +118,8 @@ def _proposal(session: Session, facts: Iterable[str]) -> str:
     if usual is None:
         return ""
     width, height = usual.size
-    flags = [f"--size {width}x{height} (some of its recordings have {usual.others})"] * (
-        "size" in wanted
-    )
+    others = f" (some of its recordings have {usual.others})" if usual.others else ""
+    flags = [f"--size {width}x{height}{others}"] * ("size" in wanted)
     flags += [f"--fps {usual.fps:g}"] * ("fps" in wanted and usual.fps is not None)
     return f"Usual in {usual.name}: {' and '.join(flags)}" if flags else ""
 

@@ -14,6 +14,7 @@ from nvcore.inputs.readers import NOTHING
 from nvcore.inputs.readers.base import Format, Reading, Role, SourceFile
 from nvcore.inputs.session import Source
 from nvcore.inputs.writers import format_by_name, write, write_frame_lists
+from nvcore.wording.objects import PEDESTRIAN, Objects
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,7 @@ def convert(
     role: Role | None = None,
     truth: Source | None = None,
     size: tuple[int, int] | None = None,
+    objects: Objects = PEDESTRIAN,
     frames_out: Path | None = None,
     force: bool = False,
 ) -> Conversion:
@@ -72,6 +74,8 @@ def convert(
         Ground truth, for results that name pictures by number.
     size
         Of pictures whose size the files do not say, px.
+    objects
+        What the boxes are of.
     frames_out
         Where to write the evaluated frames of the truth: a file, or a folder if the recordings
         differ in them.
@@ -91,16 +95,16 @@ def convert(
     of_truth = None
     if truth is not None:
         inputs += [file.path for file in find_files(truth, Path.cwd(), "truth")[0]]
-        of_truth = read_source(truth, role="truth", size=size)
+        of_truth = read_source(truth, role="truth", size=size, objects=objects)
     files, source_format = _files_of(source, kind, is_guess=role is None)
     inputs += [file.path for file in files]
-    if role is None and _has_scores(files, source_format, source, size):
+    if role is None and _has_scores(files, source_format, source, size, objects):
         raise InputError(
             "this has scores, as detections have; give --role detections to keep them, or --role "
             "truth to leave them out",
             file=source.path[0],
         )
-    reading = read_source(source, role=kind, size=size, truth=of_truth)
+    reading = read_source(source, role=kind, size=size, truth=of_truth, objects=objects)
     reading, warnings = _with_size(reading, size)
     lost = None
     if kind == "truth":
@@ -150,7 +154,11 @@ def _are_detections(source: Source) -> bool:
 
 
 def _has_scores(
-    files: list[SourceFile], source_format: Format, source: Source, size: tuple[int, int] | None
+    files: list[SourceFile],
+    source_format: Format,
+    source: Source,
+    size: tuple[int, int] | None,
+    objects: Objects,
 ) -> bool:
     """Whether files of ground truth, read as detections, have scores other than 0 and 1.
 
@@ -158,7 +166,7 @@ def _has_scores(
     """
     if "detections" not in source_format.roles:
         return False
-    options = read_options(source, "detections", size, None)
+    options = read_options(source, "detections", size, None, objects)
     try:
         scores = source_format.read(files, options).boxes["score"].dropna()
     except InputError:  # reported when they are read as ground truth

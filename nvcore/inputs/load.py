@@ -26,6 +26,7 @@ from nvcore.inputs.recordings import check_names
 from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.progress import Progress, no_progress
+from nvcore.wording.objects import PEDESTRIAN, Objects
 
 
 def load(
@@ -98,6 +99,7 @@ def read_source(
     folder: Path | None = None,
     size: tuple[int, int] | None = None,
     truth: Reading | None = None,
+    objects: Objects = PEDESTRIAN,
 ) -> Reading:
     """Read a single source, for conversion for example.
 
@@ -107,17 +109,22 @@ def read_source(
         If a file cannot be used.
     """
     files, file_format = find_files(source, folder or Path.cwd(), role)
-    reading = file_format.read(files, read_options(source, role, size, truth))
+    reading = file_format.read(files, read_options(source, role, size, truth, objects))
     check_names(reading)
     return replace(reading, findings=joined_findings(reading.findings))
 
 
 def read_options(
-    source: Source, role: Role, size: tuple[int, int] | None, truth: Reading | None
+    source: Source,
+    role: Role,
+    size: tuple[int, int] | None,
+    truth: Reading | None,
+    objects: Objects,
 ) -> ReadOptions:
     """What the reader of a source needs to know; truth only for detections."""
     return ReadOptions(
         role=role,
+        objects=objects,
         classes=source.classes,
         size=size,
         frame_base=source.frame_base,
@@ -136,7 +143,8 @@ def _read(
     table: pd.DataFrame | None,
 ) -> LoadedSource:
     """A source read, from its files or from the table that replaces them."""
-    options = read_options(source, role, session.common_size or _common_size(truth), truth)
+    size = session.common_size or _common_size(truth)
+    options = read_options(source, role, size, truth, session.objects)
     if table is None:
         files, file_format = find_files(source, session.folder, role)
         with located(files), ThreadPoolExecutor(1) as pool:

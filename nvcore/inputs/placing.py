@@ -275,6 +275,8 @@ def _fingerprint(
         digest.update(f"{item.subject}\n{item.digests}\n{settings}\n".encode())
         if item.provenance is not None:
             digest.update(provenance_json(item.provenance))
+    if not session.objects.are_pedestrians:
+        digest.update(f"objects {session.objects.given()}\n".encode())
     digest.update(what_is_stated(recordings).to_csv(index=False).encode())
     for listed in frames:
         digest.update(listed.astype(np.int64).tobytes())

@@ -26,6 +26,7 @@ _OTHER_NAMES: Final = {
     "csv": ("tsv", "table", "text"),
     "voc": ("pascal", "pascalvoc"),
     "yolo": ("darknet", "ultralytics"),
+    "gtsdb": ("germantrafficsigns", "gtsrb", "germantrafficsigndetectionbenchmark"),
 }
 """What else formats are called, by their names: letters only, lower case."""
 
@@ -34,7 +35,8 @@ _OTHER_NAMES: Final = {
 class UsualInputs:
     """What most recordings in a format have, and which other sizes (px) there are.
 
-    Without a frame rate (1/s) they are single pictures. `note` says where the size is from if it is
+    Without a frame rate (1/s) they are single pictures; `others` is empty where all have the size.
+    `note` says where the size is from if it is
     not the usual one.
     """
 
@@ -50,6 +52,7 @@ _OF_KITTI: Final = ("KITTI", " or ".join(f"{w} × {h}" for w, h in sorted(_OTHER
 USUAL_INPUTS: Final = {
     "kitti-tracking": UsualInputs(_USUAL, 10.0, *_OF_KITTI),
     "kitti-object": UsualInputs(_USUAL, None, *_OF_KITTI),
+    "gtsdb": UsualInputs((1360, 800), None, "the German Traffic Sign Detection Benchmark", ""),
 }
 """By the name of the format."""
 

@@ -41,6 +41,8 @@
     y = "NIR"
     tags = ["night"]         only recordings that have all of these tags
     recordings = ["urban_01"] only these, by title or name, of those with the tags
+    objects = "speed sign"   what the boxes are of, if not pedestrians; of kinds that the program
+                             does not know singular and plural: ["child", "children"]
 
     [parameters]             any of nvcore.params.Params
 
@@ -93,6 +95,7 @@ from nvcore.params import params_from
 from nvcore.params.traffic import context_word, parse_context
 from nvcore.protocols import protocol_from
 from nvcore.wording import did_you_mean
+from nvcore.wording.objects import PEDESTRIAN, objects_from
 
 _T = TypeVar("_T")
 
@@ -112,7 +115,13 @@ _TABLES: Final = frozenset(
     }
 )
 _DEFAULTS: Final = {"size": str, "fps": float, "frames": str}
-_COMPARE: Final = {"x": str, "y": str, "tags": tuple[str, ...], "recordings": tuple[str, ...]}
+_COMPARE: Final = {
+    "x": str,
+    "y": str,
+    "tags": tuple[str, ...],
+    "recordings": tuple[str, ...],
+    "objects": tuple[str, ...],
+}
 _RECORDINGS: Final = {"path": str}
 _WORDS: Final = {
     str: "a text",
@@ -189,9 +198,7 @@ class _Decoder:
         defaults = self.values(_DEFAULTS, self.table(content, "defaults"), "[defaults]")
         with self.errors_in("[defaults]"):
             defaults |= {"size": parse_size(defaults["size"])} if "size" in defaults else {}
-        compare = self.values(_COMPARE, self.table(content, "compare"), "[compare]")
-        compare["only_tags"] = compare.pop("tags", ())
-        compare["only"] = compare.pop("recordings", ())
+        compare = self.compare(self.table(content, "compare"))
         settings, filters = self.table(content, "parameters"), self.table(content, "protocol")
         with self.errors_in("[parameters]"):
             params = params_from(settings)
@@ -214,6 +221,16 @@ class _Decoder:
                 **defaults,
                 **compare,
             )
+
+    def compare(self, table: dict[str, Any]) -> dict[str, Any]:
+        """The fields of `Settings` under [compare]; of objects a singular alone is enough."""
+        if isinstance(table.get("objects"), str):
+            table = {**table, "objects": [table["objects"]]}
+        values = self.values(_COMPARE, table, "[compare]")
+        with self.errors_in("[compare]: objects"):
+            objects = objects_from(values.pop("objects", PEDESTRIAN.singular))
+        only_tags, only = values.pop("tags", ()), values.pop("recordings", ())
+        return {**values, "only_tags": only_tags, "only": only, "objects": objects}
 
     def recording(self, table: dict[str, Any]) -> RecordingEntry:
         """A recording; its traffic context may be a word."""
@@ -328,6 +345,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
                 "y": session.y,
                 "tags": list(session.only_tags) or None,
                 "recordings": list(session.only) or None,
+                "objects": session.objects.given(),
             }
         ),
         "parameters": session.params.given(),

@@ -18,6 +18,7 @@ from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session, Sourc
 from nvcore.inputs.session_toml import read_session, write_session
 from nvcore.params import Params
 from nvcore.protocols import OWN, PROTOCOLS, Protocol
+from nvcore.wording.objects import PEDESTRIAN, SPEED_SIGN, Objects, objects_from
 
 MINIMAL = ('[truth]\npath = "gt.csv"', '[[system]]\npath = "fir.csv"')
 FULL = Session(
@@ -92,6 +93,17 @@ def test_every_key_is_read(tmp_path: Path):
     assert (first.offset_px, first.scale, second.scale) == ((1.0, -2.5), (2.0, 2.0), (2.0, 0.5))
     assert (session.x, session.y, session.hashes) == ("FIR", "NIR", {"truth": "ab"})
     assert session.params == Params(alpha=0.5, match="lateral")
+
+
+@pytest.mark.parametrize("objects", [PEDESTRIAN, SPEED_SIGN, objects_from(["child", "children"])])
+def test_what_the_boxes_are_of_is_written_and_read_back(tmp_path: Path, objects: Objects):
+    text = write_session(replace(FULL, objects=objects), version="1", fingerprint="2")
+    assert ("objects = " in text) == (objects is not PEDESTRIAN)
+    assert read_session(write(tmp_path / "again.toml", text)).objects == objects
+
+
+def test_objects_may_be_named_by_a_singular_alone(tmp_path: Path):
+    assert read(tmp_path, *MINIMAL, '[compare]\nobjects = "cyclist"').objects.plural == "cyclists"
 
 
 def test_what_is_written_reads_back_as_the_same_session(tmp_path: Path):
@@ -182,6 +194,9 @@ RECORDING = '[[recording]]\nname = "a"\n'
         (RECORDING + "fps = 1e300", "fps: expected a number from 0.001 to 10000, found 1e+300"),
         ("[defaults]\nheight = 1", "[defaults] has no key 'height'; its keys are fps, frames"),
         ("[compare]\nx = 1", "[compare]: x: expected a text, found 1"),
+        ("[compare]\nobjects = 1", "[compare]: objects: expected a list of texts, found 1"),
+        ('[compare]\nobjects = "<b>"', "[compare]: objects: expected a name of letters"),
+        ('[compare]\nobjects = ["a", "b", "c"]', "[compare]: objects: expected a singular"),
         ("[parameters]\nalfa = 1", "[parameters]: there is no parameter 'alfa'"),
         ("[protocol]\nname = 'best'", "[protocol]: there is no protocol 'best'; there are: all"),
         ("protocol = 1  # [protocol]", "expected [protocol] to be a table"),

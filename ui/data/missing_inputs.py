@@ -153,7 +153,8 @@ def _draw_size(
     if proposed is not None and of_pictures is not None:
         st.caption("The size of the pictures given; boxes have to be in the same pixels.")
     elif proposed is not None and usual is not None:
-        usually = f"The usual size in {usual.name}; some of its recordings have {usual.others}."
+        others = f"; some of its recordings have {usual.others}" if usual.others else ""
+        usually = f"The usual size in {usual.name}{others}."
         st.caption(plain(usual.note or usually))
     return None if wide is None or high is None else (int(wide), int(high))
 

@@ -14,6 +14,7 @@ FOLDER: Final = state.ROOT / "docs"
 PAGES: Final = {
     "metrics": "Metrics",
     "detection": "Detection curves",
+    "objects": "Objects",
     "significance": "Significance",
     "validation": "Validation",
     "ratings": "Ratings",

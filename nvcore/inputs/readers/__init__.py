@@ -24,6 +24,7 @@ from nvcore.inputs.readers.coco.truth import FORMAT as COCO
 from nvcore.inputs.readers.csv import FORMAT as PLAIN_CSV
 from nvcore.inputs.readers.cvat.images import FORMAT as CVAT_IMAGES
 from nvcore.inputs.readers.cvat.video import FORMAT as CVAT_VIDEO
+from nvcore.inputs.readers.gtsdb import FORMAT as GTSDB
 from nvcore.inputs.readers.kitti.detections import FORMAT as KITTI_DETECTIONS
 from nvcore.inputs.readers.kitti.object import FORMAT as KITTI_OBJECT
 from nvcore.inputs.readers.kitti.tracking import FORMAT as KITTI_TRACKING
@@ -42,6 +43,7 @@ FORMATS: Final[tuple[Format, ...]] = (
     PLAIN_CSV,
     PARQUET,
     BBGT,
+    GTSDB,
     KITTI_TRACKING,
     KITTI_OBJECT,
     KITTI_DETECTIONS,

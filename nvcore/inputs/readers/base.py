@@ -20,6 +20,7 @@ from nvcore.findings import Finding, Severity
 from nvcore.inputs.packed import Unpacking
 from nvcore.inputs.pipes import open_stored
 from nvcore.schema import READING_DTYPES, conform
+from nvcore.wording.objects import PEDESTRIAN, Objects
 
 Role = Literal["truth", "detections"]
 BOTH_ROLES: Final[tuple[Role, ...]] = ("truth", "detections")
@@ -156,10 +157,12 @@ class ReadOptions:
     ----------
     role
         Whether the files hold ground truth or a system's detections.
+    objects
+        What the boxes are of.
     classes
-        Class names (or numbers, as text) that count as pedestrians; None: the format's default.
-        Other classes that could be mistaken for pedestrians are ignore regions, the rest is left
-        out; what a reader does with which class is part of its conversion text.
+        Class names (or numbers, as text) that count as such objects; None: the format's default.
+        Other classes that could be mistaken for them are ignore regions, the rest is left out;
+        what a reader does with which class is part of its conversion text.
     size
         (width, height) of the pictures in pixels, where given by flag.
     frame_base
@@ -173,6 +176,7 @@ class ReadOptions:
     """
 
     role: Role = "truth"
+    objects: Objects = PEDESTRIAN
     classes: tuple[str, ...] | None = None
     size: tuple[int, int] | None = None
     frame_base: int | None = None

@@ -35,7 +35,7 @@ from nvcore.inputs.readers.csv_columns import (
     read_header,
 )
 from nvcore.inputs.readers.meaning.attributes import attributes_of_boxes, joined_attributes
-from nvcore.inputs.readers.meaning.categories import CategoryChoice, choose_categories, is_lookalike
+from nvcore.inputs.readers.meaning.categories import CategoryChoice, choose_categories
 from nvcore.inputs.readers.meaning.distance import known_distances, odd_distances
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers, odd_levels
@@ -238,9 +238,11 @@ def _classes(
     if not with_classes:
         return None
     names = {str(name): str(name) for _, kind in with_classes for name in kind.unique()}
+    is_lookalike = options.objects.is_lookalike
     if options.classes is None and len(names) <= 1 and not any(map(is_lookalike, names)):
         return CategoryChoice(tuple(names), (), (), f"class {''.join(names)} throughout: counted")
-    return choose_categories(names, options.classes, file=with_classes[0][0].name)
+    file = with_classes[0][0].name
+    return choose_categories(names, options.classes, file=file, objects=options.objects)
 
 
 def _sorted_by_class(

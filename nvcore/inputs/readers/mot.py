@@ -161,9 +161,13 @@ def _truth_columns(
     # MOT16 and later have 8 or 9 columns with a class; MOT15 has 10, of which 8 to 10 are x, y, z
     if np.isnan(last).all() and np.any(kind > 0):
         classes = whole_numbers(kind, table.lines, "class")
-        counted = _class_numbers(options.classes, table.lines.files[0])
+        counted = _class_numbers(options, table.lines.files[0])
         # the benchmark's rule: class 6 became a distractor with MOT20
         distractors = DISTRACTORS | ({6} if name.upper().startswith("MOT20") else set())
+        if not options.objects.are_pedestrians:
+            distractors = frozenset(
+                k for k, name in CLASSES.items() if options.objects.concerns(name)
+            )
         neutral = sorted(distractors - set(counted))
         is_wanted = np.isin(classes, counted)
         # a row with conf 0 of another class (a car) is no ignore region for pedestrians
@@ -172,7 +176,8 @@ def _truth_columns(
         columns["occlusion"] = levels_of_visible_share(visibility)
         facts.append(
             f"classes: {', '.join(CLASSES[k] for k in counted)} counted; "
-            f"{', '.join(CLASSES[k] for k in neutral)} ignored; others left out"
+            + (f"{', '.join(CLASSES[k] for k in neutral)} ignored; " if neutral else "")
+            + "others left out"
         )
         findings += table.lines.finding(
             ~np.isin(classes, list(CLASSES)),
@@ -187,10 +192,18 @@ def _truth_columns(
     return keep, columns | {"ignore": ignore}, facts, findings
 
 
-def _class_numbers(classes: tuple[str, ...] | None, file: SourceFile) -> list[int]:
+def _class_numbers(options: ReadOptions, file: SourceFile) -> list[int]:
     """Numbers of the classes that count."""
+    objects, classes = options.objects, options.classes
     if classes is None:
-        return [1]
+        numbers = [number for number, name in CLASSES.items() if objects.counts(name)]
+        if not numbers:
+            raise InputError(
+                f"MOTChallenge has no class called {objects.singular}; it has "
+                f"{', '.join(CLASSES.values())}: name the classes that count as {objects.plural}",
+                file=file.name,
+            )
+        return numbers
     by_name = {v: k for k, v in CLASSES.items()}
     numbers = []
     for name in classes:

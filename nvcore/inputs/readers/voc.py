@@ -22,7 +22,7 @@ from nvcore.inputs.readers.base import (
     object_array,
     warning,
 )
-from nvcore.inputs.readers.meaning.categories import concerns_pedestrians, free_labels
+from nvcore.inputs.readers.meaning.categories import concerns_objects, free_labels
 from nvcore.inputs.readers.meaning.classes import choose_classes, name_left_out
 from nvcore.inputs.readers.meaning.names import listed_frames
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
@@ -180,7 +180,7 @@ def _add_object(
 
 def _shapes(objects: _Objects, files: Sequence[SourceFile], options: ReadOptions) -> list[Finding]:
     """Pedestrians without a box."""
-    shapes = [shape for shape in objects.shapes if concerns_pedestrians(shape[0], options)]
+    shapes = [shape for shape in objects.shapes if concerns_objects(shape[0], options)]
     if not shapes:
         return []
     label, index, line = shapes[0]
@@ -188,7 +188,7 @@ def _shapes(objects: _Objects, files: Sequence[SourceFile], options: ReadOptions
         warning(
             "no-box",
             len(shapes),
-            "Pedestrians without <bndbox> are not boxes and were left out.",
+            options.objects.words("Pedestrians without <bndbox> are not boxes and were left out."),
             "Annotate them as upright boxes.",
             role=options.role,
             file=files[index].name,

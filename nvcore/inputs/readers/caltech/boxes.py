@@ -15,7 +15,7 @@ from nvcore.inputs.readers.base import (
     SourceFile,
     recordings_table,
 )
-from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes
+from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes, rule_for
 from nvcore.inputs.readers.meaning.names import listed_frames
 from nvcore.inputs.readers.meaning.occlusion import (
     PARTIAL_OCCLUSION,
@@ -65,7 +65,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     table = stacked([read_numbers(frame_file, LAYOUT) for frame_file in files])
     assert table.label is not None
     *box, flag, vl, vt, vw, vh, ignore, angle = table.columns
-    choice = choose_classes(table.label, RULE, options, table.lines)
+    choice = choose_classes(table.label, rule_for(RULE, table.label, options), options, table.lines)
     rotated = table.lines.finding(
         choice.keep & (np.nan_to_num(angle) != 0),
         "rotated-box",

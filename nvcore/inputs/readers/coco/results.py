@@ -31,9 +31,9 @@ from nvcore.inputs.readers.coco.images import (
     rows_by_id,
 )
 from nvcore.inputs.readers.coco.result_columns import ResultColumns, read_columns
-from nvcore.inputs.readers.meaning.categories import is_pedestrian
 from nvcore.inputs.readers.meaning.names import recording_of
 from nvcore.inputs.readers.meaning.tracks import TEXT_IDS, track_numbers
+from nvcore.wording.objects import PEDESTRIAN
 
 PERSON = "1"
 """Category id of persons in COCO, KAIST, Teledyne FLIR and NightOwls."""
@@ -144,11 +144,12 @@ def _categories(
         return everything, ["no category_id: all results count"], []
     present = {id_text(key): count for key, count in category.value_counts(dropna=False).items()}
     listed = ", ".join(f"{key} ({count} results)" for key, count in present.items())
-    counted = {PERSON}
+    objects = options.objects
+    counted = {PERSON} if objects.are_pedestrians else set()
     if options.classes is not None:
         # results have no names for their categories: only a person's number is known
         names = [name for name in options.classes if not name.isdecimal()]
-        persons = [name for name in names if is_pedestrian(name)]
+        persons = [name for name in names if PEDESTRIAN.counts(name)]
         counted = set(options.classes) - set(names) | ({PERSON} if persons else set())
         if len(persons) < len(names) and set(present) - counted:
             raise file.fault(
@@ -157,10 +158,13 @@ def _categories(
             )
     if not counted & set(present):
         if len(present) > 1 or options.classes is not None:
+            expected = ", ".join(sorted(counted)) or f"{objects.plural} alone"
             raise file.fault(
-                f"expected results of category_id {', '.join(sorted(counted))}, found {listed}; "
-                "name the category ids that are pedestrians as classes"
+                f"expected results of category_id {expected}, found {listed}; "
+                f"name the category ids that are {objects.plural} as classes"
             )
+        if not objects.are_pedestrians:  # of whose number in COCO nothing is known
+            return everything, [f"category_id {next(iter(present))} counted"], []
         finding = warning(
             "unusual-category",
             n_rows,

@@ -212,7 +212,7 @@ def _classes(
         if options.classes is None:
             raise file.fault(
                 f'there are no "categories", and annotations of category_id {", ".join(names)}; '
-                "name the category ids that count as pedestrians"
+                f"name the category ids that count as {options.objects.plural}"
             )
     elif "0" not in names:
         names["0"] = "ignore"  # CityPersons: category 0 is on no list
@@ -226,7 +226,8 @@ def _classes(
     used = set(keys)
     if "0" not in used and names.get("0") == "ignore":
         del names["0"]
-    return choose_categories(names, options.classes, file=file.name), keys
+    choice = choose_categories(names, options.classes, file=file.name, objects=options.objects)
+    return choice, keys
 
 
 def _occlusion(records: Records, lines: Lines) -> tuple[np.ndarray, list[str], list[Finding]]:

@@ -20,7 +20,7 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.cvat.xml import CvatContent
 from nvcore.inputs.readers.meaning.attributes import attributes_of_boxes, is_ambiguous
-from nvcore.inputs.readers.meaning.categories import concerns_pedestrians, free_labels
+from nvcore.inputs.readers.meaning.categories import concerns_objects, free_labels
 from nvcore.inputs.readers.meaning.classes import choose_classes, name_left_out
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
 
@@ -129,7 +129,7 @@ def _upright(corners: np.ndarray, rotation: np.ndarray) -> np.ndarray:
 
 def other_shapes(content: CvatContent, file: SourceFile, options: ReadOptions) -> list[Finding]:
     """Pedestrians that were drawn as anything but a box."""
-    shapes = [shape for shape in content.other_shapes if concerns_pedestrians(shape[1], options)]
+    shapes = [shape for shape in content.other_shapes if concerns_objects(shape[1], options)]
     if not shapes:
         return []
     kinds = Counter(kind for kind, _, _ in shapes)
@@ -139,7 +139,8 @@ def other_shapes(content: CvatContent, file: SourceFile, options: ReadOptions) -
         warning(
             "no-box",
             len(shapes),
-            f"Pedestrians drawn as {listed} are not boxes and were left out.",
+            options.objects.words("Pedestrians drawn as ")
+            + f"{listed} are not boxes and were left out.",
             "Convert them to boxes in CVAT and export again.",
             role=options.role,
             file=file.name,

@@ -19,7 +19,7 @@ from nvcore.inputs.readers.base import (
     recordings_table,
 )
 from nvcore.inputs.readers.kitti.label import CORNERS, DISTANCE, box_of_corners
-from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes
+from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes, rule_for
 from nvcore.inputs.readers.meaning.distance import known_distances
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.parse.text import (
@@ -95,7 +95,9 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     if is_long.any():
         options_by_name = replace(options, classes=_class_names(options.classes))
         label = _type_names(np.where(is_long, table.columns[1], 1))
-        choice = choose_classes(label, RULE, options_by_name, table.lines)
+        choice = choose_classes(
+            label, rule_for(RULE, label, options_by_name), options_by_name, table.lines
+        )
         keep, findings = choice.keep, choice.findings
         facts += [DISTANCE, choice.fact]
     elif len(table):

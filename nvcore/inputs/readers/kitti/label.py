@@ -6,7 +6,12 @@ import numpy as np
 import pandas as pd
 
 from nvcore.inputs.readers.base import ReadOptions
-from nvcore.inputs.readers.meaning.classes import ClassChoice, ClassRule, choose_classes
+from nvcore.inputs.readers.meaning.classes import (
+    ClassChoice,
+    ClassRule,
+    choose_classes,
+    rule_for,
+)
 from nvcore.inputs.readers.meaning.distance import known_distances
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
 from nvcore.inputs.readers.parse.text import NumberTable
@@ -46,13 +51,13 @@ def label_boxes(
     places
         Recording and frame of each row.
     options
-        `role` and `classes` are used.
+        `role`, `objects` and `classes` are used.
     track
         Of each row, shape (n,).
     """
     assert table.label is not None
     _, occluded, _, left, top, right, bottom, _, _, _, _, _, z, _, score = table.columns[-15:]
-    choice = choose_classes(table.label, RULE, options, table.lines)
+    choice = choose_classes(table.label, rule_for(RULE, table.label, options), options, table.lines)
     facts = [CORNERS, DISTANCE, "occluded 0, 1, 2 kept, 3 = unknown", choice.fact]
     has_score = options.role == "detections"
     if has_score and len(table) and np.isnan(score).all():

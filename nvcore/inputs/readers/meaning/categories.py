@@ -1,4 +1,4 @@
-"""Which categories of a file count as pedestrians, by their names.
+"""Which categories of a file count, by their names.
 
 For formats whose files bring their own categories or labels; `classes` is for formats with fixed
 ones, and sorts the rows by the rule that either gives.
@@ -11,23 +11,10 @@ from dataclasses import dataclass
 
 from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import ReadOptions
-from nvcore.inputs.readers.meaning.classes import ClassRule
-
-PEDESTRIANS = frozenset({"person", "persons", "pedestrian", "pedestrians", "ped", "human"})
-"""Names that count unless the user says otherwise."""
-
-LOOKALIKES = frozenset(
-    {
-        *("people", "person?", "personfa", "group", "persongroup", "crowd"),
-        *("cyclist", "bicyclist", "bicycledriver", "motorcyclist", "motorbikedriver", "rider"),
-        *("personsitting", "sittingperson", "sitting", "staticperson", "persononvehicle"),
-        *("ignore", "ignored", "ignoreregion", "ignoredregions", "dontcare"),
-    }
-)
-"""Names of what could be taken for a pedestrian: neither right nor wrong to detect."""
+from nvcore.inputs.readers.meaning.classes import ClassRule, rule_of
+from nvcore.wording.objects import PEDESTRIAN, Objects, plain_class
 
 _MANY = 30
-_JOINTS = str.maketrans("", "", " _-")
 
 
 @dataclass(frozen=True)
@@ -49,7 +36,11 @@ class CategoryChoice:
 
 
 def choose_categories(
-    names: Mapping[str, str], classes: tuple[str, ...] | None, *, file: str
+    names: Mapping[str, str],
+    classes: tuple[str, ...] | None,
+    *,
+    file: str,
+    objects: Objects = PEDESTRIAN,
 ) -> CategoryChoice:
     """Sort the categories of a file into counted, ignored and left out.
 
@@ -58,37 +49,41 @@ def choose_categories(
     names
         Name of each category by its key in the file; where there are only names, key = name.
     classes
-        Names or keys to count; None: those called person or pedestrian.
+        Names or keys to count; None: those called as the objects are (person, pedestrian).
     file
         The file, for errors.
+    objects
+        What the boxes are of.
 
     Raises
     ------
     FormatError
-        If one of `classes` is not there, or none is given and none is called person or
-        pedestrian.
+        If one of `classes` is not there, or none is given and none is called so.
     """
     listed = ", ".join(_shown(key, name) for key, name in [*names.items()][:_MANY]) or "none"
     listed += f" and {len(names) - _MANY} more" if len(names) > _MANY else ""
     if classes is None:
-        counted = {key for key, name in names.items() if is_pedestrian(name)}
+        counted = {key for key, name in names.items() if objects.counts(name)}
         if names and not counted:
+            called = "person or pedestrian" if objects.are_pedestrians else objects.singular
             raise FormatError(
-                f"no category is called person or pedestrian; found {listed}; name the classes "
-                "that count as pedestrians",
+                f"no category is called {called}; found {listed}; name the classes that count as "
+                f"{objects.plural}",
                 file=file,
             )
     else:
         counted = set()
         for class_name in classes:
-            hits = {key for key, name in names.items() if _plain(name) == _plain(class_name)}
+            hits = {
+                key for key, name in names.items() if plain_class(name) == plain_class(class_name)
+            }
             hits = hits or {key for key in names if key == class_name}
             if not hits:
                 raise FormatError(
                     f"there is no class {class_name!r}; the classes are {listed}", file=file
                 )
             counted |= hits
-    ignored = {key for key, name in names.items() if _concerns(name)} - counted
+    ignored = {key for key, name in names.items() if objects.concerns(name)} - counted
     fates = {
         "counted": tuple(key for key in names if key in counted),
         "ignored": tuple(key for key in names if key in ignored),
@@ -110,49 +105,28 @@ def choose_categories(
 def free_labels(labels: Iterable[str], options: ReadOptions) -> ClassRule:
     """The rule for labels that annotators chose (CVAT, Pascal VOC, YOLO with names).
 
-    Where the classes are named, the usual pedestrian labels that are not among them are ignore
-    regions. Labels that have nothing to do with pedestrians are known and left out.
+    Where the classes are named, the usual labels of the objects that are not among them are ignore
+    regions. Labels that have nothing to do with them are known and left out.
 
     Parameters
     ----------
     labels
         Labels in the files, used or only declared.
     options
-        `classes` is used.
+        `classes` and `objects` are used.
     """
-    names = sorted(set(labels))
-    pedestrians = tuple(name for name in names if is_pedestrian(name))
-    lookalikes = tuple(name for name in names if is_lookalike(name))
-    others = tuple(name for name in names if not _concerns(name))
+    names, objects = sorted(set(labels)), options.objects
+    rule = rule_of(names, objects)
     if options.classes is not None:
-        return ClassRule(counted=(), ignored=pedestrians + lookalikes, left_out=others)
-    return ClassRule(pedestrians or ("person", "pedestrian"), ignored=lookalikes, left_out=others)
+        return ClassRule(counted=(), ignored=rule.counted + rule.ignored, left_out=rule.left_out)
+    usual = ("person", "pedestrian") if objects.are_pedestrians else (objects.singular,)
+    return ClassRule(rule.counted or usual, rule.ignored, rule.left_out)
 
 
-def concerns_pedestrians(label: str, options: ReadOptions) -> bool:
+def concerns_objects(label: str, options: ReadOptions) -> bool:
     """Whether boxes of the label are counted or ignored."""
     counted = {name.casefold() for name in options.classes or ()}
-    return _concerns(label) or label.casefold() in counted
-
-
-def is_pedestrian(name: str) -> bool:
-    """Whether the name is one of a pedestrian."""
-    return _plain(name) in PEDESTRIANS
-
-
-def is_lookalike(name: str) -> bool:
-    """Whether the name is one of what could be taken for a pedestrian."""
-    return _plain(name) in LOOKALIKES
-
-
-def _concerns(name: str) -> bool:
-    """Whether boxes of this name are counted or ignored, unless the user says otherwise."""
-    return is_pedestrian(name) or is_lookalike(name)
-
-
-def _plain(name: str) -> str:
-    """A name without case and without what joins its words: ``__ignore__`` is ``ignore``."""
-    return name.strip().lower().translate(_JOINTS)
+    return options.objects.concerns(label) or label.casefold() in counted
 
 
 def _shown(key: str, name: str) -> str:

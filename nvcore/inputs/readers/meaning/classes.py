@@ -1,8 +1,9 @@
-"""Which boxes count as pedestrians, which are ignore regions and which are left out."""
+"""Which boxes count, which are ignore regions and which are left out."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -11,6 +12,7 @@ import pandas as pd
 from nvcore.errors import InputError
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import Lines, ReadOptions
+from nvcore.wording.objects import Objects
 
 _MAX_NAMED: Final = 8
 """Most labels that a conversion text names."""
@@ -23,7 +25,7 @@ class ClassRule:
     Attributes
     ----------
     counted
-        Classes that are pedestrians, unless `ReadOptions.classes` says otherwise.
+        Classes that count, unless `ReadOptions.classes` says otherwise.
     ignored
         Classes whose boxes are ignore regions in the truth.
     left_out
@@ -62,6 +64,38 @@ class ClassChoice:
     findings: tuple[Finding, ...]
 
 
+def rule_of(classes: Iterable[str], objects: Objects) -> ClassRule:
+    """What to do with classes of these names, by what they are called alone."""
+    names = tuple(classes)
+    counted = tuple(name for name in names if objects.counts(name))
+    ignored = tuple(
+        name for name in names if objects.is_lookalike(name) and not objects.counts(name)
+    )
+    left_out = tuple(name for name in names if not objects.concerns(name))
+    return ClassRule(counted, ignored, left_out)
+
+
+def rule_for(rule: ClassRule, label: np.ndarray, options: ReadOptions) -> ClassRule:
+    """What a format with classes of its own does with them, where they are for pedestrians.
+
+    Parameters
+    ----------
+    rule
+        Where the objects are pedestrians; of others the names of the classes decide.
+    label
+        Class of each row, object, shape (n,).
+    options
+        `classes` and `objects` are used.
+    """
+    if options.objects.are_pedestrians:
+        return rule
+    others = sorted({*map(str, pd.unique(label))} - {*rule.known})
+    by_name = rule_of([*rule.known, *others], options.objects)
+    if options.classes is not None:
+        return replace(by_name, counted=(), ignored=by_name.counted + by_name.ignored)
+    return by_name if by_name.counted else replace(by_name, counted=(options.objects.singular,))
+
+
 def choose_classes(
     label: np.ndarray, rule: ClassRule, options: ReadOptions, lines: Lines
 ) -> ClassChoice:
@@ -74,7 +108,7 @@ def choose_classes(
     rule
         The format's classes.
     options
-        `classes` and `role` are used.
+        `classes`, `objects` and `role` are used.
     lines
         Where the rows stand, for errors and findings.
 
@@ -84,6 +118,7 @@ def choose_classes(
         If neither the format nor the files have a class of `ReadOptions.classes`.
     """
     codes, classes = pd.factorize(label)
+    words = options.objects.words
     known = {name.casefold() for name in rule.known}
     folded = pd.Index([str(name).casefold() for name in classes])  # the few different names
     counted_names = {name.casefold() for name in rule.counted}
@@ -113,7 +148,7 @@ def choose_classes(
         "unknown-class",
         "Rows of classes that the format does not have were left out: "
         f"{', '.join(sorted({str(name) for name in label[is_strange]}))}.",
-        "If one of them is a pedestrian, name it as a class that counts (--classes).",
+        words("If one of them is a pedestrian, name it as a class that counts (--classes)."),
         role=options.role,
         example=lambda row: str(label[row]),
     )
@@ -122,7 +157,7 @@ def choose_classes(
         "no-counted-class",
         f"No row is of a class that counts ({', '.join(counted)}); found "
         f"{', '.join(sorted(str(name) for name in classes))}.",
-        "Name the classes that are pedestrians (--classes).",
+        words("Name the classes that are pedestrians (--classes)."),
         role=options.role,
         example=lambda row: str(label[row]),
     )

@@ -1,0 +1,194 @@
+"""Ground truth of the German Traffic Sign Detection Benchmark: ``gt.txt``, one row per sign."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import PurePosixPath
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.errors import InputError
+from nvcore.inputs.readers.base import (
+    Format,
+    Lines,
+    Reading,
+    ReadOptions,
+    Role,
+    SourceFile,
+    conversion_text,
+    image_list,
+    object_array,
+    recordings_table,
+)
+from nvcore.inputs.readers.meaning.classes import (
+    ClassRule,
+    choose_classes,
+    name_left_out,
+    rule_for,
+)
+from nvcore.inputs.readers.meaning.names import recording_and_frame_of, recordings_of
+from nvcore.inputs.readers.parse.text import Layout, read_numbers, read_text, stacked, whole_numbers
+
+LAYOUT: Final = Layout((6,), "file;x1;y1;x2;y2;class", delimiter=";", label_at=0, whole=(5,))
+CLASSES: Final = (
+    *(f"speed limit {limit}" for limit in (20, 30, 50, 60, 70, 80)),
+    *("end of speed limit 80", "speed limit 100", "speed limit 120"),
+    *("no overtaking", "no overtaking for trucks", "priority at next intersection"),
+    *("priority road", "give way", "stop", "no traffic both ways", "no trucks", "no entry"),
+    *("danger", "bend left", "bend right", "bend", "uneven road", "slippery road"),
+    *("road narrows", "construction", "traffic signal", "pedestrian crossing", "school crossing"),
+    *("cycles crossing", "snow", "animals", "restriction ends", "go right", "go left"),
+    *("go straight", "go right or straight", "go left or straight", "keep right", "keep left"),
+    *("roundabout", "end of no overtaking", "end of no overtaking for trucks"),
+)
+"""Names of the benchmark's classes, by their numbers."""
+SCENES: Final = "scenes.txt"
+"""Beside ``gt.txt``: a picture's name per line, for the scenes without a sign."""
+PICTURES: Final = frozenset({".ppm", ".jpg", ".jpeg", ".png"})
+_MOST_PICTURES: Final = 100_000
+
+
+def recognise(name: str, head: str, role: Role) -> bool:
+    """Whether the rows are a picture's name and 5 numbers with semicolons, the last one whole."""
+    del name
+    return role == "truth" and LAYOUT.fits(head)
+
+
+def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
+    """Read ``gt.txt``, one file per recording; each scene, a single picture, is a frame.
+
+    Corners are the first and last pixel inside, 0-based. A scene without a sign has no row: the
+    evaluated frames are those of ``scenes.txt`` in the same folder, else of the pictures there,
+    else of the rows.
+
+    Raises
+    ------
+    InputError
+        If two files are of one recording, a picture's name has no number, no class counts, or a
+        class that should count is none.
+    FormatError
+        With file and line of the first row that is of another layout.
+    """
+    tables = [file for file in files if PurePosixPath(file.name).name != SCENES]
+    if not tables:
+        raise InputError(f"expected gt.txt, found {SCENES} alone", file=files[0].name)
+    names, facts = recordings_of([file.name for file in tables], options.recordings)
+    table = stacked([read_numbers(file, LAYOUT) for file in tables])
+    assert table.label is not None
+    left, top, right, bottom, kind = table.columns
+    frame = _frames(table.label, table.lines)
+    label = _labels(whole_numbers(kind, table.lines, "class number"), table.lines)
+    rule = rule_for(ClassRule((), (), CLASSES), label, options)
+    _check_objects(tables[0], options)
+    choice = choose_classes(label, rule, _by_name(options), table.lines)
+    recording = object_array(names)[table.lines.file]
+    scenes = [_scenes(file, files, frame[table.lines.file == i]) for i, file in enumerate(tables)]
+    facts += [
+        "frame numbers from the pictures' names",
+        "inclusive 0-based corners to x, y, w, h (w = x2 - x1 + 1)",
+        choice.fact,
+        name_left_out(label, choice.keep),
+        *(fact for _, fact in scenes),
+    ]
+    return Reading(
+        boxes=table.lines.boxes(
+            (left, top, right - left + 1, bottom - top + 1),
+            keep=choice.keep,
+            recording=recording,
+            frame=frame,
+            ignore=choice.ignore,
+        ),
+        recordings=recordings_table(names),
+        conversion=conversion_text(facts),
+        images=image_list(names, [listed for listed, _ in scenes]),
+        findings=choice.findings,
+    )
+
+
+def _frames(picture: np.ndarray, lines: Lines) -> np.ndarray:
+    """Frame number of each row's picture."""
+    codes, pictures = pd.factorize(picture)
+    numbers = np.empty(len(pictures), np.int64)
+    for i, name in enumerate(pictures):  # of the few different names
+        place = recording_and_frame_of(str(name))
+        if place is None:
+            row = int(np.argmax(codes == i))
+            raise lines.fault(
+                row, f"expected a picture named by a number, such as 00006.ppm, found {name!r}"
+            )
+        numbers[i] = place[1]
+    frame: np.ndarray = numbers[codes]
+    return frame
+
+
+def _labels(kind: np.ndarray, lines: Lines) -> np.ndarray:
+    """Name of each row's class."""
+    is_known = (kind >= 0) & (kind < len(CLASSES))
+    if not is_known.all():
+        row = int(np.argmin(is_known))
+        raise lines.fault(row, f"expected a class from 0 to {len(CLASSES) - 1}, found {kind[row]}")
+    label: np.ndarray = object_array(CLASSES)[kind]
+    return label
+
+
+def _check_objects(file: SourceFile, options: ReadOptions) -> None:
+    """Raise InputError where the user says neither which classes count nor what they are."""
+    if options.classes is None and not any(map(options.objects.counts, CLASSES)):
+        raise InputError(
+            f"these are traffic signs, and none is called {options.objects.singular}: say what the "
+            'boxes are of (--objects "speed sign"), or which classes count (--classes, by number '
+            "or name)",
+            file=file.name,
+        )
+
+
+def _by_name(options: ReadOptions) -> ReadOptions:
+    """The options with classes that are given by number named."""
+    if options.classes is None:
+        return options
+    numbers = {str(number): name for number, name in enumerate(CLASSES)}
+    return replace(options, classes=tuple(numbers.get(name, name) for name in options.classes))
+
+
+def _scenes(
+    file: SourceFile, files: Sequence[SourceFile], annotated: np.ndarray
+) -> tuple[np.ndarray, str]:
+    """Frame numbers of all scenes of a file, sorted, and how they are known."""
+    folder = PurePosixPath(file.name).parent
+    listed = next((f for f in files if PurePosixPath(f.name) == folder / SCENES), None)
+    if listed is None and (file.path.parent / SCENES).is_file():
+        listed = SourceFile(file.path.parent / SCENES, str(folder / SCENES))
+    if listed is not None:
+        every = pd.Series(read_text(listed).splitlines(), dtype=object).str.strip()
+        names = every[every != ""]
+        lines = Lines.of(listed, names.index.to_numpy() + 1)
+        fact = f"scenes as {SCENES} lists them"
+        return np.union1d(_frames(names.to_numpy(), lines), annotated), fact
+    pictures = _pictures_beside(file)
+    if len(pictures):
+        return np.union1d(pictures, annotated), "a scene for each picture beside the file"
+    return np.unique(annotated), "scenes with a row; those without a sign are not known"
+
+
+def _pictures_beside(file: SourceFile) -> np.ndarray:
+    """Frame numbers of the pictures in the file's folder."""
+    numbers = []
+    for number, path in enumerate(file.path.parent.iterdir()):
+        if number == _MOST_PICTURES:
+            break
+        place = recording_and_frame_of(path.name) if path.suffix.lower() in PICTURES else None
+        numbers += [] if place is None else [place[1]]
+    return np.array(numbers, np.int64)
+
+
+FORMAT = Format(
+    "gtsdb",
+    "German Traffic Sign Detection Benchmark",
+    ("truth",),
+    (".txt", ".csv"),
+    recognise,
+    read,
+)
