@@ -257,7 +257,11 @@ def compare(
     )
     contact = memo.get(
         "contact",
-        lambda: measure_contact(truth, encounters, frames, ttc_window=params.ttc_window),
+        lambda: measure_contact(
+            *(truth, encounters, frames),
+            ttc_window=params.ttc_window,
+            is_on_road=dataset.objects.is_on_road,
+        ),
         CONTACT,
     )
     urgency = memo.get(
@@ -321,6 +325,7 @@ def _same_numbers(a: Dataset, b: Dataset) -> bool:
         return True
     columns = ["width", "height", "fps", "horizon", "context", "speed_kmh"]
     is_same_table = a.frames is b.frames and a.boxes is b.boxes
+    is_same_table &= a.objects == b.objects
     return is_same_table and a.recordings[columns].equals(b.recordings[columns])
 
 

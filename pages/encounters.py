@@ -87,13 +87,19 @@ def draw(result: Result) -> None:
     """The encounters, and what the systems would be together."""
     if not len(result.encounters):
         state.write_address()
-        st.info("The truth has no pedestrians: there is nobody to meet, and nobody to miss.")
+        st.info(
+            state.words(
+                "The truth has no pedestrians: there is nobody to meet, and nobody to miss."
+            )
+        )
         return
     st.caption(
-        f"An {docs_link('encounter', 'encounters')} is one pedestrian of one recording. It counts "
-        "while the pedestrian is near enough to matter, else it is *distant*. "
-        f"{docs_link('Severity', 'severity')}: seconds of a pedestrian missed straight ahead and "
-        f"near. {docs_link('Miss class', 'miss-classes')}: how a system failed."
+        state.words(
+            f"An {docs_link('encounter', 'encounters')} is one pedestrian of one recording. It "
+            "counts while the pedestrian is near enough to matter, else it is *distant*. "
+            f"{docs_link('Severity', 'severity')}: seconds of a pedestrian missed straight ahead "
+            f"and near. {docs_link('Miss class', 'miss-classes')}: how a system failed."
+        )
     )
     draw_warnings(result)
     draw_as_set_note(result)

@@ -11,6 +11,13 @@ from ui.widgets.text import docs_link
 @needs_comparison
 def draw(result: Result) -> None:
     """The results, or the rating session that is conducted."""
+    objects = result.dataset.objects
+    if not objects.is_on_road:
+        st.info(
+            "The ratings ask how annoying it is to drive with a system that draws boxes around "
+            f"what is on the road: not asked of {objects.plural}."
+        )
+        return
     if conduct.choose_part() == conduct.RESULTS:
         results.draw(result)
     else:

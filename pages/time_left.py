@@ -3,6 +3,7 @@
 import streamlit as st
 
 from nvcore.comparison import Result
+from ui.session import state
 from ui.shell.messages import draw_as_set_note, draw_warnings, needs_comparison
 from ui.time_left import approaches, listed, numbers, speeds
 from ui.time_left.opening import open_encounter
@@ -12,12 +13,21 @@ from ui.widgets.text import docs_link
 @needs_comparison
 def draw(result: Result) -> None:
     """The numbers, then the encounters behind them, and what the speed changes."""
+    objects = result.dataset.objects
+    if not objects.is_on_road:
+        st.info(
+            f"A car passes {objects.plural} and does not brake for them: no time is left to judge."
+        )
+        return
     if (opened := listed.take_opened()) is not None:
         open_encounter(result, *opened)
     st.caption(
-        "Could braking still have helped when a system had found the pedestrian? An encounter is "
-        f"{docs_link('urgent', 'the-last-chance')} if the car comes so near that a warning is too "
-        "late to stop. Where that begins is the last chance: before it the driver has to be told."
+        state.words(
+            "Could braking still have helped when a system had found the pedestrian? An encounter "
+            f"is {docs_link('urgent', 'the-last-chance')} if the car comes so near that a warning "
+            "is too late to stop. Where that begins is the last chance: before it the driver has "
+            "to be told."
+        )
     )
     draw_warnings(result)
     draw_as_set_note(result)

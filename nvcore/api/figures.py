@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from functools import wraps
+from typing import TYPE_CHECKING, ParamSpec, cast
 
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import summarise_curve
@@ -32,6 +34,7 @@ from nvcore.figures.time_left.margins import margins_plot
 from nvcore.figures.time_left.over_speed import OverSpeed, over_speed_plot
 from nvcore.figures.venn import venn_figure
 from nvcore.figures.weightings import weightings_plot
+from nvcore.figures.wording import worded
 from nvcore.metrics.cost_map import map_cost
 from nvcore.palette import Shade
 from nvcore.scoring import SystemResult
@@ -49,8 +52,20 @@ from nvcore.wording import did_you_mean
 if TYPE_CHECKING:
     import plotly.graph_objects as go
 
+P = ParamSpec("P")
 Recording = str | int
 """A recording's name, or its row in ``dataset.recordings``."""
+
+
+def _worded(make: Callable[P, go.Figure]) -> Callable[P, go.Figure]:
+    """The same figure in the words for the dataset's objects."""
+
+    @wraps(make)
+    def worded_figure(*arguments: P.args, **options: P.kwargs) -> go.Figure:
+        figures = cast("Figures", arguments[0])
+        return worded(make(*arguments, **options), figures._result.dataset)
+
+    return worded_figure
 
 
 class Figures:
@@ -75,6 +90,7 @@ class Figures:
         """The same figures for a dark page."""
         return Figures(self._result, "dark")
 
+    @_worded
     def timeline(self, recording: Recording = 0, *, layout: TimeLayout = "time") -> go.Figure:
         """Similarity of X and Y over time, with low intervals and saliency events.
 
@@ -87,52 +103,64 @@ class Figures:
         """
         return similarity_plot(self._result, self._row(recording), theme=self._theme, layout=layout)
 
+    @_worded
     def losses(self, recording: Recording = 0) -> go.Figure:
         """What each frame loses to misses and to false alarms, 0 is best."""
         return loss_plot(self._result, self._row(recording), theme=self._theme)
 
+    @_worded
     def loss_strip(self) -> go.Figure:
         """Where to look first: over the time of every recording, what the worse system loses."""
         return loss_strip_plot(self._result, loss_strip(self._result), theme=self._theme)
 
+    @_worded
     def lanes(self, recording: Recording = 0) -> go.Figure:
         """When each pedestrian of a recording was matched or missed by X and by Y."""
         return lanes_figure(self._result, self._row(recording), theme=self._theme)
 
+    @_worded
     def venn(self) -> go.Figure:
         """Encounters by who detects them."""
         return venn_figure(self._result.venn, self._names, theme=self._theme)
 
+    @_worded
     def miss_classes(self) -> go.Figure:
         """How many encounters each system fails in which way."""
         return miss_classes_plot(encounters_table(self._result), self._names, theme=self._theme)
 
+    @_worded
     def lead_time(self) -> go.Figure:
         """How much earlier X matches a pedestrian than Y, in seconds."""
         return lead_time_plot(encounters_table(self._result), theme=self._theme)
 
+    @_worded
     def positions(self) -> go.Figure:
         """Where in the picture each system misses encounters."""
         return position_map(encounters_table(self._result), theme=self._theme)
 
+    @_worded
     def fusion(self) -> go.Figure:
         """What ``X or Y`` and ``X and Y`` would gain and cost."""
         return fusion_plot(fusion_table(self._result), theme=self._theme)
 
+    @_worded
     def recordings(self) -> go.Figure:
         """Mean similarity of X and Y in every recording."""
         return recordings_plot(recordings_table(self._result), self._names, theme=self._theme)
 
+    @_worded
     def saliency(self) -> go.Figure:
         """Saliency of X and Y in every recording, in seconds, 0 is best."""
         return recordings_plot(
             recordings_table(self._result), self._names, theme=self._theme, measure="saliency"
         )
 
+    @_worded
     def time_left(self) -> go.Figure:
         """Urgent encounters up to contact, with the last chance and when X and Y confirm."""
         return approach_plot(self._result, urgent_encounters(self._result), theme=self._theme)
 
+    @_worded
     def weightings(self, encounter: int | None = None) -> go.Figure:
         """The weight of one pedestrian over time, as height, horizon and distance tell it.
 
@@ -154,6 +182,7 @@ class Figures:
         weightings = compare_weightings(self._result, encounter)
         return weightings_plot(self._result, encounter, weightings, theme=self._theme)
 
+    @_worded
     def over_speed(self, measure: OverSpeed = "share_in_time") -> go.Figure:
         """Time left of X and Y over the speed of the car.
 
@@ -170,18 +199,22 @@ class Figures:
             measure=measure,
         )
 
+    @_worded
     def margins(self) -> go.Figure:
         """How long before the last chance X and Y confirm each urgent pedestrian."""
         return margins_plot(self._result, urgent_encounters(self._result), theme=self._theme)
 
+    @_worded
     def recency(self, recording: Recording | None = None) -> go.Figure:
         """The recency curve with every event on it; of one recording, or of all."""
         return recency_plot(self._result, theme=self._theme, recording=self._maybe_row(recording))
 
+    @_worded
     def saliency_parts(self, recording: Recording | None = None) -> go.Figure:
         """The most salient events taken apart; of one recording, or of all."""
         return parts_plot(self._result, theme=self._theme, recording=self._maybe_row(recording))
 
+    @_worded
     def curve(self, kind: CurveKind = "miss_rate") -> go.Figure:
         """A detection curve of X and Y under the session's protocol.
 
@@ -202,6 +235,7 @@ class Figures:
         ]
         return curve_plot(curves, thresholds, kind, theme=self._theme, summaries=legends, hint="")
 
+    @_worded
     def subgroups(self, measure: str = "encounters_detected") -> go.Figure:
         """Difference X - Y of one measure with its 95 % interval, by group.
 
@@ -214,12 +248,14 @@ class Figures:
         table = subgroup_table(self._result, [measure], protocol=protocol)
         return subgroup_forest(table, theme=self._theme)
 
+    @_worded
     def stability(
         self, plane: Plane = "alpha-midpoint", criterion: Criterion = "similarity"
     ) -> go.Figure:
         """Who is better at other settings; see `nvcore.stability.map.map_stability`."""
         return stability_map(map_stability(self._result, plane, criterion), theme=self._theme)
 
+    @_worded
     def scores(self, letter: str = "x") -> go.Figure:
         """Scores of system ``"x"`` or ``"y"``, and which of them its threshold leaves."""
         system = self._system(letter)
@@ -231,6 +267,7 @@ class Figures:
             theme=self._theme,
         )
 
+    @_worded
     def false_alarms(self, letter: str = "x") -> go.Figure:
         """False alarms per minute that each threshold of system ``"x"`` or ``"y"`` leaves."""
         system = self._system(letter)
@@ -242,10 +279,12 @@ class Figures:
             theme=self._theme,
         )
 
+    @_worded
     def proximity(self) -> go.Figure:
         """How much a pedestrian counts by how near it seems."""
         return proximity_plot(self._result.dataset, self._result.params, theme=self._theme)
 
+    @_worded
     def cost_map(self, recording: Recording = 0) -> go.Figure:
         """What missing a pedestrian would cost, by where in the picture the feet are."""
         result, row = self._result, self._row(recording)

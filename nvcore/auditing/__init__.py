@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -95,7 +96,7 @@ def audit(
 def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
     """The part of `audit` that depends on no setting: readers' findings, frames, boxes, scores."""
     truth = truth_source(dataset)
-    findings = [*dataset.findings, *audit_left_out(dataset)]
+    findings = [*audit_left_out(dataset)]
     findings += [*audit_truth_coverage(dataset), *_audit_boxes(truth), *audit_tracks(truth)]
     findings += [*audit_size(dataset), *audit_kitti_size(dataset), *audit_fps(dataset)]
     findings += audit_frame_list(dataset)
@@ -103,7 +104,7 @@ def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
         findings += [*audit_system_coverage(system), *_audit_boxes(system), *audit_scores(system)]
         findings += audit_same_as_truth(system)
     findings += audit_provenance(dataset)
-    return tuple(findings)
+    return *dataset.findings, *_worded(dataset, findings)  # readers quote files, and say it so
 
 
 def audit_system(
@@ -122,10 +123,11 @@ def audit_system(
     """
     system = system_source(dataset, name)
     counting = above_threshold(system.boxes, threshold)
-    return (
+    findings = [
         *audit_threshold(system, threshold, flag=f"--threshold-{letter}"),
         *find_offsets(system, counting, letter=letter),
-    )
+    ]
+    return _worded(dataset, findings)
 
 
 def audit_pair(
@@ -135,7 +137,7 @@ def audit_pair(
     names = _compared(dataset, x, y)
     findings = [*audit_encounter_lengths(dataset, params), *audit_borrowing(dataset, params)]
     if len(names) < 2 or names[0] == names[1]:
-        return tuple(findings)
+        return _worded(dataset, findings)
     system_x, system_y = (system_source(dataset, name) for name in names)
     thresholds = params.threshold_x, params.threshold_y
     counting = tuple(
@@ -148,7 +150,16 @@ def audit_pair(
     if np.any(~dataset.truth.ignore):
         findings += find_disagreement(dataset, system_x, system_y, matches)
         findings += audit_operating_points(system_x, system_y, matches, params)
-    return tuple(findings)
+    return _worded(dataset, findings)
+
+
+def _worded(dataset: Dataset, findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """The findings in the words for the dataset's objects."""
+    words = dataset.words
+    return tuple(
+        replace(finding, message=words(finding.message), advice=words(finding.advice))
+        for finding in findings
+    )
 
 
 def audit_view(dataset: Dataset, params: Params) -> tuple[Finding, ...]:

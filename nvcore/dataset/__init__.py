@@ -20,6 +20,7 @@ from nvcore.params import Params
 from nvcore.schema import ATTRIBUTE_DTYPES, LEFT_OUT_DTYPES, TRUTH, conform
 from nvcore.settings import Settings
 from nvcore.wording import did_you_mean, listed
+from nvcore.wording.objects import Objects, names_at_risk
 
 MOST_NAMED = 5
 """Recordings or tags that a text names one by one."""
@@ -108,6 +109,27 @@ class Dataset:
     def _by_source(self) -> tuple[BoxColumns, ...]:
         # cached: every change of a parameter needs them again
         return tuple(self._source(source) for source in range(len(self.systems) + 1))
+
+    @property
+    def objects(self) -> Objects:
+        """What the boxes are of."""
+        return self.settings.objects
+
+    def words(self, text: str) -> str:
+        """A text of ours, written about pedestrians, in the words for the objects of this data.
+
+        Names of its systems, recordings, tags and files stay; see
+        `nvcore.wording.objects.Objects.words`.
+        """
+        if self.objects.are_pedestrians:
+            return text
+        return self.objects.words(text, self._names_at_risk)
+
+    @cached_property
+    def _names_at_risk(self) -> tuple[str, ...]:
+        own = [*self.systems, *self.recordings["name"], *self.inputs["file"]]
+        tags = [tag for tags in self.recordings["tags"] for tag in tags]
+        return names_at_risk(map(str, [*own, *tags, *self.left_out["recording"].unique()]))
 
     @property
     def truth(self) -> BoxColumns:

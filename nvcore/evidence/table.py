@@ -48,14 +48,17 @@ def evidence_table(
 def mark_undecided(result: Result, table: pd.DataFrame) -> pd.DataFrame:
     """The table of evidence, the notes of what is undecided at unequal operating points extended.
 
+    Labels and notes are in the words for the objects.
+
     Parameters
     ----------
     table
-        With columns figure, difference and note.
+        With columns figure, label, difference and note.
     """
     is_defined = np.isfinite(table["difference"].to_numpy(dtype=float))
     notes = [
         "; ".join(filter(None, (note, AS_SET if has and is_undecided(result, key) else "")))
         for key, has, note in zip(table["figure"], is_defined, table["note"], strict=True)
     ]
-    return table.assign(note=notes)
+    words = result.dataset.words
+    return table.assign(label=table["label"].map(words), note=[words(note) for note in notes])

@@ -74,7 +74,8 @@ class EncounterClasses:
 
 def classes_of(dataset: Dataset) -> EncounterClasses:
     """Classes of the encounters of a dataset's ground truth; kept, since no setting moves them."""
-    if "encounter_classes" not in dataset.derived:
+    key = "encounter_classes", dataset.objects
+    if key not in dataset.derived:
         _, encounters = encounters_of(dataset)
         truth, frames = dataset.truth, dataset.frame_columns
         attributes = attributes_of(encounters, _texts_of_truth(dataset))
@@ -85,15 +86,17 @@ def classes_of(dataset: Dataset) -> EncounterClasses:
             GROUP: find_groups(encounters, truth),
             CHILD: find_children(encounters, truth, frames),
         }
+        if not dataset.objects.are_pedestrians:  # the rules are about people who walk
+            derived = {}
         members = dict(named)
         for name, is_member in derived.items():
             members[name] = members.get(name, np.zeros(len(encounters), dtype=bool)) | is_member
-        dataset.derived["encounter_classes"] = EncounterClasses(
+        dataset.derived[key] = EncounterClasses(
             attributes,
             {name: is_member for name, is_member in members.items() if is_member.any()},
             tuple(named),
         )
-    classes: EncounterClasses = dataset.derived["encounter_classes"]
+    classes: EncounterClasses = dataset.derived[key]
     return classes
 
 

@@ -53,7 +53,12 @@ class Contact:
 
 
 def measure_contact(
-    truth: BoxColumns, encounters: Encounters, frames: FrameColumns, *, ttc_window: float
+    truth: BoxColumns,
+    encounters: Encounters,
+    frames: FrameColumns,
+    *,
+    ttc_window: float,
+    is_on_road: bool = True,
 ) -> Contact:
     """Time to contact of every pedestrian in every frame, from his boxes alone.
 
@@ -66,6 +71,8 @@ def measure_contact(
     ----------
     ttc_window
         Width of the window, seconds.
+    is_on_road
+        Whether a car could hit the objects; of others the time is unknown.
 
     References
     ----------
@@ -74,6 +81,8 @@ def measure_contact(
     is_sampled = frames.sampling_step[encounters.recording] > 1
     is_linked = truth.track[encounters.order[encounters.offsets[:-1]]] == NO_TRACK
     contact = Contact(np.full(len(truth), np.nan), is_sampled, is_linked)
+    if not is_on_road:
+        return contact
     over_encounters(
         contact_frames,
         encounters,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from nvcore.columns import BoxColumns
 from nvcore.comparison import Result
+from nvcore.dataset import Dataset
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.matching import iou_of_pairs
 from nvcore.metrics.proximity import in_use
@@ -62,7 +63,7 @@ def explain_boxes(result: Result, row: int) -> list[BoxReason]:
     for letter in "xy":
         states = frame.state[letter]
         reasons += [_detection(frame, letter, int(i)) for i in np.flatnonzero(states)]
-    return reasons
+    return [_worded(reason, result.dataset) for reason in reasons]
 
 
 def explain_similarity(result: Result, row: int, letter: str) -> str:
@@ -96,7 +97,7 @@ def explain_similarity(result: Result, row: int, letter: str) -> str:
             f"{who} not detected {'is' if n_far == 1 else 'are'} too far to count (weight below "
             f"{RELEVANT_K:g})."
         )
-    return " ".join(texts)
+    return result.dataset.words(" ".join(texts))
 
 
 class _Frame:
@@ -286,3 +287,9 @@ def _detection(frame: _Frame, letter: str, j: int) -> BoxReason:
         else f"Takes nothing of {name}'s similarity"
     )
     return BoxReason(f"Detection of {name}: false alarm", tuple(lines))
+
+
+def _worded(reason: BoxReason, dataset: Dataset) -> BoxReason:
+    """The reason in the words for the dataset's objects."""
+    lines = tuple(map(dataset.words, reason.lines))
+    return replace(reason, title=dataset.words(reason.title), lines=lines)

@@ -6,11 +6,12 @@ from dataclasses import asdict, dataclass
 from typing import Final
 
 from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
+from nvcore.wording.objects import SPEED_SIGN, Objects
 
 
 @dataclass(frozen=True)
 class Preset:
-    """A named choice of traffic context and of the height at which a pedestrian is near.
+    """A named choice of traffic context, of the height at which an object is near, and of coverage.
 
     Attributes
     ----------
@@ -22,6 +23,10 @@ class Preset:
         See `Params.edge_weight`; None: as each recording says.
     midpoint_share, spread_share
         Midpoint and spread of the height sigmoid, as shares of the picture's height.
+    coverage
+        See `Params.coverage`.
+    objects
+        What it is for; None: anything.
     """
 
     name: str
@@ -29,6 +34,8 @@ class Preset:
     edge_weight: float | None
     midpoint_share: float
     spread_share: float
+    coverage: float = Params.coverage
+    objects: Objects | None = None
 
     def values(self, height: float | None) -> dict[str, float | str | None]:
         """All parameters but the thresholds, for pictures of this height in px.
@@ -42,7 +49,10 @@ class Preset:
             if not name.startswith("threshold")
         }
         is_default = (self.midpoint_share, self.spread_share) == (MIDPOINT_SHARE, SPREAD_SHARE)
-        changes: dict[str, float | str | None] = {"edge_weight": self.edge_weight}
+        changes: dict[str, float | str | None] = {
+            "edge_weight": self.edge_weight,
+            "coverage": self.coverage,
+        }
         if not is_default and height is not None:
             changes["midpoint"] = self.midpoint_share * height
             changes["spread"] = self.spread_share * height
@@ -74,5 +84,21 @@ PRESETS: Final = (
         midpoint_share=0.06,
         spread_share=0.012,
     ),
+    Preset(
+        "Speed signs",
+        "A sign counts as seen if it is matched in one of five frames in which it is near enough; "
+        "it counts half at 1/24 of the tallest picture's height (20 px of 480), and a miss at the "
+        "road's edge, where signs stand, costs as much as one straight ahead.",
+        edge_weight=1.0,
+        midpoint_share=1 / 24,
+        spread_share=1 / 120,
+        coverage=0.2,
+        objects=SPEED_SIGN,
+    ),
 )
 """All presets; the first is the default."""
+
+
+def presets_for(objects: Objects) -> tuple[Preset, ...]:
+    """The presets that make sense for these objects, the default first."""
+    return tuple(preset for preset in PRESETS if preset.objects in (None, objects))

@@ -83,7 +83,7 @@ def render_scorecard(
         *(_worst(result, letter, system) for letter, system in result.sides),
         render_verdict(conclusion),
     ]
-    return "\n\n".join(parts)
+    return result.dataset.words("\n\n".join(parts))
 
 
 def render_verdict(conclusion: Verdict) -> str:
@@ -149,16 +149,19 @@ def render_horizons(dataset: Dataset) -> str:
 
 def render_inputs(result: Result) -> str:
     """`render_dataset`, and the gaps that the analysis had to fill."""
+    words = result.dataset.words
     lines = [render_dataset(result.dataset)]
     n = len(result.tracks.linked_recordings)
     if n:
         lines.append(
-            f"the truth of {n} recording{'s' if n > 1 else ''} has pedestrians without "
-            "track ids: they were linked to encounters by overlap from frame to frame"
+            words(
+                f"the truth of {n} recording{'s' if n > 1 else ''} has pedestrians without "
+                "track ids: they were linked to encounters by overlap from frame to frame"
+            )
         )
     borrowed = result.borrowed
     if borrowed is not None and borrowed.n_borrowed + borrowed.n_unknown:
-        lines.append(borrowed.text)
+        lines.append(words(borrowed.text))
     for of_source, without in (
         ("of the truth", result.k_truth.n_without_distance),
         ("of X", result.x.weights.n_without_distance),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -122,7 +122,9 @@ def tiles(
     shown, of_shown = comparison_shown(result, evidence, companions)
     support = find_claims(result, evidence, companions)
     rows = {} if of_shown is None else {row["figure"]: row for row in of_shown.to_dict("records")}
-    return tuple(_tile(kind, shown, rows.get(kind.judged), support, untested) for kind in _KINDS)
+    words = result.dataset.words
+    of_kinds = (_tile(kind, shown, rows.get(kind.judged), support, untested) for kind in _KINDS)
+    return tuple(replace(tile, title=words(tile.title), chip=words(tile.chip)) for tile in of_kinds)
 
 
 def _tile(

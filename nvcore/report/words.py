@@ -81,7 +81,7 @@ def sampling_note(frames: FrameColumns) -> str:
 def describe_urgency(result: Result) -> str:
     """How many encounters leave a last chance to stop, at which speed, and why others do not."""
     counts = result.count_urgency()
-    if not len(result.encounters):
+    if not len(result.encounters) or not result.dataset.objects.is_on_road:
         return ""
     others = [
         f"{counts[kind]} {words}"

@@ -282,8 +282,9 @@ def _reason(result: Result, span: _Span) -> tuple[int | None, str]:
     )
     if len(effect) and effect.max() >= ((1 - alpha) * of_alarms * gap).sum():
         worst = int(np.argmax(effect) + encounter.min(initial=0))
-        return _miss_reason(result, span, worst, worse, system, other, systems[other])
-    return None, _alarm_reason(result, span, worse, system)
+        track, text = _miss_reason(result, span, worst, worse, system, other, systems[other])
+        return track, result.dataset.words(text)
+    return None, result.dataset.words(_alarm_reason(result, span, worse, system))
 
 
 def _miss_reason(

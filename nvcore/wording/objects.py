@@ -106,9 +106,7 @@ class Objects:
         """
         if self.are_pedestrians or not text:
             return text
-        return _pattern(tuple(dict.fromkeys(filter(_would_change, names)))).sub(
-            self._phrase_of, text
-        )
+        return _pattern(names_at_risk(names)).sub(self._phrase_of, text)
 
     def _phrase_of(self, match: re.Match[str]) -> str:
         phrase = match["ours"]
@@ -239,26 +237,35 @@ _OURS: Final = "|".join(
     + (r"\b" if text[-1].isalpha() else "")
     for text in sorted(_PHRASES, key=len, reverse=True)
 )
-_PART: Final = re.compile(r"[^\W_]+")
-_GAP: Final = r"(?:&#?\w+;|[\W_])+"
-"""Between the parts of a name, however a page or a figure escapes it."""
+_PART: Final = re.compile(r"([^\W_]+)")
+_CUT: Final = r"[^…\n]{0,40}…"
+"""The rest of a name that is cut."""
 
 
 @lru_cache(64)
 def _pattern(names: tuple[str, ...]) -> re.Pattern[str]:
     """Names, which stay, and what is said otherwise."""
-    theirs = "".join(rf"(?:{form})(?!\w)|" for form in dict.fromkeys(map(_form_of, names)))
+    theirs = "".join(f"(?:{form})|" for form in dict.fromkeys(map(_form_of, names)))
     return re.compile(rf"(?<!\w)(?:{theirs}(?P<ours>{_OURS}))")
 
 
 def _form_of(name: str) -> str:
-    """A pattern of the name, or of its first parts where it was cut; any numbers for its own."""
-    form = ""
-    for part in reversed(_PART.findall(name)):
-        own = r"\d+" if part.isdecimal() else re.escape(part)
-        form = f"{own}(?:{_GAP}{form})?" if form else own
-    return form
+    """A pattern of the name, escaped or cut as pages and figures do; any numbers for its own."""
+    form, is_ours = "", False
+    for part in _PART.split(name.strip()):
+        if not _PART.fullmatch(part):  # between two parts: with a backslash, or as an entity
+            form += "".join(rf"\\?(?:{re.escape(sign)}|&#?\w+;)" for sign in part)
+            continue
+        form += r"\d+" if part.isdecimal() else re.escape(part)
+        if not is_ours and _has_word_of_ours(part):
+            is_ours, cut = True, form + _CUT
+    return f"{form}(?!\\w)|{cut}" if is_ours else rf"{form}(?!\w)"
 
 
-def _would_change(name: str) -> bool:
+def names_at_risk(names: Iterable[str]) -> tuple[str, ...]:
+    """Those of the names that have a word of ours in them, each once."""
+    return tuple(dict.fromkeys(filter(_has_word_of_ours, names)))
+
+
+def _has_word_of_ours(name: str) -> bool:
     return _pattern(()).search(" ".join(_PART.findall(name))) is not None

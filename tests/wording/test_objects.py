@@ -52,6 +52,13 @@ def test_names_that_users_gave_stay(name: str, escape):  # type: ignore[no-untyp
     assert SPEED_SIGN.words(text, names=[name]) == expected
 
 
+def test_a_name_that_begins_with_a_word_of_ours_does_not_keep_the_word_elsewhere():
+    text = "pedestrian 1 of pedestrian_1; the pedestrian"
+    assert SPEED_SIGN.words(text, names=["pedestrian_1", "pedestrian_27"]) == (
+        "speed sign 1 of pedestrian_1; the speed sign"
+    )
+
+
 def test_a_name_that_was_cut_stays_as_well():
     name = "pedestrian detector of the second supplier"
     assert SPEED_SIGN.words("X: pedestrian detector of… misses a pedestrian", names=[name]) == (

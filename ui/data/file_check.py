@@ -17,6 +17,7 @@ from nvcore.errors import MissingFactError, NvcoreError
 from nvcore.inputs.readers.base import Reading, Role
 from nvcore.inputs.session import Source
 from nvcore.schema import NO_TRACK
+from nvcore.wording.objects import PEDESTRIAN, Objects
 from ui.confined.reading import find_confined, read_confined
 from ui.session import state
 from ui.session.cache import Caching
@@ -104,6 +105,7 @@ def check_files(
     role: Role,
     folder: Path,
     truth: FileCheck | None = None,
+    objects: Objects = PEDESTRIAN,
 ) -> FileCheck:
     """Read a source by itself; once for each key, which covers content and way of reading.
 
@@ -112,15 +114,20 @@ def check_files(
     """
     checks: Caching = st.session_state.setdefault(_CHECKS, Caching())
     known = None if truth is None else truth.reading
-    of_both = (key, None if known is None else truth)  # without a reading it makes no difference
+    # without a reading the truth makes no difference
+    of_both = (key, objects, None if known is None else truth)
     return checks.cached(
-        "files", of_both, lambda: _check(source, role, folder, known), most=MOST_KEPT
+        "files", of_both, lambda: _check(source, role, folder, known, objects), most=MOST_KEPT
     )
 
 
 @st.spinner("Reading the files")
 def _check(
-    source: Callable[[], Source], role: Role, folder: Path, known: Reading | None
+    source: Callable[[], Source],
+    role: Role,
+    folder: Path,
+    known: Reading | None,
+    objects: Objects,
 ) -> FileCheck:
     name = ""
     try:
@@ -130,7 +137,12 @@ def _check(
         if role == "detections" and known is None:  # some formats cannot be read without it
             return FileCheck(format=name, summary=title)
         reading = read_confined(
-            source_files, role=role, folder=folder, size=_size(known), truth=known
+            source_files,
+            role=role,
+            folder=folder,
+            size=_size(known),
+            truth=known,
+            objects=objects,
         )
     except MissingFactError as error:
         if not error.facts:

@@ -11,6 +11,7 @@ import streamlit as st
 from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.wording import listed
+from nvcore.wording.objects import PEDESTRIAN, Objects
 from ui.data.file_check import FileCheck, unusable
 from ui.data.frames import FrameList
 from ui.data.missing_inputs import MissingInputs, ask_for_missing, forget_missing
@@ -49,6 +50,7 @@ class Form:
     unnamed: tuple[str, ...] = ()
     sizes: Mapping[str, tuple[int, int]] = field(default_factory=dict)
     typed: TypedRecordings = field(default_factory=TypedRecordings)
+    objects: Objects = PEDESTRIAN
 
     def check(self, *, has_truth: bool, has_systems: bool) -> None:
         """Raise `InputError` if something needed is missing or cannot be used."""
@@ -88,6 +90,7 @@ class Form:
             truth=truth,
             systems=systems,
             recordings_file=self.recordings.file,
+            objects=self.objects,
         )
 
     def with_pictures(self, session: Session, paths: Mapping[str, str]) -> Session:
@@ -123,6 +126,7 @@ def finish_form(
     table: RecordingsTable,
     pictures: ChosenPictures,
     checks: Mapping[str, FileCheck | None],
+    objects: Objects,
 ) -> Form:
     """Ask what the files leave open, and say why they could not be opened.
 
@@ -155,4 +159,5 @@ def finish_form(
         ),
         sizes=others,
         typed=typed,
+        objects=objects,
     )

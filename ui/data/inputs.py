@@ -71,7 +71,11 @@ def _inputs(dataset: Dataset) -> pd.DataFrame:
     rows = []
     n_ignored = int(dataset.truth.ignore.sum())
     n_counted = len(dataset.truth) - n_ignored
-    ignored = f": {n_counted:,} pedestrians, {n_ignored:,} to be ignored" if n_ignored else ""
+    ignored = (
+        state.words(f": {n_counted:,} pedestrians, {n_ignored:,} to be ignored")
+        if n_ignored
+        else ""
+    )
     for number, source in enumerate(inputs_table(dataset).to_dict("records")):
         letter = {x: "X: ", y: "Y: "}.get(source["subject"], "")
         more = f" and {source['n_files'] - 1:,} more" if source["n_files"] > 1 else ""

@@ -13,12 +13,14 @@ from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.wording import count_text
+from nvcore.wording.objects import Objects
 from ui.confined.reading import find_confined, session_confined, with_recordings_confined
 from ui.data.file_check import FileCheck, check_files, draw_file_check
 from ui.data.form import Form, finish_form, forget_outcome
 from ui.data.frames import FRAMES_HELP, FRAMES_LABEL, FrameList, check_frame_list, draw_frame_list
 from ui.data.missing_inputs import MissingInputs, ask_for_missing
 from ui.data.names import draw_recording, draw_system_name, proposed_names
+from ui.data.objects import draw_objects
 from ui.data.opening import draw_trouble, try_to_open
 from ui.data.pictures import draw_checked
 from ui.data.recordings_table import (
@@ -77,12 +79,14 @@ def _draw_form(root: LocalRoot, entries: list[Entry]) -> tuple[dict[str, list[st
     paths_of: dict[str, list[str]] = {}
     checks: list[FileCheck | None] = []
     name_fields = []
+    objects = draw_objects(PLACE, _changed)
     for key in SOURCES:
         left, right = st.columns([1, 3])
         with right:
             paths_of[key] = _draw_role(key, entries)
             truth = checks[0] if checks else None
-            check = _check(root, paths_of[key], truth, role="detections" if checks else "truth")
+            role: Role = "detections" if checks else "truth"
+            check = _check(root, paths_of[key], truth, objects, role=role)
             draw_file_check(check, truth)
         name_fields.append(left)
         checks.append(check)
@@ -105,7 +109,8 @@ def _draw_form(root: LocalRoot, entries: list[Entry]) -> tuple[dict[str, list[st
     pictures = draw_checked(PLACE, places, recordings, missing)
     titles = ["the ground truth", *(f"system {key[-1].upper()}" for key in SYSTEMS)]
     checks_by_title = dict(zip(titles, checks, strict=True))
-    return paths_of, finish_form(PLACE, names, recording, frames, table, pictures, checks_by_title)
+    form = finish_form(PLACE, names, recording, frames, table, pictures, checks_by_title, objects)
+    return paths_of, form
 
 
 def _draw_table(
@@ -146,7 +151,12 @@ def _find(root: LocalRoot, paths: Sequence[str]) -> tuple[dict[str, Path], list[
 
 
 def _check(
-    root: LocalRoot, paths: Sequence[str], truth: FileCheck | None, *, role: Role = "truth"
+    root: LocalRoot,
+    paths: Sequence[str],
+    truth: FileCheck | None,
+    objects: Objects,
+    *,
+    role: Role,
 ) -> FileCheck | None:
     """What the chosen paths hold, read only if they stay below the root."""
     if not paths:
@@ -161,7 +171,9 @@ def _check(
     except NvcoreError as error:
         return FileCheck(trouble=page_text(error))
     key = (*paths, role, _state_of(root, paths_read))
-    return check_files(key, lambda: source, role=role, folder=root.folder, truth=truth)
+    return check_files(
+        key, lambda: source, role=role, folder=root.folder, truth=truth, objects=objects
+    )
 
 
 def _state_of(root: LocalRoot, files: Sequence[Path]) -> tuple[tuple[str, int, int], ...]:

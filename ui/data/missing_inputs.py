@@ -212,7 +212,7 @@ def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str,
         "Coordinates", list(BOX_BASES), key=f"box_base_{key}", on_change=changed
     )
     classes = st.text_input(
-        "Classes that are pedestrians",
+        "Classes that count",
         key=f"classes_{key}",
         on_change=changed,
         placeholder="as usual for the format",

@@ -17,12 +17,14 @@ from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.wording import listed
+from nvcore.wording.objects import Objects
 from ui.data.file_check import FileCheck, check_files, draw_file_check
 from ui.data.form import Form, finish_form, forget_outcome
 from ui.data.frames import FRAMES_HELP, FRAMES_LABEL, FrameList, check_frame_list, draw_frame_list
 from ui.data.inputs import sent_pictures
 from ui.data.missing_inputs import draw_reading
 from ui.data.names import draw_recording, draw_system_name, proposed_names
+from ui.data.objects import draw_objects
 from ui.data.opening import try_to_open
 from ui.data.pictures import ChosenPictures, draw_checked
 from ui.data.recordings_table import (
@@ -108,14 +110,15 @@ def draw() -> None:
     st.caption(
         "Files stay on this server only while this browser tab is open; nobody else sees them."
     )
+    objects = draw_objects(PLACE, _changed)
     truth, systems = _draw_truth(), _draw_systems()
     table = _draw_single("the recordings", "recordings", RECORDINGS_LABEL, RECORDINGS_HELP)
     frame_list = _draw_single("the evaluated frames", "frames", FRAMES_LABEL, FRAMES_HELP)
     _tell_lost(space, [truth, *systems, table, frame_list])
     with st.container():  # spinners go here: what comes below keeps its place, and its uploads
         stored = _store(space, [truth, *systems, table, frame_list])
-        truth_check = _check(stored, truth, None)
-        checks = [_check(stored, system, truth_check) for system in systems]
+        truth_check = _check(stored, truth, None, objects)
+        checks = [_check(stored, system, truth_check, objects) for system in systems]
     recordings = [] if truth_check is None else truth_check.recordings
     with truth.below:
         draw_file_check(truth_check)
@@ -132,7 +135,7 @@ def draw() -> None:
     pictures = _draw_pictures(space, recordings)
     titles = [field.title for field in (truth, *systems)]
     checks_by_title = dict(zip(titles, [truth_check, *checks], strict=True))
-    form = finish_form(PLACE, names, recording, frames, rows, pictures, checks_by_title)
+    form = finish_form(PLACE, names, recording, frames, rows, pictures, checks_by_title, objects)
     if st.button("Open these files", key="open_upload", type="primary"):
         try_to_open(lambda: _session(truth, systems, stored, form), label=LABEL, place=PLACE)
 
@@ -304,13 +307,20 @@ def _refuse_equal_names(files: Sequence[UploadedFile]) -> None:
         )
 
 
-def _check(stored: _Stored, field: _Field, truth: FileCheck | None) -> FileCheck | None:
+def _check(
+    stored: _Stored, field: _Field, truth: FileCheck | None, objects: Objects
+) -> FileCheck | None:
     if not field.files:
         return None
     role: Role = "truth" if field.slot == "truth" else "detections"
     key = (field.ids, repr(field.reading), stored.troubles.get(field.slot), role)
     return check_files(
-        key, lambda: stored.source(field), role=role, folder=stored.folder, truth=truth
+        key,
+        lambda: stored.source(field),
+        role=role,
+        folder=stored.folder,
+        truth=truth,
+        objects=objects,
     )
 
 

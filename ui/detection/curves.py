@@ -71,7 +71,7 @@ def draw(result: Result, protocol: Protocol) -> None:
         summaries=[legend_text(summary, kind) for summary in summaries],
     )
     clicked = clicked_chart(figure, f"curves_{kind}", clicks="curves")
-    st.caption(f"{EXPLAINED[kind]} Click a curve to count from that score on.")
+    st.caption(f"{state.words(EXPLAINED[kind])} Click a curve to count from that score on.")
     if kind == "miss_rate":
         _draw_notes(summaries)
     if clicked is not None:
@@ -123,7 +123,7 @@ def _draw_evidence(result: Result, remarks: list[str]) -> None:
         note for note in evidence.note.split("; ") if note and not note.endswith(tuple(remarks))
     ]
     for note in notes:
-        st.caption(plain(f"{capitalised(note)}."))
+        st.caption(plain(state.words(f"{capitalised(note)}.")))
     link = docs_link("Significance", "significance", doc="significance")
     st.caption(f"{plain(evidence.method)} ({link})." if evidence.method else f"See {link}.")
 
@@ -214,7 +214,10 @@ def _draw_table(summaries: list[CurveSummary]) -> None:
             why = plain(summary.why_undefined)
             st.caption(f"{letter} has no averages and no areas ({why}).")
     st.caption(
-        "Absorbed: neither right nor wrong, as they lie on pedestrians or regions that are ignored."
+        state.words(
+            "Absorbed: neither right nor wrong, as they lie on pedestrians or regions that are "
+            "ignored."
+        )
     )
     st.caption(
         "↑ higher is better, ↓ lower is better "

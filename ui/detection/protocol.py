@@ -30,9 +30,11 @@ def choose(dataset: Dataset) -> Protocol:
         [*([OF_SESSION] if start.name == OWN else []), *PROTOCOLS, OWN],
         key="protocol",
         persist_state="session",
-        help="Which pedestrians count. The others are ignored: no miss, and no false positive for "
-        "who detects them. One set of pedestrians serves both systems. The Overview and the "
-        "reports use the same. Own filters start as those of the protocol chosen before.",
+        help=state.words(
+            "Which pedestrians count. The others are ignored: no miss, and no false positive for "
+            "who detects them. One set of pedestrians serves both systems. The Overview and the "
+            "reports use the same. Own filters start as those of the protocol chosen before."
+        ),
     )
     tags = sorted({*known_tags(dataset), *start.tags})
     tagged: list[str] = []
@@ -67,7 +69,7 @@ def choose(dataset: Dataset) -> Protocol:
     protocol = protocol_from(filters.given())
     state.set_protocol(protocol)
     effect = f"Filters: {'; '.join(protocol.filters)}." if protocol.filters else "No filter."
-    st.caption(plain(f"{protocol.text} {effect}".strip()))
+    st.caption(plain(f"{state.words(protocol.text)} {effect}".strip()))
     _draw_left_out(filtered(dataset, protocol))
     return protocol
 
@@ -143,8 +145,10 @@ def _own_filters(dataset: Dataset) -> Protocol:
         key="own_occlusion",
         format_func=OCCLUSION_WORDS.__getitem__,
         persist_state="session",
-        help="Pedestrians whose occlusion is unknown count as not occluded. None chosen: all "
-        "levels count.",
+        help=state.words(
+            "Pedestrians whose occlusion is unknown count as not occluded. None chosen: all "
+            "levels count."
+        ),
     )
     border = _margins(third)
     expand = _number(
@@ -221,8 +225,10 @@ def _number(
 
 
 def _draw_left_out(truth: FilteredTruth) -> None:
+    objects = state.opened().dataset.objects
     words = (
-        f"{count_text(truth.n_truth, 'pedestrian')} in {count_text(truth.n_images, 'image')} "
+        f"{count_text(truth.n_truth, objects.singular, objects.plural)} in "
+        f"{count_text(truth.n_images, 'image')} "
         f"count; {truth.left_out or 'none is ignored'}"
     )
     asks_occlusion = set(truth.protocol.occlusion) != {0, 1, 2}
@@ -231,7 +237,7 @@ def _draw_left_out(truth: FilteredTruth) -> None:
             f". The occlusion of {truth.n_unknown_occlusion:,} is unknown: they count as not "
             "occluded"
         )
-    st.caption(f"{words}.")
+    st.caption(state.words(f"{words}."))
     few = explain_few(truth.n_truth)
     if few:
-        st.warning(f"{capitalised(few)}.", icon=":material/warning:")
+        st.warning(state.words(f"{capitalised(few)}."), icon=":material/warning:")

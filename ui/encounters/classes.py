@@ -11,6 +11,7 @@ from nvcore.metrics.encounter_classes import CHILD, CROSSING, GROUP, IN_ROAD, cl
 from nvcore.tables.encounters.miss_classes import class_counts
 from nvcore.wording import minus, number
 from ui.encounters.filters import class_name
+from ui.session import state
 from ui.widgets.html import MeasureRow, measures_html
 from ui.widgets.text import docs_link
 
@@ -31,7 +32,7 @@ def draw(result: Result) -> None:
     table = class_counts(result)
     if table.empty:
         return
-    st.subheader("By class of pedestrian")
+    st.subheader(state.words("By class of pedestrian"))
     named = classes_of(result.dataset).named
     rows = [
         MeasureRow(
@@ -50,8 +51,13 @@ def draw(result: Result) -> None:
         for name, row in table.iterrows()
     ]
     st.html(measures_html(rows, key="by-class", head=HEAD, first="Class"))
+    from_boxes = ""
+    if result.dataset.objects.are_pedestrians:
+        from_boxes = (
+            "; crossing, in road, group and child also from the boxes alone, by rules of ours "
+            f"({docs_link('Metrics', 'classes-of-encounters')})"
+        )
     st.caption(
-        "A pedestrian may have several classes. They come from the truth's column *attributes*; "
-        "crossing, in road, group and child also from the boxes alone, by rules of ours "
-        f"({docs_link('Metrics', 'classes-of-encounters')}). Shared misses: Jaccard index."
+        state.words("A pedestrian may have several classes. They come from the truth's column ")
+        + f"*attributes*{from_boxes}. Shared misses: Jaccard index."
     )

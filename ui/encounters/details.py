@@ -15,6 +15,7 @@ from nvcore.wording import listed as listed_words
 from nvcore.wording import minus
 from ui.encounters import picture, selection, weightings
 from ui.encounters.filters import class_name
+from ui.session import state
 from ui.shell.navigate import open_row
 from ui.widgets.table_columns import class_words
 from ui.widgets.text import UNDEFINED, docs_link, number, plain
@@ -30,17 +31,18 @@ def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
     """The encounter, with the way to the one before and the next."""
     selection.draw_steps(listed, encounter)
     row = listed.iloc[selection.place_of(listed, encounter)]
-    st.header(f"Pedestrian {row['track']} in {plain(row['recording'])}")
-    st.markdown(f"{CATEGORY_TEXT[Category(row['category'])]}  \n{_who_missed(result, row)}")
+    st.header(state.words(f"Pedestrian {row['track']} in {plain(row['recording'])}"))
+    category = state.words(CATEGORY_TEXT[Category(row["category"])])
+    st.markdown(f"{category}  \n{_who_missed(result, row)}")
     moments = selection.moments_of(result).iloc[encounter]
     if names := [class_name(name) for name in str(row["classes"]).split(CLASS_SEPARATOR) if name]:
         classes = plain(listed_words(names))
         st.caption(f"{docs_link('Classes', 'classes-of-encounters')}: {classes}.")
     picture.draw(result, encounter, int(moments["shown_row"]))
     _draw_ways(result, row, moments)
-    st.caption(
-        f"{docs_link('Time left', 'time-left')}: {plain(describe_encounter(result, encounter))}"
-    )
+    if result.dataset.objects.is_on_road:
+        text = state.words(describe_encounter(result, encounter))
+        st.caption(f"{docs_link('Time left', 'time-left')}: {plain(text)}")
     st.table(_both(row))
     st.caption(MEANINGS)
     pose = number(row["aspect_z"], "+.1f")
@@ -133,7 +135,11 @@ def _why(result: Result, row: pd.Series[Any], shown_row: int, is_missed: bool) -
         return "where the encounter begins to count"
     x, y = row["severity_s_x"], row["severity_s_y"]
     heavier, other = ("y", "x") if y > x else ("x", "y")
-    what = "missing the pedestrian" if x == y else f"{heavier.upper()}'s failure, the heavier,"
+    what = (
+        state.words("missing the pedestrian")
+        if x == y
+        else f"{heavier.upper()}'s failure, the heavier,"
+    )
     is_peak = shown_row == result.system(heavier).failures["peak_row"].iloc[int(str(row.name))]
-    while_seen = "" if is_peak else f" while {other.upper()} detects the pedestrian"
+    while_seen = "" if is_peak else state.words(f" while {other.upper()} detects the pedestrian")
     return f"where {what} costs most{while_seen}"

@@ -179,7 +179,9 @@ def _draw_widgets(encounters: pd.DataFrame) -> Filters:
         format_func=category_words,
         key=key("category"),
         persist_state="session",
-        help=" ".join(f"*{category_words(kind)}*: {CATEGORY_TEXT[kind]}" for kind in Category),
+        help=state.words(
+            " ".join(f"*{category_words(kind)}*: {CATEGORY_TEXT[kind]}" for kind in Category)
+        ),
     )
     place = st.expander("More filters: how and where, recording, class, height, severity")
     left, middle, right = place.columns(3)
@@ -192,7 +194,7 @@ def _draw_widgets(encounters: pd.DataFrame) -> Filters:
             placeholder="any",
             key=key(f"class_{letter}"),
             persist_state="session",
-            help=meaning,
+            help=state.words(meaning),
         )
         for column, letter in ((left, "x"), (middle, "y"))
     )
@@ -221,7 +223,7 @@ def _draw_widgets(encounters: pd.DataFrame) -> Filters:
         "height",
         encounters["peak_height"].to_numpy(),
         1.0,
-        "Height of the pedestrian where it is tallest: how near it came.",
+        state.words("Height of the pedestrian where it is tallest: how near it came."),
     )
     pose_z = _range(
         right,
@@ -233,19 +235,24 @@ def _draw_widgets(encounters: pd.DataFrame) -> Filters:
         "(sitting, cycling, pushing a pram), above 2 uncommonly narrow.",
     )
     names = class_names(encounters)
+    from_boxes = ""
+    if state.opened().dataset.objects.are_pedestrians:
+        from_boxes = (
+            ", and what the boxes show: crossing, in the road, in a group, a child (see the "
+            "documentation, Metrics)"
+        )
     chosen = st.session_state.get(key("class"), [])
     if not {*chosen} <= {*names}:
         st.session_state[key("class")] = [name for name in chosen if name in names]
     left, right = place.columns(2)
     classes = left.multiselect(
-        "Class of pedestrian",
+        state.words("Class of pedestrian"),
         names,
         format_func=class_name,
         placeholder="any",
         key=key("class"),
         persist_state="session",
-        help="Any of these: classes of the truth's column *attributes*, and what the boxes show: "
-        "crossing, in the road, in a group, a child (see the documentation, Metrics).",
+        help=f"Any of these: classes of the truth's column *attributes*{from_boxes}.",
     )
     return Filters(
         categories=tuple(categories),
@@ -278,8 +285,10 @@ def _least_severity(place: st.delta_generator.DeltaGenerator, encounters: pd.Dat
         "%.2f",
         key=key("severity"),
         persist_state="session",
-        help="Lists the encounters in which the failure of X or of Y weighs at least so much: "
-        "seconds of a pedestrian missed straight ahead and near. 0 lists all.",
+        help=state.words(
+            "Lists the encounters in which the failure of X or of Y weighs at least so much: "
+            "seconds of a pedestrian missed straight ahead and near. 0 lists all."
+        ),
     )
     return severity_s
 

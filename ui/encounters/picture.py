@@ -19,7 +19,9 @@ def draw(result: Result, encounter: int, row: int) -> None:
         lambda: _picture(result, encounter, row),
         most=drawing.MOST_THUMBNAILS,
     )
-    st.image(content, width="stretch", alt="The pedestrian with the boxes of truth, X and Y")
+    st.image(
+        content, width="stretch", alt=state.words("The pedestrian with the boxes of truth, X and Y")
+    )
 
 
 def _picture(result: Result, encounter: int, row: int) -> bytes:

@@ -115,7 +115,7 @@ def draw(listed: pd.DataFrame, encounter: int) -> None:
         selection_mode=("single-row", "single-cell", "single-column"),
         on_select=partial(_click, key, table.index),
     )
-    st.caption(f"{rows_told(len(listed), 'first')} {NOTE}".strip())
+    st.caption(f"{rows_told(len(listed), 'first')} {state.words(NOTE)}".strip())
 
 
 def _click(key: str, index: pd.Index) -> None:

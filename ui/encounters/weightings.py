@@ -97,13 +97,13 @@ def _severity(facts: dict[str, Any], letter: str) -> str:
 
 def _words(weightings: Weightings) -> str:
     facts = _facts(weightings)
-    text = (
+    text = state.words(
         f"What {docs_link('tells how near', 'proximity-weight-k')} a pedestrian is decides which "
         "frames count: a child is small, and by height comes near late."
     )
     unknown = [kind for kind in KINDS if not facts[kind]["is_known"]]
     for kind in unknown:
-        text += f" {WHERE_FROM[kind]}"
+        text += f" {state.words(WHERE_FROM[kind])}"
     n_by_height = 0 if "distance" in unknown else int(facts["distance"]["n_by_height"])
     if n_by_height:
         text += f" By distance, {count_text(n_by_height, 'box', 'boxes')} without one count by "

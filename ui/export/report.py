@@ -96,7 +96,7 @@ def draw(result: Result) -> None:
     )
     with st.expander("Single files"):
         _draw_files(result, report, public)
-    st.markdown(TERMS)
+    st.markdown(state.words(TERMS))
     with st.expander("What the columns mean"):
         _draw_columns()
     _draw_session_note(report.session)
@@ -149,7 +149,8 @@ def _draw_files(result: Result, report: _Report, public: Callable[[], Result]) -
             icon=":material/download:",
             key=f"export_{name}",
         )
-        text.markdown(f"{counts[name]:,} {CONTENTS[name]}" if name in counts else CONTENTS[name])
+        what = state.words(CONTENTS[name])
+        text.markdown(f"{counts[name]:,} {what}" if name in counts else what)
 
 
 def _draw_columns() -> None:
@@ -165,7 +166,7 @@ def _draw_columns() -> None:
     for names, column in _joined(COLUMNS[file]):
         empty = column.empty or "never"
         rows.append(f"| {names} | {column.unit or UNDEFINED} | {column.meaning} | {empty} |")
-    st.markdown("\n".join(rows))
+    st.markdown(state.words("\n".join(rows)))
 
 
 def _joined(columns: tuple[Column, ...]) -> list[tuple[str, Column]]:

@@ -44,14 +44,16 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
             "  \n".join(f"{mark}: {plain(capitalised(note))}." for note, mark in notes.items())
         )
     st.caption(
-        "Both systems saw the same pedestrians, so differences are judged in pairs: how far they "
-        f"would vary with other {units} (interval), and how often they would be as large if X and "
-        "Y could be exchanged (p, from six recordings on). p (Holm) allows for all the rows being "
-        f"looked at together: the verdict claims no difference with more than {SIGNIFICANT}, nor "
-        "one that does not hold at equal false alarms. Within these recordings: "
-        "McNemar's test, which says nothing of others. effect: size of the difference, "
-        "Cohen's d_z or, with ×, the odds ratio "
-        f"({docs_link('Significance', 'significance', doc='significance')})."
+        state.words(
+            "Both systems saw the same pedestrians, so differences are judged in pairs: how far "
+            f"they would vary with other {units} (interval), and how often they would be as large "
+            "if X and Y could be exchanged (p, from six recordings on). p (Holm) allows for all "
+            f"the rows being looked at together: the verdict claims no difference with more than "
+            f"{SIGNIFICANT}, nor one that does not hold at equal false alarms. Within these "
+            "recordings: McNemar's test, which says nothing of others. effect: size of the "
+            "difference, Cohen's d_z or, with ×, the odds ratio "
+            f"({docs_link('Significance', 'significance', doc='significance')})."
+        )
     )
     with st.expander("How it was computed"):
         for label, method in zip(evidence["label"], evidence["method"], strict=True):

@@ -115,11 +115,13 @@ def _draw_scorecard(result: Result, evidence: pd.DataFrame | None) -> Scorecard:
     table = Scorecard(result, evidence)
     little = f" {SHORT_ROWS}." if result.is_short else ""
     st.caption(
-        "↑ higher is better, ↓ lower is better; the better value has a dot, which says nothing of "
-        f"chance.{plain(little)} Similarity, per frame, 1 is best: how well "
-        "detections fit the pedestrians, near ones first. Saliency, in seconds, 0 is best: "
-        "how long the most salient misses last, in full only when they are late "
-        f"({docs_link('Metrics', 'similarity')}). {_rule(result)}"
+        state.words(
+            "↑ higher is better, ↓ lower is better; the better value has a dot, which says nothing "
+            f"of chance.{plain(little)} Similarity, per frame, 1 is best: how well "
+            "detections fit the pedestrians, near ones first. Saliency, in seconds, 0 is best: "
+            "how long the most salient misses last, in full only when they are late "
+            f"({docs_link('Metrics', 'similarity')}). {_rule(result)}"
+        )
     )
     with st.expander(f"How the {result.venn.n_near:,} encounters went"):
         rows = [
@@ -134,11 +136,11 @@ def _rule(result: Result) -> str:
     """When a detection matches, and what it is when it does not."""
     params = result.params
     how = (
-        f"whom it overlaps by an IoU of {params.iou:g} or more"
+        state.words(f"whom it overlaps by an IoU of {params.iou:g} or more")
         if params.match == "iou"
         else f"at whose sideways position it stands, to {params.lateral_tolerance:.0%} of the width"
     )
-    return (
+    return state.words(
         f"A detection matches a pedestrian {how}; a looser box is a false alarm, and the "
         "pedestrian is missed (Advanced)."
     )

@@ -36,7 +36,7 @@ OPEN: Final = "overview_open"
 
 def draw(result: Result) -> None:
     """The diagram, the same by buttons for those who do not click in pictures, and a list."""
-    st.header("Who detects whom")
+    st.header(state.words("Who detects whom"))
     draw_as_set_note(result)
     row = st.session_state.pop(OPEN, None)
     if row is not None:
@@ -56,8 +56,10 @@ def draw(result: Result) -> None:
         open_row(int(clicked))
     has_marks = len(encounters) <= MOST_MARKS
     st.caption(
-        f"The seconds are {docs_link('severity', 'severity')}: what failures weigh, 1 s for each "
-        "second that a pedestrian straight ahead and near is missed. "
+        state.words(
+            f"The seconds are {docs_link('severity', 'severity')}: what failures weigh, 1 s for "
+            "each second that a pedestrian straight ahead and near is missed. "
+        )
         + (
             "Each mark is an encounter, the larger the heavier its failure; its colour is the "
             "system whose failure is heavier, a square stands for both. Click a mark to see its "
@@ -104,8 +106,10 @@ def _draw_worst(encounters: pd.DataFrame) -> None:
         on_select=partial(_ask_for_row, key, worst["shown_row"].tolist()),
     )
     st.caption(
-        "Click an encounter to see the frame in which its failure costs most, of those in which "
-        "the other system detects the pedestrian, if there are any."
+        state.words(
+            "Click an encounter to see the frame in which its failure costs most, of those in "
+            "which the other system detects the pedestrian, if there are any."
+        )
     )
     if st.button(
         f"Review all {len(encounters):,} one by one",

@@ -103,7 +103,7 @@ def _short_extent(result: Result, companions: Companions | None) -> str:
 
 def _extent(result: Result) -> str:
     venn = result.venn
-    return (
+    return state.words(
         f"{count_text(len(result.dataset.recordings), 'recording')}, "
         f"{count_text(len(result.dataset.frames), 'frame')}, "
         f"{result.duration_s:,.1f} s. An encounter is one pedestrian from first to last annotated "

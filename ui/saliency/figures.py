@@ -38,7 +38,7 @@ def what_it_is(params: Params) -> str:
     weight = "weighted distance, summed over time," if is_risk else "*duration*"
     passed = "the seconds left" if params.recency_unit == "seconds" else "the share that has passed"
     scope = "encounter" if params.saliency_scope == "encounter" else "recording"
-    return (
+    return state.words(
         "How long pedestrians are missed, in full only late, as late misses are remembered best "
         f"({docs_link('saliency', 'saliency')}, seconds, 0 is best). A "
         f"*saliency event* is a run of frames in which one pedestrian {who}. It counts by its "
@@ -61,7 +61,7 @@ def draw_numbers(result: Result) -> None:
         column.metric(
             f"Late misses of {letter.upper()} (saliency, {kind})", f"{system.saliency_s:.2f} s"
         )
-        column.markdown(description)
+        column.markdown(state.words(description))
         if not system.events.empty:
             with column:
                 _draw_way(result, letter)
@@ -72,9 +72,11 @@ def _draw_way(result: Result, letter: str) -> None:
     worst = worst_events(result, letter, n=1).iloc[0]
     when = "late" if worst["recency"] >= HALF else "early"
     st.caption(
-        f"The most salient: pedestrian {worst['track']} in {plain(worst['recording'])}, missed "
-        f"{worst['duration_s']:.1f} s, {when} in the {result.params.saliency_scope} (saliency "
-        f"{worst['saliency_s']:.2f} s)."
+        state.words(
+            f"The most salient: pedestrian {worst['track']} in {plain(worst['recording'])}, missed "
+            f"{worst['duration_s']:.1f} s, {when} in the {result.params.saliency_scope} (saliency "
+            f"{worst['saliency_s']:.2f} s)."
+        )
     )
     if st.button("Show in timeline", key=f"saliency_show_{letter}", icon=":material/movie:"):
         open_row(int(worst["first_row"]))

@@ -104,4 +104,5 @@ def viewer_arguments(result: Result, recording: int) -> dict[str, Any]:
         "version": space.version,
         "picture_version": space.pictures_version,
         "theme": state.theme(),
+        "objects": result.dataset.objects,
     }

@@ -72,7 +72,11 @@ def recording_names(session: Session) -> list[str]:
         If it cannot be used.
     """
     truth = read_confined(
-        session.truth, role="truth", folder=session.folder, size=session.common_size
+        session.truth,
+        role="truth",
+        folder=session.folder,
+        size=session.common_size,
+        objects=session.objects,
     )
     names: list[str] = truth.recordings["name"].tolist()
     return names

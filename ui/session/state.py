@@ -252,6 +252,11 @@ def theme() -> Scheme:
     return scheme_for(shade, opened().dataset.systems, *systems())
 
 
+def words(text: str) -> str:
+    """A text of ours in the words for what is open; see `nvcore.dataset.Dataset.words`."""
+    return opened().dataset.words(text)
+
+
 def recording_names() -> list[str]:
     """Names of the recordings, in their order."""
     names: list[str] = opened().dataset.recordings["name"].tolist()

@@ -26,7 +26,9 @@ def draw() -> None:
     with place:
         draw_chart(cost_plot(cost, theme=state.theme()), "cost_plot")
         st.caption(
-            f"k × border of a pedestrian with the feet there, 0 to 1, in "
-            f"{plain(state.recording_names()[recording])}. {plain(capitalised(cost.text))}. Over "
-            "the picture: Timeline, key c."
+            state.words(
+                f"k × border of a pedestrian with the feet there, 0 to 1, in "
+                f"{plain(state.recording_names()[recording])}. {plain(capitalised(cost.text))}. "
+                "Over the picture: Timeline, key c."
+            )
         )

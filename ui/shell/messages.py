@@ -27,7 +27,7 @@ from ui.widgets.text import plain
 def draw_warnings(result: Result, *, is_of_encounters: bool = True) -> None:
     """Warn of what the audit found and, where the page is about encounters, of single frames."""
     if is_of_encounters and result.is_short:
-        st.warning(SHORT_ENCOUNTERS, icon=":material/warning:")
+        st.warning(state.words(SHORT_ENCOUNTERS), icon=":material/warning:")
     caveats = [
         CAVEATS[finding.code]
         for finding in input_findings()
@@ -36,7 +36,7 @@ def draw_warnings(result: Result, *, is_of_encounters: bool = True) -> None:
         and finding.code != "short-encounters"
     ]
     if caveats:
-        text = "; ".join(dict.fromkeys(caveats))
+        text = state.words("; ".join(dict.fromkeys(caveats)))
         st.warning(
             f"The audit found: {plain(text)}. Details and remedies are on the page Data.",
             icon=":material/warning:",

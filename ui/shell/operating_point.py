@@ -112,8 +112,10 @@ def draw() -> None:
     rates = [_rate(point) for point in now]
     st.caption(
         f"False alarms an hour: X **{rates[0]}**, Y **{rates[1]}**. Make them equal:",
-        help="Single detections that match nobody. A system that reports more of everything looks "
-        "better unless both have equally many.",
+        help=state.words(
+            "Single detections that match nobody. A system that reports more of everything looks "
+            "better unless both have equally many."
+        ),
     )
     with st.container(horizontal=True, gap="xsmall", key="same_points"):
         for letter, other in (("x", "y"), ("y", "x")):

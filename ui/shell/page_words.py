@@ -12,7 +12,7 @@ from typing import Final
 from ui.shell.messages import without_paths
 
 _READING: Final = "under “How to read”"
-_CLASSES: Final = "“Classes that are pedestrians”"
+_CLASSES: Final = "“Classes that count”"
 _FRAMES: Final = "under “Evaluated frames”"
 _WORDS: Final = tuple(
     (re.compile(rf"(?<![\w-]){pattern}" if pattern.startswith("--") else pattern), words)

@@ -9,7 +9,7 @@ import streamlit as st
 
 from nvcore.params import SETTINGS
 from nvcore.params.metadata import THRESHOLD
-from nvcore.params.presets import PRESETS, Preset
+from nvcore.params.presets import PRESETS, Preset, presets_for
 from nvcore.wording import count_text
 from ui.session import state
 from ui.shell import live_params
@@ -26,11 +26,15 @@ _BY_NAME: Final = {preset.name: preset for preset in PRESETS}
 def preset_in_use() -> Preset | None:
     """The preset whose values all settings but the thresholds have; None: custom settings."""
     live = _live()
-    for preset in PRESETS:
+    for preset in _presets():
         values = preset.values(live_params.picture_height())
         if all(_is_same(name, live[name], values[name]) for name in values):
             return preset
     return None
+
+
+def _presets() -> tuple[Preset, ...]:
+    return presets_for(state.opened().dataset.objects)
 
 
 def changed() -> dict[str, Any]:
@@ -48,11 +52,11 @@ def draw(moved: dict[str, Any]) -> None:
     st.session_state[KEY] = None if preset is None else preset.name
     st.segmented_control(
         "Preset" if preset is not None else "Preset: custom",
-        list(_BY_NAME),
+        [preset.name for preset in _presets()],
         key=KEY,
         on_change=_take,
         width="stretch",
-        help="  \n".join(f"*{preset.name}*: {preset.text}" for preset in PRESETS),
+        help=state.words("  \n".join(f"*{preset.name}*: {preset.text}" for preset in _presets())),
     )
     label = f"{count_text(len(moved), 'setting')} changed" if moved else "No setting changed"
     with st.popover(label, type="tertiary", disabled=not moved, key="changed"):

@@ -95,7 +95,7 @@ def _reset() -> None:
 
 def _label(name: str) -> str:
     """What a widget calls its setting, with a mark where it was moved away from the preset."""
-    label = SETTINGS[name].label_with_unit
+    label = state.words(SETTINGS[name].label_with_unit)
     return f"{label} {presets.MARK}" if name in st.session_state[_CHANGED] else label
 
 
@@ -111,7 +111,7 @@ def _quietness(setting: Setting, text: str = "") -> dict[str, Any]:
     is_quiet = not setting.moves(st.session_state[_SHOWN])
     start = "Grey, as it acts on nothing on this page. " if is_quiet else ""
     return {
-        "help": f"{start}{text or setting.meaning} Acts on: {setting.acts_on}.",
+        "help": state.words(f"{start}{text or setting.meaning} Acts on: {setting.acts_on}."),
         "disabled": is_quiet,
     }
 
@@ -182,7 +182,7 @@ def _threshold(name: str) -> None:
         high=high,
         value=low if session_value is None else session_value,
         step=step,
-        help_text=SETTINGS[name].meaning + " At the left end all count.",
+        help_text=state.words(SETTINGS[name].meaning + " At the left end all count."),
     )
     if getattr(state.params(), name) is None:
         st.caption(f"Every detection of {letter.upper()} counts.")
@@ -218,14 +218,15 @@ def _widget(name: str) -> Any:
     if setting.unset and not _is_set(name, setting):
         live_params.keep_hidden(name)
         return None
-    if setting.words is None:
+    choices = setting.words
+    if choices is None:
         _slider(name, setting)
         return st.session_state[name]
     st.session_state.setdefault(name, getattr(state.session_params(), name))
     return st.selectbox(
         _label(name),
-        list(setting.words),
-        format_func=setting.words.__getitem__,
+        list(choices),
+        format_func=lambda value: state.words(choices[value]),
         key=name,
         **_quietness(setting),
     )
@@ -236,7 +237,7 @@ def _is_set(name: str, setting: Setting) -> bool:
     key = f"{name}_unset"
     st.session_state[key] = live_params.value_of(name) is None
     is_unset = st.checkbox(
-        f"{setting.label} {setting.unset}",
+        state.words(f"{setting.label} {setting.unset}"),
         key=key,
         on_change=_switch,
         args=(name, key),

@@ -51,7 +51,9 @@ def _draw_nobody(result: Result) -> None:
     """Why there is nothing to judge, and what could be moved."""
     link = docs_link("Time left", "time-left")
     if not len(result.encounters):
-        st.info("The truth has no pedestrians: there is nobody whom the car comes near to.")
+        st.info(
+            state.words("The truth has no pedestrians: there is nobody whom the car comes near to.")
+        )
         return
     n_unknown = result.count_urgency()[Urgency.UNKNOWN]
     if n_unknown == len(result.encounters):
@@ -80,7 +82,7 @@ def _draw_measures(result: Result) -> None:
     lines = [f"{mark}: {plain(capitalised(note))}." for note, mark in notes.marks.items()]
     if few := few_urgent(int(result.is_urgent.sum())):
         lines.append(few)
-    lines.append("Median margin: of those whom the system confirms at all.")
+    lines.append(state.words("Median margin: of those whom the system confirms at all."))
     st.caption("  \n".join(lines))
 
 
@@ -124,17 +126,21 @@ def _draw_meaning(result: Result) -> None:
     else:
         st.markdown("The recordings state the speed of the car: the assumed one moves nothing.")
     st.markdown(
-        f"*In time*: matched in {params.confirm_n:g} of {params.confirm_m:g} frames in a row at "
-        "some time before the last chance, if lost again as well. *Late*: only then or later; the "
-        "car brakes too late and reaches him with the *impact speed*. *Never*: the car does not "
-        "brake."
+        state.words(
+            f"*In time*: matched in {params.confirm_n:g} of {params.confirm_m:g} frames in a row "
+            "at some time before the last chance, if lost again as well. *Late*: only then or "
+            "later; the car brakes too late and reaches him with the *impact speed*. *Never*: the "
+            "car does not brake."
+        )
     )
     st.caption(
-        "In time means that a warning could have come early enough, not that the driver would have "
-        "heeded it, nor that nobody is hurt: pedestrians are taken to go on as they do, the car to "
-        f"drive on at its speed. Time to contact comes from {_source(result)}. Whether a "
-        "difference is more than chance is tested on the Overview "
-        f"({docs_link('Time left', 'time-left')})."
+        state.words(
+            "In time means that a warning could have come early enough, not that the driver would "
+            "have heeded it, nor that nobody is hurt: pedestrians are taken to go on as they do, "
+            f"the car to drive on at its speed. Time to contact comes from {_source(result)}. "
+            "Whether a difference is more than chance is tested on the Overview "
+            f"({docs_link('Time left', 'time-left')})."
+        )
     )
 
 
@@ -145,7 +151,9 @@ def _source(result: Result) -> str:
         return "the truth's distances"
     if not has_distance.any():
         return "the heights of the truth's boxes"
-    return "the truth's distances where a pedestrian has one in every frame, else from box heights"
+    return state.words(
+        "the truth's distances where a pedestrian has one in every frame, else from box heights"
+    )
 
 
 def key_of(result: Result) -> tuple[object, ...]:

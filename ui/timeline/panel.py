@@ -95,7 +95,9 @@ def _chosen(result: Result, row: int) -> None:
             st.markdown(f"**{plain(reasons[0].title)}**\n{lines}")
         else:
             where = plain(state.recording_names()[recording])
-            st.markdown(f"**Pedestrian {track}** of {where} is chosen, and not in this frame.")
+            st.markdown(
+                state.words(f"**Pedestrian {track}** of {where} is chosen, and not in this frame.")
+            )
         if st.button("Open in Encounters", key="open_chosen", width="stretch"):
             open_encounters(encounter=name_of(result, encounter))
 
@@ -115,7 +117,7 @@ def _choose(result: Result, tracks: list[int], row: int) -> None:
 def _boxes(result: Result, facts: FrameSummary) -> None:
     """Who costs most, and which detections."""
     if not facts.n_truth:
-        st.caption("Nobody is annotated in this frame.")
+        st.caption(state.words("Nobody is annotated in this frame."))
     else:
         tracks = [int(track) for track in facts.pedestrians["track"]]
         _table(
@@ -138,7 +140,7 @@ def _table(boxes: pd.DataFrame, words: Mapping[str, Words], kind: str, **selecti
     """
     heading, *names = words
     meanings = "  \n".join(f"*{label}*: {meaning}" for label, meaning in words.values())
-    st.markdown(f"{kind.capitalize()} by term", help=meanings)
+    st.markdown(state.words(f"{kind.capitalize()} by term"), help=state.words(meanings))
     shown = boxes.head(MOST_BOXES).to_dict("records")
     columns = {str(i): [_text(name, box[name]) for name in names] for i, box in enumerate(shown)}
     labels = [words[name].label for name in names]
@@ -148,7 +150,9 @@ def _table(boxes: pd.DataFrame, words: Mapping[str, Words], kind: str, **selecti
         )
         for i, box in enumerate(shown)
     }
-    config["_index"] = st.column_config.TextColumn(words[heading].label, width=LABEL_PX)
+    config["_index"] = st.column_config.TextColumn(
+        state.words(words[heading].label), width=LABEL_PX
+    )
     st.dataframe(
         pd.DataFrame(columns, index=labels),
         height=HEAD_PX + ROW_PX * len(names),

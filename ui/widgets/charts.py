@@ -10,6 +10,7 @@ import plotly.graph_objects as go
 import streamlit as st
 
 from nvcore.figures.style import HEADING_PX, split_heading
+from nvcore.figures.wording import worded
 from ui.session import state
 from ui.widgets.clicks import is_new_click
 from ui.widgets.figure_menu import CONFIG_WITH_EXPORT
@@ -19,6 +20,7 @@ LEAST_TOP_PX: Final = 10
 
 def draw_chart(figure: go.Figure, key: str, *, on_click: Callable[[], None] | None = None) -> None:
     """Draw a chart; `on_click` is called before the page when a point is clicked or released."""
+    figure = _ready(figure)
     alt = _draw_heading(figure)
     if on_click is None:
         st.plotly_chart(figure, theme=None, config=CONFIG_WITH_EXPORT, key=key, alt=alt)
@@ -48,6 +50,7 @@ def clicked_chart(
     shows, for those who cannot see it. Along `time_axis`, which is in seconds, the browser marks
     the frame that the viewer shows.
     """
+    figure = _ready(figure)
     heading = _draw_heading(figure, time_axis)
     chart = st.plotly_chart(
         figure,
@@ -66,12 +69,18 @@ def clicked_chart(
 
 def kept_figure(kind: str, key: Hashable, make: Callable[[], go.Figure]) -> go.Figure:
     """A figure, made anew when `key` changes (see `state.cached`), ready to be drawn."""
-    return state.cached(kind, key, lambda: _without_heading(make()))
+    return state.cached(kind, key, lambda: _ready(make()))
+
+
+def _ready(figure: go.Figure) -> go.Figure:
+    """The figure in the words for what is open, without its heading; itself if it is so already."""
+    is_ready = figure.layout.meta is not None
+    return figure if is_ready else _without_heading(worded(figure, state.opened().dataset))
 
 
 def _draw_heading(figure: go.Figure, time_axis: str | None = None) -> str | None:
     """Draw title and subtitle as text of the page, which wraps; they leave the figure."""
-    title, subtitle, *_ = _without_heading(figure).layout.meta
+    title, subtitle, *_ = figure.layout.meta
     meta = (title, subtitle, time_axis)
     if time_axis and tuple(figure.layout.meta) != meta:  # it may be drawn by others meanwhile
         figure.layout.meta = meta
@@ -84,9 +93,8 @@ def _draw_heading(figure: go.Figure, time_axis: str | None = None) -> str | None
 def _without_heading(figure: go.Figure) -> go.Figure:
     """The figure, its title and subtitle moved to ``layout.meta``, where the browser finds them."""
     layout = figure.layout
-    if layout.meta is None:
-        heading = split_heading(layout.title.text)
-        top = max(layout.margin.t - HEADING_PX, LEAST_TOP_PX) if any(heading) else layout.margin.t
-        height = None if layout.height is None else layout.height - layout.margin.t + top
-        figure.update_layout(meta=heading, title_text=None, margin_t=top, height=height)
+    heading = split_heading(layout.title.text)
+    top = max(layout.margin.t - HEADING_PX, LEAST_TOP_PX) if any(heading) else layout.margin.t
+    height = None if layout.height is None else layout.height - layout.margin.t + top
+    figure.update_layout(meta=heading, title_text=None, margin_t=top, height=height)
     return figure

@@ -11,6 +11,7 @@ from typing import Final
 from nvcore.measures import Better, measure_of
 from nvcore.tables.scorecard import ScoreRow
 from nvcore.wording import ARROWS, difference, minus, number, one_line, rounded_form
+from ui.session import state
 
 MEANS_LITTLE: Final = " *"
 """Mark of a measure that means little where most encounters are one frame long."""
@@ -76,7 +77,7 @@ def score_row(row: ScoreRow, *, width: float = math.nan, is_short: bool = False)
         cells=(*values, minus(difference(row.x, row.y, form))),
         better=row._replace(form=form).winner,
         level=row.level,
-        hint=measure_of(row.key).meaning if row.key else "",
+        hint=state.words(measure_of(row.key).meaning) if row.key else "",
     )
 
 

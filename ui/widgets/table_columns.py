@@ -14,6 +14,7 @@ from nvcore.tables.column import Column, Kind
 from nvcore.tables.columns import REPORT_COLUMNS
 from nvcore.tables.scorecard import ScoreRow
 from nvcore.wording import ARROWS, difference, minus, number
+from ui.session import state
 from ui.widgets.html import HEAD
 
 HEADINGS: Final = {
@@ -79,7 +80,7 @@ MOST_LINES: Final = 10
 def heading(name: str) -> str:
     """Heading of a column, "X lag (s)" for ``lag_s_x``."""
     base, letter = _split(name)
-    words = HEADINGS.get(base, base.replace("_", " "))
+    words = state.words(HEADINGS.get(base, base.replace("_", " ")))
     return f"{letter.upper()} {words}" if letter else words[0].upper() + words[1:]
 
 
@@ -152,7 +153,7 @@ def _config(column: Column) -> Any:
     text = column.meaning + (f" Empty: {column.empty}." if column.empty else "")
     if column.better:
         text += " Higher is better." if column.better == "high" else " Lower is better."
-    label = heading(column.name)
+    label, text = heading(column.name), state.words(text)
     pinned, width = column.name in ("recording", "track"), WIDTHS.get(base)
     if column.kind is Kind.TRUTH_VALUE:
         return st.column_config.CheckboxColumn(label, help=text)

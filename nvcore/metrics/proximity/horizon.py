@@ -69,6 +69,8 @@ def estimate_horizons(dataset: Dataset) -> tuple[Horizon | None, ...]:
 
     Boxes within 1 px of the picture's edge, which may be cut, and occluded ones are left out.
     """
+    if not dataset.objects.is_on_road:
+        return (None,) * len(dataset.recordings)
     if "horizons" not in dataset.derived:
         dataset.derived["horizons"] = _estimate_all(dataset)
     horizons: tuple[Horizon | None, ...] = dataset.derived["horizons"]

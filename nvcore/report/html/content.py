@@ -38,6 +38,7 @@ from nvcore.report.html.result_sections import (
     similarity_section,
 )
 from nvcore.report.html.time_left_section import time_left_section
+from nvcore.report.html.wording import worded, worded_sections
 from nvcore.stability.map import MAPS
 from nvcore.wording import UNDEFINED, one_line
 
@@ -114,7 +115,7 @@ def report_content(
         verdict_section(conclusion),
         scorecard_section(result, companions),
         encounters_section(result),
-        time_left_section(result),
+        *([time_left_section(result)] if result.dataset.objects.is_on_road else []),
         similarity_section(result),
         saliency_section(result),
         false_alerts_section(result),
@@ -130,7 +131,7 @@ def report_content(
     photos = []
     for number, moment in enumerate(moments):
         progress(0.6 + 0.3 * number / len(moments), "evidence frames")
-        photos.append(photo(result, moment, pictures))
+        photos.append(worded(photo(result, moment, pictures), result.dataset))
     names = result.dataset.recordings["name"]
     troubles = [
         f"{one_line(str(names.iloc[number]))}: {one_line(why)}"
@@ -151,12 +152,14 @@ def report_content(
     ]
     progress(0.9, "the page")
     compared = f"{one_line(result.x.name)} (X) and {one_line(result.y.name)} (Y) compared"
+    cover = cover_of(result, conclusion, evidence, companions, photos, inscription, compared)
+    sections = _as_set(_with_caution(sections) if result.is_short else sections, result)
     return Content(
         title=inscription.title or compared,
-        cover=cover_of(result, conclusion, evidence, companions, photos, inscription, compared),
+        cover=replace(cover, limits=worded(cover.limits, result.dataset)),
         names=(one_line(result.x.name), one_line(result.y.name)),
-        facts=_facts(result, protocol),
-        sections=tuple(_as_set(_with_caution(sections) if result.is_short else sections, result)),
+        facts=worded(_facts(result, protocol), result.dataset),
+        sections=tuple(worded_sections(sections, result.dataset)),
         theme=scheme_of(theme),
         version=__version__,
         fingerprint=result.dataset.fingerprint,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import pandas as pd
@@ -170,6 +170,7 @@ def verdict(
     caveat = _caveat(serious) if serious else ""
     if any(finding.code == SAME_BOXES for finding in findings):
         return Verdict(NO_TWO_SYSTEMS, (), (), Basis.NONE, caveat)
+    words = result.dataset.words
     support = find_claims(result, evidence, companions)
     shown, of_shown = comparison_shown(result, evidence, companions)
     points = (
@@ -187,11 +188,15 @@ def verdict(
         Point("Thresholds", describe_thresholds(result) if shown is result else ()),
     )
     return Verdict(
-        headline(result, of_shown, companions, support),
-        tuple(point for point in points if point.sentences),
+        words(headline(result, of_shown, companions, support)),
+        tuple(
+            replace(point, sentences=tuple(map(words, point.sentences)))
+            for point in points
+            if point.sentences
+        ),
         support.claims,
         support.basis,
-        caveat,
+        words(caveat),
     )
 
 

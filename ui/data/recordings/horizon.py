@@ -48,13 +48,18 @@ def open_horizons(whole: Dataset) -> dict[str, Horizon]:
 
 def _draw_estimates(whole: Dataset, horizons: Mapping[str, Horizon], n_open: int) -> None:
     st.caption(
-        "On flat ground a pedestrian is as tall in the picture as the feet are below the horizon, "
-        f"times a constant ({docs_link('more', 'horizon')}). Used for nearness by horizon, and to "
-        "tell children."
+        state.words(
+            "On flat ground a pedestrian is as tall in the picture as the feet are below the "
+            f"horizon, times a constant ({docs_link('more', 'horizon')}). Used for nearness by "
+            "horizon, and to tell children."
+        )
     )
     if not horizons:
         st.info(
-            "The boxes do not tell: it takes 30 of 3 pedestrians, whole, at different distances.",
+            state.words(
+                "The boxes do not tell: it takes 30 of 3 pedestrians, whole, at different "
+                "distances."
+            ),
             icon=":material/info:",
         )
         return

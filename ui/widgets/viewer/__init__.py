@@ -21,6 +21,7 @@ import streamlit as st
 
 from nvcore.metrics.cost_map import CostMap
 from nvcore.palette import TRUTH_COLOUR, Theme, scheme_of
+from nvcore.wording.objects import PEDESTRIAN, Objects
 from ui.settings.start import base_path
 from ui.widgets.viewer.packing import (
     decimate_minima,
@@ -41,6 +42,10 @@ SCRIPTS = (
     *("player/player.js", "player/viewer.js", "player/clip.js", "player/show.js"),
 )
 """In the order in which they are joined: the last one exports what Streamlit calls."""
+
+
+PHRASES = ("a pedestrian", "pedestrian", "pedestrians", "Nobody", "the feet are")
+"""What is replaced in the viewer's texts, as `worded` in controls.js looks for it."""
 
 
 class ListedBox(NamedTuple):
@@ -91,6 +96,7 @@ def viewer(
     chosen: int | None = None,
     on_choose: Callable[[int], None] | None = None,
     listed: ListedBox | None = None,
+    objects: Objects = PEDESTRIAN,
 ) -> int | None:
     """Draw the viewer and say which row it has settled on.
 
@@ -149,6 +155,8 @@ def viewer(
     listed : ListedBox or None
         While a list is walked through, its entry: the box is marked, and the keys n and p, which
         otherwise lead to misses, are left to the page. None: there is no list.
+    objects : Objects
+        What the boxes are of: what the viewer's texts call them.
 
     Returns
     -------
@@ -186,8 +194,9 @@ def viewer(
             "colours": colours_of(theme),
             "height_px": int(height_px),
             "only": only,
-            "cost": None if cost is None or only else pack_cost(cost),
+            "cost": None if cost is None or only else pack_cost(cost, objects),
             "chosen": None if chosen is None or only else int(chosen),
+            "phrases": phrases_of(objects),
             "listed": None if listed is None or only else listed._asdict(),
         },
         default={"settled": None},
@@ -252,6 +261,11 @@ def colours_of(theme: Theme) -> dict[str, dict[str, Any]]:
             **{f"line-{letter}": style.css for letter, style in styles.items()},
         },
     }
+
+
+def phrases_of(objects: Objects) -> dict[str, str] | None:
+    """What the viewer's texts, written about pedestrians, say instead; None: as they are."""
+    return None if objects.are_pedestrians else {text: objects.words(text) for text in PHRASES}
 
 
 def _nothing() -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from nvcore.metrics.cost_map import CostMap
+from nvcore.wording.objects import PEDESTRIAN, Objects
 
 MOST_BUCKETS = 2000
 """Points of a trace at most; the strip is not wider than this on any screen."""
@@ -90,6 +91,7 @@ def pack_times(times_s: np.ndarray, frames: np.ndarray, fps: float) -> dict[str,
     return {"every_row": pack(times_s, "f8")}
 
 
-def pack_cost(cost: CostMap) -> dict[str, str]:
+def pack_cost(cost: CostMap, objects: Objects = PEDESTRIAN) -> dict[str, str]:
     """A cost map for the browser, which multiplies weight and border and interpolates."""
-    return {"k": pack(cost.k, "f4"), "border": pack(cost.border, "f4"), "text": cost.text}
+    text = objects.words(cost.text)
+    return {"k": pack(cost.k, "f4"), "border": pack(cost.border, "f4"), "text": text}

@@ -56,6 +56,11 @@ const SAMPLES = [
   [{ source: "truth", state: 0 }, "too far to count, or ignored (dotted)"],
 ];
 
+// Texts are written about pedestrians; `phrases` has what to say of other objects, null: as written.
+function worded(text, phrases) {
+  return phrases ? text.replace(/a pedestrian|pedestrians?|Nobody|the feet are/g, (words) => phrases[words]) : text;
+}
+
 function make(tag, attributes = {}, children = []) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
@@ -176,12 +181,12 @@ function showMissKeys({ bar, missKeys }, isListed) {
   }
 }
 
-function makeHelp(palette, close) {
+function makeHelp(palette, phrases, close) {
   const closer = iconButton("close", "Close", "Esc", close);
   const keys = make("dl", {}, KEYS.flatMap(([key, meaning]) =>
-    [make("dt", { text: key }), make("dd", { text: meaning })]));
+    [make("dt", { text: key }), make("dd", { text: worded(meaning, phrases) })]));
   const samples = make("ul", {}, SAMPLES.map(([sample, meaning]) =>
-    make("li", {}, [drawSample(sample, palette), make("span", { text: meaning })])));
+    make("li", {}, [drawSample(sample, palette), make("span", { text: worded(meaning, phrases) })])));
   const note = make("p", {
     text: "The keys work while the picture is in sight and nothing is being typed; arrows and space move a slider or press a button while that has the focus. Playback is in real time. Recordings sampled more slowly than four frames a second play at four frames a second.",
   });

@@ -10,9 +10,17 @@ function makeViewTools(actions) {
   scale.addEventListener("click", actions.fit);
   const light = iconButton("light", "Brightness and contrast", "b", actions.light);
   light.setAttribute("aria-expanded", "false");
-  const follow = iconButton("follow", "Follow the chosen pedestrian", "t", actions.follow);
+  const follow = iconButton("follow", FOLLOW, "t", actions.follow);
   follow.setAttribute("aria-pressed", "false");
   return { zoomIn, zoomOut, scale, light, follow };
+}
+
+const FOLLOW = "Follow the chosen pedestrian";
+
+function nameFollow(button, phrases) {
+  const label = worded(FOLLOW, phrases);
+  button.title = `${label} (t)`;
+  button.setAttribute("aria-label", label);
 }
 
 function textButton(text, label, key, act) {

@@ -94,6 +94,7 @@ class Viewer extends Player {
       this.parts.cost.hidden = !this.cost.isKnown;
     }
     if (differs("height_px", "width", "height")) this.setHeight();
+    if (differs("phrases")) nameFollow(this.parts.follow, sent.phrases);
     if (differs("listed")) showMissKeys(this.parts, sent.listed !== null);
     const isSeek = isOther || before.seek[1] !== sent.seek[1];
     if (isOther) {
@@ -323,8 +324,9 @@ class Viewer extends Player {
 
   toggleFollow() {
     if (this.chosen === null && !this.isFollowing) {
-      this.say("Choose a pedestrian first: click its box, or press k");
-      this.showHint("Choose a pedestrian first: click its box, or press k");
+      const hint = worded("Choose a pedestrian first: click its box, or press k", this.sent.phrases);
+      this.say(hint);
+      this.showHint(hint);
       return;
     }
     this.isFollowing = !this.isFollowing;
@@ -349,7 +351,7 @@ class Viewer extends Player {
       this.root.focus();
       return;
     }
-    this.help = makeHelp(this.sent.colours.picture, () => this.toggleHelp());
+    this.help = makeHelp(this.sent.colours.picture, this.sent.phrases, () => this.toggleHelp());
     this.root.append(this.help);
     this.help.querySelector("button").focus();
   }
