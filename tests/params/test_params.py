@@ -15,7 +15,8 @@ from other_params import OTHER
 from nvcore.errors import ParameterError
 from nvcore.params import SETTINGS, Params, params_from, settings_for
 from nvcore.params.metadata import EVENTS, MATCH, SALIENCY, Setting
-from nvcore.params.presets import PRESETS
+from nvcore.params.presets import PRESETS, presets_for
+from nvcore.wording.objects import PEDESTRIAN, SPEED_SIGN
 
 NUMBERS = [name for name, setting in SETTINGS.items() if setting.words is None]
 CHOICES = [name for name, setting in SETTINGS.items() if setting.words is not None]
@@ -161,7 +162,16 @@ def test_without_a_height_the_sigmoid_is_that_of_each_recording():
 
 
 def test_the_presets_for_towns_and_rural_roads_set_the_context_for_all_recordings():
-    assert [preset.values(480.0)["edge_weight"] for preset in PRESETS] == [None, 0.0, 1.0]
+    presets = presets_for(PEDESTRIAN)
+    assert [preset.values(480.0)["edge_weight"] for preset in presets] == [None, 0.0, 1.0]
+    assert all(preset.values(480.0)["coverage"] == Params().coverage for preset in presets)
+
+
+def test_speed_signs_have_a_preset_of_their_own():
+    (own,) = set(presets_for(SPEED_SIGN)) - set(presets_for(PEDESTRIAN))
+    values = own.values(480.0)
+    # seen in one of five frames, from 20 px on in a picture 480 px high
+    assert (values["coverage"], values["midpoint"], values["spread"]) == (0.2, 20.0, 4.0)
 
 
 def test_a_setting_is_used_only_with_possible_values_of_another():

@@ -23,6 +23,7 @@ _WORDS: Final = tuple(
         (r" \(--(?:size|fps)\)", ""),
         (r" \(--recordings\)", " (“Recordings”, below)"),
         (r" \(--frames(?: [^)]*)?\)", f" ({_FRAMES})"),
+        (r" \(--objects \"[^\"]*\"\)", " (“The boxes are of”, above the fields)"),
         (r" \(--classes\)", f" ({_CLASSES} {_READING})"),
         (r"(?:with )?--frames\b", _FRAMES),
         (r"(?:with )?--format\b", _READING),
