@@ -40,6 +40,7 @@ from nvcore.report.gate import judge, measure_names
 from nvcore.report.rules import read_rules
 from nvcore.report.terminal import render_findings
 from nvcore.schema import READING_DTYPES
+from nvcore.wording.objects import PEDESTRIAN
 from scripts.fuzz import seeds
 
 NAMES: Final = (
@@ -115,7 +116,7 @@ def annotations(content: bytes, folder: Path) -> None:
     size = (640, 480) if bits & 64 else None
     truth = _some_truth() if role == "detections" else None
     files, file_format = find_files(source, folder, role)
-    reading = file_format.read(files, read_options(source, role, size, truth))
+    reading = file_format.read(files, read_options(source, role, size, truth, PEDESTRIAN))
     _check_reading(reading, len(files))
     if role == "truth":
         own_frames(reading, reading.recordings["name"])
@@ -136,7 +137,7 @@ def _some_truth() -> Reading:
     """Recordings and pictures that detections may name."""
     source = Source((str(seeds.DATA / "coco" / "kaist.json"),))
     files, file_format = find_files(source, seeds.DATA, "truth")
-    return file_format.read(files, read_options(source, "truth", None, None))
+    return file_format.read(files, read_options(source, "truth", None, None, PEDESTRIAN))
 
 
 def comparison(content: bytes, folder: Path) -> None:
@@ -191,7 +192,8 @@ def packed(content: bytes, folder: Path) -> None:
             if n_bytes > MAX_UNPACKED_BYTES:
                 return
     files, file_format = find_files(Source((path.name,)), folder, "truth")
-    reading = file_format.read(files, read_options(Source((path.name,)), "truth", (640, 480), None))
+    options = read_options(Source((path.name,)), "truth", (640, 480), None, PEDESTRIAN)
+    reading = file_format.read(files, options)
     _check_reading(reading, len(files))
 
 

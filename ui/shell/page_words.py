@@ -18,6 +18,8 @@ _WORDS: Final = tuple(
     (re.compile(rf"(?<![\w-]){pattern}" if pattern.startswith("--") else pattern), words)
     for pattern, words in (
         (r" \(on the command line: --frames\)", ""),
+        (r" \(--only\)", ""),
+        (r"--only, (?=--frames)", ""),
         (r" \(\[\[system\]\] in the session file(?:, or --[^)]*)?\)", " (the button does it)"),
         (r", or --(?:scale|offset-frames|offset-px)-\S*", ""),
         (r" \(--(?:size|fps)\)", ""),
