@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from queue import Empty, SimpleQueue
 from typing import Any, Final
 
@@ -76,7 +76,7 @@ class IcfDetector:
         self.about = About(
             kind=KIND,
             name=model.name,
-            labels=(model.label,),
+            labels=model.labels,
             settings=model.settings.in_words(),
             fingerprint=fingerprint(model),
             trained_on=model.trained_on,
@@ -90,6 +90,9 @@ class IcfDetector:
     def detect(self, picture: Picture) -> Detections:
         """Boxes in one picture, at or above the threshold, after suppression.
 
+        A model with a classifier then says of which class each box is: classes do not suppress by
+        themselves.
+
         Parameters
         ----------
         picture
@@ -100,7 +103,15 @@ class IcfDetector:
         DetectorError
             If it is no such picture, grey where the model needs colour, or too large.
         """
-        return suppressed(self.candidates(self.score_maps(picture)), self.model.settings)
+        boxes = suppressed(self.candidates(self.score_maps(picture)), self.model.settings)
+        return self.classified(picture, boxes)
+
+    def classified(self, picture: Picture, boxes: Detections) -> Detections:
+        """The boxes with their classes, if the model has a classifier."""
+        classifier = self.model.classifier
+        if classifier is None:
+            return boxes
+        return replace(boxes, label=classifier.labels(picture, boxes))
 
     def score_maps(self, picture: Picture, look: Look | None = None) -> list[ScoreMap]:
         """Confidence of every window, one map for each scale; errors as `detect`.

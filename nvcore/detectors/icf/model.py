@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.detectors.base import TrainedOn
+from nvcore.detectors.classifier import Classifier
 from nvcore.detectors.icf.boosting import Trees
 from nvcore.detectors.icf.cascade import Calibration
 from nvcore.detectors.icf.channels import plane_names
@@ -50,6 +51,8 @@ class IcfModel:
         Of the training.
     trained_on
         The training's data.
+    classifier
+        Says of each box of which class it is; None: the model knows one kind of object.
     """
 
     name: str
@@ -67,6 +70,12 @@ class IcfModel:
     seed: int
     band: Band = EVERYWHERE
     trained_on: Sequence[TrainedOn] = field(default=())
+    classifier: Classifier | None = None
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What its boxes are: the classes, or the one kind of object."""
+        return (self.label,) if self.classifier is None else self.classifier.classes
 
     @property
     def channels(self) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.detectors.base import TrainedOn
+from nvcore.detectors.classifier import MAX_CLASSES, N_VALUES, Classifier
 from nvcore.detectors.icf.boosting import Trees
 from nvcore.detectors.icf.cascade import Calibration
 from nvcore.detectors.icf.features import N_COLUMNS
@@ -36,6 +37,7 @@ _MOST: Final = {
     "stages": 64,
     "channels": 64,
     "rounds": 20,
+    "classes": MAX_CLASSES,
 }
 _ARRAYS: Final[dict[str, tuple[str, tuple[str | int, ...]]]] = {
     "features": ("<i4", ("features", N_COLUMNS)),
@@ -49,8 +51,12 @@ _ARRAYS: Final[dict[str, tuple[str, tuple[str | int, ...]]]] = {
     "error": ("<f8", ("errors",)),
     "round_ends": ("<i4", ("rounds",)),
     "band": ("<f8", ("band",)),
+    "class_weights": ("<f8", (N_VALUES + 1, "classes")),
 }
 """Type and shape of each array; equal words are equal lengths."""
+_OF_CLASSES: Final = "class_weights"
+"""Only in models with a classifier."""
+_MOST_WEIGHT: Final = 1e6
 _FACTS: Final[dict[str, type]] = {
     "format": str,
     "version": int,
@@ -160,9 +166,12 @@ def _members(model: IcfModel) -> dict[str, NDArray[Any]]:
         "round_ends": model.round_ends,
         "band": np.array(band),
     }
+    if model.classifier is not None:
+        values[_OF_CLASSES] = model.classifier.weights
     arrays = {
         name: np.ascontiguousarray(values[name], np.dtype(kind))
         for name, (kind, _) in _ARRAYS.items()
+        if name in values
     }
     about = {
         "format": FORMAT,
@@ -176,6 +185,8 @@ def _members(model: IcfModel) -> dict[str, NDArray[Any]]:
         "seed": model.seed,
         "trained_on": [asdict(part) for part in model.trained_on],
     }
+    if model.classifier is not None:
+        about["classes"] = list(model.classifier.classes)
     text = json.dumps(about, ensure_ascii=False, allow_nan=False, indent=1)
     return {_ABOUT: np.frombuffer(text.encode(), np.uint8), **arrays}
 
@@ -184,9 +195,10 @@ def _read_members(content: bytes) -> dict[str, NDArray[Any]]:
     """Arrays of the archive; sizes are checked before anything is unpacked."""
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         members = archive.infolist()
-        expected = {f"{name}.npy" for name in (_ABOUT, *_ARRAYS)}
+        expected = {f"{name}.npy" for name in (_ABOUT, *_ARRAYS)} - {f"{_OF_CLASSES}.npy"}
         names = [member.filename for member in members]
-        if set(names) != expected or len(names) != len(expected):
+        others = set(names) - {f"{_OF_CLASSES}.npy"}
+        if others != expected or len(names) != len(set(names)):
             raise DetectorError("is not a model of nvcore: its arrays are others")
         if sum(member.file_size for member in members) > MAX_BYTES:
             raise DetectorError(f"a model has at most {MAX_BYTES >> 20} MiB")
@@ -264,6 +276,7 @@ def _checked(about: Mapping[str, Any], arrays: dict[str, NDArray[Any]]) -> IcfMo
         seed=about["seed"],
         band=band,
         trained_on=tuple(_trained_on(part) for part in about["trained_on"]),
+        classifier=_classifier(about.get("classes"), arrays.get(_OF_CLASSES)),
     )
     _check_indices(model)
     return model
@@ -271,12 +284,12 @@ def _checked(about: Mapping[str, Any], arrays: dict[str, NDArray[Any]]) -> IcfMo
 
 def _check_lengths(arrays: Mapping[str, NDArray[Any]]) -> None:
     lengths: dict[str, int] = {}
-    for name, (_, sides) in _ARRAYS.items():
-        for side, length in zip(sides, arrays[name].shape, strict=True):
+    for name, array in arrays.items():
+        for side, length in zip(_ARRAYS[name][1], array.shape, strict=True):
             expected = side if isinstance(side, int) else lengths.setdefault(side, length)
             is_short = side != "band" and length < 1
             if length != expected or is_short or length > _MOST.get(str(side), length):
-                raise DetectorError(f"{name} has the shape {arrays[name].shape}")
+                raise DetectorError(f"{name} has the shape {array.shape}")
     if len(arrays["band"]) not in (0, 4):
         raise DetectorError("band: expected 4 numbers or none")
 
@@ -305,6 +318,23 @@ def _check_indices(model: IcfModel) -> None:
     ):
         if (np.diff(ends, prepend=0) < 1).any() or ends[-1] != last:
             raise DetectorError(f"{name}: expected ascending numbers up to {last}")
+
+
+def _classifier(classes: object, weights: NDArray[np.float64] | None) -> Classifier | None:
+    """The classifier, if there is one: its classes and their weights belong together."""
+    if classes is None and weights is None:
+        return None
+    if weights is None or not isinstance(classes, list) or len(classes) != weights.shape[1]:
+        raise DetectorError("classes: expected a name for each column of class_weights")
+    are_names = all(
+        isinstance(name, str) and 0 < len(name) <= _LONGEST_NAME and name.isprintable()
+        for name in classes
+    )
+    if not are_names or len(set(classes)) != len(classes) or len(classes) < 2:
+        raise DetectorError("classes: expected two names or more, each once")
+    if np.abs(weights).max() > _MOST_WEIGHT:
+        raise DetectorError(f"class_weights: expected numbers up to {_MOST_WEIGHT:g}")
+    return Classifier(tuple(classes), weights)
 
 
 def _trained_on(part: object) -> TrainedOn:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.detectors.base import TrainedOn
+from nvcore.detectors.classifier import Classifier, train_classifier
 from nvcore.detectors.icf.boosting import Boosted, boost
 from nvcore.detectors.icf.cascade import calibrate
 from nvcore.detectors.icf.channels import check_picture, has_colour, plane_names
@@ -51,6 +52,8 @@ def train(
     progress: Progress = no_progress,
 ) -> IcfModel:
     """Train a model; the same scenes, settings and seed give the same model.
+
+    Where the scenes to train on have labels of several classes, so does the model.
 
     Parameters
     ----------
@@ -101,7 +104,15 @@ def train(
         n_background=len(background),
         band=survey.band,
         trained_on=tuple(trained_on) or (TrainedOn(survey.fingerprint),),
+        classifier=_classifier(scenes, seed) if survey.has_labels else None,
     )
+
+
+def _classifier(scenes: Sequence[Scene], seed: int) -> Classifier | None:
+    """What tells the classes apart, where the objects are of several."""
+    labelled = (scene for scene in _with_objects(scenes) if scene.labels)
+    examples = ((scene.picture, scene.boxes, scene.labels) for scene in labelled)
+    return train_classifier(examples, seed=seed)
 
 
 @dataclass(frozen=True)
@@ -118,12 +129,15 @@ class _Survey:
         Where the boxes lie.
     backgrounds
         Places of the scenes with background.
+    has_labels
+        Whether any object to train on has a class.
     """
 
     is_colour: bool
     fingerprint: str
     band: Band
     backgrounds: list[int]
+    has_labels: bool
 
 
 def _parted(
@@ -164,7 +178,7 @@ def _with_objects(scenes: Sequence[Scene], progress: Progress = no_progress) -> 
 def _surveyed(scenes: Sequence[Scene], held_out: Sequence[Scene], progress: Progress) -> _Survey:
     """Read everything once."""
     digest = hashlib.sha256()
-    is_colour, any_colour = True, False
+    is_colour, any_colour, has_labels = True, False, False
     rows, heights, backgrounds = [np.empty(0)], [np.empty(0)], []
     for part in (scenes, held_out):
         for i in range(len(part)):
@@ -176,12 +190,16 @@ def _surveyed(scenes: Sequence[Scene], held_out: Sequence[Scene], progress: Prog
             digest.update(f"{picture.shape} {picture.dtype} {scene.has_background}".encode())
             for array in (picture, scene.boxes, scene.ignored):
                 digest.update(np.ascontiguousarray(array).tobytes())
+            if any(scene.labels):
+                digest.update(repr(scene.labels).encode())
+                has_labels |= part is scenes
             if scene.has_background and part is scenes:
                 backgrounds.append(i)
                 rows.append((scene.boxes[:, 1] + scene.boxes[:, 3] / 2) / picture.shape[0])
                 heights.append(scene.boxes[:, 3] / picture.shape[0])
     band = learn_band(np.concatenate(rows), np.concatenate(heights))
-    return _Survey(is_colour and any_colour, digest.hexdigest(), band, backgrounds)
+    is_colour &= any_colour
+    return _Survey(is_colour, digest.hexdigest(), band, backgrounds, has_labels)
 
 
 def _first_background(task: Task, progress: Progress) -> NDArray[np.int32]:

@@ -46,12 +46,15 @@ class Scene:
         The same of what is neither object nor background; (n, 4).
     has_background
         Whether the rest of the picture is background to learn from; not so for a crop.
+    labels
+        Class of each box, "" where it is not known; empty: of none.
     """
 
     picture: Picture
     boxes: NDArray[np.float64] = field(default_factory=lambda: NO_BOXES)
     ignored: NDArray[np.float64] = field(default_factory=lambda: NO_BOXES)
     has_background: bool = True
+    labels: tuple[str, ...] = ()
 
 
 def object_values(

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from nvcore.detectors.base import TrainedOn
+from nvcore.detectors.classifier import N_VALUES, Classifier
 from nvcore.detectors.icf import IcfDetector, read_model, write_model
 from nvcore.detectors.icf.model_file import from_bytes, to_bytes
 from nvcore.detectors.icf.regions import Band
@@ -196,3 +197,55 @@ def test_more_data_than_a_model_may_have_is_not_unpacked(model):
 def test_a_file_that_is_not_there_is_said(tmp_path):
     with pytest.raises(DetectorError, match=r"none\.npz: cannot be opened"):
         read_model(tmp_path / "none.npz")
+
+
+@pytest.fixture(scope="module")
+def reading(model):
+    """The model with a classifier of two limits."""
+    weights = np.zeros((N_VALUES + 1, 2))
+    weights[-1] = 0, 1
+    return replace(model, classifier=Classifier(("30", "100"), weights))
+
+
+def test_a_classifier_is_stored_with_its_model(model, reading, tmp_path, drawn):
+    write_model(reading, tmp_path / "signs.npz")
+    detector = read_model(tmp_path / "signs.npz")
+    assert detector.about.labels == ("30", "100")
+    assert detector.about.fingerprint != IcfDetector(model).about.fingerprint
+    boxes = detector.detect(drawn(100).picture)
+    assert len(boxes)
+    assert boxes.label.tolist() == ["100"] * len(boxes)
+    assert to_bytes(detector.model) == to_bytes(reading)
+
+
+def test_a_model_without_one_says_nothing_of_classes(model):
+    assert "class_weights.npy" not in members(to_bytes(model))
+    again = from_bytes(to_bytes(model), "discs.npz")
+    assert again.classifier is None
+    assert again.labels == ("disc",)
+
+
+CLASS_CASES = {
+    "no weights": lambda files: files.pop("class_weights.npy"),
+    "no names": with_fact("classes", None),
+    "a name too few": with_fact("classes", ["30"]),
+    "a name twice": with_fact("classes", ["30", "30"]),
+    "a number": with_fact("classes", [30, 100]),
+    "a text": with_fact("classes", "ab"),
+    "no name": with_fact("classes", ["30", ""]),
+    "a name for the terminal": with_fact("classes", ["30", "\x1b[31m"]),
+    "a row too few": with_array("class_weights", lambda a: a[:-1]),
+    "another type": with_array("class_weights", lambda a: a.astype(np.float32)),
+    "NaN": put("class_weights", (0, 0), np.nan),
+    "beyond all measure": put("class_weights", (0, 0), 1e300),
+    "one class": with_array("class_weights", lambda a: a[:, :1].copy()),
+    "no class": with_array("class_weights", lambda a: a[:, :0].copy()),
+}
+
+
+@pytest.mark.parametrize("case", CLASS_CASES)
+def test_a_hostile_classifier_is_refused(reading, case):
+    files = members(to_bytes(reading))
+    CLASS_CASES[case](files)
+    with pytest.raises(DetectorError, match=r"^signs\.npz: .{8}"):
+        from_bytes(packed(files), "signs.npz")

@@ -51,6 +51,18 @@ def test_a_model_notes_what_it_was_trained_on(drawn, settings):
     assert train(scenes, quick(settings), **known, trained_on=[part]).trained_on == (part,)
 
 
+def test_labels_of_several_classes_give_the_model_a_classifier(drawn, settings):
+    known = {"name": "d", "label": "disc"}
+    scenes = [replace(drawn(i), labels=("left", "right")) for i in range(12)]
+    model = train(scenes, quick(settings), **known)
+    assert model.labels == ("left", "right")
+    plain = train([drawn(i) for i in range(12)], quick(settings), **known)
+    assert plain.classifier is None
+    assert plain.trained_on != model.trained_on
+    alike = [replace(scene, labels=("disc", "")) for scene in scenes]
+    assert train(alike, quick(settings), **known).classifier is None
+
+
 def test_hard_background_is_added_between_rounds(drawn, settings):
     scenes = [drawn(i) for i in range(12)]
     few = replace(quick(settings), negatives=12)
