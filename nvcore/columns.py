@@ -23,6 +23,8 @@ class BoxColumns:
         bool, shape (n,).
     distance_m
         metres, float64, shape (n,); NaN where unknown.
+    label
+        Place among `nvcore.dataset.Dataset.labels`, int32, shape (n,); NO_LABEL where unknown.
     frame_index
         Row of the frames table, int64, shape (n,).
     offsets
@@ -39,6 +41,7 @@ class BoxColumns:
     track: np.ndarray
     ignore: np.ndarray
     distance_m: np.ndarray
+    label: np.ndarray
     frame_index: np.ndarray
     offsets: np.ndarray
     first_row: int

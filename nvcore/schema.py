@@ -19,6 +19,9 @@ NO_TRACK: Final = -1
 UNKNOWN_OCCLUSION: Final = -1
 """Value of `occlusion` where the data do not say (shown as empty)."""
 
+NO_LABEL: Final = -1
+"""Value of `label` for a box of which nobody says of what class it is."""
+
 CLASS_SEPARATOR: Final = ";"
 """Between several classes of one pedestrian."""
 
@@ -38,6 +41,7 @@ BOX_DTYPES: Final[dict[str, str]] = {
     "ignore": "bool",  # truth only: detecting it is neither right nor wrong
     "distance_m": "float64",  # metres from the camera; NaN: unknown
     "occlusion": "int8",  # 0 none, 1 partial, 2 heavy; UNKNOWN_OCCLUSION
+    "label": "int32",  # place among the labels of the reading or the dataset; NO_LABEL
     "file": "int32",  # index into the files of the reading or the dataset
     "line": "int32",  # 1-based line (or 1-based record) in that file
 }
@@ -243,7 +247,12 @@ def conform(
         If a column is not part of the schema.
     """
     assert set(columns) <= set(dtypes), set(columns) - set(dtypes)
-    unknown = {"track": NO_TRACK, "occlusion": UNKNOWN_OCCLUSION, "ignore": False}
+    unknown = {
+        "track": NO_TRACK,
+        "occlusion": UNKNOWN_OCCLUSION,
+        "label": NO_LABEL,
+        "ignore": False,
+    }
     table: dict[str, Any] = {}
     for name, dtype in dtypes.items():
         fallback = unknown.get(name, np.nan if dtype == "float64" else 0)

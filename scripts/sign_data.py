@@ -18,7 +18,9 @@ import numpy as np
 
 from nvcore.detectors.icf import Scene
 
-SPEED_LIMITS: Final = (0, 1, 2, 3, 4, 5, 7, 8)
+_LIMITS: Final = ("20", "30", "50", "60", "70", "80", "", "100", "120")
+SPEED_LIMITS: Final = {number: limit for number, limit in enumerate(_LIMITS) if limit}
+"""What each class of a speed limit says, km/h."""
 TESTED, CHOOSING = 0, 1
 """Scenes by their number modulo 4."""
 ALIKE: Final = 0.85
@@ -28,11 +30,15 @@ _COMPARED_PX: Final = 32
 
 @dataclass(frozen=True)
 class SignScene:
-    """A road scene: its picture, the boxes of speed limits, and those of other signs, (n, 4)."""
+    """A road scene: its picture, the boxes of speed limits, and those of other signs, (n, 4).
+
+    `limits` are what the speed limits say.
+    """
 
     path: Path
     boxes: np.ndarray
     others: np.ndarray
+    limits: tuple[str, ...] = ()
 
     @property
     def number(self) -> int:
@@ -78,11 +84,12 @@ class LazyScenes(Sequence[Scene]):
     def _scene(self, index: int) -> Scene:
         if index < len(self._scenes):
             scene = self._scenes[index]
-            return Scene(scene.read(), scene.boxes)
+            return Scene(scene.read(), scene.boxes, labels=scene.limits)
         crop = self._crops[index - len(self._scenes)]
         picture = read_rgb(crop.path)
         if crop.is_speed_limit:
-            return Scene(picture, crop.box[None], has_background=False)
+            limit = SPEED_LIMITS[crop.sign]
+            return Scene(picture, crop.box[None], has_background=False, labels=(limit,))
         return Scene(picture)
 
 
@@ -95,13 +102,21 @@ def read_scenes(folder: Path) -> list[SignScene]:
     """Scenes of a folder of GTSDB; corners are inclusive."""
     boxes: dict[str, list[list[float]]] = {}
     others: dict[str, list[list[float]]] = {}
+    limits: dict[str, list[str]] = {}
     for line in (folder / "gt.txt").read_text().split():
         name, *values = line.split(";")
         x1, y1, x2, y2, sign = map(int, values)
         kind = boxes if sign in SPEED_LIMITS else others
         kind.setdefault(name, []).append([x1, y1, x2 - x1 + 1, y2 - y1 + 1])
+        if sign in SPEED_LIMITS:
+            limits.setdefault(name, []).append(SPEED_LIMITS[sign])
     return [
-        SignScene(folder / name, _table(boxes.get(name)), _table(others.get(name)))
+        SignScene(
+            folder / name,
+            _table(boxes.get(name)),
+            _table(others.get(name)),
+            tuple(limits.get(name, ())),
+        )
         for name in (folder / "scenes.txt").read_text().split()
     ]
 

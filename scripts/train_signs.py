@@ -12,19 +12,21 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 import pandas as pd
+from scipy.stats import binomtest
 
 import nvcore as nv
 from nvcore.dataset import Dataset
 from nvcore.detection import DetectionCurve, detection_curve, detection_outcomes, pr_auc
 from nvcore.detection.miss_rate import log_average_miss_rate
 from nvcore.detectors.base import Detections
+from nvcore.detectors.classifier import Classifier, train_classifier
 from nvcore.detectors.icf import SIGNS, IcfDetector, IcfModel, read_model, train, write_model
 from nvcore.detectors.icf.cascade import floors
 from nvcore.detectors.icf.channels import check_picture
@@ -34,6 +36,7 @@ from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
 from scripts.sign_data import (
     CHOOSING,
+    SPEED_LIMITS,
     TESTED,
     Crop,
     LazyScenes,
@@ -163,8 +166,8 @@ def rejected(crops: Sequence[Crop], detector: IcfDetector) -> int:
     return int((sums < floors(model.settings, model.calibration)[0]).any(axis=1).sum())
 
 
-def train_signs(realdata: Path, *, choosing: bool) -> tuple[IcfModel, list[str]]:
-    """A model of all that is not for testing, and the crops that resemble a sign that is.
+def training_parts(realdata: Path, *, choosing: bool) -> tuple[list[LazyScenes], list[str]]:
+    """What is trained and what is calibrated on, and the crops that resemble a sign for testing.
 
     Parameters
     ----------
@@ -188,6 +191,12 @@ def train_signs(realdata: Path, *, choosing: bool) -> tuple[IcfModel, list[str]]
         )
         for is_out in (False, True)
     ]
+    return parts, alike
+
+
+def train_signs(realdata: Path, *, choosing: bool) -> tuple[IcfModel, list[str]]:
+    """A model of all that is not for testing, and the crops that are left out; as above."""
+    parts, alike = training_parts(realdata, choosing=choosing)
     start = perf_counter()
 
     def progress(share: float, what: str) -> None:
@@ -206,6 +215,55 @@ def train_signs(realdata: Path, *, choosing: bool) -> tuple[IcfModel, list[str]]
     return model, alike
 
 
+def train_reader(realdata: Path) -> Classifier:
+    """The classifier alone that a model of `train_signs` has."""
+    (scenes, _), _ = training_parts(realdata, choosing=False)
+    start = perf_counter()
+    holding = (scene for scene in scenes if scene.labels)
+    examples = ((scene.picture, scene.boxes, scene.labels) for scene in holding)
+    reader = train_classifier(examples, seed=SEED)
+    assert reader is not None
+    print(f"trained to read limits in {perf_counter() - start:.0f} s")
+    return reader
+
+
+def read_in_boxes(
+    name: str, reader: Classifier, boxes: Iterable[tuple[np.ndarray, np.ndarray, Sequence[str]]]
+) -> str:
+    """How many limits are read right in the boxes of the truth, in a sentence."""
+    n_signs = n_right = 0
+    for picture, of_picture, limits in boxes:
+        best = reader.probabilities(picture, of_picture).argmax(axis=1)
+        n_signs += len(limits)
+        n_right += sum(reader.classes[i] == limit for i, limit in zip(best, limits, strict=True))
+    return f"{name}: {share_text(n_right, n_signs)} read right in the boxes of the truth"
+
+
+def reading_in_truth(realdata: Path, reader: Classifier) -> list[str]:
+    """How well limits are read where the truth says that there is a sign, in sentences."""
+    scenes = read_scenes(realdata / "gtsdb" / "train")
+    report = read_scenes(realdata / "gtsdb" / "report")
+    tested = [scene for scene in scenes if scene.number % 4 == TESTED]
+    _, crops = held_out(read_crops(realdata / "gtsrb"))
+    boxes_of = [
+        (name, ((scene.read(), scene.boxes, scene.limits) for scene in part if scene.limits))
+        for name, part in (("scenes for testing", tested), ("scenes of the report", report))
+    ]
+    of_crops = ((read_rgb(crop.path), crop.box[None], (SPEED_LIMITS[crop.sign],)) for crop in crops)
+    return [
+        read_in_boxes(name, reader, boxes)
+        for name, boxes in (*boxes_of, ("crops held out", of_crops))
+    ]
+
+
+def share_text(n_right: int, n_signs: int) -> str:
+    """A share with its 95 % interval (Wilson)."""
+    if not n_signs:
+        return "–"
+    ends = binomtest(n_right, n_signs).proportion_ci(0.95, method="wilson")
+    return f"{n_right} of {n_signs} ({n_right / n_signs:.1%}, {ends.low:.1%} to {ends.high:.1%})"
+
+
 def main() -> None:
     """Train, write, measure."""
     parser = argparse.ArgumentParser(
@@ -217,8 +275,14 @@ def main() -> None:
     parser.add_argument(
         "--choosing", action="store_true", help="leave out and measure on what settings are for"
     )
+    parser.add_argument(
+        "--reader", action="store_true", help="train and measure the classifier of limits alone"
+    )
     options = parser.parse_args()
     realdata = Path(os.environ.get("NVCORE_REALDATA", ROOT.parent / "shared" / "realdata"))
+    if options.reader:
+        print(*reading_in_truth(realdata, train_reader(realdata)), sep="\n")
+        return
     if not options.evaluate:
         model, alike = train_signs(realdata, choosing=options.choosing)
         write_model(model, options.model)

@@ -22,7 +22,7 @@ OUTPUT = "Output"
 DETECTION = "Detection measures"
 OTHER = "Other"
 AUDIT_SETTINGS = (
-    *("threshold_x", "threshold_y", "match", "iou", "lateral_tolerance"),
+    *("threshold_x", "threshold_y", "match", "iou", "lateral_tolerance", "match_class"),
     *("proximity", "midpoint", "spread", "midpoint_m", "spread_m", "missing_distance", "horizon"),
     *("distance", "speed_kmh"),
 )

@@ -65,6 +65,9 @@ class Dataset:
     provenance
         How the detections of systems were made, by their names; one of which nothing is known is
         absent.
+    labels
+        What the column `label` of `boxes` counts: classes in the words of the objects ("70"), where
+        boxes of several count.
     """
 
     recordings: pd.DataFrame
@@ -79,6 +82,7 @@ class Dataset:
     attributes: pd.DataFrame = field(default_factory=lambda: empty_attributes(), repr=False)
     settings: Settings = field(default_factory=Settings, repr=False)
     provenance: Mapping[str, Provenance] = field(default_factory=dict, repr=False)
+    labels: tuple[str, ...] = ()
 
     @cached_property
     def frame_columns(self) -> FrameColumns:

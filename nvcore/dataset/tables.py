@@ -102,7 +102,8 @@ def dataset_from_tables(
         key = source.astype(np.int64) * max(len(frames), 1) + frame_index
         table = table.iloc[np.argsort(key, kind="stable")].reset_index(drop=True)
     if fingerprint is None:
-        fingerprint = tables_fingerprint([what_is_stated(recordings), frames, table], systems)
+        stated = table if table["label"].ge(0).any() else table.drop(columns="label")
+        fingerprint = tables_fingerprint([what_is_stated(recordings), frames, stated], systems)
     return Dataset(recordings, frames, table, tuple(systems), fingerprint, **other_fields)  # type: ignore[arg-type]
 
 

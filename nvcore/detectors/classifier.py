@@ -22,6 +22,7 @@ from scipy.special import log_softmax, softmax
 from nvcore.detectors.base import Detections
 from nvcore.errors import DetectorError
 from nvcore.pictures import Picture, stretch
+from nvcore.wording.objects import labels_in_order
 
 Bytes = NDArray[np.uint8]
 Floats = NDArray[np.float64]
@@ -121,7 +122,7 @@ def train_classifier(
         for box, name in named:
             contents += [box_content(grey, box), *_copies(grey, box, rng)]
             labels += [name] * (1 + _COPIES)
-    classes = tuple(sorted(set(labels), key=_in_order))
+    classes = labels_in_order(labels)
     if len(classes) < 2:
         return None
     if len(classes) > MAX_CLASSES:
@@ -214,8 +215,3 @@ def _fit(values: Floats, code: NDArray[np.int64], n_classes: int) -> Floats:
     best = minimize(loss, start, jac=True, method="L-BFGS-B", options={"maxiter": _STEPS})
     weights: Floats = best.x.reshape(values.shape[1], n_classes)
     return weights
-
-
-def _in_order(name: str) -> tuple[int, str]:
-    """Numbers by their value before other names: 20, 30, 100."""
-    return (int(name), name) if name.isdecimal() and name.isascii() else (1 << 62, name)

@@ -16,6 +16,7 @@ from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.evaluated_frames import own_frames, parse_frames
 from nvcore.inputs.hashes import changed_input
 from nvcore.inputs.readers.base import Format, Reading, SourceFile
+from nvcore.inputs.readers.meaning.labels import merged
 from nvcore.inputs.recordings import (
     NO_BOX,
     check_listed,
@@ -148,8 +149,11 @@ def place_sources(session: Session, loaded: list[LoadedSource], max_frames: int 
     tables: list[dict[str, np.ndarray]] = []
     left_out = []
     n_files = 0
+    labels, label_places = merged(source.reading.labels for source in loaded)
     for number, source in enumerate(loaded):
         placed, lost = _placed(source, number, places, n_files)
+        if source.reading.labels:
+            placed["label"] = label_places[number][placed["label"]]
         tables.append(placed)
         left_out.append(lost)
         n_files += len(source.files)
@@ -176,6 +180,7 @@ def place_sources(session: Session, loaded: list[LoadedSource], max_frames: int 
         provenance={
             source.subject: source.provenance for source in loaded if source.provenance is not None
         },
+        labels=labels,
         **({} if truth.attributes is None else {"attributes": truth.attributes}),
     )
 

@@ -62,7 +62,8 @@ class Matches:
 
 def match_system(dataset: Dataset, name: str, threshold: float | None, params: Params) -> Matches:
     """Match all detections of a system; see `match_boxes`. The latest is kept with the dataset."""
-    key = (threshold, params.match, params.iou, params.lateral_tolerance)
+    rule = (params.match, params.iou, params.lateral_tolerance, params.match_class)
+    key = (threshold, *rule)
     before = dataset.derived.get(("matches", name))
     matches: Matches | None = before[1] if before is not None and before[0] == key else None
     if matches is None:
@@ -86,7 +87,8 @@ def match_boxes(
     In each frame detections in descending score (ties: file order; those without a score last)
     each take the free pedestrian of highest IoU, if it is at least `iou`; with ``match="lateral"``
     the nearest free one with ``|c_a - c_b| <= max(lateral_tolerance * W, w_truth / 2)``. What is
-    left and lies on an ignore region (intersection over own area >= 0.5) is absorbed.
+    left and lies on an ignore region (intersection over own area >= 0.5) is absorbed. With
+    ``match_class="same"`` a pedestrian with a class is taken by detections of that class alone.
 
     Parameters
     ----------
@@ -95,7 +97,7 @@ def match_boxes(
     frames
         The listed frames.
     params
-        Of which `match`, `iou` and `lateral_tolerance` are read.
+        Of which `match`, `iou`, `lateral_tolerance` and `match_class` are read.
     threshold
         Detections with a lower score are left out; None: all count. A detection without a score
         passes every threshold: its system has already decided.
@@ -118,6 +120,7 @@ def match_boxes(
         *(detections.offsets, detections.x, detections.y, detections.w, detections.h),
         *(detections.score, -np.inf if threshold is None else float(threshold)),
         *(float(params.iou), params.match == "lateral", float(params.lateral_tolerance)),
+        *(truth.label, detections.label, params.match_class == "same"),
         *(frames.recording, frames.width, state, det_truth, truth_det),
     )
     return Matches(state, det_truth, truth_det)

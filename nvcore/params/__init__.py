@@ -13,7 +13,7 @@ from functools import cache
 from typing import Any, Final
 
 from nvcore.errors import ParameterError
-from nvcore.params.judging import JudgingSettings, Match
+from nvcore.params.judging import JudgingSettings, Match, MatchClass
 from nvcore.params.metadata import Setting, Stage
 from nvcore.params.saliency import (
     Aggregate,
@@ -42,6 +42,7 @@ __all__ = [
     "Aggregate",
     "Distance",
     "Match",
+    "MatchClass",
     "MissingDistance",
     "Pairing",
     "Params",

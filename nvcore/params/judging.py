@@ -8,6 +8,7 @@ from typing import Literal
 from nvcore.params.metadata import ENCOUNTERS, LOW, MATCH, THRESHOLD, setting, share
 
 Match = Literal["iou", "lateral"]
+MatchClass = Literal["any", "same"]
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,16 @@ class JudgingSettings:
         label="Largest sideways offset (of width)",
         meaning="Largest sideways offset of a match by lateral position; half the pedestrian's "
         "width is always allowed.",
+        is_advanced=True,
+    )
+    match_class: MatchClass = setting(
+        MATCH,
+        "any",
+        words={"any": "of any class", "same": "of its own class alone"},
+        label="A detection matches pedestrians",
+        meaning="Which pedestrians a detection can match: of any class (any), or of its own alone "
+        "(same). With same, a speed sign whose limit is read wrong is missed, and the detection is "
+        "a false alarm. A pedestrian whose class is not known is matched by any detection.",
         is_advanced=True,
     )
     coverage: float = share(

@@ -18,6 +18,8 @@ NEUTRAL: Final = frozenset({"ignore", "ignored", "ignoreregion", "ignoredregions
 
 MOST_LETTERS: Final = 40
 _NAME: Final = re.compile(r"[^\W\d_][^\W_]*(?:[ -][^\W_]+)*")
+_UNITS: Final = frozenset({"", "kmh", "kph", "mph"})
+"""Letters beside the number of a class that is nothing but a number."""
 _JOINTS: Final = str.maketrans("", "", " _-")
 
 
@@ -71,6 +73,25 @@ class Objects:
         name = plain_class(label)
         return (re.sub(r"[^a-z]", "", name) if self.is_numbered else name) in self.classes
 
+    def label_of(self, name: str) -> str:
+        """What sets the class of this name apart from others that count; "" where nothing does.
+
+        The number of numbered classes (those of speed signs), without its unit; the singular, where
+        the name is one of those that mean the same; else the name itself.
+
+        Examples
+        --------
+        >>> SPEED_SIGN.label_of("Speed limit (50km/h)"), SPEED_SIGN.label_of("70")
+        ('50', '70')
+        >>> PEDESTRIAN.label_of("Person"), PEDESTRIAN.label_of("cyclist")
+        ('pedestrian', 'cyclist')
+        """
+        letters = re.sub(r"[^a-z]", "", plain_class(name))
+        if self.is_numbered and (self.counts(name) or letters in _UNITS):
+            number = re.search(r"[0-9]{1,9}", name)
+            return "" if number is None else number[0].lstrip("0") or "0"
+        return self.singular if self.counts(name) else name.strip()
+
     def is_lookalike(self, label: str) -> bool:
         """Whether the class of this name could be taken for one that counts."""
         return plain_class(label) in self.lookalikes
@@ -120,6 +141,22 @@ class Objects:
             short=self.singular.rpartition(" ")[2],
         )
         return words[:1].upper() + words[1:] if phrase[0].isupper() else words
+
+
+def labels_in_order(labels: Iterable[str]) -> tuple[str, ...]:
+    """Each label once: numbers by their value, before other names.
+
+    Examples
+    --------
+    >>> labels_in_order(["no limit", "100", "30", "100"])
+    ('30', '100', 'no limit')
+    """
+
+    def rank(label: str) -> tuple[bool, int, str]:
+        is_number = label.isascii() and label.isdecimal()
+        return not is_number, len(label) if is_number else 0, label
+
+    return tuple(sorted(set(labels), key=rank))
 
 
 def plain_class(label: str) -> str:

@@ -13,7 +13,7 @@ from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
 from nvcore.params import Params
-from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
+from nvcore.schema import NO_LABEL, NO_TRACK, UNKNOWN_OCCLUSION
 
 NAN = float("nan")
 
@@ -31,6 +31,7 @@ class Box(NamedTuple):
     ignore: bool = False
     distance_m: float = NAN
     occlusion: int = UNKNOWN_OCCLUSION
+    label: int = NO_LABEL
     recording: int = 0
 
     @property
@@ -64,13 +65,14 @@ def make_dataset(
     n_frames: int | None = None,
     frames: Sequence[int] | None = None,
     places: Sequence[Place] | None = None,
+    labels: tuple[str, ...] = (),
     **size: float,
 ) -> Dataset:
     """A dataset of the systems "x" and "y".
 
     Frames are 0..n_frames - 1, or as listed; by default up to the last one with a box. `size`:
     width, height, fps, horizon of the only recording (100, 100, 10, unknown). `places` describes
-    several recordings instead.
+    several recordings instead. `labels` are what the boxes' labels count.
     """
     sources = [[Box(*box) for box in boxes] for boxes in (truth, x, y)]
     if places is None:
@@ -94,7 +96,7 @@ def make_dataset(
         columns=["name", "width", "height", "fps", "horizon", "context"],
     )
     listed = [np.array(place.frames, dtype=np.int64) for place in places]
-    return dataset_from_tables(recordings, listed, boxes, ["x", "y"])
+    return dataset_from_tables(recordings, listed, boxes, ["x", "y"], labels=labels)
 
 
 def tagged(dataset: Dataset, *tags: tuple[str, ...]) -> Dataset:

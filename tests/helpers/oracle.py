@@ -106,6 +106,8 @@ def match(
         for g, pedestrian in enumerate(G):
             if pedestrian.ignore or g in pairs.values():
                 continue
+            if params.match_class == "same" and pedestrian.label not in (-1, D[d].label):
+                continue
             if params.match == "iou":
                 iou, _ = iou_and_shared(D[d], pedestrian)
                 if iou >= params.iou and iou > 0:

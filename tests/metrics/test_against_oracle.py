@@ -32,6 +32,7 @@ PARAMS = st.builds(
     match=st.sampled_from(["iou", "lateral"]),
     iou=st.sampled_from([0.1, 0.5, 0.75]),
     lateral_tolerance=st.sampled_from([0.0, 0.02, 0.1]),
+    match_class=st.sampled_from(["any", "same"]),
     coverage=st.sampled_from([0.0, 0.5, 0.8]),
     lag_s=st.sampled_from([0.0, 0.1, 0.5]),
     gap_s=st.sampled_from([0.0, 0.2, 0.5]),

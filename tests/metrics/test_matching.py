@@ -69,3 +69,24 @@ def test_overlaps_are_broadcast_and_0_without_area() -> None:
     np.testing.assert_allclose(overlaps, [[2 / 6, 0], [0, 0]])
     nothing = (np.zeros(1),) * 4
     assert iou_of_pairs(nothing, nothing).tolist() == [0]
+
+
+def test_with_same_a_pedestrian_is_matched_by_its_own_class_alone() -> None:
+    # the best box is of the other class, the looser one of the same: 30 is 0, 50 is 1
+    truth = [Box(0, 0, 0, 10, 10, label=0)]
+    x = [Box(0, 0, 0, 10, 10, score=0.9, label=1), Box(0, 0, 0, 8, 10, score=0.5, label=0)]
+    dataset = make_dataset(truth, x, labels=("30", "50"))
+    assert matches(dataset).det_truth.tolist() == [0, -1]
+    same = matches(dataset, match_class="same")
+    assert same.det_truth.tolist() == [-1, 0]
+    assert same.is_false_alarm.tolist() == [True, False]
+    laterally = matches(dataset, match_class="same", match="lateral", lateral_tolerance=0.5)
+    assert laterally.det_truth.tolist() == [-1, 0]
+
+
+def test_what_is_not_named_is_matched_by_any_and_names_nothing() -> None:
+    truth = [Box(0, 0, 0, 10, 10), Box(0, 50, 0, 10, 10, label=0)]
+    x = [Box(0, 0, 0, 10, 10, label=1), Box(0, 50, 0, 10, 10)]
+    dataset = make_dataset(truth, x, labels=("30", "50"))
+    assert matches(dataset, match_class="same").det_truth.tolist() == [0, -1]
+    assert matches(dataset).det_truth.tolist() == [0, 1]

@@ -45,7 +45,7 @@ def test_a_share_of_the_height_is_the_one_that_is_explained(name: str) -> None:
 
 
 def test_a_stage_depends_on_its_own_settings_and_those_of_all_before() -> None:
-    assert settings_for(MATCH) == ("match", "iou", "lateral_tolerance")
+    assert settings_for(MATCH) == ("match", "iou", "lateral_tolerance", "match_class")
     assert set(settings_for(SALIENCY)) == set(settings_for(EVENTS)) | {"saliency_aggregate"}
     assert {"distance", "edge_weight", "iou", "midpoint"} < set(settings_for(SALIENCY))
     assert {"alpha", "coverage"}.isdisjoint(settings_for(SALIENCY))

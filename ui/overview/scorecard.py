@@ -140,6 +140,8 @@ def _rule(result: Result) -> str:
         if params.match == "iou"
         else f"at whose sideways position it stands, to {params.lateral_tolerance:.0%} of the width"
     )
+    if params.match_class == "same":
+        how += ", and whose class it names"
     return state.words(
         f"A detection matches a pedestrian {how}; a looser box is a false alarm, and the "
         "pedestrian is missed (Advanced)."

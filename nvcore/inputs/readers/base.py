@@ -209,6 +209,9 @@ class Reading:
     attributes
         Columns of `ATTRIBUTE_DTYPES`: texts of boxes of the truth, for the classes of encounters;
         None: there are none.
+    labels
+        What the column `label` of `boxes` counts: classes in the words of the objects ("70"), of
+        the boxes that are not ignored.
     """
 
     boxes: pd.DataFrame
@@ -218,6 +221,7 @@ class Reading:
     annotated: pd.DataFrame | None = None
     findings: tuple[Finding, ...] = ()
     attributes: pd.DataFrame | None = None
+    labels: tuple[str, ...] = ()
 
 
 Read = Callable[[Sequence[SourceFile], ReadOptions], Reading]

@@ -37,6 +37,7 @@ from nvcore.inputs.readers.csv_columns import (
 from nvcore.inputs.readers.meaning.attributes import attributes_of_boxes, joined_attributes
 from nvcore.inputs.readers.meaning.categories import CategoryChoice, choose_categories
 from nvcore.inputs.readers.meaning.distance import known_distances, odd_distances
+from nvcore.inputs.readers.meaning.labels import codes_of, labels_of
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers, odd_levels
 from nvcore.inputs.readers.meaning.tracks import TEXT_IDS, track_numbers
@@ -121,12 +122,19 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
         facts += new_facts
     annotated = None
     choice = _classes(kinds, files, options)
+    labels: tuple[str, ...] = ()
     if choice is not None:
+        label_of = labels_of(choice.counted, options.objects)
+        labels = tuple(dict.fromkeys(label_of.values()))
         all_boxes = concat_boxes(tables)
         annotated = annotated_frames(all_boxes["recording"], all_boxes["frame"].to_numpy())
         facts.append(choice.conversion)
         tables = [
-            boxes if kind is None else _sorted_by_class(boxes, kind, choice, options.role)
+            boxes
+            if kind is None
+            else _sorted_by_class(
+                boxes.assign(label=codes_of(kind, label_of)), kind, choice, options.role
+            )
             for boxes, kind in zip(tables, kinds, strict=True)
         ]
     recordings: list[str] = []
@@ -140,6 +148,7 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
         annotated=annotated,
         findings=tuple(findings),
         attributes=joined_attributes(attributes),
+        labels=labels,
     )
 
 

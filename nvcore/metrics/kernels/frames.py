@@ -30,6 +30,9 @@ def match_frames(
     min_iou,
     lateral,
     tolerance,
+    g_label,
+    d_label,
+    same_label,
     recording,
     width,
     state,
@@ -77,6 +80,8 @@ def match_frames(
                 for g in range(g0, g1):
                     if g_ignore[g] or truth_det[g] >= 0:
                         continue
+                    if same_label and g_label[g] >= 0 and g_label[g] != d_label[d]:
+                        continue
                     apart = abs(c - centre(gx[g], gw[g], W))
                     if apart <= max(tolerance * W, 0.5 * gw[g]) and apart < least:
                         least, best = apart, g
@@ -85,6 +90,8 @@ def match_frames(
                 most = 0.0
                 for g in range(g0, g1):
                     if g_ignore[g] or truth_det[g] >= 0:
+                        continue
+                    if same_label and g_label[g] >= 0 and g_label[g] != d_label[d]:
                         continue
                     shared = intersection(dx[d], dy[d], dw[d], dh[d], gx[g], gy[g], gw[g], gh[g])
                     if shared <= 0.0:

@@ -24,6 +24,8 @@ def reading(params: Params, theme: Theme) -> tuple[str, ...]:
         else f"if it lies at most {_percent(params.lateral_tolerance)} of the picture's width, or "
         "half the pedestrian's, to the side of them"
     )
+    if params.match_class == "same":
+        rule += ", and is of the same class where the ground truth names one"
     styles = {letter: scheme_of(theme).style(letter) for letter in "xy"}
     drawn = [f"{letter.upper()} is {style.words}" for letter, style in styles.items()]
     return (
