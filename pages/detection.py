@@ -3,7 +3,7 @@
 import streamlit as st
 
 from nvcore.comparison import Result
-from ui.detection import curves, protocol
+from ui.detection import classes, curves, protocol
 from ui.shell.messages import draw_warnings, needs_comparison
 from ui.widgets.text import docs_link
 
@@ -18,6 +18,7 @@ def draw(result: Result) -> None:
     )
     draw_warnings(result, is_of_encounters=False)
     curves.draw(result, protocol.choose(result.dataset))
+    classes.draw(result)
 
 
 st.title("Detection")

@@ -20,6 +20,7 @@ from nvcore.inputs.session_toml import write_session
 from nvcore.inputs.writers import safe_names
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_run
+from nvcore.wording.objects import labels_in_order
 
 SESSION_FILE: Final = "session.toml"
 PROVENANCE_FILE: Final = "provenance.json"
@@ -135,6 +136,7 @@ def write_detections(
         path=tuple(str(folder.absolute() / key) for key in contents),
         format="csv",
         name=name,
+        classes=_classes(run, dataset),
         threshold=run.about.threshold if threshold is None else threshold,
         provenance=str(folder.absolute() / PROVENANCE_FILE),
     )
@@ -170,6 +172,22 @@ def write_detections(
         name=name,
         run=run,
     )
+
+
+def _classes(run: DetectorRun, dataset: Dataset) -> tuple[str, ...] | None:
+    """The detector's labels that occur, where none is called as the objects are; None: as usual.
+
+    A detector that reads limits calls its signs 30 or 100, which no reader takes for speed signs.
+    """
+    used = {
+        str(label)
+        for part in run.recordings
+        if "class" in part.boxes
+        for label in part.boxes["class"].unique()
+    }
+    if not used or any(map(dataset.objects.counts, used)):
+        return None
+    return labels_in_order(used)
 
 
 def _free_name(name: str, names: Iterable[str]) -> str:

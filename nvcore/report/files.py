@@ -34,6 +34,7 @@ from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.report.equal_alarms import at_equal_alarms, unequal_companions
 from nvcore.settings import Settings
 from nvcore.tables.boxes.matches import MATCHES, matches_parquet
+from nvcore.tables.classes import classes_table, has_classes
 from nvcore.tables.columns import REPORT_COLUMNS
 from nvcore.tables.inputs import finding_entries, horizons_table
 from nvcore.tables.result import (
@@ -79,7 +80,8 @@ def export_files(
 ) -> dict[str, Callable[[], bytes]]:
     """Every file of a report by name, written when called; the same input gives the same bytes.
 
-    There is a ``session.toml`` only if the session names files; tables in memory have none.
+    There is a ``session.toml`` only if the session names files; tables in memory have none. And
+    ``classes.csv`` only if truth and systems name classes.
 
     Parameters
     ----------
@@ -104,6 +106,8 @@ def export_files(
         "findings": lambda: findings_table(findings),
         "finding_entries": lambda: finding_entries(result.dataset, findings),
     }
+    if has_classes(result):
+        made["classes"] = lambda: classes_table(result)
     files: dict[str, Callable[[], bytes]] = {
         f"{name}.{tables}": partial(_bytes_of, make, tables) for name, make in made.items()
     }

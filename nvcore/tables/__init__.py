@@ -1,6 +1,7 @@
 """A result as tables, and what each column means."""
 
 from nvcore.tables.boxes.states import FrameBoxes, gather_boxes
+from nvcore.tables.classes import classes_table, has_classes
 from nvcore.tables.columns import REPORT_COLUMNS, column_names
 from nvcore.tables.encounters.miss_classes import fusion_table, miss_class_counts, miss_class_totals
 from nvcore.tables.encounters.severity import weighed_encounters
@@ -36,6 +37,7 @@ __all__ = [
     "FrameSummary",
     "LossStrip",
     "Weightings",
+    "classes_table",
     "column_names",
     "compare_weightings",
     "encounter_moments",
@@ -49,6 +51,7 @@ __all__ = [
     "frames_table",
     "fusion_table",
     "gather_boxes",
+    "has_classes",
     "inputs_table",
     "intervals_table",
     "lanes_table",

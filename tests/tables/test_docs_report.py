@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from inputs import drive, session_of
+from limits import limits_read
 from places import ROOT
 
 from nvcore.comparison import compare
@@ -24,6 +25,7 @@ from nvcore.output.csv_text import to_csv_bytes
 from nvcore.report.files import export_files
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT
 from nvcore.tables.boxes.matches import MATCH_COLUMNS, MATCHES
+from nvcore.tables.classes import classes_table
 from nvcore.tables.column import Column, Kind
 from nvcore.tables.columns import REPORT_COLUMNS
 from nvcore.tables.evidence_columns import MATRIX_COLUMNS
@@ -61,10 +63,17 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     # a box of 2 px: a distant pedestrian
     truth.write_text(truth.read_text(encoding="utf-8") + "rural,3,50,200,1,2,9\n", encoding="utf-8")
     dataset = load(session)
-    files = export_files(compare(dataset), session, FINDINGS, matches=True)
-    return {name: make() for name, make in files.items()} | {
-        MATRIX: to_csv_bytes(pairwise_table(dataset).replace(np.inf, np.nan))
+    files = {
+        name: make()
+        for name, make in export_files(compare(dataset), session, FINDINGS, matches=True).items()
     }
+    place = [*files].index(MATCHES)  # the drive is of pedestrians, who have no classes
+    files = {
+        **dict([*files.items()][:place]),
+        "classes.csv": to_csv_bytes(classes_table(limits_read())),
+        **dict([*files.items()][place:]),
+    }
+    return files | {MATRIX: to_csv_bytes(pairwise_table(dataset).replace(np.inf, np.nan))}
 
 
 def table_of(report: dict[str, bytes], file: str) -> pd.DataFrame:

@@ -39,6 +39,7 @@ CONTENTS: Final = {
     "subgroups.csv": "groups of encounters, such as near and far",
     "findings.csv": "findings of the audit of the inputs",
     "finding_entries.csv": "All boxes, frames and rows that the findings concern",
+    "classes.csv": "matches by the class of the truth and the one that was read",
     MATCHES: "boxes of truth, X and Y: whom each matches, whether it counts, what it weighs",
     "summary.json": "All aggregates over all recordings, parameters and version",
     "session.toml": "The session: what to run to get the same report again",

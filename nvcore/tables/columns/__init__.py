@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import Final
 
 from nvcore.measures import MEASURES, NO_FRAMES, Measure
+from nvcore.tables.classes import CLASS_COLUMNS
 from nvcore.tables.column import RECORDING, Column, Kind, measure_column, of_both
 from nvcore.tables.columns.encounters import ENCOUNTER_COLUMNS
 from nvcore.tables.evidence_columns import SIGNIFICANCE_COLUMNS, SUBGROUP_COLUMNS
@@ -242,5 +243,6 @@ REPORT_COLUMNS: Final[dict[str, tuple[Column, ...]]] = {
     "subgroups.csv": SUBGROUP_COLUMNS,
     "findings.csv": _FINDINGS,
     "finding_entries.csv": _FINDING_ENTRIES,
+    "classes.csv": CLASS_COLUMNS,
 }
 """Columns of every CSV file of a report, in order."""

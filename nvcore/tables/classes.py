@@ -1,0 +1,134 @@
+"""What matched boxes were taken for: the truth's class against the system's, counted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+import pandas as pd
+from scipy.stats import binomtest
+
+from nvcore.comparison import Result
+from nvcore.evidence.bootstrap import CONFIDENCE
+from nvcore.metrics.matching import Matches, match_boxes
+from nvcore.schema import NO_LABEL
+from nvcore.scoring import SystemResult
+from nvcore.tables.column import Column, Kind
+
+CLASS_COLUMNS: Final[tuple[Column, ...]] = (
+    Column("system", Kind.TEXT, "", "Which system it is about: `x` or `y`."),
+    Column("truth_class", Kind.TEXT, "", "Class of the pedestrians in the truth."),
+    Column(
+        "read_class",
+        Kind.TEXT,
+        "",
+        "Class that the system gives the detections which match them.",
+        empty="it gives none",
+    ),
+    Column("n", Kind.INTEGER, "boxes", "Pedestrians of the one class matched as the other."),
+)
+"""Columns of `classes_table`."""
+
+
+@dataclass(frozen=True)
+class ReadShare:
+    """How many of a system's matches are of the right class.
+
+    Attributes
+    ----------
+    n_right, n
+        Matches of the truth's class, and all matches of boxes whose class the truth names.
+    share
+        Of those the right ones, 1 is best; NaN without any.
+    low, high
+        Wilson's 95 % interval of the share, which takes boxes as independent; NaN without any.
+    """
+
+    n_right: int
+    n: int
+    share: float
+    low: float
+    high: float
+
+
+def has_classes(result: Result) -> bool:
+    """Whether there is something to tell: the truth has several classes, and X or Y names some."""
+    dataset = result.dataset
+    truth = dataset.truth.label[~dataset.truth.ignore]
+    return len(np.unique(truth[truth != NO_LABEL])) > 1 and any(
+        names_classes(result, system) for _, system in result.sides
+    )
+
+
+def names_classes(result: Result, system: SystemResult) -> bool:
+    """Whether any detection of the system has a class."""
+    return bool((result.dataset.system(system.name).label != NO_LABEL).any())
+
+
+def classes_table(result: Result) -> pd.DataFrame:
+    """Matched boxes by the truth's class and the one read: `CLASS_COLUMNS`, none of 0 boxes.
+
+    Boxes are matched as always, but by place alone, whatever `match_class` says: what is wrong in
+    this table is what ``match_class="same"`` takes away. Pedestrians without a class, and systems
+    that name none, have no row.
+    """
+    parts = [
+        _rows(result, letter, system)
+        for letter, system in result.sides
+        if names_classes(result, system)
+    ]
+    empty = pd.DataFrame({column.name: pd.Series(dtype=object) for column in CLASS_COLUMNS})
+    return pd.concat([empty, *parts], ignore_index=True).astype({"n": "int64"})
+
+
+def read_share(table: pd.DataFrame, letter: str) -> ReadShare:
+    """The share of the matches of system "x" or "y" that have the truth's class.
+
+    Parameters
+    ----------
+    table
+        `classes_table`.
+    """
+    rows = table[table["system"] == letter]
+    n = int(rows["n"].sum())
+    n_right = int(rows["n"][rows["truth_class"] == rows["read_class"]].sum())
+    if not n:
+        return ReadShare(0, 0, np.nan, np.nan, np.nan)
+    ends = binomtest(n_right, n).proportion_ci(CONFIDENCE, method="wilson")
+    return ReadShare(n_right, n, n_right / n, float(ends.low), float(ends.high))
+
+
+def _rows(result: Result, letter: str, system: SystemResult) -> pd.DataFrame:
+    dataset = result.dataset
+    truth, detections = dataset.truth.label, dataset.system(system.name).label
+    partner = _matches(result, system).truth_det
+    rows = np.flatnonzero((partner >= 0) & (truth != NO_LABEL))
+    read = detections[partner[rows]]
+    n_labels = len(dataset.labels)
+    # a read NO_LABEL stands after all classes
+    code = truth[rows].astype(np.int64) * (n_labels + 1) + np.where(read < 0, n_labels, read)
+    pairs, counts = np.unique(code, return_counts=True)
+    names = np.array([*dataset.labels, None], dtype=object)
+    return pd.DataFrame(
+        {
+            "system": letter,
+            "truth_class": names[pairs // (n_labels + 1)],
+            "read_class": names[pairs % (n_labels + 1)],
+            "n": counts,
+        }
+    )
+
+
+def _matches(result: Result, system: SystemResult) -> Matches:
+    """Which detections match, by place alone."""
+    if result.params.match_class == "any":
+        return system.matches
+    dataset = result.dataset
+    return match_boxes(
+        dataset.truth,
+        dataset.system(system.name),
+        dataset.frame_columns,
+        replace(result.params, match_class="any"),
+        threshold=system.threshold,
+    )

@@ -1,0 +1,45 @@
+"""Detection page: what was found, and what it was taken for."""
+
+from __future__ import annotations
+
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.figures.classes import classes_plot
+from nvcore.tables.classes import classes_table, has_classes, names_classes, read_share
+from nvcore.wording import count_text
+from ui.session import state
+from ui.widgets.charts import draw_chart
+from ui.widgets.text import docs_link, plain
+
+
+def draw(result: Result) -> None:
+    """The classes that X and Y read, where the truth and either of them name any."""
+    if not has_classes(result):
+        return
+    st.header("Classes")
+    st.caption(
+        state.words(
+            "Matched pedestrians by the class that the truth gives them and the one that was read, "
+            "at the thresholds of the sidebar. To count only what was read right, let a detection "
+            "match pedestrians of its own class alone (Advanced) "
+        )
+        + f"({docs_link('Classes', 'classes', doc='objects')})."
+    )
+    table = classes_table(result)
+    for place, (letter, system) in zip(st.columns(2), result.sides, strict=True):
+        with place:
+            if not names_classes(result, system):
+                st.caption(plain(f"{letter.upper()} names no classes."))
+                continue
+            figure = classes_plot(table, letter, system.name, theme=state.theme())
+            draw_chart(figure, f"classes_{letter}")
+            right = read_share(table, letter)
+            if not right.n:
+                st.caption(f"{letter.upper()}: – (no match has a class).")
+                continue
+            matches = count_text(right.n, "match", "matches")
+            st.caption(
+                f"{letter.upper()}: {right.share:.1%} of {matches} right, 95 % interval "
+                f"{right.low:.1%} to {right.high:.1%} (Wilson; as if boxes were independent)."
+            )
