@@ -10,12 +10,12 @@ import pandas as pd
 from scipy.stats import binomtest
 
 from nvcore.comparison import Result
-from nvcore.evidence.bootstrap import CONFIDENCE
 from nvcore.metrics.matching import Matches, match_boxes
 from nvcore.schema import NO_LABEL
 from nvcore.scoring import SystemResult
 from nvcore.tables.column import Column, Kind
 
+CONFIDENCE: Final = 0.95
 CLASS_COLUMNS: Final[tuple[Column, ...]] = (
     Column("system", Kind.TEXT, "", "Which system it is about: `x` or `y`."),
     Column("truth_class", Kind.TEXT, "", "Class of the pedestrians in the truth."),

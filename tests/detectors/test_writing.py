@@ -166,3 +166,27 @@ def test_without_a_system_the_new_one_is_x(dataset: Dataset, tmp_path: Path):
     written = write_detections(run_of(), alone, tmp_path / "out")
     loaded = nv.load(written.session)
     assert (loaded.systems, loaded.compared()) == (("HOG",), ("HOG", None))
+
+
+def test_limits_that_were_read_count_as_the_speed_signs_of_the_session(tmp_path: Path):
+    table = "recording,frame,x,y,w,h,class\nNight,0,10,10,20,20,speed limit 30\n"
+    (tmp_path / "truth.csv").write_text(table)
+    session = tmp_path / "session.toml"
+    session.write_text(
+        '[defaults]\nsize = "640x480"\nfps = 20\nframes = "0:9"\n[truth]\npath = "truth.csv"\n'
+        '[compare]\nobjects = "speed sign"\n'
+    )
+    about = About("icf", "signs", ("30", "100"), {}, "5f1c")
+    boxes = pd.DataFrame({"frame": [0, 3], "x": 1.0, "y": 3.0, "w": 5.0, "h": 7.0, "score": 0.5})
+    run = DetectorRun(
+        about,
+        (RecordingRun("Night", boxes.assign(**{"class": ["100", "30"]}), np.arange(10), 10),),
+        1.0,
+    )
+    written = write_detections(
+        run, load(read_session(session, needs_system=False)), tmp_path / "out"
+    )
+    again = nv.load(written.session)
+    assert again.settings.systems[0].classes == ("30", "100")
+    assert again.labels == ("30", "100")
+    assert again.system("signs").label.tolist() == [1, 0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from builders import Box, make_dataset, result_of
@@ -28,3 +29,21 @@ def limits_read(**params: Any) -> Result:
     x = [sign(i, limit, score=0.9) for i, limit in enumerate(read)]
     y = [sign(i, "", score=0.9) for i in range(2)]
     return result_of(make_dataset(truth, x, y, labels=LABELS), **params)
+
+
+def write_limits(folder: Path) -> Path:
+    """A session of the same in files: X reads one of three signs wrong, Y names no class."""
+    head = "recording,frame,x,y,w,h"
+    places = [f"drive,{i},100,100,40,40" for i in range(3)]
+    kinds = {"truth": ("30", "30", "50"), "x": ("30", "50", "50")}
+    for name, limits in kinds.items():
+        rows = [f"{place},speed limit {limit}" for place, limit in zip(places, limits, strict=True)]
+        (folder / f"{name}.csv").write_text("\n".join([f"{head},class", *rows, ""]))
+    (folder / "y.csv").write_text("\n".join([head, *places, ""]))
+    session = folder / "session.toml"
+    session.write_text(
+        '[defaults]\nsize = "640x480"\nfps = 10\n[truth]\npath = "truth.csv"\n'
+        '[[system]]\nname = "Ray"\npath = "x.csv"\n[[system]]\nname = "Yon"\npath = "y.csv"\n'
+        '[compare]\nobjects = "speed sign"\n'
+    )
+    return session

@@ -39,6 +39,11 @@ def test_the_eight_limits_count_and_inclusive_corners_become_width_and_height(tm
     assert reading.findings == ()
 
 
+def test_the_limit_is_the_label_of_a_sign(tmp_path: Path):
+    reading = read_rows(tmp_path)
+    assert [reading.labels[code] for code in reading.boxes["label"]] == ["70", "20"]
+
+
 def test_exactly_the_classes_of_the_benchmarks_readme_are_speed_signs():
     counted = [number for number, name in enumerate(CLASSES) if SPEED_SIGN.counts(name)]
     assert counted == [0, 1, 2, 3, 4, 5, 7, 8]

@@ -1,0 +1,33 @@
+"""The classes on the Detection page: shown where the truth and a system name some."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from limits import write_limits
+from signs import write_signs
+from streamlit.testing.v1 import AppTest
+
+from pages import begin_with, checked, opened, texts, to_page
+
+
+def detection_page(session: Path, patch: pytest.MonkeyPatch) -> AppTest:
+    patch.setenv("NVCORE_UPLOAD_DIR", str(session.parent / "uploads"))
+    begin_with(session, patch)
+    return checked(to_page(opened(), "detection"))
+
+
+def test_a_limit_that_was_read_wrong_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    page = detection_page(write_limits(tmp_path), monkeypatch)
+    said = texts(page).replace("\\", "")
+    assert "Classes" in [header.value for header in page.header]
+    assert "X: 66.7% of 3 matches right, 95 % interval 20.8% to 93.9%" in said
+    assert "Y names no classes" in said
+
+
+def test_signs_without_limits_to_compare_have_no_such_part(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    page = detection_page(write_signs(tmp_path), monkeypatch)
+    assert "Classes" not in [header.value for header in page.header]
