@@ -4,8 +4,10 @@
 
 Trains on the scenes and crops of `scripts.sign_data` (some ten minutes on two free cores), writes
 the model, and the names of the crops that were left out because they resemble a sign of a test
-scene. `--evaluate` only measures a model that is there. The data are those in `$NVCORE_REALDATA`
-(default: `../shared/realdata`); their licence is for research, so that models of them do not ship.
+scene. `--evaluate` only measures a model that is there, `--reader` only trains and measures what
+reads the limit in a box (half a minute), and puts it into a model that is there. The data are those
+in `$NVCORE_REALDATA` (default: `../shared/realdata`); their licence is for research, so that models
+of them do not ship.
 """
 
 from __future__ import annotations
@@ -32,6 +34,7 @@ from nvcore.detectors.icf.cascade import floors
 from nvcore.detectors.icf.channels import check_picture
 from nvcore.detectors.icf.detector import suppressed
 from nvcore.detectors.icf.windows import object_windows, window_values
+from nvcore.metrics.matching import match_system
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
 from scripts.sign_data import (
@@ -78,20 +81,23 @@ def run(scenes: Sequence[SignScene], detector: IcfDetector) -> Run:
     n_windows = n_features = 0
     seconds = 0.0
     for frame, scene in enumerate(scenes):
-        for x, y, w, h in scene.boxes:
-            truth.append((frame, x, y, w, h, int(min(w, h) < LEAST_PX)))
+        for (x, y, w, h), limit in zip(scene.boxes, scene.limits, strict=True):
+            truth.append((frame, x, y, w, h, int(min(w, h) < LEAST_PX), f"speed limit {limit}"))
         picture = scene.read()
         start = perf_counter()
         maps = detector.score_maps(picture)
         found: Detections = suppressed(detector.candidates(maps), detector.model.settings)
+        found = detector.classified(picture, found)
         seconds += perf_counter() - start
         n_windows += sum(score_map.n_windows for score_map in maps)
         n_features += sum(score_map.n_features for score_map in maps)
-        columns = (found.x, found.y, found.w, found.h, found.score)
+        limits = [""] * len(found) if found.label is None else found.label
+        kinds = [f"speed limit {limit}" for limit in limits]
+        columns = (found.x, found.y, found.w, found.h, found.score, kinds)
         boxes += [(frame, *box) for box in zip(*columns, strict=True)]
     return Run(
-        pd.DataFrame(truth, columns=["frame", "x", "y", "w", "h", "ignore"]),
-        pd.DataFrame(boxes, columns=["frame", "x", "y", "w", "h", "score"]),
+        pd.DataFrame(truth, columns=["frame", "x", "y", "w", "h", "ignore", "class"]),
+        pd.DataFrame(boxes, columns=["frame", "x", "y", "w", "h", "score", "class"]),
         n_windows,
         n_features,
         seconds,
@@ -100,7 +106,25 @@ def run(scenes: Sequence[SignScene], detector: IcfDetector) -> Run:
 
 def dataset_of(result: Run, n_scenes: int) -> Dataset:
     """The run as data of the product."""
-    return nv.load(truth=result.truth, x=result.boxes, size=SIZE, fps=1, frames=range(n_scenes))
+    return nv.load(
+        truth=result.truth,
+        x=result.boxes,
+        size=SIZE,
+        fps=1,
+        frames=range(n_scenes),
+        objects="speed sign",
+    )
+
+
+def read_right(dataset: Dataset) -> str:
+    """How many of the signs that are found at any confidence have their limit read right."""
+    (system,) = dataset.systems
+    partner = match_system(dataset, system, None, Params()).truth_det
+    read = dataset.system(system).label
+    if not (read >= 0).any():
+        return "–"
+    is_right = read[partner[partner >= 0]] == dataset.truth.label[partner >= 0]
+    return share_text(int(is_right.sum()), len(is_right))
 
 
 def missed(of: DetectionCurve) -> int:
@@ -146,7 +170,8 @@ def measure(name: str, scenes: Sequence[SignScene], detector: IcfDetector) -> st
         f"({low:.4f} to {high:.4f}); missed at a precision of 95 %: {missed(curve)}; highest "
         f"recall {curve.recall[at]:.3f} with {curve.fp[at]} false positives "
         f"({curve.fppw(windows)[at]:.2e} per window); log-average miss rate "
-        f"{log_average_miss_rate(curve):.3f}; {windows:,.0f} windows a scene, "
+        f"{log_average_miss_rate(curve):.3f}; limits of the signs found read right: "
+        f"{read_right(dataset)}; {windows:,.0f} windows a scene, "
         f"{result.n_features / result.n_windows:.1f} features a window, "
         f"{result.seconds / len(scenes):.2f} s a scene"
     )
@@ -219,11 +244,12 @@ def train_reader(realdata: Path) -> Classifier:
     """The classifier alone that a model of `train_signs` has."""
     (scenes, _), _ = training_parts(realdata, choosing=False)
     start = perf_counter()
-    holding = (scene for scene in scenes if scene.labels)
+    holding = [scene for scene in scenes if scene.labels]
     examples = ((scene.picture, scene.boxes, scene.labels) for scene in holding)
     reader = train_classifier(examples, seed=SEED)
     assert reader is not None
-    print(f"trained to read limits in {perf_counter() - start:.0f} s")
+    n_signs = sum(len(scene.labels) for scene in holding)
+    print(f"trained to read the limits of {n_signs} signs in {perf_counter() - start:.0f} s")
     return reader
 
 
@@ -276,12 +302,17 @@ def main() -> None:
         "--choosing", action="store_true", help="leave out and measure on what settings are for"
     )
     parser.add_argument(
-        "--reader", action="store_true", help="train and measure the classifier of limits alone"
+        "--reader",
+        action="store_true",
+        help="train and measure the classifier of limits alone, and put it into the model",
     )
     options = parser.parse_args()
     realdata = Path(os.environ.get("NVCORE_REALDATA", ROOT.parent / "shared" / "realdata"))
     if options.reader:
-        print(*reading_in_truth(realdata, train_reader(realdata)), sep="\n")
+        reader = train_reader(realdata)
+        if options.model.is_file():
+            write_model(replace(read_model(options.model).model, classifier=reader), options.model)
+        print(*reading_in_truth(realdata, reader), sep="\n")
         return
     if not options.evaluate:
         model, alike = train_signs(realdata, choosing=options.choosing)
@@ -300,6 +331,9 @@ def main() -> None:
     print(measure("as in the report", read_scenes(realdata / "gtsdb" / "report"), detector))
     _, crops = held_out(read_crops(realdata / "gtsrb"))
     print(f"rejected of {len(crops)} crops held out: {rejected(crops, detector)}")
+    reader = detector.model.classifier
+    if reader is not None:
+        print(*reading_in_truth(realdata, reader), sep="\n")
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from nvcore.detection.curves import detection_curve
 from nvcore.detection.operating_point import false_alarm_curve, score_histogram
 from nvcore.errors import InputError
 from nvcore.evidence.subgroup_table import subgroup_table
+from nvcore.figures.classes import classes_plot
 from nvcore.figures.cost_map import cost_plot
 from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.figures.encounters import (
@@ -41,6 +42,7 @@ from nvcore.scoring import SystemResult
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import map_stability
 from nvcore.stability.scores import Criterion
+from nvcore.tables.classes import classes_table
 from nvcore.tables.encounters.miss_classes import fusion_table
 from nvcore.tables.encounters.severity import weighed_encounters
 from nvcore.tables.encounters.time_left import urgent_encounters
@@ -278,6 +280,12 @@ class Figures:
             threshold=system.threshold,
             theme=self._theme,
         )
+
+    @_worded
+    def classes(self, letter: str = "x") -> go.Figure:
+        """What the matches of system ``"x"`` or ``"y"`` were taken for, by the truth's classes."""
+        system = self._system(letter)
+        return classes_plot(classes_table(self._result), letter, system.name, theme=self._theme)
 
     @_worded
     def proximity(self) -> go.Figure:
