@@ -9,7 +9,7 @@ What a kind needs is imported when one of it is opened.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
@@ -41,6 +41,10 @@ class Kind:
         (name or path as given, settings) -> the detector; raises DetectorError.
     settings
         -> the class of its settings; None: they are read from the model.
+    threshold
+        Name of the setting below which scores are dropped.
+    loosest
+        Settings with which it drops and suppresses no box.
     """
 
     key: str
@@ -49,6 +53,8 @@ class Kind:
     recognise: Callable[[bytes], bool]
     open: Callable[[str, Mapping[str, Setting]], Detector]
     settings: Callable[[], type | None]
+    threshold: str = "threshold"
+    loosest: Mapping[str, Setting] = field(default_factory=dict)
 
 
 def _open_hog(text: str, settings: Mapping[str, Setting]) -> Detector:
@@ -101,6 +107,8 @@ DETECTORS: Final[dict[str, Kind]] = {
             lambda _: False,
             _open_hog,
             _hog_settings,
+            threshold="hit_threshold",
+            loosest={"hit_threshold": -10.0, "overlap": 1.0},
         ),
         Kind(
             "icf",
@@ -109,6 +117,7 @@ DETECTORS: Final[dict[str, Kind]] = {
             lambda head: head.startswith(b"PK\3\4"),
             _open_icf,
             lambda: None,
+            loosest={"threshold": -1e6, "overlap": 2.0},
         ),
         Kind(
             "onnx",
@@ -117,6 +126,7 @@ DETECTORS: Final[dict[str, Kind]] = {
             _is_onnx,
             _open_onnx,
             _onnx_settings,
+            loosest={"threshold": 0.0, "overlap": 1.0},
         ),
     )
 }
@@ -141,11 +151,13 @@ def open_detector(text: str | Path, settings: Mapping[str, Setting] | None = Non
     MissingExtraError
         If it needs packages that are not installed.
     """
-    text, given = str(text), settings or {}
+    return kind_named(text).open(str(text), settings or {})
+
+
+def kind_named(text: str | Path) -> Kind:
+    """The kind of the detector that `open_detector` opens by this name or path; errors as it."""
     by_name = {name: kind for kind in DETECTORS.values() for name in kind.built_in}
-    if text in by_name:
-        return by_name[text].open(text, given)
-    return kind_of_file(Path(text)).open(text, given)
+    return by_name.get(str(text)) or kind_of_file(Path(text))
 
 
 def kind_of_file(path: Path) -> Kind:

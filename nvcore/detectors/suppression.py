@@ -38,16 +38,21 @@ def suppress(detections: Detections, overlap: float) -> Detections:
     overlap
         0: no two boxes that touch stay, 1: all stay.
     """
+    return only(detections, staying(detections, overlap))
+
+
+def staying(detections: Detections, overlap: float) -> NDArray[np.bool_]:
+    """Which detections `suppress` leaves, bool, shape (n,)."""
     n = len(detections)
+    is_open = np.ones(n, dtype=bool)
     if overlap >= 1 or n < 2:
-        return detections
+        return is_open
     x, y = detections.x, detections.y
     right, bottom = x + detections.w, y + detections.h
     area = detections.w * detections.h
     label = np.zeros(n, dtype=np.int64)
     if detections.label is not None:
         label = np.unique(detections.label.astype(str), return_inverse=True)[1]
-    is_open = np.ones(n, dtype=bool)
     for i in range(n):  # each depends on those before it; the boxes after it go at once
         if not is_open[i]:
             continue
@@ -57,7 +62,7 @@ def suppress(detections: Detections, overlap: float) -> Detections:
         shared = np.maximum(across, 0) * np.maximum(down, 0)
         union = area[i] + area[rest] - shared
         is_open[rest[shared > overlap * union]] = False
-    return only(detections, is_open)
+    return is_open
 
 
 def only(detections: Detections, is_kept: NDArray[np.bool_]) -> Detections:

@@ -155,7 +155,7 @@ class IcfSettings:
 
     def __post_init__(self) -> None:
         _check_choices(self)
-        for name, (low, high) in _RANGES.items():
+        for name, (low, high) in RANGES.items():
             _check_number(name, getattr(self, name), low, high)
         for name, (low, high) in _MEMBERS.items():
             for value in getattr(self, name):
@@ -208,7 +208,7 @@ class IcfSettings:
         }
 
 
-_CHOICES: Final[dict[str, tuple[Any, ...]]] = {
+CHOICES: Final[dict[str, tuple[Any, ...]]] = {
     "magnitude": get_args(Magnitude),
     "cascade": get_args(Cascade),
     "overlap_of": get_args(OverlapOf),
@@ -218,7 +218,7 @@ _CHOICES: Final[dict[str, tuple[Any, ...]]] = {
     "mirrored": (False, True),
     "use_band": (False, True),
 }
-_RANGES: Final[dict[str, tuple[float, float]]] = {
+RANGES: Final[dict[str, tuple[float, float]]] = {
     "orientation_bins": (1, 36),
     "clahe_clip": (0, 1000),
     "clahe_tile_px": (4, 4096),
@@ -268,7 +268,7 @@ def _values(value: Any) -> tuple[Any, ...]:
 
 
 def _check_choices(settings: IcfSettings) -> None:
-    for name, choices in _CHOICES.items():
+    for name, choices in CHOICES.items():
         value = getattr(settings, name)
         if not any(value is c or (isinstance(value, str) and value == c) for c in choices):
             expected = ", ".join(str(choice) for choice in choices)

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from nvcore.detection import WindowGrid, scale_steps
 from nvcore.detectors.base import Detections, Detector
-from nvcore.detectors.icf import AS_IN_REPORT, IcfDetector
+from nvcore.detectors.candidates import candidates, counting, open_loosened
+from nvcore.detectors.icf import AS_IN_REPORT, IcfDetector, write_model
 from nvcore.detectors.icf.cascade import calibrate, floors
 from nvcore.detectors.icf.detector import stays, suppressed
 from nvcore.detectors.icf.displays import window_path
 from nvcore.detectors.icf.pyramid import levels
+from nvcore.detectors.registry import open_detector
 from nvcore.errors import DetectorError
 
 SCALES_OF_HEADS = scale_steps(1.0, 2.4, 0.2)
@@ -193,3 +196,18 @@ def test_other_settings_are_another_fingerprint(model):
     detector = IcfDetector(model)
     assert detector.run_with().about.fingerprint == detector.about.fingerprint
     assert detector.run_with(stride=2).about.fingerprint != detector.about.fingerprint
+
+
+@pytest.mark.parametrize("overlap_of", ["union", "smaller"])
+def test_threshold_and_overlap_moved_on_kept_boxes_give_its_own(
+    model, drawn, overlap_of, tmp_path: Path
+):
+    path = tmp_path / "discs.npz"
+    write_model(model, path)
+    boxes = candidates(open_loosened(path), drawn(3).picture, most=10**6)
+    settings = {"threshold": 2.0, "overlap": 0.3, "overlap_of": overlap_of}
+    own = open_detector(path, settings)
+    is_counting = counting(boxes, own.about, threshold=2.0, overlap=0.3)
+    expected = own.detect(drawn(3).picture)
+    assert 0 < len(expected) < len(boxes)
+    np.testing.assert_array_equal(boxes.score[is_counting], expected.score)
