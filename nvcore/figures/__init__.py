@@ -5,6 +5,11 @@ from nvcore.extras import needs
 with needs("report", "figures need"):
     from nvcore.figures.cost_map import cost_plot
     from nvcore.figures.detection import CurveKind, curve_plot, legend_text
+    from nvcore.figures.detectors.boxes import boxes_plot
+    from nvcore.figures.detectors.confidence import confidence_plot, training_plot
+    from nvcore.figures.detectors.pictures import pictures_plot
+    from nvcore.figures.detectors.score_map import score_map_plot
+    from nvcore.figures.detectors.tree import tree_plot
     from nvcore.figures.encounters import (
         fusion_plot,
         lead_time_plot,
@@ -32,6 +37,8 @@ __all__ = [
     "CONFIG",
     "CurveKind",
     "approach_plot",
+    "boxes_plot",
+    "confidence_plot",
     "cost_plot",
     "curve_plot",
     "false_alarm_plot",
@@ -46,16 +53,20 @@ __all__ = [
     "over_speed_plot",
     "participants_plot",
     "parts_plot",
+    "pictures_plot",
     "plane_plot",
     "position_map",
     "proximity_plot",
     "rating_plot",
     "recency_plot",
     "recordings_plot",
+    "score_map_plot",
     "score_plot",
     "similarity_plot",
     "stability_map",
     "subgroup_forest",
+    "training_plot",
+    "tree_plot",
     "venn_figure",
     "weightings_plot",
 ]

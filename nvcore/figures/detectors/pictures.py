@@ -1,0 +1,109 @@
+"""Pictures in figures: below marks of their pixels, and several side by side."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Mapping
+from typing import Any, Final
+
+import cv2
+import numpy as np
+import plotly.graph_objects as go
+
+from nvcore.figures.style import HEADING_PX, HIDDEN_AXIS, LOOK, draw, plain, written
+from nvcore.palette import Theme
+from nvcore.pictures import Picture, jpeg, stretch
+from nvcore.pictures.recordings import STRETCH
+
+WIDEST_PX: Final = 1280
+"""Of a picture in a figure: larger ones are shrunk."""
+SMALL_PX: Final = 320
+"""Width of one of several pictures."""
+ROW_PX: Final = 190
+LABEL_SHARE: Final = 0.16
+"""Height of a label above a picture, as a share of the picture's."""
+
+
+def picture_layer(picture: Picture, width: float, height: float, **more: Any) -> dict[str, Any]:
+    """A picture for a layout's ``images``, over 0..width and 0..height of the axes.
+
+    Contrast is stretched as in the viewer: night pictures are dim.
+    """
+    return {
+        "source": _address(stretch(picture, *STRETCH), WIDEST_PX),
+        "xref": "x",
+        "yref": "y",
+        "x": 0,
+        "y": 0,
+        "sizex": width,
+        "sizey": height,
+        "sizing": "stretch",
+        "layer": "below",
+        **more,
+    }
+
+
+def picture_axes(width: float, height: float) -> dict[str, Any]:
+    """The axes of a layout on which a picture has its shape, rows downwards, without ticks."""
+    return {
+        "xaxis": {**HIDDEN_AXIS, "range": [0, width], "constrain": "domain"},
+        "yaxis": {
+            **HIDDEN_AXIS,
+            "range": [height, 0],
+            "scaleanchor": "x",
+            "constrain": "domain",
+        },
+    }
+
+
+def pictures_plot(
+    pictures: Mapping[str, Picture],
+    *,
+    theme: Theme,
+    title: str,
+    subtitle: str = "",
+    columns: int = 5,
+) -> go.Figure:
+    """Small pictures side by side, each below its name.
+
+    Parameters
+    ----------
+    pictures
+        Of one shape, 8 bit; grey levels are shown as they are.
+    """
+    height, width = next(iter(pictures.values())).shape[:2]
+    columns = min(columns, len(pictures))
+    step = (1.04 * width, (1 + LABEL_SHARE) * height + 0.04 * height)
+    rows = -(-len(pictures) // columns)
+    images, labels = [], []
+    for number, (name, picture) in enumerate(pictures.items()):
+        left, top = (number % columns) * step[0], (number // columns) * step[1]
+        place = {"x": left, "y": top + LABEL_SHARE * height}
+        images.append(picture_layer(picture, width, height, **place))
+        images[-1]["source"] = _address(picture, SMALL_PX)
+        text = written(plain(name), size=12, color=LOOK[theme].ink, x=left, y=place["y"])
+        labels.append({**text, "xanchor": "left", "yanchor": "bottom", "xshift": -2})
+    margin = {"l": 4, "r": 4, "t": HEADING_PX + 8, "b": 4}
+    size = columns * step[0] - 0.04 * width, rows * step[1]
+    return draw(
+        [],
+        theme,
+        title=title,
+        subtitle=subtitle,
+        height=HEADING_PX + 12 + ROW_PX * rows,
+        margin=margin,
+        showlegend=False,
+        images=images,
+        annotations=labels,
+        **picture_axes(*size),
+    )
+
+
+def _address(picture: Picture, widest: int) -> str:
+    """The picture in 8 bit as an address that holds its content."""
+    height, width = picture.shape[:2]
+    shown = np.ascontiguousarray(picture)
+    if width > widest:
+        size = widest, max(1, round(height * widest / width))
+        shown = cv2.resize(shown, size, interpolation=cv2.INTER_AREA)
+    return f"data:image/jpeg;base64,{b64encode(jpeg(shown)).decode()}"
