@@ -126,7 +126,7 @@ def test_a_tree_shows_its_questions_and_the_way_of_the_window():
 
 
 def test_pictures_stand_side_by_side_below_their_names():
-    figure = pictures_plot({name: GREY for name in "abc"}, theme="light", title="Channels",
+    figure = pictures_plot(dict.fromkeys("abc", GREY), theme="light", title="Channels",
                            columns=2)  # fmt: skip
     lefts = [image.x for image in figure.layout.images]
     assert lefts[0] == lefts[2] == 0 < lefts[1]
