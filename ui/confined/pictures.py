@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import threading
 from collections.abc import Callable, Sequence
 from copy import copy
 from pathlib import Path
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 from nvcore.errors import InputError, MediaError
 from nvcore.pictures.base import Picture, Pictures, check_index
 from nvcore.pictures.open import open_pictures
-from ui.confined.process import Allowance, Process
+from ui.confined.process import Allowance, SteadyProcess
 
 T = TypeVar("T")
 
@@ -30,8 +29,7 @@ class PictureProcess:
     """
 
     def __init__(self, allowance: Allowance = ALLOWANCE) -> None:
-        self._allowance, self._lock = allowance, threading.Lock()
-        self._process: Process | None = None
+        self._process = SteadyProcess(allowance)
 
     def open(self, path: Path) -> ConfinedPictures:
         """The pictures at that path.
@@ -51,23 +49,18 @@ class PictureProcess:
         MediaError
             What it raises, or if it takes more than it may.
         """
-        with self._lock:
-            try:
-                if self._process is None or self._process.has_ended:
-                    self._process = Process(self._allowance)
-                return self._process.call(function, *arguments, what=what)
-            except MediaError:
-                raise
-            except InputError as error:
-                raise MediaError(error.message) from error
-            except OSError as error:
-                raise MediaError(f"{what} failed ({error.strerror})") from error
+        try:
+            return self._process.call(function, *arguments, what=what)
+        except MediaError:
+            raise
+        except InputError as error:
+            raise MediaError(error.message) from error
+        except OSError as error:
+            raise MediaError(f"{what} failed ({error.strerror})") from error
 
     def close(self) -> None:
         """End the process; the next call starts another."""
-        with self._lock:
-            if self._process is not None:
-                self._process.end()
+        self._process.close()
 
 
 class ConfinedPictures:

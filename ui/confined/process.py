@@ -108,6 +108,30 @@ class Process:
             self._ours.close()
 
 
+class SteadyProcess:
+    """A process that is started by the first call, and again by the next one if it has ended.
+
+    Any thread may call; one call is answered after another.
+    """
+
+    def __init__(self, allowance: Allowance) -> None:
+        self._allowance, self._lock = allowance, threading.Lock()
+        self._process: Process | None = None
+
+    def call(self, function: Callable[..., T], *arguments: Any, what: str) -> T:
+        """What a function returns in the process; see `Process.call`."""
+        with self._lock:
+            if self._process is None or self._process.has_ended:
+                self._process = Process(self._allowance)
+            return self._process.call(function, *arguments, what=what)
+
+    def close(self) -> None:
+        """End the process; the next call starts another."""
+        with self._lock:
+            if self._process is not None:
+                self._process.end()
+
+
 def call(function: Callable[..., T], *arguments: Any, allowance: Allowance, what: str) -> T:
     """What a function returns in a process of its own; see `Process.call`."""
     with _jobs:

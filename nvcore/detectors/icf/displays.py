@@ -166,6 +166,41 @@ def window_path(
     return WindowPath(confidence, lowest, rejected, _leaves(model, values[0]))
 
 
+def window_of(
+    model: IcfModel, width: int, height: int, box: tuple[float, float, float]
+) -> tuple[float, int, int]:
+    """Scale, row and column of the window that gave a box.
+
+    Parameters
+    ----------
+    width, height
+        Of the picture, px.
+    box
+        Left, top and width, px of the picture.
+
+    Raises
+    ------
+    ParameterError
+        If no window fits into the picture.
+    """
+    settings = model.settings
+    every = [level for group in levels(width, height, settings) for level in group]
+    if not every:
+        raise ParameterError("the picture is smaller than the window at every scale")
+    left, top, wide = box
+    level = min(every, key=lambda level: abs(settings.object_width * level.across - wide))
+    rows, columns = level.grid(settings)
+    across = (settings.window_width - settings.object_width) / 2
+    down = (settings.window_height - settings.object_height) / 2
+    row = _within((top / level.down - down) / settings.stride, rows)
+    column = _within((left / level.across - across) / settings.stride, columns)
+    return level.scale, row, column
+
+
+def _within(place: float, n: int) -> int:
+    return min(max(round(place), 0), n - 1)
+
+
 def tree(model: IcfModel, index: int) -> Tree:
     """One tree of a model, to be drawn.
 

@@ -14,6 +14,7 @@ from nvcore.detectors.icf.displays import (
     channels_of,
     preparation,
     tree,
+    window_of,
     window_path,
 )
 from nvcore.errors import ParameterError
@@ -84,3 +85,18 @@ def test_score_maps_tell_windows_and_features(model, drawn):
     maps = IcfDetector(model).score_maps(drawn(0).picture)
     assert [m.n_windows for m in maps] == [m.score.size for m in maps]
     assert all(2 * m.n_windows <= m.n_features for m in maps)
+
+
+def test_a_box_leads_back_to_its_window(model, drawn):
+    picture = drawn(3).picture
+    detector = IcfDetector(model)
+    maps = detector.score_maps(picture)
+    boxes = detector.candidates(maps)
+    assert len(boxes) > 10
+    for k in range(0, len(boxes), 5):
+        box = boxes.x[k], boxes.y[k], boxes.w[k]
+        scale, row, column = window_of(model, picture.shape[1], picture.shape[0], box)
+        (score_map,) = [one for one in maps if one.level.scale == scale]
+        assert score_map.score[row, column] == boxes.score[k]
+    with pytest.raises(ParameterError, match="at every scale"):
+        window_of(model, 10, 10, (0.0, 0.0, 10.0))

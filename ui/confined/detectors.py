@@ -1,0 +1,228 @@
+"""Detectors, run in processes of their own: none may take more memory or time than it is given.
+
+A model is a stranger's: its settings say how much work a picture is, and a network is a program.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING, Final, cast
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.dataset.provenance import About, Setting
+from nvcore.detectors.base import Detections, Detector
+from nvcore.detectors.candidates import candidates, open_loosened
+from nvcore.detectors.registry import open_detector
+from nvcore.pictures import Picture
+from ui.confined.process import Allowance, SteadyProcess
+
+if TYPE_CHECKING:
+    from nvcore.detectors.icf import IcfDetector, IcfModel
+    from nvcore.detectors.icf.detector import ScoreMap
+    from nvcore.detectors.icf.displays import Tree, WindowPath
+
+ALLOWANCE: Final = Allowance(memory_mb=3000, seconds=60.0)
+"""For opening a model, and for one picture."""
+SHOWN_PX: Final = 640
+"""Width of the pictures that are shown of the inside of a model."""
+
+
+@dataclass(frozen=True)
+class DetectorSpec:
+    """Which detector, with which settings.
+
+    Attributes
+    ----------
+    text
+        Its name, or the path of its model.
+    version
+        Changes with the content of the model; empty: it is built in.
+    settings
+        Those that are not its own, by name.
+    """
+
+    text: str
+    version: str = ""
+    settings: tuple[tuple[str, Setting], ...] = ()
+
+    def with_settings(self, changes: Mapping[str, Setting]) -> DetectorSpec:
+        """The same detector with further settings."""
+        return replace(self, settings=tuple(sorted({**dict(self.settings), **changes}.items())))
+
+
+@dataclass(frozen=True)
+class Inside:
+    """What of an ICF model is shown whatever the picture.
+
+    Attributes
+    ----------
+    scales
+        Divisors of a picture's size.
+    window
+        Width and height of the window, px.
+    n_trees
+        Trees of the model.
+    error, round_ends
+        See `nvcore.detectors.icf.IcfModel`.
+    n_objects, n_background
+        Windows of the last round of training.
+    """
+
+    scales: tuple[float, ...]
+    window: tuple[int, int]
+    n_trees: int
+    error: NDArray[np.float64]
+    round_ends: NDArray[np.int32]
+    n_objects: int
+    n_background: int
+
+
+@dataclass(frozen=True)
+class Described:
+    """What a detector is, and what is inside of an ICF model; None: it is another."""
+
+    about: About
+    inside: Inside | None
+
+
+@dataclass(frozen=True)
+class Found:
+    """All boxes of one picture, before suppression, and how long the picture took."""
+
+    boxes: Detections
+    seconds: float
+
+
+class ConfinedDetector:
+    """A detector with a process for each thread that asks; see `nvcore.detectors.base.Detector`."""
+
+    def __init__(self, spec: DetectorSpec, about: About) -> None:
+        self.about = about
+        self._spec = spec
+        self._idle: SimpleQueue[SteadyProcess] = SimpleQueue()
+
+    def detect(self, picture: Picture) -> Detections:
+        """See `Detector.detect`; InputError if the picture takes more than it may."""
+        try:
+            process = self._idle.get_nowait()
+        except Empty:
+            process = SteadyProcess(ALLOWANCE)
+        try:
+            return process.call(_detect, self._spec, picture, what="running the detector")
+        finally:
+            self._idle.put(process)
+
+    def close(self) -> None:
+        """End the processes."""
+        while not self._idle.empty():
+            self._idle.get().close()
+
+
+# What follows is called in the other process.
+
+_opened: dict[tuple[DetectorSpec, bool], Detector] = {}
+"""What was opened last, loosened or not."""
+
+
+def _detector(spec: DetectorSpec, *, is_loosened: bool = False) -> Detector:
+    key = spec, is_loosened
+    if key not in _opened:
+        if len(_opened) > 1:
+            _opened.clear()
+        opener = open_loosened if is_loosened else open_detector
+        _opened[key] = opener(spec.text, dict(spec.settings))
+    return _opened[key]
+
+
+def _model(spec: DetectorSpec) -> IcfModel:
+    return cast("IcfDetector", _detector(spec)).model
+
+
+def _detect(spec: DetectorSpec, picture: Picture) -> Detections:
+    return _detector(spec).detect(picture)
+
+
+def describe(spec: DetectorSpec) -> Described:
+    """What the detector is."""
+    about = _detector(spec).about
+    if about.kind != "icf":
+        return Described(about, None)
+    model = _model(spec)
+    settings = model.settings
+    return Described(
+        about,
+        Inside(
+            scales=settings.scales,
+            window=(settings.window_width, settings.window_height),
+            n_trees=len(model.trees),
+            error=model.error,
+            round_ends=model.round_ends,
+            n_objects=model.n_objects,
+            n_background=model.n_background,
+        ),
+    )
+
+
+def find(spec: DetectorSpec, picture: Picture) -> Found:
+    """All boxes of a picture."""
+    detector = _detector(spec, is_loosened=True)
+    began = time.perf_counter()
+    boxes = candidates(detector, picture)
+    return Found(boxes, time.perf_counter() - began)
+
+
+def pictures_of(
+    spec: DetectorSpec, picture: Picture, scale: float
+) -> tuple[dict[str, Picture], dict[str, Picture]]:
+    """The picture before and after blur and equalisation, and its channels, by name."""
+    from nvcore.detectors.icf.displays import channels_of, preparation
+
+    model = _model(spec)
+    steps = preparation(model, picture, scale)
+    named = {"as it comes": steps.resized}
+    if model.settings.blur:
+        named["after the blur"] = steps.blurred
+    if model.settings.clahe_clip > 0:
+        named["after CLAHE"] = steps.equalised
+    channels = channels_of(model, picture, scale)
+    return {k: _small(v) for k, v in named.items()}, {k: _small(v) for k, v in channels.items()}
+
+
+def score_map(spec: DetectorSpec, picture: Picture, scale: float) -> tuple[ScoreMap, IcfModel]:
+    """What became of the windows of one scale, and the model with the settings of that."""
+    from nvcore.detectors.icf import IcfDetector
+
+    model = _model(spec).run_with(scales=(scale,))
+    return IcfDetector(model).score_maps(picture)[0], model
+
+
+def window_in(
+    spec: DetectorSpec, picture: Picture, box: tuple[float, float, float]
+) -> tuple[float, WindowPath]:
+    """Scale of the window that gave a box (left, top, width), and how it fares over the trees."""
+    from nvcore.detectors.icf.displays import window_of, window_path
+
+    model = _model(spec)
+    scale, row, column = window_of(model, picture.shape[1], picture.shape[0], box)
+    return scale, window_path(model, picture, scale, row, column)
+
+
+def tree_of(spec: DetectorSpec, index: int) -> Tree:
+    """One tree of a model, counted from 0."""
+    from nvcore.detectors.icf.displays import tree
+
+    return tree(_model(spec), index)
+
+
+def _small(picture: Picture) -> Picture:
+    height, width = picture.shape[:2]
+    if width <= SHOWN_PX:
+        return picture
+    size = SHOWN_PX, max(1, round(height * SHOWN_PX / width))
+    return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA))
