@@ -27,7 +27,7 @@ def render_detectors() -> str:
 def render_about(about: About) -> str:
     """What a detector is: labels, training, and its settings with their range and meaning."""
     kind = DETECTORS[about.kind]
-    trained_on = [_trained_on(part) for part in about.trained_on] or ["not known"]
+    trained_on = [trained_on_text(part) for part in about.trained_on] or ["not known"]
     lines = [
         f"{one_line(about.name)}: {kind.title}",
         f"detects: {one_line(listed(about.labels))}",
@@ -39,7 +39,8 @@ def render_about(about: About) -> str:
     return "\n".join(lines)
 
 
-def _trained_on(part: TrainedOn) -> str:
+def trained_on_text(part: TrainedOn) -> str:
+    """A part of what a detector was trained on."""
     if not part.recording:
         return f"crops and scenes ({part.fingerprint[:_FINGERPRINT]})"
     if part.first_frame is None and part.last_frame is None:

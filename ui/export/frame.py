@@ -5,13 +5,12 @@ from __future__ import annotations
 import re
 from typing import Final
 
-import numpy as np
 import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.overlay.annotate import annotate, frame_png
 from ui.session import drawing, state
-from ui.widgets.recording import recording_choice
+from ui.widgets.recording import choose_recording_and_frame
 
 LAYERS: Final = {"truth": "Truth", "x": "X", "y": "Y"}
 
@@ -22,22 +21,7 @@ def choose_frame(result: Result) -> bool:
     if not len(result.dataset.frames):
         st.info("There is no evaluated frame. Check the frame list on the Data page.")
         return False
-    recording_choice()
-    recording, row = state.recording(), state.row()
-    numbers = state.frame_numbers(recording)
-    number = st.number_input(
-        "Frame",
-        int(numbers[0]),
-        int(numbers[-1]),
-        int(numbers[row]),
-        1,
-        key=f"export_frame_{recording}_{numbers[row]}",
-        width=200,
-        help="The frame of the Timeline page. Frames that are not evaluated give the nearest.",
-    )
-    if number != numbers[row]:
-        state.go_to(recording, nearest_row(numbers, number, row))
-        st.rerun()
+    choose_recording_and_frame("export_frame")
     return True
 
 
@@ -84,22 +68,6 @@ def draw(result: Result) -> None:
         "Parameters, version and fingerprint of the inputs are inside the file. The grey values "
         "are stretched as on the Timeline page."
     )
-
-
-def nearest_row(numbers: np.ndarray, number: int, row: int) -> int:
-    """Row of the evaluated frame for a number, one further at least: a step always moves.
-
-    Examples
-    --------
-    >>> nearest_row(np.array([0, 20, 40]), 21, 1)
-    2
-    >>> nearest_row(np.array([0, 20, 40]), 38, 0)
-    2
-    """
-    nearest = int(np.abs(numbers - number).argmin())
-    if nearest == row:
-        nearest += 1 if number > numbers[row] else -1
-    return min(max(nearest, 0), len(numbers) - 1)
 
 
 def file_stem(name: str) -> str:

@@ -68,8 +68,8 @@ class BackgroundJob(Generic[Output]):
     ----------
     key
         What it is made from, so that a page can check whether it fits; None: it does not matter.
-    share
-        What is done, 0..1.
+    share, step
+        What is done, 0..1, and in words.
     error
         Why it failed, in words.
     is_wanted
@@ -94,7 +94,7 @@ class BackgroundJob(Generic[Output]):
             False once the session has ended or shows something else: the job then ends, too.
         """
         self.key = key
-        self.share, self.error = 0.0, ""
+        self.share, self.step, self.error = 0.0, "", ""
         self.state = JobState.WAITING
         self.is_wanted = is_wanted
         self._output: Output | None = None
@@ -137,8 +137,8 @@ class BackgroundJob(Generic[Output]):
     def _goes_on(self) -> bool:
         return not self._stop.is_set() and self.is_wanted()
 
-    def _progress(self, share: float, _what: str) -> None:
-        self.share = share
+    def _progress(self, share: float, step: str) -> None:
+        self.share, self.step = share, step
         if not self._goes_on():
             raise CancelledError
 

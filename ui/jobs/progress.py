@@ -25,14 +25,17 @@ def start_as_made(job: BackgroundJob[Any], kind: str, **choices: object) -> None
             st.session_state[key] = value
 
 
-def draw_job(job: BackgroundJob[Any], kind: str, *, thing: str, doing: str) -> JobState:
+def draw_job(
+    job: BackgroundJob[Any], kind: str, *, thing: str, doing: str, with_steps: bool = False
+) -> JobState:
     """Progress with a button to cancel, or why there is nothing; how far the job was.
 
-    Sentences call the output `thing` ("report"), and begin with `doing` ("Making the report").
+    Sentences call the output `thing` ("report"), and begin with `doing` ("Making the report");
+    with `with_steps` they end with what the work says of itself.
     """
     job_state = job.state  # once: it may end meanwhile
     if job_state.is_busy:
-        _draw_progress(job, kind, doing)
+        _draw_progress(job, kind, doing, with_steps=with_steps)
     elif job_state is JobState.CANCELLED:
         st.info(f"Cancelled. No {thing} was made.", icon=":material/info:")
     elif job_state is JobState.FAILED:
@@ -41,7 +44,7 @@ def draw_job(job: BackgroundJob[Any], kind: str, *, thing: str, doing: str) -> J
 
 
 @st.fragment(run_every=POLL_S)
-def _draw_progress(job: BackgroundJob[Any], kind: str, doing: str) -> None:
+def _draw_progress(job: BackgroundJob[Any], kind: str, doing: str, *, with_steps: bool) -> None:
     if not job.is_busy:
         st.rerun()
     if job.is_stopping:
@@ -50,6 +53,8 @@ def _draw_progress(job: BackgroundJob[Any], kind: str, doing: str) -> None:
         words = "Waiting for other work on this server"
     else:
         words = f"{plain(doing)}: {job.share:.0%}"
+        if with_steps and job.step:
+            words += f" ({plain(job.step)})"
     st.progress(job.share, words)
     st.button(
         "Cancel",

@@ -4,6 +4,8 @@
     FOLDER/pictures/images/           single pictures
     FOLDER/upload-N/SLOT/annotations/data/
                                       ground truth and detections of the N-th form sent
+    FOLDER/model-N/model/annotations/data/
+                                      the model of a detector
 
 Names from a browser are never joined as they come. A safe base name is kept, since recordings
 are named after their files.
@@ -238,14 +240,37 @@ def new_upload(space: Workspace) -> Path:
     open_folder = None if space.opened is None else space.opened.session.folder
     for folder in space.folder.glob("upload-*"):
         if folder != open_folder:
-            shutil.rmtree(folder, ignore_errors=True)
-            with space.lock:
-                space.used_bytes -= space.upload_bytes.pop(folder, 0)
+            remove_folder(space, folder)
     with space.lock:
         space.n_received += 1
         folder = space.folder / f"upload-{space.n_received}"
     folder.mkdir(mode=0o700)
     return folder
+
+
+def store_model(space: Workspace, file: SentFile) -> Path:
+    """Write a detector's model, in place of the one that was sent before.
+
+    Raises
+    ------
+    UploadError
+        If there is no room.
+    """
+    for folder in space.folder.glob("model-*"):
+        remove_folder(space, folder)
+    with space.lock:
+        space.n_received += 1
+        folder = space.folder / f"model-{space.n_received}"
+    folder.mkdir(mode=0o700)
+    (path,) = store_annotations(space, folder, "model", [file])
+    return folder / path
+
+
+def remove_folder(space: Workspace, folder: Path) -> None:
+    """Remove a folder of the session, and no longer count its bytes."""
+    shutil.rmtree(folder, ignore_errors=True)
+    with space.lock:
+        space.used_bytes -= space.upload_bytes.pop(folder, 0)
 
 
 def store_annotations(

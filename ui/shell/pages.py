@@ -40,6 +40,7 @@ SECTIONS: Final = {
         "stability": "Stability",
         "ratings": "Ratings",
     },
+    "Detect": {"detectors": "Detectors"},
     "Export": {"export": "Export"},
     "Help": {"metrics": "Documentation"},
 }
@@ -55,6 +56,7 @@ SHOWN: Final[dict[str, tuple[Stage, ...]]] = {
     "systems": (SIMILARITY, ENCOUNTERS),
     "detection": (MATCH,),
     "ratings": (SALIENCY,),
+    "detectors": (),
     "metrics": (),
 }
 """What each page shows of the comparison; one that is not named shows all results. Settings that

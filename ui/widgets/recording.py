@@ -1,7 +1,8 @@
-"""The recording selector."""
+"""The recording selector, and that of a frame."""
 
 from __future__ import annotations
 
+import numpy as np
 import streamlit as st
 
 from nvcore.pictures.index import USUAL
@@ -27,3 +28,39 @@ def recording_choice() -> None:
     note = state.workspace().picture_notes.get(state.recording())
     if note not in USUAL:
         right.caption(plain(note or "This recording has no pictures: boxes are drawn on a blank."))
+
+
+def choose_recording_and_frame(key: str) -> None:
+    """The current recording and frame, as the Timeline has them, to be changed; it has frames."""
+    recording_choice()
+    recording, row = state.recording(), state.row()
+    numbers = state.frame_numbers(recording)
+    number = st.number_input(
+        "Frame",
+        int(numbers[0]),
+        int(numbers[-1]),
+        int(numbers[row]),
+        1,
+        key=f"{key}_{recording}_{numbers[row]}",
+        width=200,
+        help="The frame of the Timeline page. Frames that are not evaluated give the nearest.",
+    )
+    if number != numbers[row]:
+        state.go_to(recording, nearest_row(numbers, number, row))
+        st.rerun()
+
+
+def nearest_row(numbers: np.ndarray, number: int, row: int) -> int:
+    """Row of the evaluated frame for a number, one further at least: a step always moves.
+
+    Examples
+    --------
+    >>> nearest_row(np.array([0, 20, 40]), 21, 1)
+    2
+    >>> nearest_row(np.array([0, 20, 40]), 38, 0)
+    2
+    """
+    nearest = int(np.abs(numbers - number).argmin())
+    if nearest == row:
+        nearest += 1 if number > numbers[row] else -1
+    return min(max(nearest, 0), len(numbers) - 1)

@@ -23,11 +23,12 @@ from nvcore.overlay.brush import Canvas
 from nvcore.progress import Progress
 from pages import TIMEOUT_S, checked, press, texts, to_page
 from pages import opened as app_opened
-from ui.export.frame import file_stem, nearest_row
+from ui.export.frame import file_stem
 from ui.export.link import link
 from ui.export.session import with_public_names
 from ui.export.video import JOB, LONGEST_S, Interval, chosen_interval, start_job, why_not
 from ui.jobs.background import FileJob, JobState, new_path, while_open
+from ui.widgets.recording import nearest_row
 
 
 def test_the_reports_files_are_told_and_can_be_downloaded():

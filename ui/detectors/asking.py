@@ -1,0 +1,75 @@
+"""Detectors page: what the session's process for detectors answers, kept while it holds."""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+from collections.abc import Callable
+from typing import Any, Final, TypeVar
+
+import streamlit as st
+
+from nvcore.errors import MediaError
+from nvcore.pictures import Picture
+from ui.confined.detectors import Described, DetectorSpec, Found, describe, find
+from ui.session import state
+
+T = TypeVar("T")
+
+MOST_AT_ONCE: Final = 2
+"""Pictures of all visitors that are looked at by detectors at a time; others wait."""
+MOST_KEPT: Final = 16
+
+_turns = threading.BoundedSemaphore(MOST_AT_ONCE)
+
+
+def ask(kind: str, function: Callable[..., T], spec: DetectorSpec, *arguments: Any, key: Any) -> T:
+    """What a function of `ui.confined.detectors` returns, made anew where `key` is another.
+
+    Raises
+    ------
+    NvcoreError
+        What it raises, or if it takes more than it may.
+    """
+    space = state.workspace()
+
+    def make() -> T:
+        with st.spinner("Running the detector"), _turns:
+            return space.detector_process.call(
+                function, spec, *arguments, what="running the detector"
+            )
+
+    return space.cached(f"detector_{kind}", (spec, key), make, most=MOST_KEPT)
+
+
+def described(spec: DetectorSpec) -> Described:
+    """What the detector is; errors as `ask`."""
+    return ask("about", describe, spec, key=None)
+
+
+def found(spec: DetectorSpec, picture: Picture) -> Found:
+    """All its boxes in the picture of the current frame; errors as `ask`."""
+    return ask("boxes", find, spec, picture, key=place())
+
+
+def key_of(*parts: object) -> str:
+    """A few digits that tell these from others, for the keys of widgets."""
+    return hashlib.sha256(repr(parts).encode()).hexdigest()[:12]
+
+
+def place() -> tuple[int, int]:
+    """What the picture of the current frame is known by, while the same is open."""
+    return state.recording(), state.row()
+
+
+def picture() -> tuple[Picture | None, str]:
+    """The picture of the current frame, or None and why there is none."""
+    space = state.workspace()
+    pictures, index = space.picture_of(*place())
+    if pictures is None or index < 0:
+        note = space.picture_notes.get(state.recording(), "")
+        return None, note or "This frame has no picture."
+    try:
+        return pictures.read(index), ""
+    except MediaError as error:
+        return None, str(error)

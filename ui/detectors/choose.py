@@ -1,0 +1,175 @@
+"""Detectors page: which detector, and what it is."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import streamlit as st
+from streamlit.runtime.uploaded_file_manager import UploadedFile
+
+from nvcore.detectors.icf.model_file import MAX_BYTES
+from nvcore.detectors.registry import DETECTORS, kind_of_file
+from nvcore.errors import DetectorError, NvcoreError
+from nvcore.report.detectors import trained_on_text
+from nvcore.wording import listed, shortened
+from ui.confined.detectors import Described, DetectorSpec
+from ui.detectors.asking import described
+from ui.session import state
+from ui.session.local_files import LocalRoot, local_root
+from ui.session.uploads import store_model
+from ui.shell.page_words import page_text
+from ui.widgets.text import docs_link, plain
+
+SENT: Final = "detector_sent"
+"""What the page remembers of the model that was sent."""
+ENDINGS: Final = (".npz", ".onnx")
+MOST_FOLDERS: Final = 200
+MOST_MODELS: Final = 500
+ONLY_LOCAL: Final = (
+    "is a network in ONNX. Such a file is a program, and those of visitors are not run here: put it "
+    "below the folder that the app is started with (nvcore app --local-root DIR), or run it by "
+    "nvcore detect"
+)
+
+
+@dataclass(frozen=True)
+class SentModel:
+    """A model that was sent: where it lies, what it is called, and of which content it is."""
+
+    path: Path
+    name: str
+    version: str
+
+
+def draw() -> DetectorSpec | None:
+    """The choice; None: what was chosen cannot be used, and why is said."""
+    left, right = st.columns([3, 2], gap="large")
+    with right:
+        _take_model()
+    options = _options()
+    with left:
+        text = st.selectbox(
+            "Detector",
+            list(options),
+            format_func=lambda option: options[option][0],
+            key="detector",
+            persist_state="session",
+        )
+        spec = options[text][1]
+        about = checked(spec)
+        if about is not None:
+            _draw_about(about)
+    return None if about is None else spec
+
+
+def checked(spec: DetectorSpec) -> Described | None:
+    """What the detector is; None: it cannot be used, and why is said."""
+    try:
+        return described(spec)
+    except NvcoreError as error:
+        st.error(plain(page_text(error)), icon=":material/error:")
+        return None
+
+
+def _options() -> dict[str, tuple[str, DetectorSpec]]:
+    """What can be chosen: words, and which detector that is."""
+    options = {
+        name: (f"{name}: {words}", DetectorSpec(name))
+        for kind in DETECTORS.values()
+        for name, words in kind.built_in.items()
+    }
+    sent: SentModel | None = state.workspace().notes.get(SENT)
+    if sent is not None:
+        spec = DetectorSpec(str(sent.path), sent.version)
+        options = {f"sent {sent.version}": (f"{sent.name}, as sent", spec), **options}
+    try:
+        root = local_root()
+    except NvcoreError:  # said on the Data page
+        root = None
+    for path in [] if root is None else models_below(root):
+        assert root is not None
+        place = root.find(path)
+        status = place.stat()
+        spec = DetectorSpec(str(place), f"{status.st_mtime_ns} {status.st_size}")
+        options[f"local {path}"] = (path, spec)
+    return options
+
+
+def models_below(root: LocalRoot) -> list[str]:
+    """Paths of the files below the local folder that are called like models."""
+    folders = [""]
+    models: list[str] = []
+    for number, folder in enumerate(folders):  # grows meanwhile
+        if number >= MOST_FOLDERS or len(models) >= MOST_MODELS:
+            break
+        try:
+            entries = root.entries(folder)
+        except NvcoreError:  # it may not be looked into
+            continue
+        folders += [entry.path for entry in entries if entry.is_folder]
+        models += [
+            entry.path
+            for entry in entries
+            if not entry.is_folder and entry.path.lower().endswith(ENDINGS)
+        ]
+    return models[:MOST_MODELS]
+
+
+def _take_model() -> None:
+    """The field for a model; what was sent stays until another is."""
+    file = st.file_uploader(
+        "A model of your own (.npz, as nvcore train writes it)", type=["npz"], key="detector_file"
+    )
+    if file is not None and st.session_state.get("detector_file_seen") != file.file_id:
+        try:
+            state.workspace().notes[SENT] = _stored(file)
+        except NvcoreError as error:
+            st.error(plain(page_text(error)), icon=":material/error:")
+            return
+        st.session_state["detector_file_seen"] = file.file_id
+        st.session_state["detector"] = f"sent {state.workspace().notes[SENT].version}"
+    st.caption(
+        "It stays on this server while the tab is open. Networks in ONNX are programs: they are "
+        "run only from the folder that the app was started with "
+        f"({docs_link('why', 'in-the-dashboard', doc='detectors')})."
+    )
+
+
+def _stored(file: UploadedFile) -> SentModel:
+    """The model on disk.
+
+    Raises
+    ------
+    NvcoreError
+        If it is too large, no model that may be sent, or there is no room.
+    """
+    content = file.getbuffer()
+    if len(content) > MAX_BYTES:
+        raise DetectorError(f"a model has at most {MAX_BYTES >> 20} MiB", file=file.name)
+    path = store_model(state.workspace(), file)
+    if kind_of_file(path).key != "icf":
+        path.unlink()
+        raise DetectorError(ONLY_LOCAL, file=file.name)
+    return SentModel(path, path.name, hashlib.sha256(content).hexdigest()[:12])
+
+
+def _draw_about(what: Described) -> None:
+    """What it detects, what it was trained on, by which digits it is known."""
+    about, inside = what.about, what.inside
+    parts = [f"Detects {plain(listed([*about.labels]))}."]
+    if inside is not None:
+        parts.append(
+            f"{inside.n_trees:,} trees over windows of {inside.window[0]} × {inside.window[1]} px, "
+            f"trained on {inside.n_objects:,} windows of objects and {inside.n_background:,} of "
+            "background."
+        )
+    trained_on = "; ".join(trained_on_text(part) for part in about.trained_on)
+    if trained_on:
+        parts.append(f"Trained on: {plain(shortened(trained_on, 300))}.")
+    else:
+        parts.append("What it was trained on, the model does not say.")
+    parts.append(f"Fingerprint {about.fingerprint[:12]}.")
+    st.caption(" ".join(parts))

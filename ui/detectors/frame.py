@@ -1,0 +1,46 @@
+"""Detectors page: what is done with the chosen detector, where there are pictures."""
+
+from __future__ import annotations
+
+import streamlit as st
+
+from ui.confined.detectors import DetectorSpec
+from ui.detectors import asking, choose, inside, run, settings, trial
+from ui.session import state
+from ui.widgets.recording import choose_recording_and_frame
+from ui.widgets.text import docs_link, plain
+
+
+def draw(own: DetectorSpec) -> None:
+    """Settings, the current frame, the inside of the model, and the run."""
+    spec = settings.draw(own, asking.described(own).about)
+    what = choose.checked(spec)
+    if what is None:
+        return
+    if not state.workspace().pictures:
+        _draw_no_pictures()
+        return
+    st.header("Try it on a frame")
+    choose_recording_and_frame("detector_frame")
+    picture, trouble = asking.picture()
+    if picture is None:
+        st.info(f"{plain(trouble)} Choose another frame or recording.")
+    else:
+        trial.draw(spec, what, picture)
+        if what.inside is not None:
+            inside.draw(spec, what.inside, picture)
+    run.draw(spec, what)
+
+
+def _draw_no_pictures() -> None:
+    """What is missing, and where it is to be had."""
+    notes = {note for note in state.workspace().picture_notes.values() if note}
+    link = docs_link("how", "the-session-file", doc="formats")
+    st.info(
+        "A detector needs pictures, and none of the open recordings has any. Send them with ground "
+        "truth and systems on the page Data (Upload), or name them in the session file: "
+        f'`pictures = "drive.mp4"` below `[[recording]]` ({link}).',
+        icon=":material/image_not_supported:",
+    )
+    for note in sorted(notes):
+        st.caption(plain(note))

@@ -1,0 +1,135 @@
+"""Detectors page: what an ICF model sees, and how it decides."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import streamlit as st
+
+from nvcore.errors import NvcoreError
+from nvcore.figures.detectors.confidence import confidence_plot, training_plot
+from nvcore.figures.detectors.pictures import pictures_plot
+from nvcore.figures.detectors.score_map import TITLES, score_map_plot
+from nvcore.figures.detectors.tree import tree_plot
+from nvcore.pictures import Picture
+from ui.confined.detectors import (
+    DetectorSpec,
+    Inside,
+    pictures_of,
+    score_map,
+    tree_of,
+    window_in,
+)
+from ui.detectors import asking
+from ui.detectors.trial import chosen_box
+from ui.session import state
+from ui.shell.page_words import page_text
+from ui.widgets.charts import draw_chart
+from ui.widgets.choices import choose_side_by_side
+from ui.widgets.text import plain
+
+VIEWS: Final = {
+    "pictures": "Picture and channels",
+    "map": "Score map",
+    "window": "One window",
+    "training": "Training",
+}
+
+
+@st.fragment
+def draw(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
+    """One of the views."""
+    st.header("Inside the model")
+    view = choose_side_by_side("What is shown", VIEWS, "detector_view")
+    try:
+        if view == "pictures":
+            _draw_pictures(spec, inside, picture)
+        elif view == "map":
+            _draw_map(spec, inside, picture)
+        elif view == "window":
+            _draw_window(spec, inside, picture)
+        else:
+            draw_chart(
+                training_plot(inside.error, inside.round_ends, theme=state.theme().shade),
+                "detector_training",
+            )
+            st.caption(
+                "Share of the training's windows on the wrong side. Each round but the first has "
+                "more background, that which the round before took for objects: it is harder."
+            )
+    except NvcoreError as error:  # the picture is too small at that scale
+        st.warning(plain(page_text(error)), icon=":material/warning:")
+
+
+def _choose_scale(inside: Inside) -> float:
+    scales = list(inside.scales)
+    if len(scales) == 1:
+        return scales[0]
+    usual = min(scales, key=lambda scale: abs(scale - 1))
+    scale: float = st.select_slider(
+        "Scale",
+        scales,
+        usual,
+        format_func=lambda scale: f"{scale:.3g}",
+        key=f"detector_scale_{asking.key_of(inside.scales)}",
+        help="Divisor of the picture's size: below 1 it is enlarged, for smaller objects.",
+    )
+    return scale
+
+
+def _draw_pictures(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
+    scale, shade = _choose_scale(inside), state.theme().shade
+    key = (*asking.place(), scale)
+    steps, channels = asking.ask("pictures", pictures_of, spec, picture, scale, key=key)
+    subtitle = f"scale {scale:.3g}"
+    figure = pictures_plot(
+        steps, theme=shade, title="The picture on its way", subtitle=subtitle, columns=3
+    )
+    draw_chart(figure, "detector_steps")
+    figure = pictures_plot(
+        channels, theme=shade, title="Channels", subtitle="what the features are sums of"
+    )
+    draw_chart(figure, "detector_channels")
+
+
+def _draw_map(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
+    left, right = st.columns(2)
+    with left:
+        scale = _choose_scale(inside)
+    with right:
+        of = choose_side_by_side("Colour", TITLES, "detector_map_of")
+    key = (*asking.place(), scale)
+    windows, model = asking.ask("map", score_map, spec, picture, scale, key=key)
+    figure = score_map_plot(windows, model.settings, picture, theme=state.theme().shade, of=of)
+    draw_chart(figure, "detector_map")
+    n_trees = windows.n_features / 2 / max(windows.n_windows, 1)
+    st.caption(
+        f"A window is given to {n_trees:.1f} of {inside.n_trees:,} trees on average: most are "
+        "rejected early."
+    )
+
+
+def _draw_window(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
+    boxes = asking.found(spec, picture).boxes
+    row = chosen_box(spec, boxes)
+    if row is None:
+        st.info("No window came through, so there is none to follow. Choose another frame.")
+        return
+    box = float(boxes.x[row]), float(boxes.y[row]), float(boxes.w[row])
+    key = (*asking.place(), row)
+    scale, path = asking.ask("window", window_in, spec, picture, box, key=key)
+    st.caption(
+        f"The box with the score {boxes.score[row]:.3g}, at scale {scale:.3g}; a click in the "
+        "picture above chooses another."
+    )
+    theme = state.theme()
+    left, right = st.columns(2, gap="medium")
+    with left:
+        draw_chart(confidence_plot(path, theme=theme), "detector_confidence")
+    with right:
+        number = st.number_input("Tree", 1, inside.n_trees, 1, 1, key="detector_tree", width=200)
+        tree = asking.ask("tree", tree_of, spec, number - 1, key=number)
+        leaf = int(np.asarray(path.leaf)[number - 1])
+        figure = tree_plot(tree, theme=theme, window=inside.window, number=number, leaf=leaf)
+        draw_chart(figure, "detector_tree_plot")

@@ -1,0 +1,147 @@
+"""Detectors page: the detector on the current frame, threshold and overlap moved at once."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import streamlit as st
+
+from nvcore.detectors.base import Detections
+from nvcore.detectors.candidates import MOST, counting, usual_threshold
+from nvcore.figures.detectors.boxes import boxes_plot
+from nvcore.figures.style import plain
+from nvcore.palette import scheme_for
+from nvcore.pictures import Picture
+from nvcore.wording import count_text
+from ui.confined.detectors import Described, DetectorSpec, Found
+from ui.detectors import asking
+from ui.session import state
+from ui.widgets.charts import clicked_chart
+
+CHOSEN: Final = "detector_box"
+LEVELS: Final = "detector_levels"
+"""Threshold and overlap of each detector, by its name or path."""
+CLICKS: Final = "detector_clicks"
+STEPS: Final = 200
+"""Of the slider of the threshold."""
+
+
+@dataclass(frozen=True)
+class Levels:
+    """What counts: lowest score, and the overlap from which on the less confident box goes."""
+
+    threshold: float
+    overlap: float
+
+
+def levels_of(spec: DetectorSpec, what: Described) -> Levels:
+    """Threshold and overlap as they are set; at first the detector's own."""
+    levels: dict[str, Levels] = st.session_state.setdefault(LEVELS, {})
+    overlap = what.about.settings["overlap"]
+    assert isinstance(overlap, int | float)
+    return levels.get(spec.text) or Levels(usual_threshold(what.about), float(overlap))
+
+
+def chosen_box(spec: DetectorSpec, boxes: Detections) -> int | None:
+    """Row of the box that was clicked, else of the most confident one; None: there is none."""
+    where, row = st.session_state.get(CHOSEN, (None, 0))
+    if where == (spec, asking.place()) and row < len(boxes):
+        return int(row)
+    return 0 if len(boxes) else None
+
+
+@st.fragment
+def draw(spec: DetectorSpec, what: Described, picture: Picture) -> None:
+    """The picture with the boxes, beside the controls; a click chooses a box."""
+    answer = asking.found(spec, picture)
+    left, right = st.columns([3, 1], gap="medium")
+    with right:
+        levels = _draw_levels(spec, what, answer.boxes)
+    is_counting = counting(
+        answer.boxes, what.about, threshold=levels.threshold, overlap=levels.overlap
+    )
+    with right:
+        _draw_numbers(answer, is_counting, levels)
+    with left:
+        clicked = _draw_boxes(spec, what, picture, answer.boxes, is_counting, levels)
+    if clicked is not None:
+        row = clicked[0] if isinstance(clicked, list) else clicked
+        st.session_state[CHOSEN] = ((spec, asking.place()), int(row))
+        st.rerun()
+
+
+def _draw_levels(spec: DetectorSpec, what: Described, boxes: Detections) -> Levels:
+    """The two sliders, at what was set for this detector."""
+    before = levels_of(spec, what)
+    ends = np.append(boxes.score, before.threshold)
+    step = 10.0 ** math.floor(math.log10(max(float(np.ptp(ends)), 1e-3) / STEPS * 2))
+    low, high = math.floor(ends.min() / step) * step, math.ceil(ends.max() / step) * step
+    threshold = st.slider(
+        "Threshold",
+        low,
+        max(high, low + step),
+        min(max(before.threshold, low), high),
+        step,
+        format=f"%.{max(0, -round(math.log10(step)))}f",
+        key=f"detector_threshold_{asking.key_of(spec, *asking.place())}",
+        help="Lowest score of a box that counts. A run takes it as the threshold of the new "
+        "system; the boxes below it are written, too, down to the detector's own, for the curves.",
+    )
+    overlap = st.slider(
+        "Overlap",
+        0.0,
+        1.0,
+        min(before.overlap, 1.0),
+        0.05,
+        key=f"detector_overlap_{asking.key_of(spec.text)}",
+        help="A box goes if it overlaps a more confident one by more than this share.",
+    )
+    levels = Levels(threshold, overlap)
+    st.session_state[LEVELS][spec.text] = levels
+    return levels
+
+
+def _draw_numbers(answer: Found, is_counting: np.ndarray, levels: Levels) -> None:
+    boxes = answer.boxes
+    n_above = int((boxes.score >= levels.threshold).sum())
+    before, after = st.columns(2)
+    before.metric("Before suppression", f"{n_above:,}")
+    after.metric("After", f"{int(is_counting.sum()):,}")
+    text = f"This picture took {answer.seconds:.2g} s."
+    if len(boxes) >= MOST:
+        text += f" Of its boxes the {MOST:,} most confident are kept."
+    st.caption(text)
+    st.caption("Click the mark in the middle of a box to choose it.")
+
+
+def _draw_boxes(
+    spec: DetectorSpec,
+    what: Described,
+    picture: Picture,
+    boxes: Detections,
+    is_counting: np.ndarray,
+    levels: Levels,
+) -> Any:
+    dataset, recording = state.opened().dataset, state.recording()
+    frames, row = dataset.frame_columns, state.row_in_all()
+    truth = np.column_stack(dataset.truth.of_frames(row, row + 1).xywh)
+    name = what.about.name
+    theme = scheme_for(state.theme().shade, [*dataset.systems, name], state.systems()[0], name)
+    where, chosen = st.session_state.get(CHOSEN, (None, 0))
+    is_here = where == (spec, asking.place()) and boxes.score[chosen] >= levels.threshold
+    figure = boxes_plot(
+        picture,
+        boxes,
+        is_counting,
+        theme=theme,
+        threshold=levels.threshold,
+        title=f"{plain(name)} on frame {int(frames.frame[row])}",
+        truth=truth,
+        size=(float(frames.width[recording]), float(frames.height[recording])),
+        chosen=int(chosen) if is_here else None,
+    )
+    alt = f"Boxes of {name}: {count_text(int(is_counting.sum()), 'box', 'boxes')} count"
+    return clicked_chart(figure, "detector_boxes", clicks=CLICKS, alt=alt)
