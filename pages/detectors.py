@@ -5,6 +5,10 @@ import streamlit as st
 from ui.detectors import choose, frame
 
 st.title("Detectors")
+st.caption(
+    "A detector, run over the pictures of what is open, is a system like any other: its boxes are "
+    "compared with those of the others."
+)
 spec = choose.draw()
 if spec is not None:
     frame.draw(spec)

@@ -35,7 +35,8 @@ def test_boxes_that_count_and_those_that_went_are_told_apart():
     figure = boxes_plot(GREY, BOXES, counts, theme="light", threshold=0.4, truth=np.zeros((2, 4)))
     assert trace(figure, "detected").x[:4].tolist() == [10, 20, 20, 10]
     assert trace(figure, "suppressed").x[:2].tolist() == [12, 22]
-    assert trace(figure, "score").customdata.tolist() == [0, 1]  # the third is below
+    assert trace(figure, "counting").customdata.tolist() == [0]
+    assert trace(figure, "gone").customdata.tolist() == [1]  # the third is below
     assert "2 boxes before suppression, 1 after; the truth has 2" in words(figure)
     assert trace(figure, "detected").line.color == LOOK["dark"].y
     assert figure.layout.images[0].source.startswith("data:image/jpeg;base64,")

@@ -5,7 +5,6 @@ A model is a stranger's: its settings say how much work a picture is, and a netw
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from queue import Empty, SimpleQueue
@@ -91,14 +90,6 @@ class Described:
     inside: Inside | None
 
 
-@dataclass(frozen=True)
-class Found:
-    """All boxes of one picture, before suppression, and how long the picture took."""
-
-    boxes: Detections
-    seconds: float
-
-
 class ConfinedDetector:
     """A detector with a process for each thread that asks; see `nvcore.detectors.base.Detector`."""
 
@@ -169,12 +160,9 @@ def describe(spec: DetectorSpec) -> Described:
     )
 
 
-def find(spec: DetectorSpec, picture: Picture) -> Found:
-    """All boxes of a picture."""
-    detector = _detector(spec, is_loosened=True)
-    began = time.perf_counter()
-    boxes = candidates(detector, picture)
-    return Found(boxes, time.perf_counter() - began)
+def find(spec: DetectorSpec, picture: Picture) -> Detections:
+    """The most confident boxes of a picture, before threshold and suppression."""
+    return candidates(_detector(spec, is_loosened=True), picture)
 
 
 def pictures_of(

@@ -9,9 +9,12 @@ from typing import Any, Final, TypeVar
 
 import streamlit as st
 
+from nvcore.dataset.provenance import About
+from nvcore.detectors.base import Detections
 from nvcore.errors import MediaError
+from nvcore.palette import Scheme, scheme_for
 from nvcore.pictures import Picture
-from ui.confined.detectors import Described, DetectorSpec, Found, describe, find
+from ui.confined.detectors import Described, DetectorSpec, describe, find
 from ui.session import state
 
 T = TypeVar("T")
@@ -47,9 +50,15 @@ def described(spec: DetectorSpec) -> Described:
     return ask("about", describe, spec, key=None)
 
 
-def found(spec: DetectorSpec, picture: Picture) -> Found:
+def found(spec: DetectorSpec, picture: Picture) -> Detections:
     """All its boxes in the picture of the current frame; errors as `ask`."""
     return ask("boxes", find, spec, picture, key=place())
+
+
+def theme_of(about: About) -> Scheme:
+    """The theme in which the detector is Y, as it will be drawn once it is a system."""
+    systems, shade = state.opened().dataset.systems, state.theme().shade
+    return scheme_for(shade, [*systems, about.name], state.systems()[0], about.name)
 
 
 def key_of(*parts: object) -> str:

@@ -29,7 +29,7 @@ ENDINGS: Final = (".npz", ".onnx")
 MOST_FOLDERS: Final = 200
 MOST_MODELS: Final = 500
 ONLY_LOCAL: Final = (
-    "is a network in ONNX. Such a file is a program, and those of visitors are not run here: put it "
+    "is a network in ONNX. Such a file is a program, and those of visitors do not run here: put it "
     "below the folder that the app is started with (nvcore app --local-root DIR), or run it by "
     "nvcore detect"
 )
@@ -121,7 +121,10 @@ def models_below(root: LocalRoot) -> list[str]:
 def _take_model() -> None:
     """The field for a model; what was sent stays until another is."""
     file = st.file_uploader(
-        "A model of your own (.npz, as nvcore train writes it)", type=["npz"], key="detector_file"
+        "A model of your own (.npz, as nvcore train writes it)",
+        type=["npz"],
+        max_upload_size=MAX_BYTES >> 20,
+        key="detector_file",
     )
     if file is not None and st.session_state.get("detector_file_seen") != file.file_id:
         try:

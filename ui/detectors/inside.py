@@ -10,7 +10,7 @@ import streamlit as st
 from nvcore.errors import NvcoreError
 from nvcore.figures.detectors.confidence import confidence_plot, training_plot
 from nvcore.figures.detectors.pictures import pictures_plot
-from nvcore.figures.detectors.score_map import TITLES, score_map_plot
+from nvcore.figures.detectors.score_map import MapOf, score_map_plot
 from nvcore.figures.detectors.tree import tree_plot
 from nvcore.pictures import Picture
 from ui.confined.detectors import (
@@ -35,13 +35,16 @@ VIEWS: Final = {
     "window": "One window",
     "training": "Training",
 }
+MAPS: Final[dict[MapOf, str]] = {"trees": "trees", "confidence": "confidence"}
 
 
 @st.fragment
 def draw(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
     """One of the views."""
     st.header("Inside the model")
-    view = choose_side_by_side("What is shown", VIEWS, "detector_view")
+    view = choose_side_by_side(
+        "What is shown", VIEWS, "detector_view", default="pictures", label_visibility="collapsed"
+    )
     try:
         if view == "pictures":
             _draw_pictures(spec, inside, picture)
@@ -88,7 +91,11 @@ def _draw_pictures(spec: DetectorSpec, inside: Inside, picture: Picture) -> None
     )
     draw_chart(figure, "detector_steps")
     figure = pictures_plot(
-        channels, theme=shade, title="Channels", subtitle="what the features are sums of"
+        channels,
+        theme=shade,
+        title="Channels",
+        subtitle="what the features are sums of; the contrast of each is stretched",
+        stretched=True,
     )
     draw_chart(figure, "detector_channels")
 
@@ -98,7 +105,7 @@ def _draw_map(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
     with left:
         scale = _choose_scale(inside)
     with right:
-        of = choose_side_by_side("Colour", TITLES, "detector_map_of")
+        of = choose_side_by_side("Colour", MAPS, "detector_map_of", default="trees")
     key = (*asking.place(), scale)
     windows, model = asking.ask("map", score_map, spec, picture, scale, key=key)
     figure = score_map_plot(windows, model.settings, picture, theme=state.theme().shade, of=of)
@@ -111,7 +118,7 @@ def _draw_map(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
 
 
 def _draw_window(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
-    boxes = asking.found(spec, picture).boxes
+    boxes = asking.found(spec, picture)
     row = chosen_box(spec, boxes)
     if row is None:
         st.info("No window came through, so there is none to follow. Choose another frame.")
@@ -123,7 +130,7 @@ def _draw_window(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
         f"The box with the score {boxes.score[row]:.3g}, at scale {scale:.3g}; a click in the "
         "picture above chooses another."
     )
-    theme = state.theme()
+    theme = asking.theme_of(asking.described(spec).about)
     left, right = st.columns(2, gap="medium")
     with left:
         draw_chart(confidence_plot(path, theme=theme), "detector_confidence")

@@ -13,10 +13,9 @@ from nvcore.detectors.base import Detections
 from nvcore.detectors.candidates import MOST, counting, usual_threshold
 from nvcore.figures.detectors.boxes import boxes_plot
 from nvcore.figures.style import plain
-from nvcore.palette import scheme_for
 from nvcore.pictures import Picture
 from nvcore.wording import count_text
-from ui.confined.detectors import Described, DetectorSpec, Found
+from ui.confined.detectors import Described, DetectorSpec
 from ui.detectors import asking
 from ui.session import state
 from ui.widgets.charts import clicked_chart
@@ -56,17 +55,15 @@ def chosen_box(spec: DetectorSpec, boxes: Detections) -> int | None:
 @st.fragment
 def draw(spec: DetectorSpec, what: Described, picture: Picture) -> None:
     """The picture with the boxes, beside the controls; a click chooses a box."""
-    answer = asking.found(spec, picture)
+    boxes = asking.found(spec, picture)
     left, right = st.columns([3, 1], gap="medium")
     with right:
-        levels = _draw_levels(spec, what, answer.boxes)
-    is_counting = counting(
-        answer.boxes, what.about, threshold=levels.threshold, overlap=levels.overlap
-    )
+        levels = _draw_levels(spec, what, boxes)
+    is_counting = counting(boxes, what.about, threshold=levels.threshold, overlap=levels.overlap)
     with right:
-        _draw_numbers(answer, is_counting, levels)
+        _draw_numbers(boxes, is_counting, levels)
     with left:
-        clicked = _draw_boxes(spec, what, picture, answer.boxes, is_counting, levels)
+        clicked = _draw_boxes(spec, what, picture, boxes, is_counting, levels)
     if clicked is not None:
         row = clicked[0] if isinstance(clicked, list) else clicked
         st.session_state[CHOSEN] = ((spec, asking.place()), int(row))
@@ -104,17 +101,22 @@ def _draw_levels(spec: DetectorSpec, what: Described, boxes: Detections) -> Leve
     return levels
 
 
-def _draw_numbers(answer: Found, is_counting: np.ndarray, levels: Levels) -> None:
-    boxes = answer.boxes
+def _draw_numbers(boxes: Detections, is_counting: np.ndarray, levels: Levels) -> None:
     n_above = int((boxes.score >= levels.threshold).sum())
     before, after = st.columns(2)
     before.metric("Before suppression", f"{n_above:,}")
     after.metric("After", f"{int(is_counting.sum()):,}")
-    text = f"This picture took {answer.seconds:.2g} s."
     if len(boxes) >= MOST:
-        text += f" Of its boxes the {MOST:,} most confident are kept."
-    st.caption(text)
-    st.caption("Click the mark in the middle of a box to choose it.")
+        st.caption(f"Of all windows the {MOST:,} most confident are kept.")
+    if n_above:
+        st.caption("Click the mark in the middle of a box to choose it.")
+    elif len(boxes):
+        st.caption(
+            f"No box reaches the threshold: the most confident has {boxes.score[0]:.3g}. Objects "
+            "may be smaller than what it looks for; see its settings."
+        )
+    else:
+        st.caption("No window came through: there is no box at any threshold.")
 
 
 def _draw_boxes(
@@ -129,14 +131,13 @@ def _draw_boxes(
     frames, row = dataset.frame_columns, state.row_in_all()
     truth = np.column_stack(dataset.truth.of_frames(row, row + 1).xywh)
     name = what.about.name
-    theme = scheme_for(state.theme().shade, [*dataset.systems, name], state.systems()[0], name)
     where, chosen = st.session_state.get(CHOSEN, (None, 0))
     is_here = where == (spec, asking.place()) and boxes.score[chosen] >= levels.threshold
     figure = boxes_plot(
         picture,
         boxes,
         is_counting,
-        theme=theme,
+        theme=asking.theme_of(what.about),
         threshold=levels.threshold,
         title=f"{plain(name)} on frame {int(frames.frame[row])}",
         truth=truth,

@@ -96,7 +96,7 @@ def is_folded_on(page: StreamlitPage) -> bool:
 
 def draw_bar(pages: dict[str, list[StreamlitPage]]) -> None:
     """Draw the navigation: every page is one click away, under the name of its section."""
-    with st.container(horizontal=True, gap="small", vertical_alignment="bottom", key="navigation"):
+    with st.container(horizontal=True, gap="xsmall", vertical_alignment="bottom", key="navigation"):
         for section, members in pages.items():
             with st.container(width="content", gap=None):
                 if [page.title for page in members] != [section]:

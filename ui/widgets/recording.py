@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import streamlit as st
+from streamlit.delta_generator import DeltaGenerator
 
 from nvcore.pictures.index import USUAL
 from ui.session import state
@@ -12,8 +13,12 @@ from ui.widgets.text import plain
 
 def recording_choice() -> None:
     """The recording selector; by which rule pictures show frames, where it is not the usual one."""
-    names = state.recording_names()
     left, right = st.columns([2, 3], vertical_alignment="bottom")
+    _draw_recordings(left, right)
+
+
+def _draw_recordings(left: DeltaGenerator, right: DeltaGenerator) -> None:
+    names = state.recording_names()
     key = f"recording_choice_{state.workspace().n_opened}_{state.recording()}"
     recording = left.selectbox(
         "Recording",
@@ -32,17 +37,17 @@ def recording_choice() -> None:
 
 def choose_recording_and_frame(key: str) -> None:
     """The current recording and frame, as the Timeline has them, to be changed; it has frames."""
-    recording_choice()
+    left, middle, right = st.columns([4, 2, 4], vertical_alignment="bottom")
+    _draw_recordings(left, right)
     recording, row = state.recording(), state.row()
     numbers = state.frame_numbers(recording)
-    number = st.number_input(
+    number = middle.number_input(
         "Frame",
         int(numbers[0]),
         int(numbers[-1]),
         int(numbers[row]),
         1,
         key=f"{key}_{recording}_{numbers[row]}",
-        width=200,
         help="The frame of the Timeline page. Frames that are not evaluated give the nearest.",
     )
     if number != numbers[row]:

@@ -9,8 +9,8 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 
 from nvcore.figures.detectors.pictures import picture_axes, picture_layer
-from nvcore.figures.marks import marks, steady_marker, still_line, with_gaps
-from nvcore.figures.style import CLEAR, HEADING_PX, LEGEND, LOOK, draw, plain
+from nvcore.figures.marks import click_markers, marks, steady_marker, still_line, with_gaps
+from nvcore.figures.style import HEADING_PX, LEGEND, LOOK, draw, faded, plain
 from nvcore.palette import Theme, scheme_of
 from nvcore.pictures import Picture
 from nvcore.wording import count_text
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 HEIGHT_PX: Final = 560
 TOP_PX: Final = HEADING_PX + 34
+SUPPRESSED: Final = 0.4
+"""Opacity of boxes that went."""
 
 
 def boxes_plot(
@@ -65,39 +67,29 @@ def boxes_plot(
     is_gone = is_above & ~is_counting
     look = LOOK[scheme_of(theme)._replace(shade="dark")]  # on a picture, whatever the page's ground
     traces = [
-        _outlines(sides[is_gone], "suppressed", color=look.muted, width=1),
+        _outlines(sides[is_gone], "suppressed", color=faded(look.y, SUPPRESSED), width=1),
         *([] if truth is None else [_outlines(truth, "truth", color=look.truth, width=1.5)]),
         _outlines(sides[is_counting], "detected", color=look.y, width=2.4, dash=look.dash("y")),
     ]
     if chosen is not None:
         traces.append(_outlines(sides[[chosen]], "chosen", color="#FFFFFF", width=4))
-    row = np.flatnonzero(is_above)
-    across, down = (sides[row, :2] + sides[row, 2:] / 2).T
-    texts = [
-        f"score {boxes.score[k]:.3g}, {boxes.w[k]:.0f} × {boxes.h[k]:.0f} px"
-        + ("" if boxes.label is None else f", {plain(boxes.label[k])}")
-        + ("" if is_counting[k] else "<br>suppressed")
-        for k in row
-    ]
-    middles = marks(
-        across,
-        down,
-        texts,
-        customdata=row,
-        name="score",
-        showlegend=False,
-        **steady_marker(
-            size=np.where(is_counting[row], 11, 7),
-            color=[look.y if counts else CLEAR for counts in is_counting[row].tolist()],
-            line={"width": 1, "color": look.y},
-        ),
-    )
+    middle = sides[:, :2] + sides[:, 2:] / 2
+    for name, is_shown in (("gone", is_gone), ("counting", is_counting)):  # these on top
+        row = np.flatnonzero(is_shown)
+        across, down = middle[row].T
+        texts = [_text(boxes, is_counting, k) for k in row]
+        more: dict[str, Any] = {"name": name, "customdata": row}
+        if name == "gone":
+            traces.append(click_markers(across, down, texts, **more))
+            continue
+        more |= steady_marker(size=8, color=look.y, line={"width": 1, "color": look.surface})
+        traces.append(marks(across, down, texts, showlegend=False, **more))
     n_above, n_counting = int(is_above.sum()), int(is_counting.sum())
     subtitle = f"{count_text(n_above, 'box', 'boxes')} before suppression, {n_counting:,} after"
     if truth is not None:
         subtitle += f"; the truth has {len(truth):,}"
     return draw(
-        [*traces, middles],
+        traces,
         theme,
         title=title,
         subtitle=subtitle,
@@ -107,6 +99,13 @@ def boxes_plot(
         images=[picture_layer(picture, *own_size)],
         **picture_axes(*own_size),
     )
+
+
+def _text(boxes: Detections, is_counting: NDArray[np.bool_], k: int) -> str:
+    """For the mouse."""
+    text = f"score {boxes.score[k]:.3g}, {boxes.w[k]:.0f} × {boxes.h[k]:.0f} px"
+    text += "" if boxes.label is None else f", {plain(boxes.label[k])}"
+    return text if is_counting[k] else f"{text}<br>suppressed"
 
 
 def _outlines(sides: NDArray[np.float64], name: str, **line: Any) -> go.Scatter:

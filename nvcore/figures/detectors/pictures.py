@@ -19,7 +19,7 @@ WIDEST_PX: Final = 1280
 """Of a picture in a figure: larger ones are shrunk."""
 SMALL_PX: Final = 320
 """Width of one of several pictures."""
-ROW_PX: Final = 190
+ROW_PX: Final = 165
 LABEL_SHARE: Final = 0.16
 """Height of a label above a picture, as a share of the picture's."""
 
@@ -44,14 +44,20 @@ def picture_layer(picture: Picture, width: float, height: float, **more: Any) ->
 
 
 def picture_axes(width: float, height: float) -> dict[str, Any]:
-    """The axes of a layout on which a picture has its shape, rows downwards, without ticks."""
+    """The axes of a layout on which a picture has its shape, rows downwards, on the left."""
     return {
-        "xaxis": {**HIDDEN_AXIS, "range": [0, width], "constrain": "domain"},
+        "xaxis": {
+            **HIDDEN_AXIS,
+            "range": [0, width],
+            "constrain": "domain",
+            "constraintoward": "left",
+        },
         "yaxis": {
             **HIDDEN_AXIS,
             "range": [height, 0],
             "scaleanchor": "x",
             "constrain": "domain",
+            "constraintoward": "top",
         },
     }
 
@@ -63,13 +69,16 @@ def pictures_plot(
     title: str,
     subtitle: str = "",
     columns: int = 5,
+    stretched: bool = False,
 ) -> go.Figure:
     """Small pictures side by side, each below its name.
 
     Parameters
     ----------
     pictures
-        Of one shape, 8 bit; grey levels are shown as they are.
+        Of one shape, 8 bit.
+    stretched
+        Whether the contrast of each is stretched: most gradients are faint.
     """
     height, width = next(iter(pictures.values())).shape[:2]
     columns = min(columns, len(pictures))
@@ -80,7 +89,8 @@ def pictures_plot(
         left, top = (number % columns) * step[0], (number // columns) * step[1]
         place = {"x": left, "y": top + LABEL_SHARE * height}
         images.append(picture_layer(picture, width, height, **place))
-        images[-1]["source"] = _address(picture, SMALL_PX)
+        shown = stretch(picture, 0, STRETCH[1]) if stretched else picture
+        images[-1]["source"] = _address(shown, SMALL_PX)
         text = written(plain(name), size=12, color=LOOK[theme].ink, x=left, y=place["y"])
         labels.append({**text, "xanchor": "left", "yanchor": "bottom", "xshift": -2})
     margin = {"l": 4, "r": 4, "t": HEADING_PX + 8, "b": 4}

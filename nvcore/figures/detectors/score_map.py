@@ -8,7 +8,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from nvcore.figures.detectors.pictures import picture_axes, picture_layer
-from nvcore.figures.style import HEADING_PX, LOOK, draw, loss_scale
+from nvcore.figures.style import HEADING_PX, LOOK, draw, faded
 from nvcore.palette import Theme
 from nvcore.pictures import Picture
 from nvcore.wording import count_text
@@ -25,7 +25,9 @@ TITLES: Final[dict[MapOf, str]] = {
 HEIGHT_PX: Final = 460
 MOST_CELLS: Final = 200
 """Along each side: of more, the highest value of several stands for them."""
-OPACITY: Final = 0.7
+OPACITY: Final = 0.9
+"""Of the highest value; of the lowest 0, so that the picture is seen."""
+BAR_PX: Final = 40
 
 
 def score_map_plot(
@@ -56,7 +58,17 @@ def score_map_plot(
     down = (np.arange(0, values.shape[0], step) + (step - 1) / 2) * settings.stride
     look = LOOK[theme]
     n_through = int(np.isfinite(score_map.score).sum())
-    bar = {"thickness": 8, "outlinewidth": 0, "tickfont": {"size": 11, "color": look.muted}}
+    bar = {
+        "thickness": 8,
+        "outlinewidth": 0,
+        "tickfont": {"size": 11, "color": look.muted},
+        "orientation": "h",
+        "len": 0.3,
+        "x": 0,
+        "xanchor": "left",
+        "y": 0,
+        "yanchor": "top",
+    }
     unit = "confidence %{z:.3g}"
     if of == "trees":
         ticks = [1, 10, 100, 1000, 10_000]
@@ -67,9 +79,9 @@ def score_map_plot(
         y=(down + settings.window_height / 2) * level.down,
         z=_highest(values, step).astype(np.float32),
         customdata=_highest(score_map.depth.astype(float), step) if of == "trees" else None,
-        colorscale=loss_scale(theme),
+        colorscale=[(share, faded(look.y, share * OPACITY)) for share in (0.0, 0.5, 1.0)],
+        zmin=0 if of == "trees" else None,
         colorbar=bar,
-        opacity=OPACITY,
         hovertemplate=f"{unit}<extra></extra>",
         name=TITLES[of],
     )
@@ -81,7 +93,7 @@ def score_map_plot(
         f"{settings.window_width * level.across:.0f} × {settings.window_height * level.down:.0f} "
         f"px, {n_through:,} came through",
         height=HEIGHT_PX,
-        margin={"l": 4, "r": 4, "t": HEADING_PX + 8, "b": 4},
+        margin={"l": 4, "r": 4, "t": HEADING_PX + 8, "b": BAR_PX},
         images=[picture_layer(picture, width, height)],
         **picture_axes(width, height),
     )

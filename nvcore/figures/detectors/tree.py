@@ -61,7 +61,7 @@ def tree_plot(
             ends_y = [y - 0.48, end_y + (0.48 if name == "root" else 0.16)]
             traces.append(still_line([x, end_x], ends_y, ANSWERS[answer], line=line))
             where = {"x": (x + end_x) / 2, "y": sum(ends_y) / 2}
-            anchor = {"xanchor": "right" if answer == 0 else "left", "xshift": 8 * answer - 4}
+            anchor = {"xanchor": "right" if answer == 0 else "left", "xshift": 24 * answer - 12}
             texts.append(written(ANSWERS[answer], size=11, color=look.muted, **where, **anchor))
     shapes: list[dict[str, Any]] = []
     for name, node in {"root": tree.root, "left": tree.left, "right": tree.right}.items():
