@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 HEIGHT_PX: Final = 560
 TOP_PX: Final = HEADING_PX + 34
-SUPPRESSED: Final = 0.4
+SUPPRESSED: Final = 0.25
 """Opacity of boxes that went."""
 
 
@@ -77,7 +77,7 @@ def boxes_plot(
     for name, is_shown in (("gone", is_gone), ("counting", is_counting)):  # these on top
         row = np.flatnonzero(is_shown)
         across, down = middle[row].T
-        texts = [_text(boxes, is_counting, k) for k in row]
+        texts = [_text(boxes, is_counting, k) for k in row.tolist()]
         more: dict[str, Any] = {"name": name, "customdata": row}
         if name == "gone":
             traces.append(click_markers(across, down, texts, **more))

@@ -1,0 +1,227 @@
+"""The Detectors page, driven without a browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import small_icf
+from onnx_models import blob_model
+from streamlit.testing.v1 import AppTest
+
+from nvcore.auditing import audit
+from nvcore.errors import InputError
+from nvcore.findings import Severity
+from pages import FRAMES, begin_with, checked, opened, press, rows, texts, to_page, write
+from ui.detectors import run
+from ui.detectors.choose import models_below
+from ui.detectors.trial import LEVELS
+from ui.session.local_files import LocalRoot
+
+PEOPLE = {"recording": "urban_crossing", "frame": "120"}
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    return small_icf.write(tmp_path_factory.mktemp("model") / "bars.npz").read_bytes()
+
+
+def send(page: AppTest, name: str, content: bytes) -> AppTest:
+    page.file_uploader(key="detector_file").set_value([(name, content, "")])
+    return checked(page.run())
+
+
+def with_model(model: bytes) -> AppTest:
+    return send(checked(opened("detectors", is_folded=True, **PEOPLE)), "bars.npz", model)
+
+
+def headings(page: AppTest) -> list[str]:
+    """Titles and subtitles of the figures, in their order."""
+    bodies = [item.proto.body for item in page.get("html") if "nv-figure" in item.proto.body]
+    return [body.replace("</strong> <span>", ": ").partition("<strong>")[2] for body in bodies]
+
+
+def slider(page: AppTest, label: str):
+    (found,) = [one for one in page.slider if one.label == label]
+    return found
+
+
+def counts(page: AppTest) -> tuple[int, int]:
+    before, after = page.metric
+    return int(before.value.replace(",", "")), int(after.value.replace(",", ""))
+
+
+def job(page: AppTest, kind: str):
+    return page.session_state["workspace"].job(kind)
+
+
+def timed(page: AppTest) -> AppTest:
+    """The page on one recording, its run timed."""
+    (recordings,) = [one for one in page.multiselect if one.label == "Recordings"]
+    checked(recordings.set_value(["urban_crossing"]).run())
+    press(page, "time_detector")
+    job(page, run.TIMING).join()
+    return checked(page.run())
+
+
+def test_a_built_in_detector_is_tried_on_the_current_frame():
+    page = checked(opened("detectors", is_folded=True, **PEOPLE))
+    assert page.selectbox(key="detector").value == "hog"
+    (heading,) = headings(page)
+    assert heading.startswith("HOG on frame 120")
+    assert "the truth has 4" in heading
+    assert counts(page) == (0, 0)
+    assert "No box reaches the threshold: the most confident has" in texts(page)
+    checked(slider(page, "Threshold").set_value(-1.0).run())
+    n_before, n_after = counts(page)
+    assert 0 < n_after < n_before
+    checked(slider(page, "Overlap").set_value(1.0).run())
+    assert counts(page) == (n_before, n_before)
+    # both stay while other frames are looked at
+    (frame,) = [one for one in page.number_input if one.label == "Frame"]
+    checked(frame.set_value(121).run())
+    assert headings(page)[0].startswith("HOG on frame 121")
+    assert slider(page, "Threshold").value == pytest.approx(-1.0, abs=0.02)
+
+
+def test_settings_are_the_detectors_own_and_a_wrong_one_is_said():
+    page = checked(opened("detectors", is_folded=True, **PEOPLE))
+    fields = {one.label: one for one in [*page.number_input, *page.toggle, *page.selectbox]}
+    assert {"Stride", "Scale step", "Upscale", "Padding", "Person box"} <= {*fields}
+    assert "Hit threshold" not in fields  # moved beside the picture
+    checked(fields["Stride"].set_value(12).run())
+    assert "stride: expected a multiple of 8, found 12" in texts(page)
+    assert not page.metric
+    (stride,) = [one for one in page.number_input if one.label == "Stride"]
+    checked(stride.set_value(16).run())
+    assert page.metric
+
+
+def test_a_sent_model_is_described_and_shows_its_inside(model: bytes):
+    page = with_model(model)
+    assert page.selectbox(key="detector").value.startswith("sent ")
+    said = texts(page)
+    assert "20 trees" not in said  # the last round alone is the model
+    assert "16 trees over windows of 16 × 32 px" in said
+    assert "Trained on: urban_crossing, frames 0:20." in said
+    names = [heading.partition(":")[0] for heading in headings(page)]
+    assert names == ["bars on frame 120", "The picture on its way", "Channels"]
+    for view, names in {
+        "map": ["Trees that each window came through"],
+        "window": ["Running confidence of the window", "Tree 1"],
+        "training": ["Training error over the rounds"],
+    }.items():
+        checked(page.button_group(key="detector_view").set_value(view).run())
+        assert [heading.partition(":")[0] for heading in headings(page)][1:] == names
+    labels = {one.label for one in [*page.text_input, *page.number_input, *page.selectbox]}
+    assert {"Scales", "Stride", "Cascade", "Overlap of"} <= labels
+
+
+def test_a_model_stays_when_one_comes_back_from_another_page(model: bytes):
+    page = with_model(model)
+    checked(to_page(page, "overview"))
+    checked(to_page(page, "detectors"))
+    assert page.selectbox(key="detector").value.startswith("sent ")
+    assert headings(page)[0].startswith("bars on frame 120")
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"PK\3\4 and so on", "bars.npz: is not a model of nvcore, or is damaged"),
+        (b"frame,x,y\n", "bars.npz: is text, no model"),
+        (b"\x08\x08\x12\x04nvco", "those of visitors do not run here"),
+    ],
+)
+def test_what_is_no_model_is_refused_in_words(content: bytes, words: str):
+    page = send(checked(opened("detectors", is_folded=True, **PEOPLE)), "bars.npz", content)
+    assert words in texts(page)
+    assert str(page.session_state["workspace"].folder) not in texts(page)
+
+
+def test_networks_are_run_from_the_local_folder_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    (tmp_path / "models").mkdir()
+    blob_model(tmp_path / "models" / "blob.onnx", 640, 480)
+    small_icf.write(tmp_path / "bars.npz")
+    (tmp_path / "notes.txt").write_text("no model")
+    assert models_below(LocalRoot(tmp_path)) == ["bars.npz", "models/blob.onnx"]
+    monkeypatch.setenv("NVCORE_LOCAL_ROOT", str(tmp_path))
+    page = checked(opened("detectors", is_folded=True, **PEOPLE))
+    checked(page.selectbox(key="detector").set_value("local models/blob.onnx").run())
+    assert headings(page)[0].startswith("blob on frame 120")
+    assert slider(page, "Threshold").value == pytest.approx(0.25)
+    assert counts(page)[1] > 0
+
+
+def test_without_pictures_it_is_said_what_is_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    lines = "".join(f"night,{frame},300,200,40,120,0.9\n" for frame in FRAMES)
+    begin_with(write(tmp_path, {"one": lines}, truth=rows(300)), monkeypatch)
+    page = checked(opened("detectors"))
+    assert "A detector needs pictures, and none of the open recordings has any." in texts(page)
+    assert not page.metric
+    assert [button.key for button in page.button if button.key == "time_detector"] == []
+
+
+def test_a_run_becomes_a_system_whose_training_the_audit_knows(model: bytes):
+    page = timed(with_model(model))
+    assert "300 pictures of 1 recording on" in texts(page)
+    levels = page.session_state[LEVELS]
+    press(page, "run_detector")
+    done = job(page, run.RUN)
+    done.join()
+    checked(page.run())
+    assert "**bars**: " in texts(page)
+    assert "in 300 pictures of 1 recording" in texts(page)
+    assert run.packed(done.output).startswith(b"PK")
+    press(page, "compare_detector")
+    space = page.session_state["workspace"]
+    session, dataset = space.opened.session, space.opened.dataset
+    assert page.title[0].value == "Overview"
+    assert space.opened.label == "Sample recordings, with bars"
+    assert dataset.compared() == ("FIR", "bars")
+    assert dataset.systems == ("FIR", "NIR", "bars")
+    assert dataset.recordings["name"].tolist() == ["urban_crossing"]
+    assert session.systems[2].threshold == next(iter(levels.values())).threshold
+    assert len(dataset.system("bars")) == done.output.run.n_boxes
+    (finding,) = [one for one in audit(dataset) if one.code == "trained-on-tested"]
+    assert finding.severity is Severity.ERROR
+    assert finding.message in texts(checked(to_page(page, "data")))
+
+
+def test_what_it_was_trained_on_may_be_said_on_the_page(monkeypatch: pytest.MonkeyPatch):
+    page = checked(opened("detectors", is_folded=True, **PEOPLE))
+    (trained,) = [one for one in page.multiselect if one.label.startswith("Trained on")]
+    checked(trained.set_value(["rural_road"]).run())
+    timed(page)
+    abouts = []
+
+    def start(space, key, about, levels, dataset, pictures, folder, x):
+        abouts.append(about)
+        raise InputError("enough")
+
+    monkeypatch.setattr(run, "start_job", start)
+    press(page, "run_detector")
+    assert [part.recording for part in abouts[0].trained_on] == ["rural_road"]
+    assert "enough" in texts(page)
+
+
+def test_a_cancelled_run_leaves_nothing(model: bytes, monkeypatch: pytest.MonkeyPatch):
+    page = timed(with_model(model))
+    folders: list[Path] = []
+    start = run.start_job
+
+    def cancelled(space, key, about, levels, dataset, pictures, folder, x):
+        folders.append(folder)
+        begun = start(space, key, about, levels, dataset, pictures, folder, x)
+        begun.cancel()
+        begun.join()
+        return begun
+
+    monkeypatch.setattr(run, "start_job", cancelled)
+    press(page, "run_detector")
+    assert "Cancelled. No run was made." in texts(page)
+    assert [folder.exists() for folder in folders] == [False]
