@@ -49,6 +49,11 @@ def test_a_page_says_nothing_of_pedestrians(page: str, visit: AppTest):
         sent = re.sub(
             r"Ten short night drives[^\n]*|Pedestrians?\"|pedestrians? at the kerb", "", sent
         )
+    if page == "detectors":  # of those that are built in
+        sent = re.sub(
+            r"trained on (INRIA|Daimler)[^\n]*|Detects pedestrian\.|3/4 of[^\n]*", "", sent
+        )
+        sent = re.sub(r"of the person|Person box", "", sent)
     said = [sent[max(0, m.start() - 80) : m.end() + 40] for m in OF_PEDESTRIANS.finditer(sent)]
     assert said == []
 
