@@ -24,6 +24,7 @@ CHOSEN: Final = "detector_box"
 LEVELS: Final = "detector_levels"
 """Threshold and overlap of each detector, by its name or path."""
 CLICKS: Final = "detector_clicks"
+LEAST_SPAN: Final = 0.1
 STEPS: Final = 200
 """Of the slider of the threshold."""
 
@@ -74,7 +75,7 @@ def _draw_levels(spec: DetectorSpec, what: Described, boxes: Detections) -> Leve
     """The two sliders, at what was set for this detector."""
     before = levels_of(spec, what)
     ends = np.append(boxes.score, before.threshold)
-    step = 10.0 ** math.floor(math.log10(max(float(np.ptp(ends)), 1e-3) / STEPS * 2))
+    step = 10.0 ** math.floor(math.log10(max(float(np.ptp(ends)), LEAST_SPAN) / STEPS * 2))
     low, high = math.floor(ends.min() / step) * step, math.ceil(ends.max() / step) * step
     threshold = st.slider(
         "Threshold",

@@ -19,7 +19,8 @@ def recording_choice() -> None:
 
 def _draw_recordings(left: DeltaGenerator, right: DeltaGenerator) -> None:
     names = state.recording_names()
-    key = f"recording_choice_{state.workspace().n_opened}_{state.recording()}"
+    # with another choice of recordings by their tags the same number is another recording
+    key = f"recording_choice_{state.workspace().n_opened}_{len(names)}_{state.recording()}"
     recording = left.selectbox(
         "Recording",
         range(len(names)),
