@@ -19,13 +19,15 @@ from ui.confined.detectors import Described, DetectorSpec
 from ui.detectors.asking import described
 from ui.session import state
 from ui.session.local_files import LocalRoot, local_root
-from ui.session.uploads import store_model
+from ui.session.uploads import remove_model, store_model
 from ui.shell.page_words import page_text
 from ui.widgets.text import docs_link, plain
 
 SENT: Final = "detector_sent"
 """What the page remembers of the model that was sent."""
 ENDINGS: Final = (".npz", ".onnx")
+SEEN: Final = "detector_file_seen"
+TROUBLE: Final = "detector_file_trouble"
 MOST_FOLDERS: Final = 200
 MOST_MODELS: Final = 500
 ONLY_LOCAL: Final = (
@@ -126,19 +128,29 @@ def _take_model() -> None:
         max_upload_size=MAX_BYTES >> 20,
         key="detector_file",
     )
-    if file is not None and st.session_state.get("detector_file_seen") != file.file_id:
-        try:
-            state.workspace().notes[SENT] = _stored(file)
-        except NvcoreError as error:
-            st.error(plain(page_text(error)), icon=":material/error:")
-            return
-        st.session_state["detector_file_seen"] = file.file_id
-        st.session_state["detector"] = f"sent {state.workspace().notes[SENT].version}"
+    if file is not None and st.session_state.get(SEEN) != file.file_id:
+        st.session_state[SEEN] = file.file_id
+        st.session_state[TROUBLE] = _take(file)
+    if file is not None and (trouble := st.session_state.get(TROUBLE, "")):
+        st.error(plain(trouble), icon=":material/error:")
     st.caption(
         "It stays on this server while the tab is open. Networks in ONNX are programs: they are "
         "run only from the folder that the app was started with "
         f"({docs_link('why', 'in-the-dashboard', doc='detectors')})."
     )
+
+
+def _take(file: UploadedFile) -> str:
+    """Store the model and choose it; why that cannot be done, empty: it is done."""
+    notes = state.workspace().notes
+    notes.pop(SENT, None)
+    st.session_state.pop("detector", None)
+    try:
+        notes[SENT] = model = _stored(file)
+    except NvcoreError as error:
+        return page_text(error)
+    st.session_state["detector"] = f"sent {model.version}"
+    return ""
 
 
 def _stored(file: UploadedFile) -> SentModel:
@@ -152,10 +164,14 @@ def _stored(file: UploadedFile) -> SentModel:
     content = file.getbuffer()
     if len(content) > MAX_BYTES:
         raise DetectorError(f"a model has at most {MAX_BYTES >> 20} MiB", file=file.name)
-    path = store_model(state.workspace(), file)
-    if kind_of_file(path).key != "icf":
-        path.unlink()
-        raise DetectorError(ONLY_LOCAL, file=file.name)
+    space = state.workspace()
+    path = store_model(space, file)
+    try:
+        if kind_of_file(path).key != "icf":
+            raise DetectorError(ONLY_LOCAL, file=file.name)
+    except DetectorError:
+        remove_model(space)
+        raise
     return SentModel(path, path.name, hashlib.sha256(content).hexdigest()[:12])
 
 

@@ -256,14 +256,19 @@ def store_model(space: Workspace, file: SentFile) -> Path:
     UploadError
         If there is no room.
     """
-    for folder in space.folder.glob("model-*"):
-        remove_folder(space, folder)
+    remove_model(space)
     with space.lock:
         space.n_received += 1
         folder = space.folder / f"model-{space.n_received}"
     folder.mkdir(mode=0o700)
     (path,) = store_annotations(space, folder, "model", [file])
     return folder / path
+
+
+def remove_model(space: Workspace) -> None:
+    """Remove the model that was sent, if there is one."""
+    for folder in space.folder.glob("model-*"):
+        remove_folder(space, folder)
 
 
 def remove_folder(space: Workspace, folder: Path) -> None:

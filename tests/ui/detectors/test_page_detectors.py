@@ -137,6 +137,8 @@ def test_what_is_no_model_is_refused_in_words(content: bytes, words: str):
     page = send(checked(opened("detectors", is_folded=True, **PEOPLE)), "bars.npz", content)
     assert words in texts(page)
     assert str(page.session_state["workspace"].folder) not in texts(page)
+    checked(page.selectbox(key="detector").set_value("hog:daimler").run())
+    assert headings(page)[0].startswith("HOG Daimler on frame 120")
 
 
 def test_networks_are_run_from_the_local_folder_alone(

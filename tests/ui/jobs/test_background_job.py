@@ -184,3 +184,10 @@ def test_a_further_job_waits_until_another_has_ended_and_can_be_cancelled(tmp_pa
     assert job.state is JobState.RUNNING
     for writer, each in zip([*running, waiting], [*jobs, job], strict=True):
         writer.finish(each)
+
+
+def test_a_job_says_what_it_is_doing(writer: Writer):
+    job = writer.start()
+    assert writer.is_halfway.wait(TIMEOUT_S)
+    assert (job.share, job.step) == (0.5, "frames")
+    writer.finish(job)

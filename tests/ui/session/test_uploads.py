@@ -27,6 +27,7 @@ from ui.session.uploads import (
     remove_pictures,
     safe_name,
     store_annotations,
+    store_model,
 )
 from ui.session.workspace import PICTURES, Opened, Workspace
 from ui.settings.limits import Limits
@@ -275,3 +276,12 @@ def test_the_files_of_the_open_comparison_stay_counted(space: Workspace):
     space.opened = None
     new_upload(space)
     assert space.used_bytes == 0
+
+
+def test_a_model_takes_the_place_of_the_one_before_and_of_its_bytes(space: Workspace):
+    first = store_model(space, Sent("../one.npz", b"PK\3\4 no archive to unpack"))
+    assert (first.name, space.used_bytes) == ("one.npz", 25)
+    second = store_model(space, Sent("two.npz", b"1234"))
+    assert not first.exists()
+    assert second.read_bytes() == b"1234"
+    assert space.used_bytes == 4

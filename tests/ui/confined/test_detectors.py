@@ -1,0 +1,62 @@
+"""Detectors in processes of their own give what they give here, and are stopped in words."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+import small_icf
+
+from nvcore.detectors.registry import open_detector
+from nvcore.errors import DetectorError, InputError
+from ui.confined import detectors
+from ui.confined.detectors import ConfinedDetector, DetectorSpec, describe, find, window_in
+from ui.confined.process import Allowance, SteadyProcess
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return small_icf.write(tmp_path_factory.mktemp("model") / "bars.npz")
+
+
+def test_several_threads_get_what_the_detector_gives(model: Path):
+    pictures = [small_icf.scene(number).picture for number in range(4)]
+    own = open_detector(model, {"stride": 2})
+    confined = ConfinedDetector(DetectorSpec(str(model), "1", (("stride", 2),)), own.about)
+    with ThreadPoolExecutor(2) as pool:
+        answers = [*pool.map(confined.detect, pictures)]
+    confined.close()
+    for picture, answer in zip(pictures, answers, strict=True):
+        expected = own.detect(picture)
+        assert len(expected) > 0
+        np.testing.assert_array_equal(answer.score, expected.score)
+        np.testing.assert_array_equal(answer.x, expected.x)
+
+
+def test_what_takes_too_long_is_stopped_in_words(model: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(detectors, "ALLOWANCE", Allowance(memory_mb=3000, seconds=0.001))
+    spec = DetectorSpec(str(model))
+    confined = ConfinedDetector(spec, open_detector(model).about)
+    with pytest.raises(InputError, match=r"running the detector took more than 0\.001 s"):
+        confined.detect(small_icf.scene(0).picture)
+    confined.close()
+
+
+def test_a_detector_that_cannot_be_opened_says_so():
+    process = SteadyProcess(detectors.ALLOWANCE)
+    with pytest.raises(DetectorError, match="did you mean 'hog"):
+        process.call(describe, DetectorSpec("hogg"), what="opening")
+    assert process.call(describe, DetectorSpec("hog"), what="opening").inside is None
+    process.close()
+
+
+def test_a_box_is_followed_over_the_trees(model: Path):
+    spec, picture = DetectorSpec(str(model)), small_icf.scene(3).picture
+    boxes = find(spec, picture)
+    assert len(boxes) > 0
+    scale, path = window_in(spec, picture, (boxes.x[0], boxes.y[0], boxes.w[0]))
+    assert scale in small_icf.SETTINGS.scales
+    assert path.confidence[-1] == pytest.approx(boxes.score[0])
+    assert path.rejected_after is None
