@@ -24,6 +24,7 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_model_is_tried_run_and_compared(visit, model):
     one = visit("detectors?recording=urban_crossing&frame=120")
+    one.page.get_by_text("A model of your own").click()
     one.page.locator("input[type=file]").set_input_files(model)
     expect(one.page.get_by_text("16 trees over windows of 16 × 32 px")).to_be_visible()
     one.wait_until_drawn()

@@ -49,7 +49,7 @@ class SentModel:
 def draw() -> DetectorSpec | None:
     """The choice; None: what was chosen cannot be used, and why is said."""
     left, right = st.columns([3, 2], gap="large")
-    with right:
+    with right, st.expander("A model of your own"):
         _take_model()
     options = _options()
     with left:
@@ -123,7 +123,7 @@ def models_below(root: LocalRoot) -> list[str]:
 def _take_model() -> None:
     """The field for a model; what was sent stays until another is."""
     file = st.file_uploader(
-        "A model of your own (.npz, as nvcore train writes it)",
+        "Model file (.npz, as nvcore train writes it)",
         type=["npz"],
         max_upload_size=MAX_BYTES >> 20,
         key="detector_file",

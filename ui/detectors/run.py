@@ -324,7 +324,16 @@ def _open(job: RunJob, written: WrittenRun) -> None:
     """Go on with what is open, and the new system as Y."""
     opened, label = state.opened(), state.opened().label
     space = state.workspace()
-    session = with_system(space, opened.session, opened.dataset, written, job.threshold)
+    x, y = state.systems()
+    live = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
+    session = with_system(
+        live,
+        opened.dataset,
+        written,
+        x=x,
+        threshold=job.threshold,
+        is_upload=_is_upload(space, live),
+    )
     job.is_opened = True
     n_bytes = sum(path.stat().st_size for path in (*written.files, written.provenance))
     with space.lock:
@@ -340,14 +349,25 @@ def _open(job: RunJob, written: WrittenRun) -> None:
 
 
 def with_system(
-    space: Workspace, session: Session, dataset: Dataset, written: WrittenRun, threshold: float
+    session: Session,
+    dataset: Dataset,
+    written: WrittenRun,
+    *,
+    x: str,
+    threshold: float,
+    is_upload: bool,
 ) -> Session:
-    """The session as it is shown, with the new system as its last one and as Y."""
-    x, y = state.systems()
-    live = live_session(session, dataset, state.params(), x=x, y=y)
+    """The session as it is shown, with the new system as its last one and as Y.
+
+    Parameters
+    ----------
+    is_upload
+        Whether its files are uploads, and those of the system lie beside them: they are then named
+        from its folder.
+    """
 
     def named(path: Path) -> str:
-        return relative_path(path, session.folder) if _is_upload(space, session) else str(path)
+        return relative_path(path, session.folder) if is_upload else str(path)
 
     system = SystemSource(
         path=tuple(map(named, written.files)),
@@ -357,14 +377,15 @@ def with_system(
         provenance=named(written.provenance),
     )
     others = [  # their names do not change with the files of another
-        replace(source, name=own) for source, own in zip(live.systems, dataset.systems, strict=True)
+        replace(source, name=own)
+        for source, own in zip(session.systems, dataset.systems, strict=True)
     ]
     names = tuple(part.name for part in written.run.recordings)
     is_part = set(names) != set(dataset.recordings["name"])
     return replace(
-        live,
+        session,
         systems=(*others, system),
         x=x,
         y=written.name,
-        only=names if is_part else live.only,
+        only=names if is_part else session.only,
     )

@@ -1,0 +1,50 @@
+"""A run's system beside those of an upload: named as its sender knows files, not as the machine."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from inputs import drive, session_of
+
+from nvcore.dataset.provenance import About
+from nvcore.detectors.run import DetectorRun, RecordingRun
+from nvcore.detectors.writing import write_detections
+from nvcore.inputs.load import load
+from ui.detectors.run import FOLDER, with_system
+from ui.export.session import inputs_beside, portable_session
+from ui.session.uploads import ANNOTATION_FOLDERS
+
+ABOUT = About("hog", "HOG", ("pedestrian",), {"stride": 8}, "5f1c")
+
+
+def test_the_system_of_an_upload_lies_beside_its_files(tmp_path: Path):
+    folder = drive(tmp_path / "upload-1" / "x" / ANNOTATION_FOLDERS)
+    session = session_of(folder, "truth.csv", "fir.csv", "nir.csv")
+    dataset = load(session)
+    boxes = pd.DataFrame(
+        {"frame": [0], "x": [1.0], "y": [2.0], "w": [9.0], "h": [20.0], "score": [0.5]}
+    )
+    name = dataset.recordings["name"].iloc[0]
+    frames = dataset.frame_columns.frame[dataset.frame_columns.rows_of(0)].astype(np.int64)
+    run = DetectorRun(ABOUT, (RecordingRun(name, boxes, frames, len(frames)),), 1.0)
+    target = folder / f"{FOLDER}-3" / ANNOTATION_FOLDERS
+    target.mkdir(parents=True)
+    written = write_detections(run, dataset, target)
+    x, y = dataset.systems
+    extended = with_system(dataset.settings, dataset, written, x=x, threshold=0.4, is_upload=True)
+    assert (extended.x, extended.y) == (x, "HOG")
+    assert extended.only == (name,)  # the other recording was not run
+    assert [system.name for system in extended.systems] == [x, y, "HOG"]
+    system = extended.systems[2]
+    assert system.path == (f"detector-3/annotations/data/{written.files[0].name}",)
+    assert (system.threshold, system.provenance) == (
+        0.4, "detector-3/annotations/data/provenance.json",
+    )  # fmt: skip
+    again = load(extended)
+    assert len(again.system("HOG")) == 1
+    assert again.provenance["HOG"] is not None
+    beside = inputs_beside(portable_session(extended, is_upload=True))
+    assert written.files[0].name in beside
+    assert not any(str(tmp_path) in path for path in beside)
