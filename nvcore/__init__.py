@@ -35,12 +35,14 @@ __all__ = [
     "gate",
     "load",
     "read_session",
+    "train",
 ]
 
 _HOMES = {
     "nvcore.api.calls": ("audit", "compare", "convert", "gate"),
     "nvcore.api.detect": ("detect",),
     "nvcore.api.inputs": ("load",),
+    "nvcore.api.train": ("train",),
     "nvcore.comparison": ("Result",),
     "nvcore.dataset": ("Dataset",),
     "nvcore.dataset.tables": ("dataset_from_tables",),
@@ -65,6 +67,7 @@ if TYPE_CHECKING:
     from nvcore.api.calls import audit, compare, convert, gate
     from nvcore.api.detect import detect
     from nvcore.api.inputs import load
+    from nvcore.api.train import train
     from nvcore.comparison import Result
     from nvcore.dataset import Dataset
     from nvcore.dataset.tables import dataset_from_tables

@@ -83,7 +83,7 @@ def detect(
         from nvcore.pictures import session_pictures
 
     opened = open_detector(detector, settings)
-    dataset = _dataset(source).only(names=only)
+    dataset = dataset_of(source).only(names=only)
     session = dataset.settings
     if not isinstance(session, Session):
         raise InputError("expected a session, or a dataset that was loaded: it names the pictures")
@@ -98,7 +98,8 @@ def detect(
     )
 
 
-def _dataset(source: str | Path | Session | Dataset) -> Dataset:
+def dataset_of(source: str | Path | Session | Dataset) -> Dataset:
+    """The data of a session; a session file need not name a system."""
     if isinstance(source, Dataset):
         return source
     if not isinstance(source, Session):

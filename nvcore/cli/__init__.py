@@ -20,6 +20,7 @@ from nvcore.cli.plan import plan
 from nvcore.cli.program import Program
 from nvcore.cli.report import report
 from nvcore.cli.sample import sample
+from nvcore.cli.train import train
 
 
 @click.group(
@@ -36,6 +37,6 @@ def main() -> None:
 
 for command in (
     *(compare, check, convert, gate, matrix, plan, report),
-    *(detect, models, app, sample),
+    *(train, detect, models, app, sample),
 ):
     main.add_command(command)

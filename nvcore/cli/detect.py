@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from nvcore.cli.options import INPUTS, OUTPUT, GroupedCommand, examples, grouped_option
+from nvcore.cli.options import INPUTS, OUTPUT, GroupedCommand, examples, grouped_option, pair_of
 from nvcore.cli.progress import ShareProgress, TerminalProgress
 from nvcore.cli.session_options import frames_option
 from nvcore.cli.steps import errors_of, refuse_among_inputs, refuse_to_replace
@@ -179,19 +179,12 @@ def _opened(detector: str, settings: Sequence[str], trained_on: Sequence[str]) -
     """The detector that the flags name, with what they say of its training."""
     from nvcore.detectors.registry import open_detector
 
-    opened = open_detector(detector, dict(_pair(text, "--set") for text in settings))
+    opened = open_detector(detector, dict(pair_of(text, "--set") for text in settings))
     if trained_on:
         about = opened.about
         parts = (*about.trained_on, *(_part(text) for text in trained_on))
         opened.about = replace(about, trained_on=parts)
     return opened
-
-
-def _pair(text: str, flag: str) -> tuple[str, str]:
-    key, sign, value = text.partition("=")
-    if not sign or not key.strip():
-        raise click.UsageError(f"{flag}: expected KEY=VALUE, found {one_line(text)!r}")
-    return key.strip(), value.strip()
 
 
 def _part(text: str) -> TrainedOn:

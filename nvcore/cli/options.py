@@ -10,6 +10,7 @@ import click
 
 from nvcore.params import SETTINGS
 from nvcore.protocols import PROTOCOLS
+from nvcore.wording import one_line
 
 # Nothing here imports numpy, pandas or numba: `nvcore --help` need not wait for them.
 
@@ -67,6 +68,20 @@ def examples(*lines: str) -> str:
     """The end of a help text: command lines to start from, which click leaves as they are."""
     title = "Example:" if len(lines) == 1 else "Examples:"
     return "\n".join(["\b", title, *(f"  {line}" for line in lines)])
+
+
+def pair_of(text: str, flag: str) -> tuple[str, str]:
+    """Key and value of ``KEY=VALUE``.
+
+    Raises
+    ------
+    click.UsageError
+        If it is of another form; with the flag's name.
+    """
+    key, sign, value = text.partition("=")
+    if not sign or not key.strip():
+        raise click.UsageError(f"{flag}: expected KEY=VALUE, found {one_line(text)!r}")
+    return key.strip(), value.strip()
 
 
 def grouped_option(group: str, *names: str, **settings: Any) -> Callable[..., Any]:

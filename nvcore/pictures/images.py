@@ -135,7 +135,7 @@ def files_as_pictures(paths: Sequence[Path], name: str) -> Images:
     return Images(
         name,
         [path.name for path in ordered],
-        lambda index: _file_bytes(ordered[index]),
+        lambda index: file_bytes(ordered[index]),
         lambda: None,
     )
 
@@ -206,7 +206,14 @@ def _one_folder(names: Sequence[str], where: str, inside: str | None) -> list[st
     return next(iter(by_folder.values()))
 
 
-def _file_bytes(path: Path) -> bytes:
+def file_bytes(path: Path) -> bytes:
+    """Content of a picture file.
+
+    Raises
+    ------
+    MediaError
+        If it cannot be read, or is larger than 512 MiB.
+    """
     name = one_line(path.name)
     try:
         if path.stat().st_size > _MAX_BYTES:

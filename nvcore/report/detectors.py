@@ -6,9 +6,11 @@ from dataclasses import fields
 from typing import Any
 
 from nvcore.dataset.provenance import About, TrainedOn
+from nvcore.detectors.icf import IcfModel
 from nvcore.detectors.registry import DETECTORS, Kind
 from nvcore.detectors.run import DetectorRun, Expectation
 from nvcore.detectors.settings import SettingFacts, facts_of
+from nvcore.detectors.training.run import Training
 from nvcore.wording import count_text, duration_text, listed, one_line
 
 _FINGERPRINT = 12
@@ -107,3 +109,37 @@ def render_run(run: DetectorRun) -> str:
             if len(part.frames) < part.n_listed
         ]
     return "\n".join(lines)
+
+
+def render_training(training: Training) -> str:
+    """What a model was trained on, how its error fell, and what it keeps of the held-out."""
+    model, gathered = training.model, training.gathered
+    objects = count_text(training.n_objects, "object")
+    boxes = count_text(training.n_held_out, "box", "boxes")
+    pictures = count_text(training.n_pictures, "picture")
+    if gathered.every > 1:
+        pictures += f", one of {gathered.every} evaluated frames"
+    lines = [
+        f"{one_line(model.name)}: {objects} in {pictures}",
+        f"held out: {one_line(gathered.held_out)} ({boxes})",
+        *_windows(model),
+        f"held-out boxes that the cascade keeps: {training.n_kept:,} of {training.n_held_out:,}; "
+        f"at the threshold of {model.settings.threshold:g}: {training.n_found:,}",
+        f"trained in {duration_text(training.seconds)}",
+    ]
+    if training.faults:
+        n_faults = count_text(len(training.faults), "picture")
+        lines.append(f"{n_faults} could not be read: {training.faults[0]}")
+    lines += [f"not trained on {note}" for note in gathered.notes]
+    return "\n".join(lines)
+
+
+def _windows(model: IcfModel) -> list[str]:
+    """Windows of a training, and its error at the end of each round."""
+    lines = [f"windows: {model.n_objects:,} of objects, {model.n_background:,} of background"]
+    start = 0
+    for number, end in enumerate(model.round_ends.tolist(), 1):
+        trees = count_text(end - start, "tree")
+        lines.append(f"  round {number}: {trees}, training error {model.error[end - 1]:.2%}")
+        start = end
+    return lines

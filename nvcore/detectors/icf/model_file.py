@@ -69,7 +69,8 @@ _FACTS: Final[dict[str, type]] = {
     "seed": int,
     "trained_on": list,
 }
-_LONGEST_NAME: Final = 200
+LONGEST_NAME: Final = 200
+"""Of a model, and of what it detects."""
 _TIME: Final = (1980, 1, 1, 0, 0, 0)
 _UNREADABLE: Final = (
     zipfile.BadZipFile,
@@ -248,8 +249,8 @@ def _read_about(text: bytes) -> dict[str, Any]:
         if type(about.get(name)) is not kind:
             raise DetectorError(f"{name}: expected {kind.__name__}, got {about.get(name)!r:.80}")
     for name in ("name", "label"):
-        if not 0 < len(about[name]) <= _LONGEST_NAME or not about[name].isprintable():
-            raise DetectorError(f"{name}: expected 1 to {_LONGEST_NAME} printable characters")
+        if not 0 < len(about[name]) <= LONGEST_NAME or not about[name].isprintable():
+            raise DetectorError(f"{name}: expected 1 to {LONGEST_NAME} printable characters")
     return about
 
 

@@ -1,0 +1,255 @@
+"""``nvcore train``: a detector trained on recordings with ground truth, or on folders."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import click
+
+from nvcore.cli.options import INPUTS, OUTPUT, GroupedCommand, examples, grouped_option, pair_of
+from nvcore.cli.progress import ShareProgress, TerminalProgress
+from nvcore.cli.steps import errors_of
+from nvcore.extras import needs
+from nvcore.inputs.session_toml import read_session
+from nvcore.wording import one_line
+
+if TYPE_CHECKING:
+    from nvcore.dataset import Dataset
+
+# As in nvcore/cli/__init__.py, numpy and OpenCV are imported by the command only.
+
+MODEL: Final = "Model"
+HELD_OUT: Final = "Held out"
+FOLDERS: Final = "Folders of pictures"
+PRESET_NAMES: Final = ("pedestrians", "signs", "as-in-report")
+SPLITS: Final = ("auto", "object", "recording", "time")
+
+_AS_IN_PYTHON: Final = (
+    *("preset", "name", "every", "hold_out", "split", "share", "gap", "least_height", "seed"),
+    *("crops", "crop_share", "background"),
+)
+"""Options that `nvcore.api.train.train` has by the same names."""
+_PathTo = click.Path(exists=True, file_okay=False, path_type=Path)
+
+_OPTIONS: Final = (
+    grouped_option(
+        INPUTS,
+        "--only",
+        multiple=True,
+        metavar="RECORDING",
+        help="Only this recording; may be given again.",
+    ),
+    grouped_option(
+        INPUTS,
+        "--tag",
+        "tags",
+        multiple=True,
+        metavar="TAG",
+        help="Only recordings with this tag; may be given again: with all of them.",
+    ),
+    grouped_option(
+        INPUTS,
+        "--frames",
+        metavar="F:L",
+        help="Only these of the evaluated frames: first and last, each may be missing.",
+    ),
+    grouped_option(
+        INPUTS,
+        "--every",
+        type=click.IntRange(1),
+        metavar="N",
+        help="Only every Nth evaluated frame, neighbours being much alike. Default: so many that "
+        "5,000 boxes are learned at most.",
+    ),
+    grouped_option(
+        INPUTS,
+        "--least-height",
+        type=click.FloatRange(0),
+        metavar="PX",
+        help="Lower boxes are neither learned nor background. Default: those that the smallest "
+        "scale is too large for.",
+    ),
+    grouped_option(
+        FOLDERS,
+        "--crops",
+        type=_PathTo,
+        metavar="DIR",
+        help="Pictures with an object in the middle, or with those that boxes.csv in the folder "
+        "lists (file,x,y,w,h).",
+    ),
+    grouped_option(
+        FOLDERS,
+        "--crop-share",
+        type=float,
+        help="Share of a crop's height that its object takes. Default: as in the window.",
+    ),
+    grouped_option(
+        FOLDERS, "--background", type=_PathTo, metavar="DIR", help="Pictures without an object."
+    ),
+    grouped_option(
+        HELD_OUT,
+        "--hold-out",
+        multiple=True,
+        metavar="RECORDING",
+        help="This recording; may be given again.",
+    ),
+    grouped_option(
+        HELD_OUT,
+        "--split",
+        type=click.Choice(SPLITS),
+        default="auto",
+        show_default=True,
+        help="Without --hold-out: by physical object (tracks of the truth), by recording, or the "
+        "end of each recording (time); auto: the first that is possible.",
+    ),
+    grouped_option(
+        HELD_OUT,
+        "--share",
+        type=float,
+        default=0.1,
+        show_default=True,
+        help="Of the objects, the recordings or the time.",
+    ),
+    grouped_option(
+        HELD_OUT,
+        "--gap",
+        type=click.IntRange(0),
+        default=20,
+        show_default=True,
+        metavar="N",
+        help="Frames before the held-out end of a recording that are left out.",
+    ),
+    grouped_option(
+        MODEL,
+        "--preset",
+        type=click.Choice(PRESET_NAMES),
+        help="Settings to start from. Default: signs where the session is of speed signs, else "
+        "pedestrians.",
+    ),
+    grouped_option(
+        MODEL,
+        "--set",
+        "settings",
+        multiple=True,
+        metavar="KEY=VALUE",
+        help="A setting of the detector, such as stride=6 or scales=1,1.2,1.4; may be given again. "
+        "docs/detectors.md lists them.",
+    ),
+    grouped_option(
+        MODEL, "--name", metavar="NAME", help="Name of the model. Default: that of its file."
+    ),
+    grouped_option(
+        MODEL,
+        "--seed",
+        type=click.IntRange(0),
+        default=0,
+        show_default=True,
+        help="Of all that is drawn at random: the same seed gives the same file.",
+    ),
+    grouped_option(
+        OUTPUT,
+        "--out",
+        required=True,
+        type=click.Path(path_type=Path),
+        metavar="FILE",
+        help="Write the model into this file (.npz).",
+    ),
+)
+
+
+def _with_options(command: Callable[..., None]) -> Callable[..., None]:
+    for option in reversed(_OPTIONS):
+        command = option(command)
+    return command
+
+
+@click.command(
+    cls=GroupedCommand,
+    short_help="Train a detector on recordings, or on folders of pictures.",
+    epilog=examples(
+        "nvcore train night.toml --only urban_01 --only urban_02 --out night.npz",
+        "nvcore train night.toml --frames :399 --set stride=6 --out night.npz",
+        "nvcore train --preset signs --crops signs --background roads --out signs.npz",
+    ),
+)
+@click.argument(
+    "session_file",
+    required=False,
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="[SESSION_FILE]",
+)
+@_with_options
+def train(session_file: Path | None, **options: Any) -> None:
+    """Train a detector (Integral Channel Features) on recordings, or on folders of pictures.
+
+    SESSION_FILE (TOML) names the ground truth and the pictures of each recording; it need not name
+    a system. Its boxes are learned; what is held out of them calibrates which windows are rejected
+    early. The model notes all of it, and the audit says so where it is evaluated on that. Ctrl+C
+    ends it and leaves nothing behind. nvcore detect then takes the file. Exit code 0: fine, 2: bad
+    input.
+    """
+    with needs("detectors", "nvcore train needs"):
+        from nvcore.detectors.training.presets import preset_settings
+
+    settings = dict(pair_of(text, "--set") for text in options["settings"])
+    preset_settings(options["preset"] or PRESET_NAMES[0], settings)  # before anything is loaded
+    if session_file is None:
+        if options["only"] or options["tags"] or options["hold_out"] or options["frames"]:
+            raise click.UsageError(
+                "--only, --tag, --frames and --hold-out are about a session; name its file"
+            )
+        _train(None, settings, options, "SESSION")
+        return
+    from nvcore.inputs.load import load
+    from nvcore.inputs.recordings_file import with_recordings_file
+
+    session = with_recordings_file(read_session(session_file, needs_system=False))
+    session = replace(
+        session,
+        only_tags=options["tags"] or session.only_tags,
+        only=options["only"] or session.only,
+    )
+    with errors_of(session):
+        with TerminalProgress(2 + len(session.systems)) as steps:
+            dataset = load(session, progress=steps)
+        _train(dataset, settings, options, str(session_file))
+
+
+def _train(
+    dataset: Dataset | None, settings: dict[str, str], options: dict[str, Any], session_name: str
+) -> None:
+    from nvcore.api.train import train as train_model
+    from nvcore.report.detectors import render_training
+
+    out: Path = options["out"]
+    first, last = _frames(options["frames"])
+    with ShareProgress() as progress:
+        training = train_model(
+            dataset,
+            out,
+            settings=settings,
+            first_frame=first,
+            last_frame=last,
+            progress=progress,
+            **{name: options[name] for name in _AS_IN_PYTHON},
+        )
+    click.echo(render_training(training))
+    click.echo(one_line(f"written to {out} ({out.stat().st_size / 1000:,.0f} kB)"), err=True)
+    folder = out.with_suffix("") if out.suffix else Path(f"{out}_run")
+    command = f"nvcore detect {session_name} --detector {out} --out {folder}"
+    click.echo(one_line(f"run it: {command}"), err=True)
+
+
+def _frames(text: str | None) -> tuple[int | None, int | None]:
+    """First and last frame of ``F:L``."""
+    if text is None:
+        return None, None
+    match = re.fullmatch(r"\s*(-?\d{1,15})?\s*:\s*(-?\d{1,15})?\s*", text, re.ASCII)
+    if match is None:
+        raise click.UsageError(f"--frames: expected F:L, such as 0:399, found {one_line(text)!r}")
+    first, last = (None if end is None else int(end) for end in match.groups())
+    return first, last

@@ -1,0 +1,124 @@
+"""All that one training learns from: a session, folders, or both; and where its model goes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from nvcore.dataset import Dataset
+from nvcore.dataset.provenance import TrainedOn
+from nvcore.detectors.icf import IcfModel, IcfSettings
+from nvcore.detectors.icf.model_file import to_bytes
+from nvcore.detectors.training.folders import folder_shots
+from nvcore.detectors.training.recordings import session_shots
+from nvcore.detectors.training.shots import Shot
+from nvcore.detectors.training.split import Choice
+from nvcore.errors import InputError
+from nvcore.output.files import write_whole
+from nvcore.pictures import RecordingPictures
+
+
+@dataclass(frozen=True, kw_only=True)
+class Folders:
+    """Folders of a training; see `nvcore.detectors.training.folders.folder_shots`."""
+
+    crops: Path | None = None
+    background: Path | None = None
+    crop_share: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Gathered:
+    """What a training learns from.
+
+    Attributes
+    ----------
+    shots
+        Pictures of recordings, crops, background.
+    trained_on
+        What to note of them.
+    every
+        Of so many evaluated frames of the recordings one is taken.
+    held_out
+        What is held out, in words.
+    notes
+        Recordings without pictures, each with the reason.
+    """
+
+    shots: Sequence[Shot]
+    trained_on: tuple[TrainedOn, ...]
+    every: int
+    held_out: str
+    notes: tuple[str, ...] = ()
+
+
+def gather(
+    dataset: Dataset | None,
+    pictures: RecordingPictures | None,
+    settings: IcfSettings,
+    choice: Choice,
+    folders: Folders,
+) -> Gathered:
+    """Everything that a training learns from; no picture of a recording is read.
+
+    Parameters
+    ----------
+    dataset, pictures
+        Of a session; None: there are folders alone.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to learn from.
+    ParameterError
+        If the split is not possible.
+    """
+    from_folders = folder_shots(
+        folders.crops,
+        folders.background,
+        settings,
+        crop_share=folders.crop_share,
+        share=choice.share,
+        seed=choice.seed,
+    )
+    if dataset is None or pictures is None:
+        if not from_folders.shots:
+            raise InputError("there is nothing to learn from; name a session, or folders")
+        return Gathered(from_folders.shots, from_folders.trained_on, 1, from_folders.split)
+    of_session = session_shots(dataset, pictures, settings, choice)
+    return Gathered(
+        shots=[*of_session.shots, *from_folders.shots],
+        trained_on=of_session.trained_on + from_folders.trained_on,
+        every=of_session.every,
+        held_out="; ".join(text for text in (of_session.split, from_folders.split) if text),
+        notes=of_session.notes,
+    )
+
+
+def check_model_target(path: Path) -> None:
+    """Refuse what `write_trained` would refuse, before a long training.
+
+    Raises
+    ------
+    InputError
+        If it is a folder, or cannot be written to.
+    """
+    if path.is_dir():
+        raise InputError("is a folder; give the name of a file, such as model.npz", file=path)
+    place = next(folder for folder in path.absolute().parents if folder.exists())
+    is_open = os.access(path, os.W_OK) if path.exists() else True
+    if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK) or not is_open:
+        raise InputError("cannot be written to; give another file", file=path)
+
+
+def write_trained(model: IcfModel, path: Path) -> None:
+    """Write a model at once: the file is there whole, or as it was before.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written.
+    """
+    write_whole(path, to_bytes(model))

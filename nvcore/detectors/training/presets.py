@@ -1,0 +1,75 @@
+"""Settings of a training: a preset by its name, with changes as users write them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any, Final
+
+from nvcore.detectors.icf import AS_IN_REPORT, PEDESTRIANS, SIGNS, IcfSettings
+from nvcore.detectors.settings import typed_like
+from nvcore.errors import DetectorError
+from nvcore.wording import did_you_mean, listed
+from nvcore.wording.objects import PEDESTRIAN, SPEED_SIGN, Objects
+
+PRESETS: Final[Mapping[str, IcfSettings]] = {
+    "pedestrians": PEDESTRIANS,
+    "signs": SIGNS,
+    "as-in-report": AS_IN_REPORT,
+}
+"""By the names that the command line knows (`PRESET_NAMES` of nvcore/cli/train.py)."""
+
+
+def preset_for(objects: Objects | None) -> str:
+    """The preset for what a session is of, unless the user names one; None: there is no session."""
+    return "signs" if objects == SPEED_SIGN else "pedestrians"
+
+
+def objects_of(preset: str) -> Objects:
+    """What a preset is for."""
+    return PEDESTRIAN if preset == "pedestrians" else SPEED_SIGN
+
+
+def preset_settings(preset: str, given: Mapping[str, Any]) -> IcfSettings:
+    """The settings of a preset, some of them changed.
+
+    Parameters
+    ----------
+    given
+        By name; several values of one stand in one text, with commas or spaces between.
+
+    Raises
+    ------
+    DetectorError
+        If there is no such preset or setting, or a text is not of the setting's type.
+    ParameterError
+        If a value is not possible.
+    """
+    if preset not in PRESETS:
+        known = f"they are {listed([*PRESETS])}"
+        raise DetectorError(
+            f"there is no preset {preset!r}; {did_you_mean(preset, PRESETS, known)}"
+        )
+    names = [spec.name for spec in fields(IcfSettings)]
+    for name in given:
+        if name not in names:
+            raise DetectorError(
+                f"there is no setting {name!r}; "
+                f"{did_you_mean(name, names, f'there are {listed(names)}')}"
+            )
+    start = PRESETS[preset]
+    values: dict[str, Any] = typed_like(start, given)
+    patience = values.get("patience")
+    if isinstance(patience, str):
+        values["patience"] = None if patience in ("", "none") else _whole("patience", patience)
+    values = {
+        name: tuple(value) if isinstance(value, list) else value for name, value in values.items()
+    }
+    return replace(start, **values)
+
+
+def _whole(name: str, text: str) -> int:
+    try:
+        return int(text)
+    except ValueError as error:
+        raise DetectorError(f"{name}: expected a whole number or none, found {text!r}") from error

@@ -1,0 +1,189 @@
+"""Shots of a loaded session: evaluated frames with pictures, and the boxes of their truth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.dataset import Dataset
+from nvcore.dataset.provenance import TrainedOn
+from nvcore.dataset.training import trained_part
+from nvcore.detection.filtered_truth import filter_truth
+from nvcore.detectors.icf import IcfSettings
+from nvcore.detectors.run import NO_PICTURES
+from nvcore.detectors.training.shots import Shot
+from nvcore.detectors.training.split import Choice, HeldOut
+from nvcore.errors import InputError
+from nvcore.pictures import RecordingPictures
+from nvcore.protocols import Protocol
+from nvcore.wording import one_line
+
+MOST_OBJECTS: Final = 5000
+"""Boxes that are learned unless the caller asks for every frame: neighbours are much alike."""
+_HEAVY: Final = 2
+
+
+@dataclass(frozen=True, eq=False)
+class SessionShots:
+    """What a session gives to a training.
+
+    Attributes
+    ----------
+    shots
+        In the order of recordings and frames.
+    trained_on
+        Recordings and frames, those held out included.
+    every
+        Of so many evaluated frames one is taken.
+    split
+        What was held out, in words.
+    notes
+        Recordings without pictures, each with the reason.
+    """
+
+    shots: Sequence[Shot]
+    trained_on: tuple[TrainedOn, ...]
+    every: int
+    split: str
+    notes: tuple[str, ...]
+
+
+def session_shots(
+    dataset: Dataset, pictures: RecordingPictures, settings: IcfSettings, choice: Choice
+) -> SessionShots:
+    """The frames of a session to learn from.
+
+    Boxes that the session's protocol leaves out, that are mostly hidden, cut off by the picture's
+    edge or lower than `Choice.least_height` are neither object nor background, like those that the
+    truth flags as ignored.
+
+    Raises
+    ------
+    InputError
+        If no frame has a picture, or a recording to be held out is not there.
+    ParameterError
+        If the split is not possible.
+    """
+    rows, notes = _rows(dataset, pictures, choice)
+    counts = _counting(dataset, settings, choice)
+    every = choice.every or _sparse(dataset, rows, counts)
+    trained_on = _parts(dataset, rows)
+    rows = _thinned(dataset, rows, every)
+    is_here = np.zeros(len(dataset.frames), np.bool_)
+    is_here[rows] = True
+    objects = np.flatnonzero(counts & is_here[dataset.truth.frame_index])
+    if not len(objects):
+        raise InputError(
+            "no box of the truth can be learned: all are ignored, mostly hidden, cut off by the "
+            "picture's edge or too low; choose other recordings or frames, or lower boxes"
+        )
+    split = HeldOut(dataset, rows, objects, choice)
+    shots = [
+        _shot(dataset, pictures, int(row), counts, split) for row in rows[~split.is_left_out[rows]]
+    ]
+    return SessionShots(shots, trained_on, every, split.words, notes)
+
+
+def _rows(
+    dataset: Dataset, pictures: RecordingPictures, choice: Choice
+) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+    """Rows of the frames table that have a picture, and why recordings have none."""
+    frames = dataset.frame_columns
+    names = dataset.recordings["name"].tolist()
+    has_picture = np.zeros(len(frames), np.bool_)
+    for number, index in pictures.indices.items():
+        has_picture[frames.rows_of(number)] = index >= 0
+    first = -np.inf if choice.first_frame is None else choice.first_frame
+    last = np.inf if choice.last_frame is None else choice.last_frame
+    is_asked = (frames.frame >= first) & (frames.frame <= last)
+    if not is_asked.any():
+        raise InputError("no evaluated frame is among those to train on; correct the frames")
+    rows = np.flatnonzero(has_picture & is_asked)
+    if not len(rows):
+        raise InputError(" ".join([NO_PICTURES, *map(one_line, pictures.troubles.values())]))
+    without = sorted(set(range(len(names))) - {*frames.recording[rows].tolist()})
+    notes = tuple(
+        one_line(f"{names[number]}: {pictures.notes.get(number) or 'no frame has a picture'}")
+        for number in without
+    )
+    return rows, notes
+
+
+def _counting(dataset: Dataset, settings: IcfSettings, choice: Choice) -> NDArray[np.bool_]:
+    """Boxes of the truth that are learned; bool, (n_truth,)."""
+    of_session: Protocol = dataset.settings.protocol
+    least = choice.least_height
+    if least is None:
+        least = settings.object_height * settings.scales[0]
+    low, high = of_session.height_px
+    left, top, right, bottom = of_session.border_px or (1.0,) * 4
+    protocol = replace(
+        of_session,
+        height_px=(max(low, least), max(high, least)),
+        occlusion=tuple(level for level in of_session.occlusion if level != _HEAVY) or (_HEAVY,),
+        border_px=(max(left, 1.0), max(top, 1.0), max(right, 1.0), max(bottom, 1.0)),
+        tags=(),
+        recordings=(),
+    )
+    return filter_truth(dataset, protocol).counts
+
+
+def _sparse(dataset: Dataset, rows: NDArray[np.int64], counts: NDArray[np.bool_]) -> int:
+    """The least step between frames with which there are few enough boxes."""
+    per_frame = np.bincount(dataset.truth.frame_index[counts], minlength=len(dataset.frames))
+    return max(1, -(-int(per_frame[rows].sum()) // MOST_OBJECTS))
+
+
+def _thinned(dataset: Dataset, rows: NDArray[np.int64], every: int) -> NDArray[np.int64]:
+    """Every so many rows of each recording."""
+    recording = dataset.frame_columns.recording[rows]
+    place = np.arange(len(rows)) - np.searchsorted(recording, recording)
+    thinned: NDArray[np.int64] = rows[place % every == 0]
+    return thinned
+
+
+def _shot(
+    dataset: Dataset,
+    pictures: RecordingPictures,
+    row: int,
+    counts: NDArray[np.bool_],
+    split: HeldOut,
+) -> Shot:
+    frames, truth = dataset.frame_columns, dataset.truth
+    number = int(frames.recording[row])
+    source = pictures.sources[number]
+    index = int(pictures.indices[number][row - int(frames.first[number])])
+    across = source.width / float(frames.width[number])
+    down = source.height / float(frames.height[number])
+    of_frame = truth.rows_of(row, row + 1)
+    boxes = np.stack([side[of_frame] for side in truth.xywh], axis=1)
+    boxes = boxes * (across, down, across, down)
+    is_object, is_out = counts[of_frame], split.is_held_out[of_frame]
+    return Shot(
+        read=partial(source.read, index),
+        source=str(dataset.recordings["name"].iloc[number]),
+        learned=boxes[is_object & ~is_out],
+        held_out=boxes[is_object & is_out],
+        ignored=boxes[~is_object],
+        has_background=bool(split.has_background[row]),
+    )
+
+
+def _parts(dataset: Dataset, rows: NDArray[np.int64]) -> tuple[TrainedOn, ...]:
+    """What to note of the training: of each recording its frames from the first to the last."""
+    frames = dataset.frame_columns
+    recording, frame = frames.recording[rows], frames.frame[rows]
+    return tuple(
+        trained_part(
+            dataset,
+            str(dataset.recordings["name"].iloc[number]),
+            int(frame[recording == number].min()),
+            int(frame[recording == number].max()),
+        )
+        for number in np.unique(recording)
+    )

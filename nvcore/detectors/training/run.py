@@ -1,0 +1,175 @@
+"""A training from beginning to end: pictures are read, a model is trained, and what it kept."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.detectors.icf import IcfModel, IcfSettings, Scene, train
+from nvcore.detectors.icf.cascade import floors
+from nvcore.detectors.icf.channels import check_picture
+from nvcore.detectors.icf.model_file import LONGEST_NAME
+from nvcore.detectors.icf.windows import object_windows, window_values
+from nvcore.detectors.training.gathering import Gathered
+from nvcore.detectors.training.shots import PictureStore, Shot, scenes_of
+from nvcore.errors import DetectorError, InputError, ParameterError
+from nvcore.memory import free_bytes
+from nvcore.progress import Progress, no_progress, part_of
+from nvcore.wording import duration_text
+
+_READING: Final = 0.05
+"""Share of the time for reading pictures, about."""
+_SOON: Final = 0.03
+"""Share done from which on the time left is said."""
+_BYTES_OF_VALUE: Final = 13
+"""Memory for each feature of each window: joined from parts, binned, in the search of splits."""
+
+
+@dataclass(frozen=True, eq=False)
+class Training:
+    """A trained model, and how its training went.
+
+    Attributes
+    ----------
+    model
+        Ready to be written.
+    gathered
+        What it was to learn from.
+    n_pictures
+        That it was trained on.
+    n_objects, n_held_out
+        Boxes that were learned, and those that were held out.
+    n_kept, n_found
+        Held-out boxes whose own window the cascade lets through, and those of them that reach the
+        threshold.
+    faults
+        Why pictures could not be read.
+    seconds
+        How long it took.
+    """
+
+    model: IcfModel
+    gathered: Gathered
+    n_pictures: int
+    n_objects: int
+    n_held_out: int
+    n_kept: int
+    n_found: int
+    faults: tuple[str, ...]
+    seconds: float
+
+
+def train_on(
+    gathered: Gathered,
+    settings: IcfSettings,
+    *,
+    name: str,
+    label: str,
+    seed: int = 0,
+    progress: Progress = no_progress,
+) -> Training:
+    """Train a model; the same pictures, boxes, settings and seed give the same model.
+
+    Parameters
+    ----------
+    gathered
+        Pictures and boxes.
+    name, label
+        Of the model, and what it detects.
+    progress
+        Called with the share done, and the time left in words. It may raise `CancelledError`.
+
+    Raises
+    ------
+    InputError
+        If no picture can be read, or there is no object or no background to learn from.
+    ParameterError
+        If the name cannot be that of a model.
+    """
+    began = time.perf_counter()
+    if not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
+        raise ParameterError(
+            f"name: expected 1 to {LONGEST_NAME} printable characters, got {name[:40]!r}"
+        )
+    shots = gathered.shots
+    _check_room(shots, settings)
+    progress = _with_time_left(progress)
+    store = PictureStore(shots)
+    store.read_all(part_of(progress, 0.0, _READING))
+    faults = tuple(store.faults.values())
+    if len(faults) == len(shots):
+        raise InputError(f"no picture can be read: {faults[0] if faults else 'there is none'}")
+    scenes, held_out = scenes_of(store)
+    model = train(
+        scenes,
+        settings,
+        name=name,
+        label=label,
+        seed=seed,
+        held_out=held_out,
+        trained_on=gathered.trained_on,
+        progress=part_of(progress, _READING, 1.0),
+    )
+    sums = _sums(model, held_out)
+    is_kept = (sums >= floors(model.settings, model.calibration)[0]).all(axis=1)
+    progress(1.0, "done")
+    read = [shot for i, shot in enumerate(shots) if i not in store.faults]
+    return Training(
+        model=model,
+        gathered=gathered,
+        n_pictures=len(scenes),
+        n_objects=sum(len(shot.learned) for shot in read),
+        n_held_out=len(sums),
+        n_kept=int(np.count_nonzero(is_kept)),
+        n_found=int(np.count_nonzero(is_kept & (sums[:, -1] >= model.settings.threshold))),
+        faults=faults,
+        seconds=time.perf_counter() - began,
+    )
+
+
+def _sums(model: IcfModel, scenes: Sequence[Scene]) -> NDArray[np.float64]:
+    """Running sums of the objects in their own windows, (n_objects, n_trees)."""
+    plain = replace(model.settings, copies=0)
+    unused = np.random.default_rng(0)
+    values = [np.empty((0, len(model.features)), np.int32)]
+    for i in range(len(scenes)):
+        scene = scenes[i]
+        picture = check_picture(scene.picture, model.is_colour)
+        windows = [
+            window for box in scene.boxes for window in object_windows(picture, box, plain, unused)
+        ]
+        values.append(window_values(windows, plain, model.features))
+    return model.trees.running_sums(np.concatenate(values))
+
+
+def _check_room(shots: Sequence[Shot], settings: IcfSettings) -> None:
+    """Refuse a training for which there is too little memory, before it takes hours."""
+    n_objects = sum(len(shot.learned) + len(shot.held_out) for shot in shots)
+    n_rounds = len(settings.trees_per_round)
+    n_windows = n_objects * (1 + settings.copies) + settings.negatives
+    n_windows += (n_rounds - 1) * settings.negatives_per_round
+    needed, free = n_windows * settings.features * _BYTES_OF_VALUE, free_bytes()
+    if free is not None and needed > free:
+        raise DetectorError(
+            f"{n_windows:,} windows of {settings.features:,} features take about "
+            f"{needed / 1e9:.1f} GB of memory; {max(free, 0) / 1e9:.1f} GB are free. Take fewer "
+            "frames, fewer copies of objects, less background or fewer features"
+        )
+
+
+def _with_time_left(progress: Progress) -> Progress:
+    """Words with the time left, estimated from the share done so far."""
+    began = time.perf_counter()
+
+    def tell(share: float, what: str) -> None:
+        if _SOON <= share < 1:
+            left = (time.perf_counter() - began) * (1 - share) / share
+            what = f"{what}, about {duration_text(left)} left"
+        progress(share, what)
+
+    return tell

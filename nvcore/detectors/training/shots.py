@@ -1,0 +1,133 @@
+"""Pictures of a training before they are read, and their scenes, read when they are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.detectors.icf.channels import has_colour
+from nvcore.detectors.icf.windows import NO_BOXES, Scene
+from nvcore.errors import MediaError
+from nvcore.pictures import Picture
+from nvcore.progress import Progress, no_progress
+from nvcore.wording import one_line
+
+MOST_BYTES: Final = 1 << 29
+"""Of pictures that stay in memory; any others are read again whenever they are asked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """A picture of a training, and what is to be found in it. Boxes are (n, 4): x, y, w, h in px.
+
+    Attributes
+    ----------
+    read
+        Gives the picture; raises `MediaError` if it cannot.
+    source
+        Its recording or folder: the pictures of one are all in colour or all grey.
+    learned
+        Boxes of the objects to learn.
+    held_out
+        Those on which the rejection is calibrated.
+    ignored
+        What is neither object nor background.
+    has_background
+        Whether the rest of the picture is background to learn from.
+    """
+
+    read: Callable[[], Picture]
+    source: str
+    learned: NDArray[np.float64] = field(default_factory=lambda: NO_BOXES)
+    held_out: NDArray[np.float64] = field(default_factory=lambda: NO_BOXES)
+    ignored: NDArray[np.float64] = field(default_factory=lambda: NO_BOXES)
+    has_background: bool = True
+
+    @property
+    def is_learned(self) -> bool:
+        """Whether anything of it is trained on."""
+        return self.has_background or len(self.learned) > 0
+
+
+class PictureStore:
+    """The pictures of shots, those that fit into memory read once.
+
+    Attributes
+    ----------
+    faults
+        Why pictures cannot be read, by shot.
+    """
+
+    def __init__(self, shots: Sequence[Shot], most_bytes: int = MOST_BYTES) -> None:
+        self.shots = shots
+        self.faults: dict[int, str] = {}
+        self._in_memory: dict[int, Picture] = {}
+        self._free_bytes = most_bytes
+        self._in_colour: set[str] = set()
+
+    def read_all(self, progress: Progress = no_progress) -> None:
+        """Read every picture once, in order: a video is quick that way, and faults are known."""
+        for i, shot in enumerate(self.shots):
+            progress(i / len(self.shots), "reading pictures")
+            try:
+                picture = shot.read()
+            except MediaError as error:
+                self.faults[i] = one_line(str(error))
+                continue
+            if has_colour(picture):
+                self._in_colour.add(shot.source)
+            self._keep(i, _plain(picture))
+
+    def picture(self, index: int) -> Picture:
+        """The picture of a shot: grey, unless any of its source has colour."""
+        picture = self._in_memory.get(index)
+        if picture is None:
+            picture = _plain(self.shots[index].read())
+        if picture.ndim == 2 and self.shots[index].source in self._in_colour:
+            picture = np.repeat(picture[..., None], 3, axis=2)
+        return picture
+
+    def _keep(self, index: int, picture: Picture) -> None:
+        if picture.nbytes <= self._free_bytes:
+            self._free_bytes -= picture.nbytes
+            self._in_memory[index] = picture
+
+
+def _plain(picture: Picture) -> Picture:
+    """The picture with one channel where all are equal."""
+    if picture.ndim == 3 and not has_colour(picture):
+        return np.ascontiguousarray(picture[..., 0])
+    return picture
+
+
+class LazyScenes(Sequence[Scene]):
+    """Scenes of shots, read when they are asked for."""
+
+    def __init__(self, store: PictureStore, shots: Sequence[int], *, are_held_out: bool) -> None:
+        self._store, self._shots, self._are_held_out = store, shots, are_held_out
+
+    def __len__(self) -> int:
+        return len(self._shots)
+
+    def __getitem__(self, index: int) -> Scene:  # type: ignore[override]
+        number = self._shots[index]
+        shot, picture = self._store.shots[number], self._store.picture(number)
+        if self._are_held_out:
+            return Scene(picture, shot.held_out, has_background=False)
+        ignored = np.concatenate([shot.ignored, shot.held_out])
+        return Scene(picture, shot.learned, ignored, shot.has_background)
+
+
+def scenes_of(store: PictureStore) -> tuple[LazyScenes, LazyScenes]:
+    """Scenes to train on, and those of the objects held out; what cannot be read is in neither."""
+    readable = [i for i in range(len(store.shots)) if i not in store.faults]
+    learned = [i for i in readable if store.shots[i].is_learned]
+    held_out = [i for i in readable if len(store.shots[i].held_out)]
+    return (
+        LazyScenes(store, learned, are_held_out=False),
+        LazyScenes(store, held_out, are_held_out=True),
+    )
