@@ -62,9 +62,13 @@ def test_the_light_core_is_enough_for(arguments: tuple[str, ...], wheel: Install
             ("detect", "{}/session.toml", "--detector", "hog", "--out", "hog"),
             f"nvcore detect needs {MISSING}[detectors]'",
         ),
+        (
+            ("train", "{}/session.toml", "--out", "model.npz"),
+            f"nvcore train needs {MISSING}[detectors]'",
+        ),
         (("models",), f"nvcore models needs {MISSING}[detectors]'"),
     ],
-    ids=["report", "sample", "app", "detect", "models"],
+    ids=["report", "sample", "app", "detect", "train", "models"],
 )
 def test_the_light_core_names_the_extra_for(
     arguments: tuple[str, ...], told: str, wheel: Installed
@@ -105,6 +109,9 @@ def test_the_extra_for_detectors_is_enough_for_one_but_onnx(wheel: Installed):
     quick = ("--detector", "hog:daimler", "--set", "scale_step=1.5")
     done = wheel.run("detect", wheel.sample, *quick, *part, extras=("detectors",))
     assert done.returncode == 0, done.stderr
+    done = wheel.run("models", "icf:sample", extras=("detectors",))
+    assert done.returncode == 0, done.stderr
+    assert "detects: pedestrian" in done.stdout
     model = wheel.folder / "model.onnx"
     model.write_bytes(b"\x08\x08\x12\x04test")
     done = wheel.run("models", model, extras=("detectors",))

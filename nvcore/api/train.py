@@ -131,7 +131,8 @@ def train(
     chosen = preset or preset_for(None if dataset is None else dataset.objects)
     resolved = preset_settings(chosen, settings or {})
     objects = objects_of(chosen) if dataset is None else dataset.objects
-    with gathering(dataset, resolved, choice, folders, path) as gathered:
+    files = [Path(source)] if isinstance(source, str | Path) else []
+    with gathering(dataset, resolved, choice, folders, path, files) as gathered:
         training = train_on(
             gathered,
             resolved,
@@ -151,6 +152,7 @@ def gathering(
     choice: Choice,
     folders: Folders,
     out: Path,
+    files: Sequence[Path] = (),
 ) -> Iterator[Gathered]:
     """What a training learns from, with its pictures open; `out` is none of it and can be written.
 
@@ -158,6 +160,8 @@ def gathering(
     ----------
     dataset
         That was loaded from a session; None: folders alone.
+    files
+        Further inputs that `out` must not replace.
 
     Raises
     ------
@@ -167,7 +171,7 @@ def gathering(
     from nvcore.detectors.training.gathering import check_model_target, gather
     from nvcore.pictures import session_pictures
 
-    inputs = [folder for folder in (folders.crops, folders.background) if folder is not None]
+    inputs = [*files, *(path for path in (folders.crops, folders.background) if path is not None)]
     pictures = None
     if dataset is not None:
         session = dataset.settings

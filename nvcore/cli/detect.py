@@ -64,7 +64,8 @@ _detector_options = (
     "--detector",
     required=True,
     metavar="NAME|FILE",
-    help="hog, hog:daimler, or a model: one that was trained here (.npz) or an ONNX file (.onnx).",
+    help="hog, hog:daimler, icf:sample, or a model: one that was trained here (.npz) or an ONNX "
+    "file (.onnx).",
 )
 @_detector_options[0]
 @_detector_options[1]
@@ -226,4 +227,4 @@ def models(detector: str | None, settings: Sequence[str]) -> None:
             raise click.UsageError("--set is about a detector; name it")
         click.echo(render_detectors())
         return
-    click.echo(render_about(_opened(detector, settings, ()).about))
+    click.echo(render_about(_opened(detector, settings, ())))

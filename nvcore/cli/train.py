@@ -12,7 +12,7 @@ import click
 
 from nvcore.cli.options import INPUTS, OUTPUT, GroupedCommand, examples, grouped_option, pair_of
 from nvcore.cli.progress import ShareProgress, TerminalProgress
-from nvcore.cli.steps import errors_of
+from nvcore.cli.steps import errors_of, refuse_to_replace
 from nvcore.extras import needs
 from nvcore.inputs.session_toml import read_session
 from nvcore.wording import one_line
@@ -207,6 +207,7 @@ def train(session_file: Path | None, **options: Any) -> None:
     from nvcore.inputs.load import load
     from nvcore.inputs.recordings_file import with_recordings_file
 
+    refuse_to_replace([options["out"]], [session_file])
     session = with_recordings_file(read_session(session_file, needs_system=False))
     session = replace(
         session,

@@ -20,6 +20,8 @@ from nvcore.errors import DetectorError
 from nvcore.file_kinds import binary_kind
 from nvcore.wording import did_you_mean, listed, one_line
 
+SAMPLE_MODEL: Final = Path(__file__).with_name("models") / "sample.npz"
+"""Written by scripts/train_sample.py."""
 _HEAD_BYTES: Final = 4096
 
 
@@ -72,7 +74,7 @@ def _hog_settings() -> type:
 def _open_icf(text: str, settings: Mapping[str, Setting]) -> Detector:
     from nvcore.detectors.icf import read_model  # type: ignore[import-not-found,unused-ignore]
 
-    detector = read_model(Path(text))
+    detector = read_model(SAMPLE_MODEL if text == "icf:sample" else Path(text))
     if settings:
         detector = detector.run_with(**typed_like(detector.model.settings, settings))
     opened: Detector = detector
@@ -113,7 +115,7 @@ DETECTORS: Final[dict[str, Kind]] = {
         Kind(
             "icf",
             "Integral Channel Features with a soft cascade: a model that was trained here (.npz)",
-            {},
+            {"icf:sample": "trained on six sample recordings: drawings, not real people"},
             lambda head: head.startswith(b"PK\3\4"),
             _open_icf,
             lambda: None,

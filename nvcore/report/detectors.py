@@ -6,7 +6,9 @@ from dataclasses import fields
 from typing import Any
 
 from nvcore.dataset.provenance import About, TrainedOn
-from nvcore.detectors.icf import IcfModel
+from nvcore.detectors.base import Detector
+from nvcore.detectors.icf import IcfDetector, IcfModel
+from nvcore.detectors.icf.settings import OF_A_RUN
 from nvcore.detectors.registry import DETECTORS, Kind
 from nvcore.detectors.run import DetectorRun, Expectation
 from nvcore.detectors.settings import SettingFacts, facts_of
@@ -26,19 +28,43 @@ def render_detectors() -> str:
     return "\n".join(lines)
 
 
-def render_about(about: About) -> str:
+def render_about(detector: Detector) -> str:
     """What a detector is: labels, training, and its settings with their range and meaning."""
-    kind = DETECTORS[about.kind]
+    about, kind = detector.about, DETECTORS[detector.about.kind]
     trained_on = [trained_on_text(part) for part in about.trained_on] or ["not known"]
     lines = [
         f"{one_line(about.name)}: {kind.title}",
         f"detects: {one_line(listed(about.labels))}",
         f"fingerprint: {about.fingerprint}",
         f"trained on: {'; '.join(trained_on)}",
-        "settings:",
-        *_settings(about, kind),
     ]
-    return "\n".join(lines)
+    if isinstance(detector, IcfDetector):
+        return "\n".join([*lines, *_of_model(detector.model), *_icf_settings(about)])
+    return "\n".join([*lines, "settings:", *_settings(about, kind)])
+
+
+def _of_model(model: IcfModel) -> list[str]:
+    """What a model is made of, and how its training went."""
+    s, channels = model.settings, listed(model.channels)
+    object_size = f"{s.object_width:g}x{s.object_height:g} px"
+    return [
+        f"window: {s.window_width}x{s.window_height} px, with an object of {object_size}",
+        f"trees: {len(model.trees):,}, over {count_text(len(model.features), 'feature')} in "
+        f"{count_text(len(model.channels), 'channel')}: {channels}",
+        *_windows(model),
+    ]
+
+
+def _icf_settings(about: About) -> list[str]:
+    lines: dict[bool, list[str]] = {True: [], False: []}
+    for name, value in about.settings.items():
+        lines[name in OF_A_RUN].append(f"  {name} = {_value(value)}")
+    return [
+        "settings that --set may change:",
+        *lines[True],
+        "settings of its training:",
+        *lines[False],
+    ]
 
 
 def trained_on_text(part: TrainedOn) -> str:

@@ -12,7 +12,7 @@ from nvcore.errors import DetectorError
 
 def test_every_built_in_detector_opens_and_says_its_kind():
     names = [(name, kind.key) for kind in DETECTORS.values() for name in kind.built_in]
-    assert names == [("hog", "hog"), ("hog:daimler", "hog")]
+    assert names == [("hog", "hog"), ("hog:daimler", "hog"), ("icf:sample", "icf")]
     for name, key in names:
         assert open_detector(name).about.kind == key
 

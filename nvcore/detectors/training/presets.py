@@ -58,18 +58,18 @@ def preset_settings(preset: str, given: Mapping[str, Any]) -> IcfSettings:
                 f"{did_you_mean(name, names, f'there are {listed(names)}')}"
             )
     start = PRESETS[preset]
-    values: dict[str, Any] = typed_like(start, given)
-    patience = values.get("patience")
+    patience = given.get("patience")
     if isinstance(patience, str):
-        values["patience"] = None if patience in ("", "none") else _whole("patience", patience)
+        given = {**given, "patience": _whole_or_none("patience", patience)}
+    values: dict[str, Any] = typed_like(start, given)
     values = {
         name: tuple(value) if isinstance(value, list) else value for name, value in values.items()
     }
     return replace(start, **values)
 
 
-def _whole(name: str, text: str) -> int:
+def _whole_or_none(name: str, text: str) -> int | None:
     try:
-        return int(text)
+        return None if text == "none" else int(text)
     except ValueError as error:
         raise DetectorError(f"{name}: expected a whole number or none, found {text!r}") from error

@@ -1,0 +1,135 @@
+"""Crops of objects and pictures of background as folders."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+import nvcore as nv
+from nvcore.detectors.icf import SIGNS
+from nvcore.detectors.training.folders import folder_shots
+from nvcore.errors import InputError, ParameterError
+
+
+def disc(path: Path, size: int, shift: int = 0) -> None:
+    picture = np.full((size, size, 3), 90, np.uint8)
+    middle = size // 2
+    cv2.circle(picture, (middle + shift, middle), size // 3, (240, 240, 240), -1)
+    cv2.circle(picture, (middle + shift, middle), size // 3, (20, 20, 200), 3)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    cv2.imwrite(str(path), picture)
+
+
+@pytest.fixture
+def crops(tmp_path: Path) -> Path:
+    folder = tmp_path / "crops"
+    for sign in range(4):
+        for i in range(3):
+            disc(folder / f"30/{sign:05}_{i:05}.png", 40 + sign)
+    return folder
+
+
+@pytest.fixture
+def background(tmp_path: Path) -> Path:
+    folder = tmp_path / "roads"
+    folder.mkdir()
+    for i in range(3):
+        picture = np.random.default_rng(i).integers(0, 255, (120, 160, 3), np.uint8)
+        cv2.imwrite(str(folder / f"{i}.png"), cv2.GaussianBlur(picture, (5, 5), 0))
+    return folder
+
+
+def test_an_object_fills_the_stated_share_of_its_crop(crops: Path):
+    shots = folder_shots(crops, None, SIGNS, crop_share=0.5).shots
+    (box,) = (*shots[0].learned, *shots[0].held_out)
+    assert box.tolist() == [10, 10, 20, 20]
+    as_in_window = folder_shots(crops, None, SIGNS).shots[0]
+    (box,) = (*as_in_window.learned, *as_in_window.held_out)
+    assert box[3] == 40 * 27 / 32
+    assert not any(shot.has_background for shot in shots)
+
+
+def test_a_track_of_crops_is_on_one_side(crops: Path):
+    given = folder_shots(crops, None, SIGNS, share=0.25)
+    assert given.split == "1 of 4 physical objects in crops"
+    out = [len(shot.held_out) for shot in given.shots]
+    assert sum(out) == 3
+    assert {sum(out[i : i + 3]) for i in range(0, 12, 3)} == {0, 3}
+
+
+def test_boxes_are_those_of_the_table(crops: Path):
+    (crops / "boxes.csv").write_text(
+        "file,x,y,w,h\n30/00000_00000.png,1,2,10,11\n30/00000_00000.png,20,2,10,11\n"
+    )
+    shots = folder_shots(crops, None, SIGNS).shots
+    boxes = [np.concatenate([shot.learned, shot.held_out]).tolist() for shot in shots]
+    assert boxes[0] == [[1, 2, 10, 11], [20, 2, 10, 11]]
+    assert not any(boxes[1:])
+
+
+def test_the_fingerprint_is_of_contents_and_boxes(crops: Path, background: Path):
+    first = folder_shots(crops, background, SIGNS)
+    assert len(first.trained_on) == 2
+    moved = crops.rename(crops.with_name("elsewhere"))
+    assert folder_shots(moved, background, SIGNS).trained_on == first.trained_on
+    assert folder_shots(moved, None, SIGNS, crop_share=0.5).trained_on[0] != first.trained_on[0]
+    disc(moved / "30/00000_00000.png", 44)
+    assert folder_shots(moved, None, SIGNS).trained_on[0] != first.trained_on[0]
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ("name,x,y,w,h\n", r"boxes.csv, line 1: expected the columns file, x, y, w, h"),
+        ("file,x,y,w,h\n30/00000_00000.png,1,2,0,5\n", "line 2: expected a file name"),
+        ("file,x,y,w,h\n30/00000_00000.png,1,2,nan,5\n", "line 2: expected a file name"),
+        ("file,x,y,w,h\n30/00000_00000.png,1,2\n", "line 2: expected a file name"),
+        ("file,x,y,w,h\n../../secret.png,1,2,3,4\n", r"line 2: there is no picture '../../sec"),
+        ("\xff\xfe", "is not UTF-8 text"),
+    ],
+)
+def test_a_wrong_table_is_refused(table: str, words: str, crops: Path):
+    (crops / "boxes.csv").write_bytes(table.encode("latin-1"))
+    with pytest.raises(InputError, match=words):
+        folder_shots(crops, None, SIGNS)
+
+
+def test_folders_without_pictures_are_refused(tmp_path: Path):
+    with pytest.raises(InputError, match="there is no such folder"):
+        folder_shots(tmp_path / "gone", None, SIGNS)
+    (tmp_path / "notes.txt").write_text("")
+    with pytest.raises(InputError, match="there are no pictures in it"):
+        folder_shots(None, tmp_path, SIGNS)
+    for share in (0, 1.5, float("nan")):
+        with pytest.raises(ParameterError, match="crop_share"):
+            folder_shots(tmp_path, None, SIGNS, crop_share=share)
+
+
+def test_crops_and_background_give_a_model(crops: Path, background: Path, tmp_path: Path):
+    (crops / "30/damaged.png").write_bytes(b"\x89PNG\r\n\x1a\n")
+    settings = {"features": 200, "trees_per_round": (8,), "negatives": 300, "copies": 1}
+    training = nv.train(
+        None, tmp_path / "signs.npz", preset="signs", settings=settings,
+        crops=crops, background=background, share=0.3,
+    )  # fmt: skip
+    assert (training.n_objects, training.n_held_out, training.n_kept) == (9, 3, 3)
+    assert training.faults == ("damaged.png: the picture is damaged or cut off; copy it again",)
+    model = training.model
+    assert (model.label, model.is_colour, model.n_objects) == ("speed sign", True, 18)
+    assert [part.recording for part in model.trained_on] == ["", ""]
+
+
+def test_there_has_to_be_something_to_learn(tmp_path: Path, crops: Path, background: Path):
+    out = tmp_path / "signs.npz"
+    with pytest.raises(InputError, match="there is nothing to learn from"):
+        nv.train(None, out)
+    with pytest.raises(InputError, match="there is no background"):
+        nv.train(None, out, crops=crops, preset="signs")
+    with pytest.raises(InputError, match="there is no object"):
+        nv.train(None, out, background=background, preset="signs")
+    with pytest.raises(InputError, match="is an input, and would be replaced"):
+        nv.train(None, crops / "30/00000_00000.png", crops=crops)
+    assert not out.exists()

@@ -1,0 +1,58 @@
+"""Settings of a training as users write them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from nvcore.cli.train import PRESET_NAMES, SPLITS
+from nvcore.detectors.icf import AS_IN_REPORT, PEDESTRIANS, SIGNS
+from nvcore.detectors.training.presets import PRESETS, objects_of, preset_for, preset_settings
+from nvcore.detectors.training.split import SplitBy
+from nvcore.errors import DetectorError, ParameterError
+from nvcore.wording.objects import PEDESTRIAN, SPEED_SIGN
+
+
+def test_the_command_line_knows_them_all():
+    assert tuple(PRESETS) == PRESET_NAMES
+    assert SplitBy.__args__ == SPLITS  # type: ignore[attr-defined]
+
+
+def test_the_preset_follows_the_objects():
+    assert [preset_for(objects) for objects in (None, PEDESTRIAN, SPEED_SIGN)] == [
+        "pedestrians",
+        "pedestrians",
+        "signs",
+    ]
+    assert [objects_of(name) for name in PRESETS] == [PEDESTRIAN, SPEED_SIGN, SPEED_SIGN]
+    assert [preset_settings(name, {}) for name in PRESETS] == [PEDESTRIANS, SIGNS, AS_IN_REPORT]
+
+
+def test_texts_are_read_as_the_setting_s_type():
+    given = {"scales": "1, 1.5", "channels": "grey magnitude", "blur": "no", "patience": "30"}
+    settings = preset_settings("pedestrians", {**given, "stride": "6", "overlap": 1})
+    assert settings.scales == (1.0, 1.5)
+    assert settings.channels == ("grey", "magnitude")
+    assert (settings.blur, settings.patience, settings.stride) == (False, 30, 6)
+    assert preset_settings("as-in-report", {"patience": "150"}).patience == 150
+    assert preset_settings("as-in-report", {"patience": "none"}).patience is None
+    assert preset_settings("pedestrians", {"trees_per_round": [4, 8]}).trees_per_round == (4, 8)
+
+
+@pytest.mark.parametrize(
+    ("preset", "given", "words"),
+    [
+        ("pedestrian", {}, "did you mean 'pedestrians'"),
+        ("signs", {"strid": "4"}, "did you mean 'stride'"),
+        ("signs", {"stride": "4.5"}, "stride: expected a whole number"),
+        ("signs", {"patience": "long"}, "patience: expected a whole number or none"),
+        ("signs", {"scales": "2 1"}, "scales: expected 1 to 64 ascending ones"),
+        ("signs", {"stride": "1e999"}, "stride: expected"),
+        ("signs", {"features": "99999999"}, "features: expected 1 to 200000"),
+        ("signs", {"channels": "infrared"}, "channels: expected some of"),
+    ],
+)
+def test_what_is_not_possible_is_said(preset: str, given: dict[str, Any], words: str):
+    with pytest.raises((DetectorError, ParameterError), match=words):
+        preset_settings(preset, given)
