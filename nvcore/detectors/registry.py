@@ -115,7 +115,7 @@ DETECTORS: Final[dict[str, Kind]] = {
         Kind(
             "icf",
             "Integral Channel Features with a soft cascade: a model that was trained here (.npz)",
-            {"icf:sample": "trained on six sample recordings: drawings, not real people"},
+            {"icf:sample": "trained on seven sample recordings: drawings, not real people"},
             lambda head: head.startswith(b"PK\3\4"),
             _open_icf,
             lambda: None,

@@ -39,7 +39,7 @@ def test_it_runs_by_its_name_with_other_settings():
 
 
 def test_the_list_says_that_it_knows_drawings():
-    assert "icf:sample     trained on six sample recordings: drawings" in nvcore("models").stdout
+    assert "icf:sample     trained on seven sample recordings: drawings" in nvcore("models").stdout
 
 
 def test_it_detects_where_it_was_not_trained_and_is_not_believed_elsewhere(tmp_path: Path):
