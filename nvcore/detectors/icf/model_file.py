@@ -328,7 +328,7 @@ def _classifier(classes: object, weights: NDArray[np.float64] | None) -> Classif
     if weights is None or not isinstance(classes, list) or len(classes) != weights.shape[1]:
         raise DetectorError("classes: expected a name for each column of class_weights")
     are_names = all(
-        isinstance(name, str) and 0 < len(name) <= _LONGEST_NAME and name.isprintable()
+        isinstance(name, str) and 0 < len(name) <= LONGEST_NAME and name.isprintable()
         for name in classes
     )
     if not are_names or len(set(classes)) != len(classes) or len(classes) < 2:
