@@ -142,14 +142,7 @@ def held_out(crops: Sequence[Crop]) -> tuple[list[Crop], list[Crop]]:
 
 def unlike(crops: Sequence[Crop], scenes: Sequence[SignScene]) -> tuple[list[Crop], list[str]]:
     """Crops that resemble no speed limit of these scenes, and the names of the others."""
-    signs = [
-        standardised(picture, box)
-        for scene in scenes
-        if len(scene.boxes)
-        for picture in [scene.read()]
-        for box in scene.boxes
-    ]
-    reference = np.array(signs)
+    reference = np.concatenate([signs_of(scene) for scene in scenes])
     kept, alike = [], []
     for crop in crops:
         best = (reference @ standardised(read_rgb(crop.path), crop.box)).max()
@@ -158,6 +151,26 @@ def unlike(crops: Sequence[Crop], scenes: Sequence[SignScene]) -> tuple[list[Cro
         else:
             kept.append(crop)
     return kept, alike
+
+
+def unlike_scenes(
+    trained: Sequence[SignScene], tested: Sequence[SignScene]
+) -> tuple[list[SignScene], list[str]]:
+    """Scenes none of whose speed limits resembles one of the tested scenes, and the others' names.
+
+    Signs of one limit are alike by design: not every scene left out shows a sign of the tests.
+    """
+    reference = np.concatenate([signs_of(scene) for scene in tested])
+    is_alike = [(signs_of(scene) @ reference.T).max(initial=-1) > ALIKE for scene in trained]
+    kept = [scene for scene, out in zip(trained, is_alike, strict=True) if not out]
+    return kept, [scene.path.name for scene, out in zip(trained, is_alike, strict=True) if out]
+
+
+def signs_of(scene: SignScene) -> np.ndarray:
+    """The speed limits of a scene, `standardised`; (n, 1024)."""
+    picture = scene.read() if len(scene.boxes) else None
+    signs = [standardised(picture, box) for box in scene.boxes]
+    return np.array(signs).reshape(-1, _COMPARED_PX**2)
 
 
 def standardised(picture: np.ndarray, box: np.ndarray) -> np.ndarray:

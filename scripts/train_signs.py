@@ -3,11 +3,11 @@
     python -m scripts.train_signs [--model FILE] [--evaluate] [--left-out FILE]
 
 Trains on the scenes and crops of `scripts.sign_data` (some ten minutes on two free cores), writes
-the model, and the names of the crops that were left out because they resemble a sign of a test
-scene. `--evaluate` only measures a model that is there, `--reader` only trains and measures what
-reads the limit in a box (half a minute), and puts it into a model that is there. The data are those
-in `$NVCORE_REALDATA` (default: `../shared/realdata`); their licence is for research, so that models
-of them do not ship.
+the model, and the names of what was left out because it resembles a sign of a test scene: crops,
+and with `--strict` scenes, too. `--evaluate` only measures a model that is there, `--reader` only
+trains and measures what reads the limit in a box (half a minute), and puts it into a model that is
+there. The data are those in `$NVCORE_REALDATA` (default: `../shared/realdata`); their licence is
+for research, so that models of them do not ship.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 
 import numpy as np
 import pandas as pd
@@ -29,7 +29,15 @@ from nvcore.detection import DetectionCurve, detection_curve, detection_outcomes
 from nvcore.detection.miss_rate import log_average_miss_rate
 from nvcore.detectors.base import Detections
 from nvcore.detectors.classifier import Classifier, train_classifier
-from nvcore.detectors.icf import SIGNS, IcfDetector, IcfModel, read_model, train, write_model
+from nvcore.detectors.icf import (
+    SIGNS,
+    IcfDetector,
+    IcfModel,
+    IcfSettings,
+    read_model,
+    train,
+    write_model,
+)
 from nvcore.detectors.icf.cascade import floors
 from nvcore.detectors.icf.channels import check_picture
 from nvcore.detectors.icf.detector import suppressed
@@ -49,6 +57,7 @@ from scripts.sign_data import (
     read_rgb,
     read_scenes,
     unlike,
+    unlike_scenes,
 )
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -70,7 +79,7 @@ Boxes = Iterable[tuple[np.ndarray, np.ndarray, Sequence[str]]]
 
 @dataclass(frozen=True)
 class Run:
-    """Detections of all scenes: tables as of plain CSV, windows and features that it took."""
+    """Detections of all scenes: tables as of plain CSV; windows, features, processor time it took."""
 
     truth: pd.DataFrame
     boxes: pd.DataFrame
@@ -88,11 +97,11 @@ def run(scenes: Sequence[SignScene], detector: IcfDetector) -> Run:
         for (x, y, w, h), limit in zip(scene.boxes, scene.limits, strict=True):
             truth.append((frame, x, y, w, h, int(min(w, h) < LEAST_PX), f"speed limit {limit}"))
         picture = scene.read()
-        start = perf_counter()
+        start = process_time()
         maps = detector.score_maps(picture)
         found: Detections = suppressed(detector.candidates(maps), detector.model.settings)
         found = detector.classified(picture, found)
-        seconds += perf_counter() - start
+        seconds += process_time() - start
         n_windows += sum(score_map.n_windows for score_map in maps)
         n_features += sum(score_map.n_features for score_map in maps)
         limits = [""] * len(found) if found.label is None else found.label
@@ -161,23 +170,78 @@ def area_interval(dataset: Dataset) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def measure(name: str, scenes: Sequence[SignScene], detector: IcfDetector) -> str:
-    """How well the detector does on these scenes, in a sentence."""
+@dataclass(frozen=True)
+class Measured:
+    """How well a detector does on scenes.
+
+    Attributes
+    ----------
+    n_scenes, n_signs
+        Scenes, and signs in them that count.
+    area, low, high
+        Area under the curve of precision and recall, with its 95 % interval.
+    missed
+        At the lowest threshold with a precision of 95 % or more.
+    recall, false_positives, fppw
+        At the lowest threshold of all.
+    miss_rate
+        Log-average.
+    read_right
+        Limits of the signs found that are read right, in words.
+    windows, features, seconds
+        Windows a scene, features a window, seconds of processor time a scene.
+    """
+
+    n_scenes: int
+    n_signs: int
+    area: float
+    low: float
+    high: float
+    missed: int
+    recall: float
+    false_positives: int
+    fppw: float
+    miss_rate: float
+    read_right: str
+    windows: float
+    features: float
+    seconds: float
+
+    def __str__(self) -> str:
+        return (
+            f"{self.n_signs} signs in {self.n_scenes} scenes; PR-AUC {self.area:.4f} "
+            f"({self.low:.4f} to {self.high:.4f}); missed at a precision of 95 %: {self.missed}; "
+            f"highest recall {self.recall:.3f} with {self.false_positives} false positives "
+            f"({self.fppw:.2e} per window); log-average miss rate {self.miss_rate:.3f}; "
+            f"limits of the signs found read right: {self.read_right}; "
+            f"{self.windows:,.0f} windows a scene, {self.features:.1f} features a window, "
+            f"{self.seconds:.2f} s of processor time a scene"
+        )
+
+
+def measure(scenes: Sequence[SignScene], detector: IcfDetector) -> Measured:
+    """How well the detector does on these scenes."""
     result = run(scenes, detector)
     dataset = dataset_of(result, len(scenes))
     curve = detection_curve(dataset, dataset.systems[0], Params())
     low, high = area_interval(dataset)
     windows = result.n_windows / len(scenes)
     at = int(np.argmax(curve.tp))
-    return (
-        f"{name}: {curve.n_truth} signs in {len(scenes)} scenes; PR-AUC {pr_auc(curve):.4f} "
-        f"({low:.4f} to {high:.4f}); missed at a precision of 95 %: {missed(curve)}; highest "
-        f"recall {curve.recall[at]:.3f} with {curve.fp[at]} false positives "
-        f"({curve.fppw(windows)[at]:.2e} per window); log-average miss rate "
-        f"{log_average_miss_rate(curve):.3f}; limits of the signs found read right: "
-        f"{read_right(dataset)}; {windows:,.0f} windows a scene, "
-        f"{result.n_features / result.n_windows:.1f} features a window, "
-        f"{result.seconds / len(scenes):.2f} s a scene"
+    return Measured(
+        n_scenes=len(scenes),
+        n_signs=curve.n_truth,
+        area=pr_auc(curve),
+        low=low,
+        high=high,
+        missed=missed(curve),
+        recall=float(curve.recall[at]),
+        false_positives=int(curve.fp[at]),
+        fppw=float(curve.fppw(windows)[at]),
+        miss_rate=log_average_miss_rate(curve),
+        read_right=read_right(dataset),
+        windows=windows,
+        features=result.n_features / result.n_windows,
+        seconds=result.seconds / len(scenes),
     )
 
 
@@ -195,37 +259,64 @@ def rejected(crops: Sequence[Crop], detector: IcfDetector) -> int:
     return int((sums < floors(model.settings, model.calibration)[0]).any(axis=1).sum())
 
 
-def training_parts(realdata: Path, *, choosing: bool) -> tuple[list[LazyScenes], list[str]]:
-    """What is trained and what is calibrated on, and the crops that resemble a sign for testing.
+@dataclass(frozen=True)
+class Examples:
+    """What there is to learn, none of it for testing.
+
+    Attributes
+    ----------
+    scenes, crops
+        Of the training.
+    alike
+        Names of the crops and scenes that were left out, since they resemble a sign of a scene
+        for testing.
+    """
+
+    scenes: list[SignScene]
+    crops: list[Crop]
+    alike: list[str]
+
+    def parts(self) -> list[LazyScenes]:
+        """What is trained on, and what rejection is calibrated on."""
+        limits = [crop for crop in self.crops if crop.is_speed_limit]
+        with_signs = [scene for scene in self.scenes if len(scene.boxes)]
+        calibrating = {crop.path.name for crop in limits[::EVERY]}
+        calibrating |= {scene.path.name for scene in with_signs[::EVERY]}
+        return [
+            LazyScenes(
+                [scene for scene in self.scenes if (scene.path.name in calibrating) == is_out],
+                [crop for crop in self.crops if (crop.path.name in calibrating) == is_out],
+            )
+            for is_out in (False, True)
+        ]
+
+
+def examples(realdata: Path, *, choosing: bool, strict: bool = False) -> Examples:
+    """Scenes and crops to train on.
 
     Parameters
     ----------
     choosing
         Leave out the scenes on which settings are chosen, too.
+    strict
+        Leave out scenes with a sign that resembles one for testing, too, not only such crops.
     """
     scenes = read_scenes(realdata / "gtsdb" / "train")
     tested = [scene for scene in scenes if scene.number % 4 == TESTED]
+    tested += read_scenes(realdata / "gtsdb" / "report")
     out = {TESTED, CHOOSING} if choosing else {TESTED}
     crops, _ = held_out(read_crops(realdata / "gtsrb"))
-    crops, alike = unlike(crops, [*tested, *read_scenes(realdata / "gtsdb" / "report")])
-    limits = [crop for crop in crops if crop.is_speed_limit]
-    calibrating = {crop.path.name for crop in limits[::EVERY]}
+    crops, alike = unlike(crops, tested)
     holding = [scene for scene in scenes if scene.number % 4 not in out]
-    with_signs = [scene for scene in holding if len(scene.boxes)]
-    calibrating |= {scene.path.name for scene in with_signs[::EVERY]}
-    parts = [
-        LazyScenes(
-            [scene for scene in holding if (scene.path.name in calibrating) == is_out],
-            [crop for crop in crops if (crop.path.name in calibrating) == is_out],
-        )
-        for is_out in (False, True)
-    ]
-    return parts, alike
+    if strict:
+        holding, more = unlike_scenes(holding, tested)
+        alike += more
+    return Examples(holding, crops, alike)
 
 
-def train_signs(realdata: Path, *, choosing: bool) -> tuple[IcfModel, list[str]]:
-    """A model of all that is not for testing, and the crops that are left out; as above."""
-    parts, alike = training_parts(realdata, choosing=choosing)
+def train_signs(of: Examples, settings: IcfSettings = SIGNS, seed: int = SEED) -> IcfModel:
+    """A model of these examples."""
+    parts = of.parts()
     start = perf_counter()
 
     def progress(share: float, what: str) -> None:
@@ -233,24 +324,24 @@ def train_signs(realdata: Path, *, choosing: bool) -> tuple[IcfModel, list[str]]
 
     model = train(
         parts[0],
-        SIGNS,
+        settings,
         name="speed limits",
         label="speed limit",
-        seed=SEED,
+        seed=seed,
         held_out=parts[1],
         progress=progress,
     )
     print(f"\r{'trained':45s} {perf_counter() - start:5.0f} s")
-    return model, alike
+    return model
 
 
 def train_reader(realdata: Path) -> Classifier:
     """The classifier alone that a model of `train_signs` has."""
-    (scenes, _), _ = training_parts(realdata, choosing=False)
+    scenes, _ = examples(realdata, choosing=False).parts()
     start = perf_counter()
     holding = [scene for scene in scenes if scene.labels]
-    examples = ((scene.picture, scene.boxes, scene.labels) for scene in holding)
-    reader = train_classifier(examples, seed=SEED)
+    boxes = ((scene.picture, scene.boxes, scene.labels) for scene in holding)
+    reader = train_classifier(boxes, seed=SEED)
     assert reader is not None
     n_signs = sum(len(scene.labels) for scene in holding)
     print(f"trained to read the limits of {n_signs} signs in {perf_counter() - start:.0f} s")
@@ -320,6 +411,9 @@ def main() -> None:
         action="store_true",
         help="train and measure the classifier of limits alone, and put it into the model",
     )
+    parser.add_argument(
+        "--strict", action="store_true", help="no scenes with a sign like one tested, either"
+    )
     options = parser.parse_args()
     realdata = Path(os.environ.get("NVCORE_REALDATA", ROOT.parent / "shared" / "realdata"))
     if options.reader:
@@ -329,20 +423,22 @@ def main() -> None:
         print(*reading_in_truth(realdata, reader), sep="\n")
         return
     if not options.evaluate:
-        model, alike = train_signs(realdata, choosing=options.choosing)
+        of = examples(realdata, choosing=options.choosing, strict=options.strict)
+        model = train_signs(of)
         write_model(model, options.model)
-        options.left_out.write_text("".join(f"{name}\n" for name in sorted(alike)))
-        print(f"{len(alike)} crops resemble a sign of a test scene: {options.left_out}")
+        options.left_out.write_text("".join(f"{name}\n" for name in sorted(of.alike)))
+        print(f"{len(of.alike)} crops and scenes with a sign that resembles one of a test scene: "
+              f"{options.left_out}")  # fmt: skip
         print(f"{model.n_objects} windows of objects, {model.n_background} of background")
     detector = read_model(options.model).run_with(threshold=LOWEST)
     scenes = read_scenes(realdata / "gtsdb" / "train")
     if options.choosing:
         chosen = [scene for scene in scenes if scene.number % 4 == CHOOSING]
-        print(measure("for choosing settings", chosen, detector))
+        print("for choosing settings:", measure(chosen, detector))
         return
     tested = [scene for scene in scenes if scene.number % 4 == TESTED]
-    print(measure(f"signs of {LEAST_PX} px and more", tested, detector))
-    print(measure("as in the report", read_scenes(realdata / "gtsdb" / "report"), detector))
+    print(f"signs of {LEAST_PX} px and more:", measure(tested, detector))
+    print("as in the report:", measure(read_scenes(realdata / "gtsdb" / "report"), detector))
     _, crops = held_out(read_crops(realdata / "gtsrb"))
     print(f"rejected of {len(crops)} crops held out: {rejected(crops, detector)}")
     reader = detector.model.classifier
