@@ -79,7 +79,7 @@ Boxes = Iterable[tuple[np.ndarray, np.ndarray, Sequence[str]]]
 
 @dataclass(frozen=True)
 class Run:
-    """Detections of all scenes: tables as of plain CSV; windows, features, processor time it took."""
+    """Detections of all scenes: tables as of plain CSV; windows, features, seconds that it took."""
 
     truth: pd.DataFrame
     boxes: pd.DataFrame
