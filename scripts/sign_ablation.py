@@ -30,6 +30,7 @@ BASE: Final = replace(
     negatives=4000,
     negatives_per_round=3000,
     copies=2,
+    kept_share=0.98,
 )
 SECTION: Final = ("<!-- sign ablation: begin -->", "<!-- sign ablation: end -->")
 
@@ -90,6 +91,7 @@ ROWS: Final = (
     Row("window of 24 px", _window(24)),
     Row("window of 48 px", _window(48)),
     Row("small objects not learned from shrunk ones", {"least_object_px": 0.0}),
+    Row("cascade: calibrated, all objects pass", {"kept_share": 1.0}),
     Row("cascade: constant, -1", run={"cascade": "constant", "rejection": -1.0}),
     Row("cascade: constant, -5", run={"cascade": "constant", "rejection": -5.0}),
     Row("cascade: hard, by stages", run={"cascade": "hard"}),
