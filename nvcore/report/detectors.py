@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from typing import Any
 
 from nvcore.dataset.provenance import About, TrainedOn
 from nvcore.detectors.base import Detector
+from nvcore.detectors.facts import run_settings
 from nvcore.detectors.icf import IcfDetector, IcfModel
-from nvcore.detectors.icf.settings import OF_A_RUN
-from nvcore.detectors.registry import DETECTORS, Kind
+from nvcore.detectors.registry import DETECTORS
 from nvcore.detectors.run import DetectorRun, Expectation
-from nvcore.detectors.settings import SettingFacts, facts_of
+from nvcore.detectors.settings import SettingFacts
 from nvcore.detectors.training.run import Training
 from nvcore.wording import count_text, duration_text, listed, one_line
 
@@ -39,8 +38,8 @@ def render_about(detector: Detector) -> str:
         f"trained on: {'; '.join(trained_on)}",
     ]
     if isinstance(detector, IcfDetector):
-        return "\n".join([*lines, *_of_model(detector.model), *_icf_settings(about)])
-    return "\n".join([*lines, "settings:", *_settings(about, kind)])
+        lines += _of_model(detector.model)
+    return "\n".join([*lines, *_settings(about)])
 
 
 def _of_model(model: IcfModel) -> list[str]:
@@ -55,18 +54,6 @@ def _of_model(model: IcfModel) -> list[str]:
     ]
 
 
-def _icf_settings(about: About) -> list[str]:
-    lines: dict[bool, list[str]] = {True: [], False: []}
-    for name, value in about.settings.items():
-        lines[name in OF_A_RUN].append(f"  {name} = {_value(value)}")
-    return [
-        "settings that --set may change:",
-        *lines[True],
-        "settings of its training:",
-        *lines[False],
-    ]
-
-
 def trained_on_text(part: TrainedOn) -> str:
     """A part of what a detector was trained on."""
     if not part.recording:
@@ -77,16 +64,18 @@ def trained_on_text(part: TrainedOn) -> str:
     return f"{one_line(part.recording)}, frames {first}:{last}"
 
 
-def _settings(about: About, kind: Kind) -> list[str]:
-    settings = kind.settings()
-    if settings is None:
-        return [f"  {name} = {_value(value)}" for name, value in about.settings.items()]
-    lines = []
-    for spec in fields(settings):
-        facts = facts_of(spec)
-        lines.append(f"  {spec.name} = {_value(about.settings.get(spec.name))}")
+def _settings(about: About) -> list[str]:
+    """Those of a run with their meaning and range, and those that made the model what it is."""
+    of_run = run_settings(about)
+    lines = ["settings:"]
+    for name, facts in of_run.items():
+        lines.append(f"  {name} = {_value(about.settings.get(name))}")
         lines.append(f"      {facts.meaning}{_range(facts)}")
         lines += [f"        {word:12} {text}" for word, text in (facts.choices or {}).items()]
+    others = {name: value for name, value in about.settings.items() if name not in of_run}
+    if others:
+        lines.append("settings of its training, which cannot be changed:")
+        lines += [f"  {name} = {_value(value)}" for name, value in others.items()]
     return lines
 
 
