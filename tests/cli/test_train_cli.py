@@ -47,8 +47,8 @@ def test_from_a_session_to_boxes(tmp_path: Path):
     trained_on = "urban_crossing, frames 0:299; winter_frost, frames 0:299"
     assert f"trained on: {trained_on}" in described
     assert "window: 20x40 px, with an object of 12x32 px" in described
-    assert described.index("  stride = 8") < described.index("settings of its training,")
-    assert described.index("  features = 150") > described.index("settings of its training,")
+    of_training = described.index("settings of its training, which cannot be changed:")
+    assert described.index("  stride = 8") < of_training < described.index("  features = 150")
 
 
 def test_what_is_interrupted_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
