@@ -8,6 +8,7 @@ from typing import Final, Self
 
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.published import PublishedPoint
 from nvcore.wording.objects import PEDESTRIAN, Objects
 
 MIN_FPS: Final = 0.001
@@ -33,6 +34,8 @@ class Settings:
     objects
         What the boxes are of: which classes the readers keep unless told otherwise, and what the
         texts call them.
+    published
+        Operating points of others, drawn beside the curves.
     """
 
     x: str | None = None
@@ -42,6 +45,7 @@ class Settings:
     only_tags: tuple[str, ...] = ()
     only: tuple[str, ...] = ()
     objects: Objects = PEDESTRIAN
+    published: tuple[PublishedPoint, ...] = ()
 
     def renamed(
         self,

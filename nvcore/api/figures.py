@@ -235,7 +235,15 @@ class Figures:
             legend_text(summarise_curve(curve, threshold), kind)
             for curve, threshold in zip(curves, thresholds, strict=True)
         ]
-        return curve_plot(curves, thresholds, kind, theme=self._theme, summaries=legends, hint="")
+        return curve_plot(
+            curves,
+            thresholds,
+            kind,
+            theme=self._theme,
+            summaries=legends,
+            hint="",
+            published=result.dataset.settings.published,
+        )
 
     @_worded
     def subgroups(self, measure: str = "encounters_detected") -> go.Figure:

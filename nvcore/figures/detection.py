@@ -15,8 +15,9 @@ from nvcore.detection.curves import DetectionCurve
 from nvcore.detection.miss_rate import FPPI_REFERENCES
 from nvcore.figures.marks import HOVER, click_markers, marks, steady_marker, system_marker
 from nvcore.figures.rate_axis import LogScale, decades, log_scale
-from nvcore.figures.style import LOOK, axis, draw, empty_figure, system_label
+from nvcore.figures.style import LOOK, axis, draw, empty_figure, plain, system_label
 from nvcore.palette import Theme
+from nvcore.published import PublishedPoint
 from nvcore.wording import count_text
 
 CurveKind = Literal["miss_rate", "precision_recall", "roc", "roc_windows", "f1"]
@@ -34,6 +35,8 @@ TO_CLICK: Final = "click a curve to set its threshold"
 POINT: Final = ("threshold", "recall", "miss_rate", "precision", "f1", "fppi")
 """What is known of every point of a curve."""
 MARKER_PX: Final = 13
+PUBLISHED_PX: Final = 12
+PUBLISHED_SYMBOLS: Final = ("star", "triangle-up", "square", "cross", "x", "pentagon")
 ZERO_PX: Final = 11
 
 
@@ -101,6 +104,15 @@ KINDS: Final[dict[CurveKind, _Kind]] = {
 }
 
 
+_ON_AXES: Final = {
+    "recall": "recall",
+    "miss_rate": "miss rate",
+    "precision": "precision",
+    "fppi": "false positives per image",
+    "fppw": "false positives per window",
+}
+
+
 def legend_text(summary: CurveSummary, kind: CurveKind) -> str:
     """The measure that belongs to a kind of curve, for its legend, with why it is 0."""
     if summary.why_undefined is not None:
@@ -127,6 +139,7 @@ def curve_plot(
     summaries: Sequence[str] = ("", ""),
     windows_per_image: float | None = None,
     hint: str = TO_CLICK,
+    published: Sequence[PublishedPoint] = (),
 ) -> go.Figure:
     """Curves of X and Y; a large mark at the threshold in use.
 
@@ -146,6 +159,8 @@ def curve_plot(
         For false positives per window (`nvcore.detection.windows`).
     hint
         Last part of the subtitle.
+    published
+        Points of others; those of which the kind of curve needs more than is known are not drawn.
     """
     of = KINDS[kind]
     why_empty = _why_empty(curves, kind, windows_per_image)
@@ -156,7 +171,8 @@ def curve_plot(
         _Points.at(curve, threshold, of, windows_per_image)
         for curve, threshold in zip(curves, thresholds, strict=False)
     ]
-    x_scale, y_scale = _scales(of, [*points, *used])
+    others = {point.name: _Points.published(point, of) for point in published}
+    x_scale, y_scale = _scales(of, [*points, *used, *others.values()])
     traces: list[list[go.Scatter]] = [[], [], [], []]
     for i, letter in enumerate("xy"[: len(curves)]):
         line = points[i].placed(x_scale, y_scale).thinned(is_log=of.x_log)
@@ -169,6 +185,7 @@ def curve_plot(
         clicks, texts = line.clicked(letter), line.texts(letter, of)
         label = f"{letter.upper()}, points"
         traces[3].append(click_markers(line.x, line.y, texts, customdata=clicks, name=label))
+    traces.append(_published(others, x_scale, y_scale, of, theme))
     return draw(
         list(chain.from_iterable(traces)),
         theme,
@@ -199,6 +216,13 @@ class _Points:
         point = curve.at(threshold)
         values = {name: np.array([getattr(point, name)]) for name in POINT}
         return cls._drawable(values, of, windows)
+
+    @classmethod
+    def published(cls, point: PublishedPoint, of: _Kind) -> _Points:
+        values = {name: np.array([value]) for name, value in point.values().items()}
+        nothing = np.array([np.nan])
+        points = cls(values.get(of.x, nothing), values.get(of.y, nothing), values)
+        return points.rows(np.flatnonzero(np.isfinite(points.x) & np.isfinite(points.y)))
 
     @classmethod
     def _drawable(cls, values: dict[str, np.ndarray], of: _Kind, windows: float | None) -> _Points:
@@ -295,6 +319,31 @@ def _in_use(points: _Points, letter: str, theme: Theme, of: _Kind) -> list[go.Sc
         )
         for _ in points.x
     ]
+
+
+def _published(
+    others: Mapping[str, _Points],
+    x_scale: LogScale | None,
+    y_scale: LogScale | None,
+    of: _Kind,
+    theme: Theme,
+) -> list[go.Scatter]:
+    """A star for each published point that this kind of curve can show, in the legend by name."""
+    line = {"color": LOOK[theme].surface, "width": 1}
+    symbols = PUBLISHED_SYMBOLS
+    traces = []
+    for i, (name, point) in enumerate(others.items()):
+        if not len(point.x):
+            continue
+        marker = steady_marker(
+            color=LOOK[theme].ink, size=PUBLISHED_PX, symbol=symbols[i % len(symbols)], line=line
+        )
+        at = point.placed(x_scale, y_scale)
+        text = f"{plain(name)}, as published<br>{_ON_AXES[of.x]} {float(point.x[0]):.3g}, "
+        text += f"{_ON_AXES[of.y]} {float(point.y[0]):.3g}"
+        label = f"{plain(name)} (published)"
+        traces.append(marks(at.x, at.y, [text], name=label, showlegend=True, **marker))
+    return traces
 
 
 def _extent(curves: Sequence[DetectionCurve], used: Sequence[_Points], hint: str) -> str:

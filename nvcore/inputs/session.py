@@ -198,7 +198,7 @@ class Session(Settings):
         checked when it is loaded.
     pipes
         Paths that were pipes when the session was written: what came through them is gone.
-    x, y, params, protocol, only_tags, only, objects
+    x, y, params, protocol, only_tags, only, objects, published
         See `nvcore.settings.Settings`.
     """
 

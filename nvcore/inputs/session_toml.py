@@ -56,6 +56,11 @@
     recordings = ["drive_1"]
     expand = 1.25
 
+    [[published]]            operating points of others, drawn beside the curves: recall or
+    name = "Report 2015"     miss_rate, and precision, fppi or fppw
+    recall = 0.939
+    precision = 0.215
+
 Paths are relative to the session file. A session written by the program also holds the version,
 the sha256 of every input, and which of the paths were pipes.
 
@@ -94,6 +99,7 @@ from nvcore.inputs.session import (
 from nvcore.params import params_from
 from nvcore.params.traffic import context_word, parse_context
 from nvcore.protocols import protocol_from
+from nvcore.published import PublishedPoint
 from nvcore.wording import did_you_mean
 from nvcore.wording.objects import PEDESTRIAN, objects_from
 
@@ -111,6 +117,7 @@ _TABLES: Final = frozenset(
         "compare",
         "parameters",
         "protocol",
+        "published",
         "written",
     }
 )
@@ -204,6 +211,10 @@ class _Decoder:
             params = params_from(settings)
         with self.errors_in("[protocol]"):
             protocol = protocol_from(filters)
+        published = [
+            self.decode(PublishedPoint, table, "[[published]]")
+            for table in self.tables(content, "published")
+        ]
         written = self.table(content, "written")
         hashes = self.value(Mapping[str, str], written.get("sha256", {}), "[written]: sha256")
         pipes = self.value(tuple[str, ...], written.get("pipes", []), "[written]: pipes")
@@ -216,6 +227,7 @@ class _Decoder:
                 recordings_file=self.recordings_file(content),
                 params=params,
                 protocol=protocol,
+                published=tuple(published),
                 hashes=hashes,
                 pipes=pipes,
                 **defaults,
@@ -368,6 +380,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
     # tomli_w would put short tables of a list on one line
     parts += [f"[[recording]]\n{tomli_w.dumps(table)}" for table in recordings]
     parts += [f"[[system]]\n{tomli_w.dumps(table)}" for table in systems]
+    parts += [f"[[published]]\n{tomli_w.dumps(point.given())}" for point in session.published]
     return "\n".join(parts)
 
 

@@ -13,6 +13,7 @@ from figure_parts import trace, words
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import DetectionCurve
 from nvcore.figures.detection import MAX_POINTS, CurveKind, curve_plot, legend_text
+from nvcore.published import PublishedPoint
 
 X = curve_of([1, 2, 3], [0, 10, 100], n_truth=4)
 Y = replace(curve_of([1, 4], [1, 1], n_truth=4), system="y")
@@ -165,3 +166,23 @@ def test_a_long_curve_is_thinned_and_keeps_its_ends(kind: CurveKind) -> None:
     assert 40 < len(line.x) <= MAX_POINTS + 2
     whole = {"miss_rate": long.fppi, "precision_recall": long.recall, "f1": long.threshold}[kind]
     assert (line.x[0], line.x[-1]) == (whole[0], whole[-1])
+
+
+def test_a_published_point_is_marked_where_both_of_its_values_are_known() -> None:
+    points = (
+        PublishedPoint(name="report <b>", recall=0.9, precision=0.2),
+        PublishedPoint(name="paper", miss_rate=0.25, fppi=0.0),
+    )
+
+    def marked(kind: CurveKind) -> dict[str, tuple[float, float]]:
+        figure = curve_plot((X, Y), (None, None), kind, theme="dark", published=points)
+        named = [one for one in figure.data if str(one.name).endswith("(published)")]
+        assert all(one.showlegend and "<b>" not in one.name for one in named)
+        return {one.name.partition(" ")[0]: (one.x[0], one.y[0]) for one in named}
+
+    assert marked("precision_recall") == {"report": pytest.approx((0.9, 0.2))}
+    miss_rate = curve_plot((X, Y), (None, None), "miss_rate", theme="dark", published=points)
+    left = edge_of(miss_rate.layout.xaxis)
+    assert marked("miss_rate") == {"paper": pytest.approx((left, 0.25))}
+    assert marked("roc")["paper"][1] == pytest.approx(0.75)
+    assert marked("f1") == {}

@@ -18,6 +18,7 @@ from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session, Sourc
 from nvcore.inputs.session_toml import read_session, write_session
 from nvcore.params import Params
 from nvcore.protocols import OWN, PROTOCOLS, Protocol
+from nvcore.published import PublishedPoint
 from nvcore.wording.objects import PEDESTRIAN, SPEED_SIGN, Objects, objects_from
 
 MINIMAL = ('[truth]\npath = "gt.csv"', '[[system]]\npath = "fir.csv"')
@@ -47,6 +48,10 @@ FULL = Session(
     protocol=Protocol(
         OWN, height_px=(40.0, math.inf), occlusion=(0, 1), border_px=(1.0, 2.0, 3.0, 4.5),
         aspect=(0.5, 4.0), tags=("night",), expand=1.5,
+    ),
+    published=(
+        PublishedPoint(name="report", recall=0.939, precision=0.215),
+        PublishedPoint(name="\"paper\"", miss_rate=0.1, fppi=1.5, fppw=1e-5),
     ),
     hashes={"truth": "ab", "FIR": "cd", "odd \"name\"\n": "ef"},
 )  # fmt: skip
@@ -345,3 +350,19 @@ def test_a_table_of_recordings_is_named_until_it_has_been_read(tmp_path: Path):
 def test_a_table_of_recordings_that_is_not_named_is_refused(tmp_path: Path, text: str, words: str):
     with pytest.raises(SessionError, match=words):
         read(tmp_path, text, *MINIMAL)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ("precision = 0.5", "recall or miss_rate"),
+        ("recall = 0.5\nmiss_rate = 0.5\nfppi = 1", "recall or miss_rate"),
+        ("recall = 0.5", "precision, fppi or fppw"),
+        ("recall = 93.9\nprecision = 0.2", "recall: expected 0 to 1, got 93.9"),
+        ("recall = nan\nprecision = 0.2", "recall: expected 0 to 1"),
+        ("recall = 0.5\naccuracy = 0.2", "no key 'accuracy'"),
+    ],
+)
+def test_a_published_point_that_cannot_be_is_refused(tmp_path: Path, values: str, message: str):
+    with pytest.raises(SessionError, match=re.escape(message)):
+        read(tmp_path, *MINIMAL, f'[[published]]\nname = "report"\n{values}')

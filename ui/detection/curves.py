@@ -69,6 +69,7 @@ def draw(result: Result, protocol: Protocol) -> None:
         theme=state.theme(),
         windows_per_image=windows,
         summaries=[legend_text(summary, kind) for summary in summaries],
+        published=result.dataset.settings.published,
     )
     clicked = clicked_chart(figure, f"curves_{kind}", clicks="curves")
     st.caption(f"{state.words(EXPLAINED[kind])} Click a curve to count from that score on.")

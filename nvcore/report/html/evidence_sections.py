@@ -28,6 +28,7 @@ from nvcore.measures import evidence_form, inference_of
 from nvcore.palette import Theme
 from nvcore.progress import Progress, no_progress
 from nvcore.protocols import Protocol
+from nvcore.published import PublishedPoint
 from nvcore.report.html import words
 from nvcore.report.html.blocks import (
     Block,
@@ -277,6 +278,7 @@ def detection_section(result: Result, protocol: Protocol) -> Section:
             kind,
             [legend_text(summary, kind) for summary in summaries],
             result.scheme("light"),
+            result.dataset.settings.published,
         )
         for kind in CURVES
     ]
@@ -296,9 +298,12 @@ def _curve(
     kind: CurveKind,
     legend: Sequence[str],
     theme: Theme,
+    published: Sequence[PublishedPoint],
 ) -> Chart:
     title, best = CURVES[kind]
-    figure = curve_plot(curves, thresholds, kind, theme=theme, summaries=legend, hint=best)
+    figure = curve_plot(
+        curves, thresholds, kind, theme=theme, summaries=legend, hint=best, published=published
+    )
     return Chart(f"curve-{kind.replace('_', '-')}", figure, f"{title} of X and Y; {best}")
 
 
