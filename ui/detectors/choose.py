@@ -189,6 +189,6 @@ def _draw_about(what: Described) -> None:
     if trained_on:
         parts.append(f"Trained on: {plain(shortened(trained_on, 300))}.")
     else:
-        parts.append("What it was trained on, the model does not say.")
+        parts.append("On which recordings it was trained is not known.")
     parts.append(f"Fingerprint {about.fingerprint[:12]}.")
     st.caption(" ".join(parts))

@@ -14,7 +14,7 @@ from nvcore.detectors.candidates import MOST, counting, usual_threshold
 from nvcore.figures.detectors.boxes import boxes_plot
 from nvcore.figures.style import plain
 from nvcore.pictures import Picture
-from nvcore.wording import count_text
+from nvcore.wording import count_text, minus
 from ui.confined.detectors import Described, DetectorSpec
 from ui.detectors import asking
 from ui.session import state
@@ -112,8 +112,9 @@ def _draw_numbers(boxes: Detections, is_counting: np.ndarray, levels: Levels) ->
     if n_above:
         st.caption("Click the mark in the middle of a box to choose it.")
     elif len(boxes):
+        best = minus(f"{boxes.score[0]:.3g}")
         st.caption(
-            f"No box reaches the threshold: the most confident has {boxes.score[0]:.3g}. Objects "
+            f"No box reaches the threshold: the most confident has {best}. Objects "
             "may be smaller than what it looks for; see its settings."
         )
     else:
