@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,7 @@ from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import read_session
 from nvcore.progress import Progress, no_progress
+from nvcore.report.protect_inputs import files_read, input_folder_around, replaced_input
 
 if TYPE_CHECKING:
     from nvcore.detectors.writing import WrittenRun
@@ -67,7 +68,8 @@ def detect(
     Raises
     ------
     InputError
-        If an input or the model cannot be used, or no evaluated frame has a picture.
+        If an input or the model cannot be used, an input would be replaced, or no evaluated frame
+        has a picture.
     MissingExtraError
         If the extra ``detectors``, or for ONNX files ``onnx``, is not installed.
 
@@ -79,7 +81,7 @@ def detect(
     with needs("detectors", "detectors need"):
         from nvcore.detectors.registry import open_detector
         from nvcore.detectors.run import run_detector
-        from nvcore.detectors.writing import check_target, write_detections
+        from nvcore.detectors.writing import check_target, outputs, write_detections
         from nvcore.pictures import session_pictures
 
     opened = open_detector(detector, settings)
@@ -88,6 +90,8 @@ def detect(
     if not isinstance(session, Session):
         raise InputError("expected a session, or a dataset that was loaded: it names the pictures")
     check_target(dataset, Path(out), name=name, against=against)
+    files = [Path(path) for path in (source, detector) if isinstance(path, str | Path)]
+    check_not_inputs(outputs(Path(out), dataset), Path(out), session, files)
     pictures = session_pictures(session, dataset)
     try:
         run = run_detector(opened, dataset, pictures, n_threads=n_threads, progress=progress)
@@ -96,6 +100,31 @@ def detect(
     return write_detections(
         run, dataset, Path(out), name=name, threshold=threshold, against=against
     )
+
+
+def check_not_inputs(
+    files: Iterable[Path], out: Path, session: Session, inputs: Sequence[Path]
+) -> None:
+    """Refuse to write over what is read.
+
+    Parameters
+    ----------
+    files, out
+        What is written, and the folder for it.
+    inputs
+        Further files that are read, beside those of the session.
+
+    Raises
+    ------
+    InputError
+        If one of the files is an input, or the folder lies in one of inputs.
+    """
+    clash = replaced_input(files, [*inputs, *files_read(session)])
+    if clash is not None:
+        raise InputError("is an input, and would be replaced; give another folder", file=clash)
+    around = input_folder_around(out, session)
+    if around is not None:
+        raise InputError(f"lies in the folder of inputs {around}; give another", file=out)
 
 
 def dataset_of(source: str | Path | Session | Dataset) -> Dataset:

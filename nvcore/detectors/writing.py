@@ -38,8 +38,8 @@ class WrittenRun:
         The record of how the boxes were made.
     files
         The files with the boxes, one a recording.
-    name
-        Of the system.
+    system
+        The new system as the session names it, paths absolute.
     run
         What came out, and which frames were not seen.
     """
@@ -47,8 +47,14 @@ class WrittenRun:
     session: Path
     provenance: Path
     files: tuple[Path, ...]
-    name: str
+    system: SystemSource
     run: DetectorRun
+
+    @property
+    def name(self) -> str:
+        """Of the system."""
+        assert self.system.name is not None
+        return self.system.name
 
 
 def outputs(folder: Path, dataset: Dataset) -> list[Path]:
@@ -169,7 +175,7 @@ def write_detections(
         session=folder / SESSION_FILE,
         provenance=folder / PROVENANCE_FILE,
         files=tuple(folder / key for key in contents),
-        name=name,
+        system=system,
         run=run,
     )
 
@@ -199,10 +205,18 @@ def _free_name(name: str, names: Iterable[str]) -> str:
 
 
 def _written_before(folder: Path) -> list[str]:
-    """Names of the files that an earlier run wrote there, as its record says."""
+    """Names of the files of an earlier run, as its record says, that are still as it wrote them."""
     path = folder / PROVENANCE_FILE
     try:
         files = read_provenance(path, PROVENANCE_FILE).files if path.is_file() else {}
     except InputError:  # no record of ours: nothing of it is touched
         return []
-    return [name for name in files if Path(name).name == name and name.endswith(".csv")]
+    own = {name: digest for name, digest in files.items() if Path(name).name == name}
+    return [name for name, digest in own.items() if _has_digest(folder / name, digest)]
+
+
+def _has_digest(path: Path, digest: str) -> bool:
+    if path.suffix != ".csv" or not path.is_file():
+        return False
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest() == digest

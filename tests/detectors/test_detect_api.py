@@ -54,3 +54,22 @@ def test_a_folder_that_cannot_be_written_to_is_refused_before(tmp_path: Path, bl
     (tmp_path / "file").write_text("")
     with pytest.raises(nv.NvcoreError, match="cannot be written to; give another folder"):
         nv.detect(SAMPLE, blobs, tmp_path / "file" / "out")
+
+
+def test_inputs_are_never_written_over(tmp_path: Path, blobs: Path):
+    session = tmp_path / "session.toml"
+    text = SAMPLE.read_text().replace('path = "', f'path = "{SAMPLE.parent}/')
+    session.write_text(text.replace('pictures = "', f'pictures = "{SAMPLE.parent}/'))
+    before = session.read_bytes()
+    with pytest.raises(nv.NvcoreError, match=r"session\.toml: is an input, and would be replaced"):
+        nv.detect(session, blobs, tmp_path, only=["odd_pose"])
+    assert session.read_bytes() == before
+
+
+def test_only_files_of_an_earlier_run_go(tmp_path: Path, blobs: Path):
+    out, part = tmp_path / "out", nv.load(SAMPLE, frames=range(40, 61, 10))
+    nv.detect(part, blobs, out, only=["odd_pose", "urban_groups"])
+    (out / "odd_pose.csv").write_text("frame,x,y,w,h\n")  # somebody's own by now
+    written = nv.detect(part, blobs, out, only=["rural_road"])
+    assert sorted(path.name for path in out.glob("*.csv")) == ["odd_pose.csv", "rural_road.csv"]
+    assert [path.name for path in written.files] == ["rural_road.csv"]

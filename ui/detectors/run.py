@@ -19,11 +19,12 @@ from nvcore.detectors.registry import DETECTORS
 from nvcore.detectors.run import Expectation, expect, run_detector
 from nvcore.detectors.writing import WrittenRun, write_detections
 from nvcore.errors import NvcoreError
-from nvcore.inputs.session import Session, SystemSource
+from nvcore.inputs.session import Session
 from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress
 from nvcore.report.detectors import render_expectation, render_run
 from ui.confined.detectors import ConfinedDetector, Described, DetectorSpec
+from ui.detectors.asking import described
 from ui.detectors.trial import Levels, levels_of
 from ui.jobs.background import BackgroundJob, JobState, while_open
 from ui.jobs.progress import draw_job
@@ -241,7 +242,10 @@ def start_job(
     x: str,
 ) -> RunJob:
     """Start; it ends with the session, and when the session opens something else."""
-    detector = ConfinedDetector(as_run(key.spec, about, levels), about)
+    spec = as_run(key.spec, about, levels)
+    # the record is of the detector that ran, whose settings and fingerprint are its own
+    about = replace(described(spec).about, trained_on=about.trained_on)
+    detector = ConfinedDetector(spec, about)
 
     def work(progress: Progress) -> WrittenRun:
         try:
@@ -369,10 +373,9 @@ def with_system(
     def named(path: Path) -> str:
         return relative_path(path, session.folder) if is_upload else str(path)
 
-    system = SystemSource(
+    system = replace(
+        written.system,
         path=tuple(map(named, written.files)),
-        format="csv",
-        name=written.name,
         threshold=threshold,
         provenance=named(written.provenance),
     )

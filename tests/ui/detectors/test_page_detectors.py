@@ -10,6 +10,8 @@ from onnx_models import blob_model
 from streamlit.testing.v1 import AppTest
 
 from nvcore.auditing import audit
+from nvcore.dataset.provenance import read_provenance
+from nvcore.detectors.icf.model_file import fingerprint, from_bytes
 from nvcore.errors import InputError
 from nvcore.findings import Severity
 from pages import FRAMES, begin_with, checked, opened, press, rows, texts, to_page, write
@@ -169,7 +171,9 @@ def test_without_pictures_it_is_said_what_is_missing(
 
 
 def test_a_run_becomes_a_system_whose_training_the_audit_knows(model: bytes):
-    page = timed(with_model(model))
+    page = with_model(model)
+    checked(slider(page, "Overlap").set_value(0.3).run())
+    timed(page)
     assert "300 pictures of 1 recording on" in texts(page)
     levels = page.session_state[LEVELS]
     press(page, "run_detector")
@@ -179,6 +183,10 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(model: bytes):
     assert "**bars**: " in texts(page)
     assert "in 300 pictures of 1 recording" in texts(page)
     assert run.packed(done.output).startswith(b"PK")
+    own = fingerprint(from_bytes(model, "bars.npz"))
+    record = read_provenance(done.output.provenance, "provenance.json").about
+    assert record.settings["overlap"] == 0.3
+    assert record.fingerprint == done.output.run.about.fingerprint != own
     press(page, "compare_detector")
     space = page.session_state["workspace"]
     session, dataset = space.opened.session, space.opened.dataset
