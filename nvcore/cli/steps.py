@@ -111,7 +111,8 @@ def _proposal(session: Session, facts: Iterable[str]) -> str:
     if sizes_and_rates is not None:
         name, size, fps = sizes_and_rates
         flags = [f"--size {size[0]}x{size[1]}"] * ("size" in wanted)
-        flags += [f"--fps {fps:g}"] * ("fps" in wanted and fps is not None)
+        if "fps" in wanted and fps is not None:
+            flags.append(f"--fps {fps:g}")
         if flags:
             return one_line(f"The pictures {name} have {' and '.join(flags)}")
     usual = _usual(session) if wanted else None
@@ -120,7 +121,8 @@ def _proposal(session: Session, facts: Iterable[str]) -> str:
     width, height = usual.size
     others = f" (some of its recordings have {usual.others})" if usual.others else ""
     flags = [f"--size {width}x{height}{others}"] * ("size" in wanted)
-    flags += [f"--fps {usual.fps:g}"] * ("fps" in wanted and usual.fps is not None)
+    if "fps" in wanted and usual.fps is not None:
+        flags.append(f"--fps {usual.fps:g}")
     return f"Usual in {usual.name}: {' and '.join(flags)}" if flags else ""
 
 

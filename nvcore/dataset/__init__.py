@@ -97,6 +97,13 @@ class Dataset:
         gap = frame_gaps(frame, first)
         return FrameColumns(recording, frame, gap, first.astype(np.int64), **numbers)
 
+    def unlisted_frames(self, recording: str) -> np.ndarray:
+        """Frames of a recording with boxes of the truth, but not evaluated; int64, ascending."""
+        lost = self.left_out
+        is_here = (lost["subject"] == "truth") & (lost["recording"] == recording)
+        frames: np.ndarray = np.unique(lost.loc[is_here, "frame"].to_numpy(np.int64))
+        return frames
+
     @cached_property
     def derived(self) -> dict[Hashable, Any]:
         """What was computed from the data and is soon needed again (audit and comparison)."""

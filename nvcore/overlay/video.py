@@ -97,7 +97,10 @@ def write_video(
     if indices is not None and len(indices) != last - first:
         raise ParameterError(f"indices: expected {last - first} pictures, got {len(indices)}")
     if indices is None and source is not None:
-        indices = picture_index(frames.frame[first:last], source, first_picture)[0]
+        listed = frames.frame[first:last]
+        name = str(result.dataset.recordings["name"].iloc[recording])
+        others = result.dataset.unlisted_frames(name)
+        indices = picture_index(listed, source, first_picture, others=others)[0]
     index = [-1] * (last - first) if indices is None else indices.tolist()
 
     def draw(row: int) -> Canvas:

@@ -12,6 +12,7 @@ from nvcore.pictures.base import Pictures
 
 _BY_COUNT: Final = "picture i shows frame i, both counted from 0"
 _BY_NAME: Final = "the number in a picture's name is the frame"
+NO_FRAMES: Final = np.empty(0, np.int64)
 USUAL: Final = tuple(f"{rule[0].upper()}{rule[1:]}." for rule in (_BY_COUNT, _BY_NAME))
 """Notes of `picture_index` that say nothing but what anybody expects."""
 _ENOUGH: Final = 0.5
@@ -19,7 +20,11 @@ _ENOUGH: Final = 0.5
 
 
 def picture_index(
-    frames: NDArray[np.int64], pictures: Pictures, first_picture: int | None = None
+    frames: NDArray[np.int64],
+    pictures: Pictures,
+    first_picture: int | None = None,
+    *,
+    others: NDArray[np.int64] = NO_FRAMES,
 ) -> tuple[NDArray[np.int64], str]:
     """The picture of every listed frame, and in words by which rule.
 
@@ -37,6 +42,9 @@ def picture_index(
         Its pictures.
     first_picture
         Number of the frame that the first picture shows; None: by the rules above.
+    others
+        Further frames of the recording, which are not listed: a selection of frames changes no
+        rule.
 
     Returns
     -------
@@ -47,12 +55,15 @@ def picture_index(
     if first_picture is not None:
         index = frames - first_picture
         rule = f"the first picture shows frame {first_picture}, as given"
-    elif pictures.is_video:
-        index, rule = _of_video(frames, pictures.n)
-    elif pictures.numbers is not None:
-        index, rule = _by_number(frames, pictures.numbers)
     else:
-        index, rule = _by_order(frames, pictures.n)
+        every = np.union1d(frames, others)
+        if pictures.is_video:
+            index, rule = _of_video(every, pictures.n)
+        elif pictures.numbers is not None:
+            index, rule = _by_number(every, pictures.numbers)
+        else:
+            index, rule = _by_order(every, pictures.n)
+        index = index[np.searchsorted(every, frames)]
     index = np.where((index >= 0) & (index < pictures.n), index, -1)
     n_without = int(np.count_nonzero(index < 0))
     note = f"{rule[0].upper()}{rule[1:]}."

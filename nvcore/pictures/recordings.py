@@ -131,7 +131,8 @@ def session_pictures(
             notes[number] = error.message
             continue
         listed = frames.frame[frames.rows_of(number)]
-        indices[number], note = picture_index(listed, pictures, entry.first_picture)
+        others = dataset.unlisted_frames(name)
+        indices[number], note = picture_index(listed, pictures, entry.first_picture, others=others)
         other_size = size_note(pictures, float(frames.width[number]), float(frames.height[number]))
         sources[number] = pictures
         notes[number] = " ".join(part for part in (note, other_size) if part)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from inputs import flags, mot_layout, nvcore, write
+from PIL import Image
 from places import DATA, SAMPLE
 
 from nvcore.errors import UnknownFormatError
@@ -102,3 +103,14 @@ def test_a_missing_size_and_rate_propose_those_of_the_recordings_video(folder: P
     assert f". The pictures {video} have --size 640x480 and --fps 20\n" in result.stderr
     # what it proposes is enough
     assert nvcore(command, *flags(folder)).exit_code == 0
+
+
+def test_still_pictures_propose_their_size_and_no_rate(folder: Path):
+    stills = folder / "stills"
+    stills.mkdir()
+    Image.new("L", (640, 512)).save(stills / "000001.png")
+    table = write(folder / "table.csv", "recording,pictures", f"urban,{stills}")
+    files = [part for part in flags(folder) if part not in ("--size", "640x480", "--fps", "20")]
+    result = nvcore("check", *files, "--recordings", table)
+    assert result.exit_code == 2
+    assert f". The pictures {stills} have --size 640x512\n" in result.stderr

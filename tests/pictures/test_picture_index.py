@@ -5,10 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from builders import Place, make_dataset
 from picture_files import numbered, write_numbered_video, write_picture
 
+import nvcore as nv
 from nvcore.pictures import Pictures, open_pictures, picture_index, size_note
 from nvcore.pictures.recordings import picture_names
 
@@ -125,3 +127,24 @@ def test_frames_have_the_names_of_their_picture_files_and_those_of_a_video_none(
     names = picture_names(made.frame_columns, [2, 0, 1, 4, 2], sources, indices)
     assert names == {0: "I00019.png", 2: "I00059.png"}
     assert picture_names(made.frame_columns, [], sources, indices) == {}
+
+
+@pytest.mark.parametrize("chosen", [[1, 2], [3], [1, 3, 5]])
+def test_a_selection_of_frames_changes_no_rule(tmp_path: Path, chosen: list[int]):
+    video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=5))
+    every = np.arange(1, 6)
+    listed = np.array(chosen)
+    index = picture_index(listed, video, others=np.setdiff1d(every, listed))[0]
+    assert index.tolist() == [frame - 1 for frame in chosen]
+    pictures = folder_of(tmp_path / "b", ["000001", "000002", "000003"])  # of frames 0 to 2
+    index = picture_index(np.array([1, 2]), pictures, others=np.array([0]))[0]
+    assert index.tolist() == [1, 2]
+
+
+def test_the_frames_that_are_not_evaluated_are_those_of_the_truth(tmp_path: Path):
+    truth = pd.DataFrame({"frame": range(1, 6), "x": 5.0, "y": 5.0, "w": 5.0, "h": 9.0})
+    dataset = nv.load(
+        truth=truth, x=truth.assign(frame=7), size=(64, 64), fps=5, frames=range(2, 4)
+    )
+    (name,) = dataset.recordings["name"]
+    assert dataset.unlisted_frames(name).tolist() == [1, 4, 5]
