@@ -38,7 +38,7 @@ from nvcore.detectors.icf import (
     train,
     write_model,
 )
-from nvcore.detectors.icf.cascade import floors
+from nvcore.detectors.icf.cascade import passes
 from nvcore.detectors.icf.channels import check_picture
 from nvcore.detectors.icf.detector import suppressed
 from nvcore.detectors.icf.windows import object_windows, window_values
@@ -256,7 +256,7 @@ def rejected(crops: Sequence[Crop], detector: IcfDetector) -> int:
         for window in object_windows(check_picture(read_rgb(crop.path), True), crop.box, plain, rng)
     ]
     sums = model.trees.running_sums(window_values(windows, plain, model.features))
-    return int((sums < floors(model.settings, model.calibration)[0]).any(axis=1).sum())
+    return int((~passes(model.settings, model.calibration, sums)).any(axis=1).sum())
 
 
 @dataclass(frozen=True)

@@ -138,8 +138,7 @@ def render_training(training: Training) -> str:
         f"{one_line(model.name)}: {objects} in {pictures}",
         f"held out: {one_line(gathered.held_out)} ({boxes})",
         *_windows(model),
-        f"held-out boxes that the cascade keeps: {training.n_kept:,} of {training.n_held_out:,}; "
-        f"at the threshold of {model.settings.threshold:g}: {training.n_found:,}",
+        _held_out(training),
         f"trained in {duration_text(training.seconds)}",
     ]
     if training.faults:
@@ -147,6 +146,17 @@ def render_training(training: Training) -> str:
         lines.append(f"{n_faults} could not be read: {training.faults[0]}")
     lines += [f"not trained on {note}" for note in gathered.notes]
     return "\n".join(lines)
+
+
+def _held_out(training: Training) -> str:
+    """How many held-out boxes come through; a calibrated cascade is made to keep its share."""
+    settings = training.model.settings
+    n = f"{training.n_held_out:,}"
+    at_threshold = f"{training.n_found:,} of {n} at the threshold of {settings.threshold:g}"
+    if settings.cascade in ("calibrated", "hard"):
+        share = f"{100 * settings.kept_share:g} %"
+        return f"held-out boxes: {at_threshold}; calibrated on them, the cascade keeps {share}"
+    return f"held-out boxes: {at_threshold}; the cascade keeps {training.n_kept:,}"
 
 
 def _windows(model: IcfModel) -> list[str]:

@@ -33,7 +33,8 @@ def test_from_a_session_to_boxes(tmp_path: Path):
     assert lines[2].startswith("windows: ")
     assert lines[3].startswith("  round 1: 8 trees, training error ")
     assert lines[4].startswith("  round 2: 16 trees, training error ")
-    assert lines[5].startswith("held-out boxes that the cascade keeps: ")
+    assert lines[5].startswith("held-out boxes: ")
+    assert lines[5].endswith("at the threshold of 0; calibrated on them, the cascade keeps 100 %")
     assert lines[6].startswith("trained in ")
     run_it = f"run it: nvcore detect {SAMPLE} --detector {model} --out {tmp_path / 'night'}"
     assert run_it in ran.stderr

@@ -16,7 +16,7 @@ FIRST_STAGE: Final = 2
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """Confidences with which objects that a training did not see pass the trees.
+    """Confidences with which objects pass the trees: those trained on, and those held out.
 
     Attributes
     ----------
@@ -42,7 +42,9 @@ def calibrate(sums: NDArray[np.float64], kept_share: float) -> Calibration:
     Parameters
     ----------
     sums
-        Running sums of held-out objects, (n_objects, n_trees); at least one of each.
+        Running sums of objects, (n_objects, n_trees); at least one of each.
+    kept_share
+        Of the objects, rounded to whole ones.
 
     References
     ----------
@@ -55,6 +57,15 @@ def calibrate(sums: NDArray[np.float64], kept_share: float) -> Calibration:
     at_ends = passing[:, ends - 1]
     of_stage = np.diff(at_ends, axis=1, prepend=0.0)
     return Calibration(passing.min(axis=0), ends, of_stage.min(axis=0))
+
+
+def lower(first: Calibration, second: Calibration) -> Calibration:
+    """What lets pass all windows that either of two calibrations of the same trees lets pass."""
+    return Calibration(
+        np.minimum(first.trace, second.trace),
+        first.stage_ends,
+        np.minimum(first.stage_floors, second.stage_floors),
+    )
 
 
 def stage_ends(n_trees: int) -> NDArray[np.int32]:
@@ -85,3 +96,24 @@ def floors(
         lowest[calibration.stage_ends - 1] = calibration.stage_floors - 1e-9
         restarts[calibration.stage_ends[:-1]] = True
     return lowest, restarts
+
+
+def passes(
+    settings: IcfSettings, calibration: Calibration, sums: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Whether each window stays after each tree by itself; one that fails anywhere is rejected.
+
+    Parameters
+    ----------
+    sums
+        Running sums of all trees, as if nothing rejected a window, (n_windows, n_trees).
+
+    Returns
+    -------
+    Bool, (n_windows, n_trees). In a hard cascade the sum since the stage began counts.
+    """
+    lowest, restarts = floors(settings, calibration)
+    starts = np.maximum.accumulate(np.where(restarts, np.arange(len(lowest)), 0))
+    before = np.concatenate([np.zeros((len(sums), 1)), sums], axis=1)[:, starts]
+    is_passing: NDArray[np.bool_] = sums - before >= lowest
+    return is_passing

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.detectors.icf.cascade import floors
+from nvcore.detectors.icf.cascade import floors, passes
 from nvcore.detectors.icf.channels import (
     Bytes,
     blurred,
@@ -157,13 +157,11 @@ def window_path(
     planes = channel_planes(resized(pixels, level.width, level.height), model.settings)
     base = (row * (level.width + 1) + column) * model.settings.stride
     values = values_at(integral_images(planes), np.array([base], np.int64), model.features)
-    confidence = model.trees.running_sums(values)[0]
-    lowest, restarts = floors(model.settings, model.calibration)
-    starts = np.maximum.accumulate(np.where(restarts, np.arange(len(confidence)), 0))
-    before = np.concatenate([[0.0], confidence])[starts]
-    is_below = confidence - before < lowest
+    sums = model.trees.running_sums(values)
+    lowest, _ = floors(model.settings, model.calibration)
+    is_below = ~passes(model.settings, model.calibration, sums)[0]
     rejected = int(is_below.argmax()) + 1 if is_below.any() else None
-    return WindowPath(confidence, lowest, rejected, _leaves(model, values[0]))
+    return WindowPath(sums[0], lowest, rejected, _leaves(model, values[0]))
 
 
 def window_of(

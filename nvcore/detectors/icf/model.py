@@ -37,7 +37,7 @@ class IcfModel:
     features
         Those that its trees use.
     trees, calibration
-        The classifier, and what held-out objects reach in it.
+        The classifier, and what objects reach in it, those trained on and those held out.
     powers
         By which power of the scale each channel changes; float64, (n_channels,).
     band

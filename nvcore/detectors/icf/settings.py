@@ -90,7 +90,8 @@ class IcfSettings:
         ``constant`` (`rejection`) or below the least that objects had there (``calibrated``); the
         sum of one of the stages by itself (``hard``); or nothing (``none``).
     kept_share
-        Share of the objects that the calibrated trace and the stages let pass.
+        Share of the objects that the calibrated trace and the stages let pass: of those trained
+        on, and of those held out by themselves.
     scales
         Divisors of the picture's size, ascending; below 1 it is enlarged.
     scales_between

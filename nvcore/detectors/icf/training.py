@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from nvcore.detectors.base import TrainedOn
 from nvcore.detectors.classifier import Classifier, train_classifier
 from nvcore.detectors.icf.boosting import Boosted, boost
-from nvcore.detectors.icf.cascade import calibrate
+from nvcore.detectors.icf.cascade import Calibration, calibrate, lower
 from nvcore.detectors.icf.channels import check_picture, has_colour, plane_names
 from nvcore.detectors.icf.features import draw_features
 from nvcore.detectors.icf.mining import Task, mine
@@ -63,8 +63,8 @@ def train(
     name, label
         Of the model, and what it detects.
     held_out
-        Further objects, not trained on; rejection is calibrated on these and on those trained on.
-        None: every tenth of the scenes with objects is held out.
+        Further objects, not trained on: `kept_share` of these, and of those trained on, come
+        through the calibrated cascade. None: every tenth of the scenes with objects is held out.
     trained_on
         What to note of the data; empty: their fingerprint.
     progress
@@ -91,9 +91,8 @@ def train(
         raise DetectorError("there is no object left to calibrate on: give more, or others")
     rounds, background = _rounds(task, objects, background, part_of(progress, _WINDOWS, 0.98))
     progress(0.98, "calibrating")
-    sums = rounds[-1].trees.running_sums(np.concatenate([objects, unseen]))
     return replace(
-        task.model(rounds[-1], calibrate(sums, settings.kept_share)),
+        task.model(rounds[-1], _calibration(rounds[-1], objects, unseen, settings.kept_share)),
         name=name,
         label=label,
         settings=settings,
@@ -106,6 +105,19 @@ def train(
         trained_on=tuple(trained_on) or (TrainedOn(survey.fingerprint),),
         classifier=_classifier(scenes, seed) if survey.has_labels else None,
     )
+
+
+def _calibration(
+    boosted: Boosted, objects: NDArray[np.int32], unseen: NDArray[np.int32], kept_share: float
+) -> Calibration:
+    """What lets pass this share of the objects trained on, and of those held out by themselves.
+
+    Boosting drives those trained on apart from the background: alone, they reject too early.
+    """
+    of_objects, of_unseen = (
+        calibrate(boosted.trees.running_sums(values), kept_share) for values in (objects, unseen)
+    )
+    return lower(of_objects, of_unseen)
 
 
 def _classifier(scenes: Sequence[Scene], seed: int) -> Classifier | None:

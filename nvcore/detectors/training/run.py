@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.detectors.icf import IcfModel, IcfSettings, Scene, train
-from nvcore.detectors.icf.cascade import floors
+from nvcore.detectors.icf.cascade import passes
 from nvcore.detectors.icf.channels import check_picture
 from nvcore.detectors.icf.model_file import LONGEST_NAME
 from nvcore.detectors.icf.windows import object_windows, window_values
@@ -116,7 +116,7 @@ def train_on(
         progress=part_of(progress, _READING, 1.0),
     )
     sums = _sums(model, held_out)
-    is_kept = (sums >= floors(model.settings, model.calibration)[0]).all(axis=1)
+    is_kept = passes(model.settings, model.calibration, sums).all(axis=1)
     progress(1.0, "done")
     read = [shot for i, shot in enumerate(shots) if i not in store.faults]
     return Training(

@@ -12,7 +12,7 @@ from nvcore.detection import WindowGrid, scale_steps
 from nvcore.detectors.base import Detections, Detector
 from nvcore.detectors.candidates import candidates, counting, open_loosened
 from nvcore.detectors.icf import AS_IN_REPORT, IcfDetector, write_model
-from nvcore.detectors.icf.cascade import calibrate, floors
+from nvcore.detectors.icf.cascade import Calibration, calibrate, floors, lower, passes
 from nvcore.detectors.icf.detector import stays, suppressed
 from nvcore.detectors.icf.displays import window_path
 from nvcore.detectors.icf.pyramid import levels
@@ -136,6 +136,36 @@ def test_the_trace_is_the_least_sum_of_those_that_are_kept():
     np.testing.assert_array_equal(calibration.trace, [-1.0, 0.5, 2.0])
     np.testing.assert_array_equal(calibration.stage_ends, [2, 3])
     np.testing.assert_array_equal(calibration.stage_floors, [0.5, 1.0])
+
+
+def test_the_lower_of_two_calibrations_keeps_the_share_of_each_by_itself(settings):
+    rng = np.random.default_rng(0)
+    seen = rng.normal(0.6, 1, (400, 37)).cumsum(axis=1)
+    unseen = rng.normal(0.1, 1, (20, 37)).cumsum(axis=1)
+    both = lower(calibrate(seen, 0.9), calibrate(unseen, 0.9))
+    together = calibrate(np.concatenate([seen, unseen]), 0.9)
+    for cascade in ("calibrated", "hard"):
+        run = replace(settings, cascade=cascade)
+        assert passes(run, both, seen).all(axis=1).mean() >= 0.9
+        assert passes(run, both, unseen).all(axis=1).mean() >= 0.9
+    assert (unseen >= together.trace).all(axis=1).mean() < 0.9
+
+
+def test_two_calibrations_that_keep_all_are_that_of_all_objects():
+    sums = np.random.default_rng(0).normal(0.3, 1, (30, 37)).cumsum(axis=1)
+    both = lower(calibrate(sums[:20], 1.0), calibrate(sums[20:], 1.0))
+    every = calibrate(sums, 1.0)
+    np.testing.assert_array_equal(both.trace, every.trace)
+    np.testing.assert_array_equal(both.stage_floors, every.stage_floors)
+
+
+def test_in_a_hard_cascade_the_sum_of_each_stage_passes_by_itself(settings):
+    calibration = Calibration(np.zeros(4), np.array([2, 4], np.int32), np.array([1.0, 1.0]))
+    hard = replace(settings, cascade="hard")
+    sums = np.array([[1.0, 2, 3, 3], [1, 2, 2, 2.5], [0, 0.5, 9, 9]])  # second stage: 1, 0.5, 8.5
+    assert passes(hard, calibration, sums).all(axis=1).tolist() == [True, False, False]
+    constant = replace(settings, cascade="constant", rejection=1.0)
+    assert passes(constant, calibration, sums).all(axis=1).tolist() == [True, True, False]
 
 
 def test_no_window_is_rejected_that_the_trees_take_for_an_object_so_far(model):
