@@ -12,9 +12,10 @@ from nvcore.dataset.provenance import About, Setting, TrainedOn
 from nvcore.extras import needs
 
 with needs("detectors", "detectors need"):
-    from nvcore.pictures import Picture
+    from nvcore.pictures import Picture, stretch
+    from nvcore.pictures.recordings import STRETCH
 
-__all__ = ["About", "Detections", "Detector", "Setting", "TrainedOn"]
+__all__ = ["About", "Detections", "Detector", "Setting", "TrainedOn", "to_8_bits"]
 
 
 @dataclass(frozen=True)
@@ -62,3 +63,19 @@ class Detector(Protocol):
             If the detector cannot work on such a picture.
         """
         ...
+
+
+def to_8_bits(picture: Picture, *, always: bool = False) -> NDArray[np.uint8]:
+    """The picture with grey levels of 8 bits, as the dashboard shows it.
+
+    Parameters
+    ----------
+    picture
+        uint8 or uint16; 16 bits are stretched between the 0.5th and the 99.8th percentile, so that
+        one hot pixel does not darken all others.
+    always
+        Whether 8 bits are stretched, too; else they stay as they are.
+    """
+    if picture.dtype == np.uint8 and not always:
+        return np.asarray(picture, np.uint8)
+    return stretch(picture, *STRETCH)

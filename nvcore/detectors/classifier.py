@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.special import log_softmax, softmax
 
-from nvcore.detectors.base import Detections
+from nvcore.detectors.base import Detections, to_8_bits
 from nvcore.errors import DetectorError
-from nvcore.pictures import Picture, stretch
+from nvcore.pictures import Picture
 from nvcore.wording.objects import labels_in_order
 
 Bytes = NDArray[np.uint8]
@@ -135,8 +135,8 @@ def train_classifier(
 
 def to_grey(picture: Picture) -> Bytes:
     """The picture in grey levels of 8 bits."""
-    picture = stretch(picture)
-    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY) if picture.ndim == 3 else picture)
+    levels = to_8_bits(picture)
+    return np.asarray(cv2.cvtColor(levels, cv2.COLOR_RGB2GRAY)) if levels.ndim == 3 else levels
 
 
 def box_content(grey: Bytes, box: Floats, shrunk_to: int = SIDE) -> Bytes:
@@ -182,7 +182,7 @@ def _copies(grey: Bytes, box: Floats, rng: np.random.Generator) -> list[Bytes]:
         moved = np.array(
             [x + (w - wider) / 2 + dx * w, y + (h - higher) / 2 + dy * h, wider, higher]
         )
-        shrunk_to = int(rng.integers(_LEAST_PX, 2 * SIDE))  # half of the copies stay sharp
+        shrunk_to = int(rng.integers(_LEAST_PX, 2 * SIDE))  # from SIDE on, two in three: sharp
         contents.append(box_content(grey, moved, shrunk_to))
     return contents
 

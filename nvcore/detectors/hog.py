@@ -19,13 +19,12 @@ from typing import Any, Final
 import numpy as np
 
 from nvcore.dataset.provenance import About, Setting
-from nvcore.detectors.base import Detections
+from nvcore.detectors.base import Detections, to_8_bits
 from nvcore.detectors.settings import setting, settings_from
 from nvcore.detectors.suppression import sorted_detections, suppress
 from nvcore.errors import DetectorError
 from nvcore.extras import needs
-from nvcore.pictures import Picture, stretch
-from nvcore.pictures.recordings import STRETCH
+from nvcore.pictures import Picture
 
 with needs("detectors", "detectors need"):
     import cv2
@@ -108,8 +107,7 @@ class Hog:
     def detect(self, picture: Picture) -> Detections:
         """See `Detector.detect`."""
         settings = self.settings
-        is_stretched = picture.dtype != np.uint8 or settings.stretch_8_bit
-        prepared = stretch(picture, *STRETCH) if is_stretched else picture
+        prepared = to_8_bits(picture, always=settings.stretch_8_bit)
         height, width = picture.shape[:2]
         enlarged = round(width * settings.upscale), round(height * settings.upscale)
         if enlarged[0] * enlarged[1] > MOST_PIXELS:
@@ -160,6 +158,11 @@ def open_hog(variant: str, given: Mapping[str, Setting]) -> Hog:
     DetectorError
         If there is no such classifier, or a setting cannot be used.
     """
+    if variant and given.get("classifier", variant) != variant:
+        raise DetectorError(
+            f"classifier: hog:{variant} is that of {variant}, found {given['classifier']!r}; "
+            "name the detector hog, or leave the setting out"
+        )
     return Hog(
         settings_from(HogSettings, {**given, **({"classifier": variant} if variant else {})})
     )

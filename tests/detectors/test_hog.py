@@ -96,3 +96,9 @@ def test_settings_are_checked(settings: dict, words: str):
 def test_enlarging_beyond_reason_is_refused():
     with pytest.raises(DetectorError, match="upscale: a picture of 8000 x 8000 px"):
         open_hog("", {"upscale": 4}).detect(np.zeros((8000, 8000), np.uint8))
+
+
+def test_the_name_and_the_setting_must_not_name_two_classifiers():
+    with pytest.raises(DetectorError, match="hog:daimler is that of daimler, found 'inria'"):
+        open_hog("daimler", {"classifier": "inria"})
+    assert open_hog("daimler", {"classifier": "daimler"}).settings.classifier == "daimler"

@@ -9,10 +9,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from nvcore.detectors.base import to_8_bits
 from nvcore.detectors.icf.kernels.pictures import GREY_LEVELS, gradients
 from nvcore.detectors.icf.settings import OF_COLOUR, ChannelSet, IcfSettings, Magnitude
 from nvcore.errors import DetectorError
-from nvcore.pictures import Picture, stretch
+from nvcore.pictures import Picture
 
 Bytes = NDArray[np.uint8]
 
@@ -30,7 +31,7 @@ def check_picture(picture: Picture, is_colour: bool) -> Bytes:
     Parameters
     ----------
     picture
-        (h, w) or (h, w, 3), uint8 or uint16; 16 bits are spread from the least to the greatest.
+        (h, w) or (h, w, 3), uint8 or uint16; 16 bits are stretched (`to_8_bits`).
     is_colour
         Whether RGB is needed; else RGB becomes grey.
 
@@ -50,7 +51,7 @@ def check_picture(picture: Picture, is_colour: bool) -> Bytes:
             "the model was trained on colour and cannot work on a grey picture; train a model on "
             "grey pictures"
         )
-    picture = np.ascontiguousarray(stretch(picture))
+    picture = np.ascontiguousarray(to_8_bits(picture))
     if picture.ndim == 3 and not is_colour:
         return np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY))
     return picture

@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from nvcore.detectors.base import to_8_bits
 from nvcore.detectors.onnx.layouts import Size
-from nvcore.pictures import Picture, stretch
-from nvcore.pictures.recordings import STRETCH
+from nvcore.pictures import Picture
 
 MEAN: Final = (0.485, 0.456, 0.406)
 SPREAD: Final = (0.229, 0.224, 0.225)
@@ -64,9 +64,7 @@ class Fitting:
 
 def network_input(picture: Picture, form: Form) -> tuple[NDArray[Any], Fitting]:
     """The array for a picture, and where the picture lies in it."""
-    if picture.dtype != np.uint8 or form.stretch_8_bit:
-        picture = stretch(picture, *STRETCH)
-    picture = _coloured(picture, form)
+    picture = _coloured(to_8_bits(picture, always=form.stretch_8_bit), form)
     resized, fitting = _resized(picture, form)
     values = resized.reshape(*resized.shape[:2], form.n_channels)
     array = _scaled(values, form)

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
+from nvcore.detectors.classifier import to_grey
 from nvcore.detectors.icf import IcfSettings
 from nvcore.detectors.icf.channels import (
     blurred,
@@ -20,6 +21,8 @@ from nvcore.detectors.icf.channels import (
     resized,
 )
 from nvcore.errors import DetectorError
+from nvcore.pictures import stretch
+from nvcore.pictures.recordings import STRETCH
 
 PLAIN = IcfSettings(blur=False)
 TO_XYZ = np.array(
@@ -130,9 +133,21 @@ def test_a_picture_is_halved_before_it_is_interpolated():
     assert (resized(checks.astype(np.uint8), 20, 20) == 100).all()
 
 
-def test_pictures_of_16_bits_are_spread():
-    picture = np.array([[1000, 1500], [2000, 1000]], np.uint16)
-    np.testing.assert_array_equal(check_picture(picture, False), [[0, 128], [255, 0]])
+def test_pictures_of_16_bits_are_spread_as_the_dashboard_does():
+    picture = np.tile(np.arange(1000, 2000, dtype=np.uint16), (50, 1))
+    expected = stretch(picture, *STRETCH)
+    np.testing.assert_array_equal(check_picture(picture, False), expected)
+    np.testing.assert_array_equal(to_grey(picture), expected)
+
+
+def test_a_hot_pixel_does_not_darken_a_picture_of_16_bits():
+    picture = np.tile(np.arange(1000, 1100, dtype=np.uint16), (100, 1))
+    hot = picture.copy()
+    hot[50, 50] = 65535
+    for prepared in (check_picture(picture, False), check_picture(hot, False), to_grey(hot)):
+        assert prepared[0, 0] == 0
+        assert prepared[0, 99] == 255
+        assert abs(int(prepared[0, 50]) - 128) < 3
 
 
 @pytest.mark.parametrize(

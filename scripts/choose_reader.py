@@ -1,0 +1,102 @@
+"""Choose the settings of what reads speed limits, without a look at what they are tested on.
+
+    python -m scripts.choose_reader
+
+Trains on crops and scenes of the training, of which every fourth crop is put aside, and reads
+these crops, as they are and with boxes moved by up to 8 %, and the scenes for choosing. The best
+setting has the highest mean of the three shares (two minutes on a free core). Then
+`scripts.train_signs --reader` measures it on what is for testing.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+from unittest.mock import patch
+
+import numpy as np
+
+from nvcore.detectors import classifier
+from nvcore.detectors.classifier import Classifier, train_classifier
+from scripts.sign_data import (
+    CHOOSING,
+    SPEED_LIMITS,
+    Crop,
+    LazyScenes,
+    SignScene,
+    read_rgb,
+    read_scenes,
+)
+from scripts.train_signs import MOVED, ROOT, SEED, Boxes, examples, moved
+
+EVERY: Final = 4
+VARIANTS: Final = [
+    *(
+        {"_PENALTY": penalty, "_MOVED": share, "_CELL": 4}
+        for penalty in (1e-2, 1e-3, 1e-4)
+        for share in MOVED
+    ),
+    {"_PENALTY": 1e-3, "_MOVED": MOVED[0], "_CELL": 8},
+]
+
+
+def right_share(reader: Classifier, boxes: Boxes) -> float:
+    """Share of the limits that are read right."""
+    is_right = [
+        reader.classes[i] == limit
+        for picture, of_picture, limits in boxes
+        for i, limit in zip(
+            reader.probabilities(picture, of_picture).argmax(axis=1), limits, strict=True
+        )
+    ]
+    return float(np.mean(is_right))
+
+
+def of_crops(crops: Sequence[Crop], share: float) -> Boxes:
+    """Each crop with its box, moved by up to a share of its sides."""
+    rng = np.random.default_rng(SEED)
+    for crop in crops:
+        box = moved(crop.box, share, rng)[None]
+        yield read_rgb(crop.path), box, (SPEED_LIMITS[crop.sign],)
+
+
+def of_scenes(scenes: Sequence[SignScene]) -> Boxes:
+    """Each scene with the boxes of its speed limits."""
+    return ((scene.read(), scene.boxes, scene.limits) for scene in scenes if scene.limits)
+
+
+def main() -> None:
+    """Train and read with each variant."""
+    realdata = Path(os.environ.get("NVCORE_REALDATA", ROOT.parent / "shared" / "realdata"))
+    of_training = examples(realdata, choosing=True)
+    limits = [crop for crop in of_training.crops if crop.is_speed_limit]
+    aside = limits[::EVERY]
+    names = {crop.path.name for crop in aside}
+    learned = LazyScenes(
+        [scene for scene in of_training.scenes if scene.limits],
+        [crop for crop in limits if crop.path.name not in names],
+    )
+    scenes = read_scenes(realdata / "gtsdb" / "train")
+    choosing = [scene for scene in scenes if scene.number % 4 == CHOOSING]
+    print(f"{len(learned)} pictures to learn from, {len(aside)} crops put aside")
+    for variant in VARIANTS:
+        side = classifier.SIDE // variant["_CELL"] - 1
+        sizes = {"N_VALUES": (2 * side) ** 2 * 9}
+        with patch.multiple(classifier, **variant, **sizes):
+            examples_of = ((scene.picture, scene.boxes, scene.labels) for scene in learned)
+            reader = train_classifier(examples_of, seed=SEED)
+            assert reader is not None
+            shares = [
+                right_share(reader, of_crops(aside, 0.0)),
+                right_share(reader, of_crops(aside, MOVED[0])),
+                right_share(reader, of_scenes(choosing)),
+            ]
+        words = ", ".join(f"{share:.1%}" for share in shares)
+        setting = " ".join(f"{name}={value:g}" for name, value in variant.items())
+        print(f"{setting}: mean {np.mean(shares):.1%} ({words})", flush=True)
+
+
+if __name__ == "__main__":
+    main()
