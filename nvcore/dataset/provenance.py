@@ -34,6 +34,9 @@ Ranges: TypeAlias = tuple[tuple[int, int], ...]
 MAX_BYTES: Final = 16 << 20
 """Of a record: millions of frames, unless they were picked one by one."""
 _MAX_FRAME: Final = 2**53
+_MOST_PARTS: Final = 100_000
+_LONGEST_TEXT: Final = 4096
+"""Of the parts of a training: entries, and characters of a name or fingerprint."""
 _SHOWN_NAME: Final = 40
 _RANGE: Final = re.compile(r"(-?\d{1,15}):(-?\d{1,15})", re.ASCII)
 _EXPECTED: Final = "expected the record that nvcore detect writes (docs/detectors.md)"
@@ -251,7 +254,7 @@ def _provenance(content: object) -> Provenance:
         labels=tuple(labels),
         settings=settings,
         fingerprint=_value(detector, "fingerprint", str),
-        trained_on=tuple(_trained_on(part) for part in _value(detector, "trained_on", list)),
+        trained_on=trained_on_from(_value(detector, "trained_on", list)),
     )
     files = _value(record, "files", dict)
     recordings = [_typed(entry, dict, "recordings") for entry in _value(record, "recordings", list)]
@@ -266,6 +269,24 @@ def _provenance(content: object) -> Provenance:
     )
 
 
+def trained_on_from(content: Sequence[object]) -> tuple[TrainedOn, ...]:
+    """What a record or a model says of a training, checked.
+
+    Parameters
+    ----------
+    content
+        As JSON has it: an object for each part.
+
+    Raises
+    ------
+    ValueError
+        If an entry is not as it must be, or there are too many.
+    """
+    if len(content) > _MOST_PARTS:
+        raise ValueError(f"trained_on: expected at most {_MOST_PARTS:,} entries")
+    return tuple(_trained_on(part) for part in content)
+
+
 def _trained_on(content: object) -> TrainedOn:
     table = _typed(content, dict, "trained_on")
     ends = [
@@ -275,6 +296,8 @@ def _trained_on(content: object) -> TrainedOn:
     part = TrainedOn(_value(table, "fingerprint", str), _value(table, "recording", str), *ends)
     if not part.recording and not part.fingerprint:
         raise ValueError("trained_on: expected a recording or a fingerprint in each entry")
+    if max(len(part.recording), len(part.fingerprint)) > _LONGEST_TEXT:
+        raise ValueError(f"trained_on: expected texts of at most {_LONGEST_TEXT:,} characters")
     return part
 
 

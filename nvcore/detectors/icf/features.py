@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 from nvcore.detectors.icf.kernels import in_threads
 from nvcore.detectors.icf.kernels.training import feature_values
 from nvcore.detectors.icf.settings import IcfSettings
+from nvcore.errors import DetectorError
 
 Features = NDArray[np.int32]
 """(n, 10): channel, left, top, right, bottom of a rectangle in the window, px, right and bottom
 not included; and the same of the rectangle that is subtracted, -1 where there is none."""
 
 N_COLUMNS: Final = 10
+_MOST_OFFSETS: Final = 1 << 32
 
 
 def draw_features(settings: IcfSettings, n_channels: int, seed: int) -> Features:
@@ -59,8 +61,19 @@ def corner_offsets(features: Features, width: int, height: int) -> NDArray[np.ui
     uint32, (n, 8): offsets from the window's first corner, in the flat array of
     `nvcore.detectors.icf.channels.integral_images`: top left, top right, bottom left, bottom right
     of both rectangles; 0 where there is no second one, so that its sum is 0.
+
+    Raises
+    ------
+    DetectorError
+        If the pictures are so large that an offset has more than 32 bits.
     """
     across, plane = width + 1, (width + 1) * (height + 1)
+    n_channels = 1 + int(features[:, [0, 5]].max(initial=-1))
+    if n_channels * plane > _MOST_OFFSETS:
+        raise DetectorError(
+            f"a picture of {width}x{height} px is too large for {n_channels} channels: begin with "
+            "a larger scale"
+        )
     offsets = np.zeros((len(features), 8), np.uint32)
     for half in (0, 1):
         channel, left, top, right, bottom = features[:, 5 * half : 5 * half + 5].T.astype(np.int64)

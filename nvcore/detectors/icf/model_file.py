@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.detectors.base import TrainedOn
+from nvcore.dataset.provenance import trained_on_from
 from nvcore.detectors.classifier import MAX_CLASSES, N_VALUES, Classifier
 from nvcore.detectors.icf.boosting import Trees
 from nvcore.detectors.icf.cascade import Calibration
@@ -276,7 +276,7 @@ def _checked(about: Mapping[str, Any], arrays: dict[str, NDArray[Any]]) -> IcfMo
         n_background=about["n_background"],
         seed=about["seed"],
         band=band,
-        trained_on=tuple(_trained_on(part) for part in about["trained_on"]),
+        trained_on=trained_on_from(about["trained_on"]),
         classifier=_classifier(about.get("classes"), arrays.get(_OF_CLASSES)),
     )
     _check_indices(model)
@@ -336,15 +336,3 @@ def _classifier(classes: object, weights: NDArray[np.float64] | None) -> Classif
     if np.abs(weights).max() > _MOST_WEIGHT:
         raise DetectorError(f"class_weights: expected numbers up to {_MOST_WEIGHT:g}")
     return Classifier(tuple(classes), weights)
-
-
-def _trained_on(part: object) -> TrainedOn:
-    if not isinstance(part, dict) or set(part) != set(asdict(TrainedOn(""))):
-        raise DetectorError("trained_on: an entry is not as expected")
-    frames = part["first_frame"], part["last_frame"]
-    texts = part["fingerprint"], part["recording"]
-    if not all(isinstance(text, str) for text in texts) or not all(
-        frame is None or type(frame) is int for frame in frames
-    ):
-        raise DetectorError("trained_on: an entry is not as expected")
-    return TrainedOn(**part)

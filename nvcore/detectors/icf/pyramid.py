@@ -11,12 +11,20 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.detectors.icf.channels import Bytes, channel_planes, is_of_gradient, resized
+from nvcore.detectors.icf.channels import (
+    Bytes,
+    channel_planes,
+    is_of_gradient,
+    plane_names,
+    resized,
+)
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.errors import DetectorError
 
-MAX_PIXELS: Final = 100_000_000
-"""Pixels of a picture at the scale that enlarges it most."""
+MAX_BYTES: Final = 1 << 31
+"""Of the channels and integral images of a level."""
+_BYTES_OF_PIXEL: Final = 5
+"""Of a channel: 1, and 4 of its integral image."""
 _TINY: Final = 1e-6
 _RATIOS: Final = (1 / np.sqrt(2), 0.5)
 
@@ -76,7 +84,7 @@ def levels(width: int, height: int, settings: IcfSettings) -> list[tuple[Level, 
     Raises
     ------
     DetectorError
-        If the picture would be enlarged to more than 100 million pixels.
+        If the channels of a level would take more than 2 GiB.
     """
     every = 1 + settings.scales_between
     groups = []
@@ -85,12 +93,14 @@ def levels(width: int, height: int, settings: IcfSettings) -> list[tuple[Level, 
             _level(width, height, scale) for scale in settings.scales[first : first + every]
         )
         groups.append(tuple(level for level in group if level.grid(settings)[0]))
+    n_channels = len(plane_names(settings, is_colour=True))  # of a grey picture fewer
     most = max((level.width * level.height for group in groups for level in group), default=0)
-    if most > MAX_PIXELS:
+    if most * n_channels * _BYTES_OF_PIXEL > MAX_BYTES:
         raise DetectorError(
             f"a picture of {width}x{height} px, divided by the scale {settings.scales[0]:g}, has "
-            f"{most / 1e6:.0f} million pixels; at most {MAX_PIXELS // 10**6} are possible: begin "
-            "with a larger scale"
+            f"{most / 1e6:.0f} million pixels, whose {n_channels} channels take "
+            f"{most * n_channels * _BYTES_OF_PIXEL / 1e9:.1f} GB; at most {MAX_BYTES / 1e9:.1f} "
+            "are possible: begin with a larger scale"
         )
     return [group for group in groups if group]
 

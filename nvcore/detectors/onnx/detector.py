@@ -63,7 +63,10 @@ _ERRORS: Final[tuple[type[Exception], ...]] = (
         if isinstance(kind, type) and issubclass(kind, Exception)
     ),
 )
+_NUMBERS: Final = "fiub"
+"""Kinds of arrays with numbers in them; not texts."""
 _MAX_NAMES: Final = 1 << 20
+_MOST_CLASSES: Final = 1 << 20
 _OF_FAMILY: Final = ("box", "fit", "values", "colour", "activation", "unit")
 """Settings that the layout decides where they are ``auto``."""
 
@@ -206,11 +209,14 @@ class OnnxDetector:
         names = [part.name for part in self._session.get_outputs()]
         with _plain_errors(self._name):
             outputs = self._session.run(None, {self._input: array})
-        return {
+        arrays = {
             name: array
             for name, array in zip(names, outputs, strict=True)
-            if isinstance(array, np.ndarray)
+            if isinstance(array, np.ndarray) and array.dtype.kind in _NUMBERS
         }
+        if not arrays:
+            raise DetectorError("none of its outputs is an array of numbers", file=self._name)
+        return arrays
 
     def _read(self, outputs: Mapping[str, NDArray[Any]]) -> Candidates:
         try:
@@ -320,7 +326,11 @@ def _names(session: Any, settings: OnnxSettings) -> dict[int, str]:
         if isinstance(value, list | tuple)
         else []
     )
-    return {key: one_line(str(name)) for key, name in entries if isinstance(key, int)}
+    return {
+        key: one_line(str(name))
+        for key, name in entries
+        if type(key) is int and 0 <= key < _MOST_CLASSES
+    }
 
 
 def _classes(

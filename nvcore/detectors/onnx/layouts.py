@@ -23,6 +23,8 @@ Size: TypeAlias = tuple[int, int]
 CELLS_PX: Final = ((8, 16, 32), (8, 16, 32, 64))
 """Sides of the cells of YOLO networks; the second for large inputs."""
 _ANCHORS: Final = 3
+_COCO_CLASSES: Final = 80
+"""Without the gaps in COCO's numbers, and without a class for nothing: a sigmoid for each."""
 
 
 @dataclass(frozen=True)
@@ -92,8 +94,9 @@ def recognise(outputs: Outputs, size: Size, name: str) -> str:
         If it is none of them, or may be several.
     """
     shapes = [array.shape for array in outputs.values()]
-    if _named(outputs, "logits") is not None and _named(outputs, "box") is not None:
-        return "detr"
+    logits = _named(outputs, "logits")
+    if logits is not None and _named(outputs, "box") is not None:
+        return "rtdetr" if logits.shape[-1:] == (_COCO_CLASSES,) else "detr"
     if len(outputs) >= 3 and _named(outputs, "box") is not None:
         return "ssd"
     shape = shapes[0]
@@ -211,7 +214,8 @@ def _by_shape(outputs: Outputs) -> list[NDArray[Any] | None] | None:
 
 def _detr(outputs: Outputs, _size: Size) -> Candidates:
     logits, box = _named(outputs, "logits"), _named(outputs, "box")
-    if logits is None or box is None or logits.ndim != 3 or box.shape != (*logits.shape[:2], 4):
+    is_one = logits is not None and logits.ndim == 3 and logits.shape[0] == 1
+    if logits is None or box is None or not is_one or box.shape != (*logits.shape[:2], 4):
         shapes = {key: list(array.shape) for key, array in outputs.items()}
         raise DetectorError(
             f"expected outputs logits (1, n, c) and boxes (1, n, 4), found {shapes}"
@@ -262,6 +266,14 @@ PRESETS: Final[dict[str, Layout]] = {
         unit="shares",
         suppresses=True,
         person=1,
+        threshold=0.5,
+    ),
+    "rtdetr": Layout(
+        _detr,
+        fit="stretch",
+        activation="sigmoid",
+        unit="shares",
+        suppresses=True,
         threshold=0.5,
     ),
 }

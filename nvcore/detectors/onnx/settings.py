@@ -17,7 +17,8 @@ LAYOUTS: Final[Mapping[str, str]] = {
     "yolox": "YOLOX: (1, n, 5 + c), not yet decoded: cells of 8, 16 and 32 px",
     "end_to_end": "YOLOv10 and others that suppress: (1, n, 6), corners, score, class",
     "ssd": "torchvision, SSD: boxes, labels, scores",
-    "detr": "DETR, RT-DETR: logits (1, n, c), boxes (1, n, 4) as shares of the picture",
+    "detr": "DETR: logits (1, n, c), the last of them nothing, boxes (1, n, 4) as shares",
+    "rtdetr": "RT-DETR: logits (1, n, c) of classes by themselves, boxes (1, n, 4) as shares",
 }
 FITS: Final[Mapping[str, str]] = {
     AUTO: "as usual for the layout",

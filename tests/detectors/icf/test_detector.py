@@ -98,6 +98,13 @@ def test_a_picture_that_would_become_too_large_is_refused(model):
         detector.detect(np.zeros((700, 700, 3), np.uint8))
 
 
+def test_channels_count_in_what_a_level_takes(settings):
+    few, many = (replace(settings, scales=(1.0,), channels=c) for c in (("grey",), ("luv", "hsv")))
+    assert levels(15_000, 10_000, few)
+    with pytest.raises(DetectorError, match=r"150 million pixels, whose 6 channels take 4.5 GB"):
+        levels(15_000, 10_000, many)
+
+
 @pytest.mark.parametrize("cascade", ["calibrated", "constant", "hard", "none"])
 def test_a_window_is_rejected_where_its_path_says(model, drawn, cascade):
     run = model.run_with(cascade=cascade, rejection=-0.5)

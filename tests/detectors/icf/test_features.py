@@ -9,7 +9,8 @@ import pytest
 
 from nvcore.detectors.icf import IcfSettings
 from nvcore.detectors.icf.channels import integral_images
-from nvcore.detectors.icf.features import draw_features, values_at
+from nvcore.detectors.icf.features import corner_offsets, draw_features, values_at
+from nvcore.errors import DetectorError
 
 SETTINGS = IcfSettings(
     window_width=20, window_height=30, object_width=18.0, object_height=28.0, features=3000
@@ -74,3 +75,10 @@ def test_sums_are_exact_where_the_integral_overflows():
     features = np.array([[0, 0, 0, 20, 30, -1, -1, -1, -1, -1]], np.int32)
     base = np.array([(3000 - 30) * 4001 + 4000 - 20], np.int64)
     assert values_at(integral_images(planes), base, features)[0, 0] == 255 * 600
+
+
+def test_offsets_of_more_than_32_bits_are_refused():
+    features = np.array([[9, 0, 0, 8, 8, *[-1] * 5]], np.int32)
+    assert corner_offsets(features, 20_000, 20_000).max() < 2**32
+    with pytest.raises(DetectorError, match="too large for 10 channels"):
+        corner_offsets(features, 21_000, 21_000)

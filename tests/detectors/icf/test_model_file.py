@@ -148,6 +148,12 @@ CASES = {
     "seed": with_fact("seed", True),
     "trained on": with_fact("trained_on", [{"fingerprint": 3}]),
     "trained on what": with_fact("trained_on", [7]),
+    "trained on nothing": with_fact("trained_on", [{"fingerprint": "", "recording": ""}]),
+    "trained on endless frames": with_fact(
+        "trained_on", [{"recording": "drive", "first_frame": 10**20}]
+    ),
+    "trained on a long name": with_fact("trained_on", [{"recording": 5000 * "a"}]),
+    "trained on too much": with_fact("trained_on", [{"recording": "a"}] * 100_001),
     "a window of millions": with_setting("window_width", 10**9),
     "stride": with_setting("stride", 0),
     "a stride of half a pixel": with_setting("stride", 0.5),

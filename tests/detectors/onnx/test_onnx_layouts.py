@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from onnx_models import fixed_model
+from onnx import TensorProto, helper
+from onnx_models import constant, fixed_model
 
 from nvcore.detectors.onnx import open_onnx
 from nvcore.detectors.onnx.layouts import PRESETS, cell_count, recognise
@@ -48,6 +49,13 @@ def detr() -> dict[str, np.ndarray]:
     return {"logits": logits, "pred_boxes": boxes}
 
 
+def rtdetr() -> dict[str, np.ndarray]:
+    logits, boxes = np.full((1, 10, 80), -9.0), np.zeros((1, 10, 4))
+    logits[0, 7, 0] = np.log(4)  # 0.8, whatever the others are
+    boxes[0, 7] = np.array(BOX) / 64
+    return {"logits": logits, "pred_boxes": boxes}
+
+
 CASES = {
     "yolov5": ({"output": rows(3 * N, 7, c4=0.5, c5=0.8)}, LETTERBOX, 0.4),
     "yolov8": ({"output0": np.moveaxis(rows(N, 6, c4=0.8), 1, 2)}, LETTERBOX, 0.8),
@@ -67,6 +75,7 @@ CASES = {
         0.8,
     ),
     "detr": (detr(), STRETCHED, 0.8),
+    "rtdetr": (rtdetr(), STRETCHED, 0.8),
 }
 
 
@@ -105,6 +114,55 @@ def test_a_layout_that_it_has_not_is_refused(layout: str, words: str, tmp_path: 
 
 def test_every_layout_has_its_case():
     assert [*CASES] == [*PRESETS]
+
+
+def test_rt_detr_is_fed_with_values_from_0_to_1_and_numbers_persons_from_0(tmp_path: Path):
+    detector = open_onnx(fixed_model(tmp_path / "model.onnx", rtdetr()), {})
+    assert (detector.settings.values, detector.settings.activation) == ("0..1", "sigmoid")
+    assert detector.about.labels == ("person",)
+    logits = np.moveaxis(rtdetr()["logits"], 2, 0)
+    others = {**rtdetr(), "logits": np.moveaxis(logits[[0, 0, 1]], 0, 2)}
+    path = fixed_model(tmp_path / "own.onnx", others)
+    named = open_onnx(path, {"layout": "rtdetr", "names": "person,car,dog"})
+    assert named.detect(PICTURE).score == pytest.approx([0.8])
+
+
+@pytest.mark.parametrize("layout", ["auto", "detr", "rtdetr"])
+def test_a_batch_of_none_is_refused(layout: str, tmp_path: Path):
+    outputs = {name: array[:0] for name, array in detr().items()}
+    path = fixed_model(tmp_path / "model.onnx", outputs)
+    with pytest.raises(DetectorError, match="expected outputs logits"):
+        open_onnx(path, {"layout": layout})
+
+
+def test_outputs_that_are_texts_are_refused(tmp_path: Path):
+    path = tmp_path / "model.onnx"
+    fixed_model(path, {"labels": np.array([["a", "b"]], object)})
+    with pytest.raises(DetectorError, match="none of its outputs is an array of numbers"):
+        open_onnx(path, {})
+    with pytest.raises(DetectorError, match="none of its outputs is an array of numbers"):
+        open_onnx(path, {"layout": "yolov8"})
+
+
+def test_an_output_that_is_a_sequence_is_refused(tmp_path: Path):
+    nodes = [
+        constant("a", np.zeros((1, 6, 4), np.float32)),
+        helper.make_node("SequenceConstruct", ["a"], ["all"]),
+    ]
+    kind = helper.make_tensor_sequence_value_info("all", TensorProto.FLOAT, None)
+    shape = helper.make_tensor_value_info("images", TensorProto.FLOAT, [1, 3, 64, 64])
+    graph = helper.make_graph(nodes, "test", [shape], [kind])
+    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=8)
+    path = tmp_path / "model.onnx"
+    path.write_bytes(model.SerializeToString())
+    with pytest.raises(DetectorError, match="none of its outputs is an array of numbers"):
+        open_onnx(path, {})
+
+
+def test_numbers_of_classes_beyond_all_reason_are_passed_over(tmp_path: Path):
+    names = f"{{{10**30}: 'person', -1: 'person', 0: 'car', 1: 'person'}}"
+    path = fixed_model(tmp_path / "model.onnx", CASES["yolov8"][0], names=names)
+    assert open_onnx(path, {}).about.labels == ("person",)
 
 
 def test_tensorflow_s_ssd_has_its_corners_the_other_way_and_shares(tmp_path: Path):
