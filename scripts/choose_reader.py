@@ -35,7 +35,7 @@ EVERY: Final = 4
 VARIANTS: Final = [
     *(
         {"_PENALTY": penalty, "_MOVED": share, "_CELL": 4}
-        for penalty in (1e-2, 1e-3, 1e-4)
+        for penalty in (1e-2, 1e-3, 1e-4, 1e-5)
         for share in MOVED
     ),
     {"_PENALTY": 1e-3, "_MOVED": MOVED[0], "_CELL": 8},

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+import shlex
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -33,6 +34,8 @@ _AS_IN_PYTHON: Final = (
     *("crops", "crop_share", "background"),
 )
 """Options that `nvcore.api.train.train` has by the same names."""
+_SUGGESTED: Final = 3
+"""Recordings that the command for a first run names."""
 _PathTo = click.Path(exists=True, file_okay=False, path_type=Path)
 
 _OPTIONS: Final = (
@@ -202,26 +205,32 @@ def train(session_file: Path | None, **options: Any) -> None:
             raise click.UsageError(
                 "--only, --tag, --frames and --hold-out are about a session; name its file"
             )
-        _train(None, settings, options, "SESSION")
+        _train(None, settings, options)
         return
     from nvcore.inputs.load import load
     from nvcore.inputs.recordings_file import with_recordings_file
 
     refuse_to_replace([options["out"]], [session_file])
     session = with_recordings_file(read_session(session_file, needs_system=False))
-    session = replace(
+    chosen = replace(
         session,
         only_tags=options["tags"] or session.only_tags,
         only=options["only"] or session.only,
     )
     with errors_of(session):
         with TerminalProgress(2 + len(session.systems)) as steps:
-            dataset = load(session, progress=steps)
-        _train(dataset, settings, options, str(session_file))
+            whole = load(session.of_all, progress=steps)
+        dataset = whole.with_settings(chosen).only(chosen.only_tags, chosen.only)
+        names = whole.only(session.only_tags).recordings["name"].tolist()
+        _train(dataset, settings, options, session_file, names)
 
 
 def _train(
-    dataset: Dataset | None, settings: dict[str, str], options: dict[str, Any], session_name: str
+    dataset: Dataset | None,
+    settings: dict[str, str],
+    options: dict[str, Any],
+    session_file: Path | None = None,
+    recordings: Sequence[str] = (),
 ) -> None:
     from nvcore.api.train import train as train_model
     from nvcore.report.detectors import render_training
@@ -240,9 +249,24 @@ def _train(
         )
     click.echo(render_training(training))
     click.echo(one_line(f"written to {out} ({out.stat().st_size / 1000:,.0f} kB)"), err=True)
+    trained = {part.recording for part in training.model.trained_on}
+    others = [name for name in recordings if name not in trained]
+    click.echo(one_line(_next_step(out, session_file, others)), err=True)
+
+
+def _next_step(out: Path, session_file: Path | None, others: Sequence[str]) -> str:
+    """How to run the model on recordings that it was not trained on, as a command for a shell."""
+    if session_file is not None and not others:
+        return (
+            "it was trained on all recordings of the session: run it on others, or train again "
+            "with --only or --frames"
+        )
     folder = out.with_suffix("") if out.suffix else Path(f"{out}_run")
-    command = f"nvcore detect {session_name} --detector {out} --out {folder}"
-    click.echo(one_line(f"run it: {command}"), err=True)
+    words = ["nvcore", "detect", "SESSION" if session_file is None else str(session_file)]
+    words += ["--detector", str(out)]
+    for name in others[:_SUGGESTED]:
+        words += ["--only", name]
+    return f"run it: {shlex.join([*words, '--out', str(folder)])}"
 
 
 def _frames(text: str | None) -> tuple[int | None, int | None]:

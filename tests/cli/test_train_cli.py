@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import pytest
 from inputs import nvcore
 from places import SAMPLE
 
+from nvcore.cli.train import _next_step
 from nvcore.detectors.training import run as run_module
 
 PART = ("--only", "urban_crossing", "--only", "winter_frost", "--every", "15")
@@ -36,8 +38,12 @@ def test_from_a_session_to_boxes(tmp_path: Path):
     assert lines[5].startswith("held-out boxes: ")
     assert lines[5].endswith("at the threshold of 0; calibrated on them, the cascade keeps 100 %")
     assert lines[6].startswith("trained in ")
-    run_it = f"run it: nvcore detect {SAMPLE} --detector {model} --out {tmp_path / 'night'}"
-    assert run_it in ran.stderr
+    run_it = f"run it: nvcore detect {SAMPLE} --detector {model} --only "
+    last_line = ran.stderr.splitlines()[-1]
+    assert last_line.startswith(run_it)
+    assert last_line.endswith(f" --out {tmp_path / 'night'}")
+    assert last_line.count(" --only ") == 3
+    assert not any(name in last_line for name in ("urban_crossing", "winter_frost"))
     out = tmp_path / "night"
     few = ("--only", "odd_pose", "--frames", "100:110:5")
     ran = nvcore("detect", SAMPLE, "--detector", model, *few, "--out", out)
@@ -50,6 +56,18 @@ def test_from_a_session_to_boxes(tmp_path: Path):
     assert "window: 20x40 px, with an object of 12x32 px" in described
     of_training = described.index("settings of its training, which cannot be changed:")
     assert described.index("  stride = 8") < of_training < described.index("  features = 150")
+
+
+def test_the_hint_for_a_first_run_is_a_command_for_a_shell():
+    hint = _next_step(Path("my models/night.npz"), Path("it's.toml"), ["a b", "c"])
+    command = hint.removeprefix("run it: ")
+    words = ["nvcore", "detect", "it's.toml", "--detector", "my models/night.npz"]
+    others = ["--only", "a b", "--only", "c"]
+    assert shlex.split(command) == [*words, *others, "--out", "my models/night"]
+    none_left = _next_step(Path("night.npz"), Path("night.toml"), [])
+    assert none_left.startswith("it was trained on all recordings of the session")
+    of_folders = _next_step(Path("signs"), None, [])
+    assert of_folders == "run it: nvcore detect SESSION --detector signs --out signs_run"
 
 
 def test_what_is_interrupted_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

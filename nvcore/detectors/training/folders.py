@@ -77,7 +77,8 @@ def folder_shots(
     Raises
     ------
     InputError
-        If a folder has no pictures, or ``boxes.csv`` cannot be read.
+        If a folder has no pictures, all crops are named as of one physical object, or
+        ``boxes.csv`` cannot be read.
     ParameterError
         If `crop_share` is not above 0 and at most 1.
     """
@@ -90,8 +91,8 @@ def folder_shots(
     split = ""
     if crops is not None:
         paths = _pictures_in(crops)
+        groups = _physical_objects(crops, paths)
         boxes = _boxes(crops, paths, crop_share, settings.aspect)
-        groups = [(path.parent, path.stem.rpartition("_")[0] or path.stem) for path in paths]
         is_out = by_group(groups, share, seed)
         for path, own, out in zip(paths, boxes, is_out, strict=True):
             learned, held_out = (NO_BOXES, own) if out else (own, NO_BOXES)
@@ -122,6 +123,20 @@ def _pictures_in(folder: Path) -> list[Path]:
     if not paths:
         raise InputError("there are no pictures in it (PNG, JPEG, TIFF, BMP)", file=folder)
     return paths
+
+
+def _physical_objects(folder: Path, paths: Sequence[Path]) -> list[tuple[Path, str]]:
+    """Which object each crop shows, by its folder and name; refused if all show the same."""
+    groups = [(path.parent, path.stem.rpartition("_")[0] or path.stem) for path in paths]
+    if len(paths) > 1 and len(set(groups)) == 1:
+        raise InputError(
+            f"all {len(paths)} pictures are named as of one physical object, "
+            f"{one_line(groups[0][1])!r}: what stands before the last _ of a name (or the folder) "
+            "must differ from object to object, since part of the objects is held out; use names "
+            "such as sign12_0001.png, or without _",
+            file=folder,
+        )
+    return groups
 
 
 def _read(path: Path) -> NDArray[np.generic]:

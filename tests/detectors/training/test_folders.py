@@ -60,6 +60,19 @@ def test_a_track_of_crops_is_on_one_side(crops: Path):
     assert {sum(out[i : i + 3]) for i in range(0, 12, 3)} == {0, 3}
 
 
+def test_crops_that_are_all_named_as_of_one_object_are_refused_before_they_are_read(
+    tmp_path: Path,
+):
+    folder = tmp_path / "crops"
+    folder.mkdir()
+    for i in range(3):
+        (folder / f"IMG_{i:04}.jpg").write_bytes(b"")
+    with pytest.raises(InputError, match="all 3 pictures are named as of one physical object"):
+        folder_shots(folder, None, SIGNS)
+    (folder / "other.jpg").write_bytes(b"")
+    assert folder_shots(folder, None, SIGNS).split == "1 of 2 physical objects in crops"
+
+
 def test_boxes_are_those_of_the_table(crops: Path):
     (crops / "boxes.csv").write_text(
         "file,x,y,w,h\n30/00000_00000.png,1,2,10,11\n30/00000_00000.png,20,2,10,11\n"
