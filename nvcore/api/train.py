@@ -78,7 +78,8 @@ def train(
         is too large for.
     crops, crop_share
         A folder of pictures with an object in the middle, which takes this share of their height
-        (None: as in the window), or with those that ``boxes.csv`` lists (file, x, y, w, h).
+        (None: as in the window), or with those that ``boxes.csv`` lists (file, x, y, w, h, and
+        class where there are several: the model then says of each box which it is).
     background
         A folder of pictures without an object.
     progress

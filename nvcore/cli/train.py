@@ -82,7 +82,7 @@ _OPTIONS: Final = (
         type=_PathTo,
         metavar="DIR",
         help="Pictures with an object in the middle, or with those that boxes.csv in the folder "
-        "lists (file,x,y,w,h).",
+        "lists (file,x,y,w,h, and class if there are several).",
     ),
     grouped_option(
         FOLDERS,

@@ -103,7 +103,7 @@ def train(
         n_background=len(background),
         band=survey.band,
         trained_on=tuple(trained_on) or (TrainedOn(survey.fingerprint),),
-        classifier=_classifier(scenes, seed) if survey.has_labels else None,
+        classifier=_classifier(scenes, seed) if survey.n_classes > 1 else None,
     )
 
 
@@ -141,15 +141,15 @@ class _Survey:
         Where the boxes lie.
     backgrounds
         Places of the scenes with background.
-    has_labels
-        Whether any object to train on has a class.
+    n_classes
+        Of the objects to train on.
     """
 
     is_colour: bool
     fingerprint: str
     band: Band
     backgrounds: list[int]
-    has_labels: bool
+    n_classes: int
 
 
 def _parted(
@@ -190,7 +190,8 @@ def _with_objects(scenes: Sequence[Scene], progress: Progress = no_progress) -> 
 def _surveyed(scenes: Sequence[Scene], held_out: Sequence[Scene], progress: Progress) -> _Survey:
     """Read everything once."""
     digest = hashlib.sha256()
-    is_colour, any_colour, has_labels = True, False, False
+    is_colour, any_colour = True, False
+    classes: set[str] = set()
     rows, heights, backgrounds = [np.empty(0)], [np.empty(0)], []
     for part in (scenes, held_out):
         for i in range(len(part)):
@@ -204,14 +205,14 @@ def _surveyed(scenes: Sequence[Scene], held_out: Sequence[Scene], progress: Prog
                 digest.update(np.ascontiguousarray(array).tobytes())
             if any(scene.labels):
                 digest.update(repr(scene.labels).encode())
-                has_labels |= part is scenes
+                classes.update(scene.labels if part is scenes else ())
             if scene.has_background and part is scenes:
                 backgrounds.append(i)
                 rows.append((scene.boxes[:, 1] + scene.boxes[:, 3] / 2) / picture.shape[0])
                 heights.append(scene.boxes[:, 3] / picture.shape[0])
     band = learn_band(np.concatenate(rows), np.concatenate(heights))
     is_colour &= any_colour
-    return _Survey(is_colour, digest.hexdigest(), band, backgrounds, has_labels)
+    return _Survey(is_colour, digest.hexdigest(), band, backgrounds, len(classes - {""}))
 
 
 def _first_background(task: Task, progress: Progress) -> NDArray[np.int32]:

@@ -26,8 +26,9 @@ from nvcore.pictures.images import decode_image, file_bytes
 from nvcore.wording import count_text, one_line
 
 BOXES_FILE: Final = "boxes.csv"
-"""In a folder of crops: columns file, x, y, w, h (px)."""
+"""In a folder of crops: columns file, x, y, w, h (px), and class if there are several."""
 _COLUMNS: Final = ("file", "x", "y", "w", "h")
+_CLASS: Final = "class"
 _MOST_BYTES: Final = 1 << 28
 
 
@@ -92,17 +93,22 @@ def folder_shots(
     if crops is not None:
         paths = _pictures_in(crops)
         groups = _physical_objects(crops, paths)
-        boxes = _boxes(crops, paths, crop_share, settings.aspect)
+        boxes, labels = _boxes(crops, paths, crop_share, settings.aspect)
         is_out = by_group(groups, share, seed)
-        for path, own, out in zip(paths, boxes, is_out, strict=True):
-            learned, held_out = (NO_BOXES, own) if out else (own, NO_BOXES)
-            source = f"crops {crops}"
+        for path, own, names, out in zip(paths, boxes, labels, is_out, strict=True):
             shots.append(
-                Shot(partial(_read, path), source, learned, held_out, has_background=False)
+                Shot(
+                    partial(_read, path),
+                    source=f"crops {crops}",
+                    learned=NO_BOXES if out else own,
+                    held_out=own if out else NO_BOXES,
+                    has_background=False,
+                    labels=() if out else names,
+                )
             )
         n_out = len({group for group, out in zip(groups, is_out, strict=True) if out})
         split = f"{n_out} of {count_text(len(set(groups)), 'physical object')} in crops"
-        trained_on.append(_fingerprint(paths, boxes))
+        trained_on.append(_fingerprint(paths, boxes, labels))
     if background is not None:
         paths = _pictures_in(background)
         shots += [Shot(partial(_read, path), f"background {background}") for path in paths]
@@ -144,8 +150,12 @@ def _read(path: Path) -> NDArray[np.generic]:
     return picture
 
 
-def _fingerprint(paths: Sequence[Path], boxes: Sequence[NDArray[np.float64]]) -> TrainedOn:
-    """sha256 over the files' contents and their boxes."""
+def _fingerprint(
+    paths: Sequence[Path],
+    boxes: Sequence[NDArray[np.float64]],
+    labels: Sequence[tuple[str, ...]] = (),
+) -> TrainedOn:
+    """sha256 over the files' contents, their boxes, and the classes of these if there are any."""
     digest = hashlib.sha256()
     for path in paths:
         try:
@@ -154,26 +164,28 @@ def _fingerprint(paths: Sequence[Path], boxes: Sequence[NDArray[np.float64]]) ->
             digest.update(error.message.encode())
     for own in boxes:
         digest.update(own.tobytes())
+    if any(map(any, labels)):
+        digest.update(repr(labels).encode())
     return TrainedOn(digest.hexdigest())
 
 
 def _boxes(
     folder: Path, paths: Sequence[Path], share: float, aspect: float
-) -> list[NDArray[np.float64]]:
-    """Boxes of each crop, (n, 4)."""
+) -> tuple[list[NDArray[np.float64]], list[tuple[str, ...]]]:
+    """Boxes of each crop, (n, 4), and their classes, "" where the table names none."""
     table = folder / BOXES_FILE
     if not table.is_file():
-        return [_in_the_middle(path, share, aspect) for path in paths]
-    by_name: dict[str, list[tuple[float, ...]]] = {}
-    known = {path.relative_to(folder).as_posix() for path in paths}
-    for line, name, box in _listed(table):
-        if name not in known:
+        return [_in_the_middle(path, share, aspect) for path in paths], [()] * len(paths)
+    names = [path.relative_to(folder).as_posix() for path in paths]
+    by_name: dict[str, list[tuple[float, ...]]] = {name: [] for name in names}
+    classes: dict[str, list[str]] = {name: [] for name in names}
+    for line, name, box, label in _listed(table):
+        if name not in by_name:
             raise FormatError(f"there is no picture {one_line(name)!r}", file=table, line=line)
-        by_name.setdefault(name, []).append(box)
-    return [
-        np.array(by_name.get(path.relative_to(folder).as_posix(), []), float).reshape(-1, 4)
-        for path in paths
-    ]
+        by_name[name].append(box)
+        classes[name].append(label)
+    boxes = [np.array(by_name[name], float).reshape(-1, 4) for name in names]
+    return boxes, [tuple(classes[name]) for name in names]
 
 
 def _in_the_middle(path: Path, share: float, aspect: float) -> NDArray[np.float64]:
@@ -186,8 +198,8 @@ def _in_the_middle(path: Path, share: float, aspect: float) -> NDArray[np.float6
     return np.array([[(width - w) / 2, (height - h) / 2, w, h]])
 
 
-def _listed(table: Path) -> Iterator[tuple[int, str, tuple[float, ...]]]:
-    """Line, name and box of each row of the table."""
+def _listed(table: Path) -> Iterator[tuple[int, str, tuple[float, ...], str]]:
+    """Line, name, box and class of each row of the table."""
     try:
         if table.stat().st_size > _MOST_BYTES:
             raise FormatError(f"is larger than {_MOST_BYTES >> 20} MiB", file=table)
@@ -204,7 +216,7 @@ def _listed(table: Path) -> Iterator[tuple[int, str, tuple[float, ...]]]:
             box = tuple(float(row[side] or "nan") for side in _COLUMNS[1:])
             if not all(map(math.isfinite, box)) or min(box[2:]) <= 0:
                 raise ValueError
-            yield rows.line_num, row["file"], box
+            yield rows.line_num, row["file"], box, (row.get(_CLASS) or "").strip()
     except (ValueError, csv.Error) as error:
         raise FormatError(
             "expected a file name, x, y, and w and h above 0", file=table, line=rows.line_num

@@ -21,6 +21,7 @@ from nvcore.detectors.training.split import Choice, HeldOut
 from nvcore.errors import InputError
 from nvcore.pictures import RecordingPictures
 from nvcore.protocols import Protocol
+from nvcore.schema import NO_LABEL
 from nvcore.wording import one_line
 
 MOST_OBJECTS: Final = 5000
@@ -164,6 +165,7 @@ def _shot(
     boxes = np.stack([side[of_frame] for side in truth.xywh], axis=1)
     boxes = boxes * (across, down, across, down)
     is_object, is_out = counts[of_frame], split.is_held_out[of_frame]
+    codes = truth.label[of_frame][is_object & ~is_out].tolist()
     return Shot(
         read=partial(source.read, index),
         source=str(dataset.recordings["name"].iloc[number]),
@@ -171,6 +173,7 @@ def _shot(
         held_out=boxes[is_object & is_out],
         ignored=boxes[~is_object],
         has_background=bool(split.has_background[row]),
+        labels=tuple("" if code == NO_LABEL else dataset.labels[code] for code in codes),
     )
 
 

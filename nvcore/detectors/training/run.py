@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from nvcore.detectors.classifier import MAX_CLASSES
 from nvcore.detectors.icf import IcfModel, IcfSettings, Scene, train
 from nvcore.detectors.icf.cascade import passes
 from nvcore.detectors.icf.channels import check_picture
@@ -89,7 +90,7 @@ def train_on(
     InputError
         If no picture can be read, or there is no object or no background to learn from.
     ParameterError
-        If the name cannot be that of a model.
+        If the name cannot be that of a model, or the classes of the boxes not its classes.
     """
     began = time.perf_counter()
     if not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
@@ -97,6 +98,7 @@ def train_on(
             f"name: expected 1 to {LONGEST_NAME} printable characters, got {name[:40]!r}"
         )
     shots = gathered.shots
+    _check_classes(shots)
     _check_room(shots, settings)
     progress = _with_time_left(progress)
     store = PictureStore(shots)
@@ -145,6 +147,20 @@ def _sums(model: IcfModel, scenes: Sequence[Scene]) -> NDArray[np.float64]:
         ]
         values.append(window_values(windows, plain, model.features))
     return model.trees.running_sums(np.concatenate(values))
+
+
+def _check_classes(shots: Sequence[Shot]) -> None:
+    """Refuse classes that a model cannot have, before it is trained."""
+    classes = {label for shot in shots for label in shot.labels if label}
+    odd = [name for name in classes if len(name) > LONGEST_NAME or not name.isprintable()]
+    if odd:
+        raise ParameterError(
+            f"class: expected at most {LONGEST_NAME} printable characters, got {min(odd)[:40]!r}"
+        )
+    if len(classes) > MAX_CLASSES:
+        raise ParameterError(
+            f"boxes are of {len(classes)} classes; a model tells {MAX_CLASSES} apart at most"
+        )
 
 
 def _check_room(shots: Sequence[Shot], settings: IcfSettings) -> None:

@@ -38,6 +38,8 @@ class Shot:
         What is neither object nor background.
     has_background
         Whether the rest of the picture is background to learn from.
+    labels
+        Class of each box to learn, "" where it is not known; empty: of none.
     """
 
     read: Callable[[], Picture]
@@ -46,6 +48,7 @@ class Shot:
     held_out: NDArray[np.float64] = field(default_factory=lambda: NO_BOXES)
     ignored: NDArray[np.float64] = field(default_factory=lambda: NO_BOXES)
     has_background: bool = True
+    labels: tuple[str, ...] = ()
 
     @property
     def is_learned(self) -> bool:
@@ -119,7 +122,7 @@ class LazyScenes(Sequence[Scene]):
         if self._are_held_out:
             return Scene(picture, shot.held_out, has_background=False)
         ignored = np.concatenate([shot.ignored, shot.held_out])
-        return Scene(picture, shot.learned, ignored, shot.has_background)
+        return Scene(picture, shot.learned, ignored, shot.has_background, shot.labels)
 
 
 def scenes_of(store: PictureStore) -> tuple[LazyScenes, LazyScenes]:

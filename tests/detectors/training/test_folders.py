@@ -10,6 +10,7 @@ import pytest
 
 import nvcore as nv
 from nvcore.detectors.icf import SIGNS
+from nvcore.detectors.registry import open_detector
 from nvcore.detectors.training.folders import folder_shots
 from nvcore.errors import InputError, ParameterError
 
@@ -133,6 +134,27 @@ def test_crops_and_background_give_a_model(crops: Path, background: Path, tmp_pa
     model = training.model
     assert (model.label, model.is_colour, model.n_objects) == ("speed sign", True, 18)
     assert [part.recording for part in model.trained_on] == ["", ""]
+
+
+def test_the_classes_of_a_table_are_those_of_the_model(
+    crops: Path, background: Path, tmp_path: Path
+):
+    names = sorted(path.relative_to(crops).as_posix() for path in crops.rglob("*.png"))
+    rows = [f"{name},5,5,30,30,{30 + 20 * (i % 2)}" for i, name in enumerate(names)]
+    plain = folder_shots(crops, None, SIGNS).trained_on
+    table = crops / "boxes.csv"
+    table.write_text("\n".join(["file,x,y,w,h,class", *rows]))
+    given = folder_shots(crops, None, SIGNS)
+    assert given.trained_on != plain
+    assert [shot.labels for shot in given.shots if len(shot.learned)][:2] == [("30",), ("50",)]
+    settings = {"features": 200, "trees_per_round": (8,), "negatives": 300, "copies": 1}
+    options = {"preset": "signs", "settings": settings, "background": background}
+    training = nv.train(None, tmp_path / "signs.npz", crops=crops, **options)
+    assert training.model.labels == ("30", "50")
+    assert open_detector(tmp_path / "signs.npz").about.labels == ("30", "50")
+    table.write_text("\n".join(["file,x,y,w,h,class", *(f"{row}\x1b" for row in rows)]))
+    with pytest.raises(ParameterError, match="class: expected at most 200 printable"):
+        nv.train(None, tmp_path / "signs.npz", crops=crops, seed=3, **options)
 
 
 def test_there_has_to_be_something_to_learn(tmp_path: Path, crops: Path, background: Path):

@@ -79,6 +79,23 @@ def test_what_cannot_be_learned_is_neither_object_nor_background():
     assert len(lower.learned) == 2
 
 
+def test_boxes_to_learn_have_the_class_of_the_truth():
+    columns = ["recording", "frame", "x", "y", "w", "h", "track", "class"]
+    rows = [
+        ("a", frame, 20.0 + 60 * track, 40, 20, 60, track, name)
+        for frame in range(N_FRAMES)
+        for track, name in enumerate(("speed limit 30", "speed limit 50", "speed limit"))
+    ]
+    truth = pd.DataFrame(rows, columns=columns)
+    dataset = nv.load(truth=truth, x=truth.assign(score=1.0), size=(320, 240), fps=10,
+                      frames=range(N_FRAMES), objects="speed sign")  # fmt: skip
+    for shot in shots_of(dataset, share=0.3).shots:
+        place = {10: "30", 40: "50", 70: ""}
+        assert [place[int(x)] for x in shot.learned[:, 0]] == [*shot.labels]
+        assert len(shot.labels) == 2
+    assert not any(map(any, (shot.labels for shot in shots_of(walkers("a")).shots)))
+
+
 def test_frames_without_a_box_are_background():
     shots = shots_of(made([("a", 0, 100, 40, 20, 60, 0, 0), ("a", 30, 100, 40, 20, 60, 1, 0)]))
     assert len(shots.shots) == N_FRAMES
