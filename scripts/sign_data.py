@@ -30,14 +30,10 @@ _COMPARED_PX: Final = 32
 
 @dataclass(frozen=True)
 class SignScene:
-    """A road scene: its picture, the boxes of speed limits, and those of other signs, (n, 4).
-
-    `limits` are what the speed limits say.
-    """
+    """A road scene: its picture, the boxes of speed limits, (n, 4), and what these say."""
 
     path: Path
     boxes: np.ndarray
-    others: np.ndarray
     limits: tuple[str, ...] = ()
 
     @property
@@ -101,20 +97,17 @@ def read_rgb(path: Path) -> np.ndarray:
 def read_scenes(folder: Path) -> list[SignScene]:
     """Scenes of a folder of GTSDB; corners are inclusive."""
     boxes: dict[str, list[list[float]]] = {}
-    others: dict[str, list[list[float]]] = {}
     limits: dict[str, list[str]] = {}
     for line in (folder / "gt.txt").read_text().split():
         name, *values = line.split(";")
         x1, y1, x2, y2, sign = map(int, values)
-        kind = boxes if sign in SPEED_LIMITS else others
-        kind.setdefault(name, []).append([x1, y1, x2 - x1 + 1, y2 - y1 + 1])
         if sign in SPEED_LIMITS:
+            boxes.setdefault(name, []).append([x1, y1, x2 - x1 + 1, y2 - y1 + 1])
             limits.setdefault(name, []).append(SPEED_LIMITS[sign])
     return [
         SignScene(
             folder / name,
             _table(boxes.get(name)),
-            _table(others.get(name)),
             tuple(limits.get(name, ())),
         )
         for name in (folder / "scenes.txt").read_text().split()

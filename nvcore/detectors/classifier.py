@@ -40,7 +40,7 @@ _MOVED: Final = 0.08
 """Share of its sides by which a copy's box is moved, and of its size by which it grows."""
 _LEAST_PX: Final = 16
 """Copies are shrunk at random down to this height, so that small boxes are learned, too."""
-_PENALTY: Final = 1e-3
+_PENALTY: Final = 1e-4
 """Of the squared weights, beside the mean logarithmic loss."""
 _STEPS: Final = 60
 """Of the minimisation; more do not read more limits right."""

@@ -16,7 +16,7 @@ from typing import Final
 from nvcore.dataset.provenance import Setting
 from nvcore.detectors.base import Detector
 from nvcore.detectors.settings import typed_like
-from nvcore.errors import DetectorError
+from nvcore.errors import DetectorError, ParameterError
 from nvcore.file_kinds import binary_kind
 from nvcore.wording import did_you_mean, listed, one_line
 
@@ -72,13 +72,15 @@ def _hog_settings() -> type:
 
 
 def _open_icf(text: str, settings: Mapping[str, Setting]) -> Detector:
-    from nvcore.detectors.icf import read_model  # type: ignore[import-not-found,unused-ignore]
+    from nvcore.detectors.icf import read_model
 
     detector = read_model(SAMPLE_MODEL if text == "icf:sample" else Path(text))
-    if settings:
-        detector = detector.run_with(**typed_like(detector.model.settings, settings))
-    opened: Detector = detector
-    return opened
+    if not settings:
+        return detector
+    try:
+        return detector.run_with(**typed_like(detector.model.settings, settings))
+    except ParameterError as error:
+        raise DetectorError(str(error)) from error
 
 
 def _open_onnx(text: str, settings: Mapping[str, Setting]) -> Detector:

@@ -47,6 +47,20 @@ def test_a_misspelt_name_gets_a_proposal():
         open_detector("hog:daimer")
 
 
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"stride": 0}, "stride: expected 1 to 256, got 0"),
+        ({"scales": "2,1"}, "scales: expected 1 to 64 ascending ones"),
+        ({"features": 7}, "features: not a setting that a trained model can be run with"),
+        ({"strid": 7}, "strid: not a setting"),
+    ],
+)
+def test_a_setting_that_a_model_cannot_have_is_an_error_of_the_detector(settings: dict, words: str):
+    with pytest.raises(DetectorError, match=words):
+        open_detector("icf:sample", settings)
+
+
 def test_a_folder_is_no_model(tmp_path: Path):
     with pytest.raises(DetectorError, match="cannot be opened"):
         open_detector(tmp_path)

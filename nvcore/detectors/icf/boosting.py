@@ -64,13 +64,10 @@ class Boosted:
     error
         Share of the windows that the sum of all trees up to this one takes for the wrong kind;
         float64, (n_trees,). 0 is best.
-    weighted_error
-        Of each tree by itself, under the weights it was learned with; float64, (n_trees,).
     """
 
     trees: Trees
     error: NDArray[np.float64]
-    weighted_error: NDArray[np.float64]
 
 
 def bin_edges(values: NDArray[np.int32]) -> NDArray[np.int32]:
@@ -136,7 +133,7 @@ def boost(
     sign = np.where(is_object, 1.0, -1.0)
     weights = np.where(is_object, 0.5 / is_object.sum(), 0.5 / (~is_object).sum())
     total = np.zeros(len(values))
-    nodes, leaves, error, weighted_error = [], [], [], []
+    nodes, leaves, error = [], [], []
     n_tried = max(1, round(feature_share * len(bins)))
     for tree in range(n_trees):
         progress(tree / n_trees, "boosting")
@@ -157,14 +154,13 @@ def boost(
         nodes.append(split)
         leaves.append(alpha * side)
         error.append(float(((total > 0) != is_object).mean()))
-        weighted_error.append(eps)
         is_repeated = eps <= 0 and n_tried == len(bins)  # with equal weights, the same tree again
         if is_repeated or _is_at_end(error, patience):
             break
     splits = np.array(nodes, np.int64).reshape(-1, 3, 2)
     feature, cut = splits[..., 0], splits[..., 1]
     trees = Trees(feature.astype(np.int32), edges[feature, cut], np.array(leaves).reshape(-1, 4))
-    return Boosted(trees, np.array(error), np.array(weighted_error))
+    return Boosted(trees, np.array(error))
 
 
 def _surest(weights: NDArray[np.float64]) -> float:
