@@ -4,7 +4,7 @@
 
 Trains on crops and scenes of the training, of which every fourth crop is put aside, and reads
 these crops, as they are and with boxes moved by up to 8 %, and the scenes for choosing. The best
-setting has the highest mean of the three shares (two minutes on a free core). Then
+setting has the highest mean of the three shares (three minutes on a free core). Then
 `scripts.train_signs --reader` measures it on what is for testing.
 """
 
