@@ -24,8 +24,8 @@ from nvcore.detection import WindowGrid, scale_steps
 from nvcore.detectors.icf import SIGNS, IcfDetector, IcfSettings, read_model, train, write_model
 from nvcore.detectors.icf.cascade import floors
 from nvcore.detectors.icf.channels import channel_planes, integral_images, resized
-from nvcore.detectors.icf.detector import suppressed
 from nvcore.detectors.icf.pyramid import levels
+from nvcore.detectors.suppression import suppress
 from scripts.sign_data import TESTED, LazyScenes, held_out, read_crops, read_scenes
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -124,7 +124,7 @@ def measure(grid: Grid, detector: IcfDetector, pictures: list[np.ndarray]) -> No
         whole.append(perf_counter() - start)
         maps = detector.score_maps(picture)
         start = perf_counter()
-        boxes = suppressed(detector.candidates(maps), settings)
+        boxes = suppress(detector.candidates(maps), settings.overlap, settings.overlap_of)
         middle = perf_counter()
         detector.classified(picture, boxes)
         after.append(middle - start)

@@ -26,7 +26,6 @@ import nvcore as nv
 from nvcore.dataset import Dataset
 from nvcore.detection import DetectionCurve, detection_curve, detection_outcomes, pr_auc
 from nvcore.detection.miss_rate import log_average_miss_rate
-from nvcore.detectors.base import Detections
 from nvcore.detectors.classifier import Classifier, train_classifier
 from nvcore.detectors.icf import (
     SIGNS,
@@ -39,8 +38,8 @@ from nvcore.detectors.icf import (
 )
 from nvcore.detectors.icf.cascade import passes
 from nvcore.detectors.icf.channels import check_picture
-from nvcore.detectors.icf.detector import suppressed
 from nvcore.detectors.icf.windows import object_windows, window_values
+from nvcore.detectors.suppression import suppress
 from nvcore.metrics.matching import match_system
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
@@ -99,7 +98,8 @@ def run(scenes: Sequence[SignScene], detector: IcfDetector) -> Run:
         picture = scene.read()
         start = process_time()
         maps = detector.score_maps(picture)
-        found: Detections = suppressed(detector.candidates(maps), detector.model.settings)
+        settings = detector.model.settings
+        found = suppress(detector.candidates(maps), settings.overlap, settings.overlap_of)
         found = detector.classified(picture, found)
         seconds += process_time() - start
         n_windows += sum(score_map.n_windows for score_map in maps)

@@ -19,12 +19,11 @@ from numpy.typing import NDArray
 from nvcore.dataset.provenance import About, Setting
 from nvcore.detectors.base import Detections, Detector
 from nvcore.detectors.registry import DETECTORS, kind_named, open_detector
-from nvcore.detectors.suppression import only, staying
+from nvcore.detectors.suppression import OverlapOf, only, staying
 from nvcore.pictures import Picture
 
 if TYPE_CHECKING:
     from nvcore.detectors.icf.detector import IcfDetector
-    from nvcore.detectors.icf.settings import OverlapOf
 
 MOST: Final = 2000
 """Boxes of a picture that are kept, the most confident ones."""
@@ -37,7 +36,7 @@ def open_loosened(text: str | Path, settings: Mapping[str, Setting] | None = Non
 
 def candidates(detector: Detector, picture: Picture, *, most: int = MOST) -> Detections:
     """The most confident boxes of a detector that `open_loosened` opened; errors as `detect`."""
-    if detector.about.kind == "icf":  # to find that nothing goes, it would look at every pair
+    if detector.about.kind == "icf":  # classes do not suppress: it reads them of what is left
         icf = cast("IcfDetector", detector)
         boxes = icf.candidates(icf.score_maps(picture))
     else:
@@ -64,14 +63,8 @@ def counting(
     is_above: NDArray[np.bool_] = boxes.score >= threshold
     above = only(boxes, is_above)
     is_counting = np.zeros(len(boxes), dtype=bool)
-    if about.kind == "icf":
-        from nvcore.detectors.icf.detector import stays
-
-        sides = np.stack([above.x, above.y, above.w, above.h])
-        overlap_of = cast("OverlapOf", about.settings["overlap_of"])
-        is_counting[is_above] = stays(sides, overlap, overlap_of)
-    else:
-        is_counting[is_above] = staying(above, overlap)
+    overlap_of = cast(OverlapOf, about.settings.get("overlap_of", "union"))
+    is_counting[is_above] = staying(above, overlap, overlap_of)
     return is_counting
 
 

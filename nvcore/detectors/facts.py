@@ -21,9 +21,9 @@ OF_ICF: Final[dict[str, SettingFacts]] = {
     "stride": SettingFacts("Step between two windows, px.", low=1, high=256),
     "threshold": SettingFacts("Lowest confidence of a box.", low=-1e6, high=1e6),
     "overlap": SettingFacts(
-        "Of two boxes that overlap by this share, the less confident goes; above 1: both stay.",
+        "Of two boxes that overlap by more than this share, the less confident goes; 1: both stay.",
         low=0,
-        high=2,
+        high=1,
     ),
     "overlap_of": SettingFacts(
         "Of what the overlap is a share.",

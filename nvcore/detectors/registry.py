@@ -121,7 +121,7 @@ DETECTORS: Final[dict[str, Kind]] = {
             lambda head: head.startswith(b"PK\3\4"),
             _open_icf,
             lambda: None,
-            loosest={"threshold": -1e6, "overlap": 2.0},
+            loosest={"threshold": -1e6, "overlap": 1.0},
         ),
         Kind(
             "onnx",

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About
 from nvcore.detectors.base import Detections, Detector
+from nvcore.detectors.threads import one_for_a_picture
 from nvcore.errors import InputError, MediaError
 from nvcore.pictures import Picture, RecordingPictures
 from nvcore.progress import POLL_S, Progress, no_progress
@@ -127,16 +128,24 @@ def expect(
     pictures: RecordingPictures,
     *,
     n_threads: int | None = None,
+    progress: Progress = no_progress,
 ) -> Expectation:
     """How long `run_detector` will take: a few consecutive pictures, timed.
 
     The recording is the one with the most pictures, the place its middle; a first picture, on which
     compiled loops are loaded, does not count; a run of a single picture takes no time.
 
+    Parameters
+    ----------
+    progress
+        Called for every picture and now and then between.
+
     Raises
     ------
     InputError
         If no evaluated frame has a picture, or the detector cannot work on such pictures.
+    CancelledError
+        If `progress` raises it.
     """
     n_threads = threads_of(n_threads)
     indices = {number: index[index >= 0] for number, index in sorted(pictures.indices.items())}
@@ -147,17 +156,25 @@ def expect(
     n_timed = min(len(indices[number]), 1 + TIMED_PER_THREAD * n_threads)
     start = (len(indices[number]) - n_timed) // 2
     source = pictures.sources[number].another()
+    n_done = 0
+
+    def poll() -> None:
+        progress(n_done / n_timed, "timing it")
+
     try:
         timed = _read(source.read, enumerate(indices[number][start : start + n_timed]), [])
-        warm = [detector.detect(picture) for _, picture in islice(timed, 1)]
+        for _ in _in_order(detector, islice(timed, 1), n_threads, poll):
+            n_done += 1
         began = time.perf_counter()
-        n_done = sum(1 for _ in _in_order(detector, timed, n_threads, lambda: None))
+        for _ in _in_order(detector, timed, n_threads, poll):
+            n_done += 1
+            poll()
         seconds = time.perf_counter() - began
     finally:
         source.close()
-    if not warm:
+    if not n_done:
         raise InputError(f"{NO_PICTURES}: those of {source.name} cannot be read")
-    return Expectation(n_pictures, n_threads, seconds / max(1, n_done))
+    return Expectation(n_pictures, n_threads, seconds / max(1, n_done - 1))
 
 
 def run_detector(
@@ -297,7 +314,8 @@ def _in_order(
 ) -> Iterator[tuple[int, Detections]]:
     """Frame and boxes of every picture, in their order; `poll` is called while waiting.
 
-    This thread reads, the others detect: pictures of a video are decoded one after another.
+    This thread reads, the others detect: pictures of a video are decoded one after another. Of
+    several pictures at a time each has one thread: more would only change between the cores.
     """
     waiting: deque[tuple[int, Future[Detections]]] = deque()
 
@@ -308,7 +326,8 @@ def _in_order(
         waiting.popleft()
         return frame, future.result()
 
-    with ThreadPoolExecutor(n_threads) as pool:
+    begin = one_for_a_picture if n_threads > 1 else None
+    with ThreadPoolExecutor(n_threads, initializer=begin) as pool:
         try:
             for frame, picture in pictures:
                 waiting.append((frame, pool.submit(detector.detect, picture)))

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.detectors.base import Detections
+from nvcore.metrics.kernels import compiled, intersection
+
+OverlapOf = Literal["union", "smaller"]
+"""What an overlap is a share of: both boxes together, or the smaller one."""
 
 
 def sorted_detections(
@@ -28,41 +34,68 @@ def sorted_detections(
     return Detections(x, y, w, h, score[order], None if label is None else label[order])
 
 
-def suppress(detections: Detections, overlap: float) -> Detections:
-    """The detections without those whose IoU with a more confident one is above `overlap`.
+def suppress(detections: Detections, overlap: float, overlap_of: OverlapOf = "union") -> Detections:
+    """The detections without those that overlap a more confident one by more than `overlap`.
 
     Boxes of different labels do not suppress each other.
 
     Parameters
     ----------
     overlap
-        0: no two boxes that touch stay, 1: all stay.
+        0: no two boxes that share an area stay, 1: all stay.
     """
-    return only(detections, staying(detections, overlap))
+    return only(detections, staying(detections, overlap, overlap_of))
 
 
-def staying(detections: Detections, overlap: float) -> NDArray[np.bool_]:
+def staying(
+    detections: Detections, overlap: float, overlap_of: OverlapOf = "union"
+) -> NDArray[np.bool_]:
     """Which detections `suppress` leaves, bool, shape (n,)."""
-    n = len(detections)
-    is_open = np.ones(n, dtype=bool)
-    if overlap >= 1 or n < 2:
-        return is_open
-    x, y = detections.x, detections.y
-    right, bottom = x + detections.w, y + detections.h
-    area = detections.w * detections.h
-    label = np.zeros(n, dtype=np.int64)
-    if detections.label is not None:
-        label = np.unique(detections.label.astype(str), return_inverse=True)[1]
-    for i in range(n):  # each depends on those before it; the boxes after it go at once
-        if not is_open[i]:
-            continue
-        rest = i + 1 + np.flatnonzero(is_open[i + 1 :] & (label[i + 1 :] == label[i]))
-        across = np.minimum(right[i], right[rest]) - np.maximum(x[i], x[rest])
-        down = np.minimum(bottom[i], bottom[rest]) - np.maximum(y[i], y[rest])
-        shared = np.maximum(across, 0) * np.maximum(down, 0)
-        union = area[i] + area[rest] - shared
-        is_open[rest[shared > overlap * union]] = False
-    return is_open
+    box = np.stack([detections.x, detections.y, detections.w, detections.h])
+    if detections.label is None:
+        return staying_boxes(box, overlap, overlap_of)
+    label = np.unique(detections.label.astype(str), return_inverse=True)[1]
+    return staying_boxes(box, overlap, overlap_of, label=label)
+
+
+def staying_boxes(
+    box: NDArray[np.float64],
+    overlap: float,
+    overlap_of: OverlapOf = "union",
+    *,
+    label: NDArray[np.int64] | None = None,
+) -> NDArray[np.bool_]:
+    """Which boxes `suppress` leaves, bool, shape (n,).
+
+    Parameters
+    ----------
+    box
+        Left, top, width, height, the most confident first, shape (4, n).
+    label
+        Only boxes of one label suppress each other, shape (n,); None: all have one.
+    """
+    n = box.shape[1]
+    stays = np.ones(n, dtype=np.bool_)
+    if overlap < 1 and n > 1:  # from 1 on a rounding error would decide about doubles
+        label = np.zeros(n, dtype=np.int64) if label is None else label.astype(np.int64)
+        x, y, w, h = np.ascontiguousarray(box, dtype=np.float64)
+        _mark(x, y, w, h, label, float(overlap), overlap_of == "smaller", stays)
+    return stays
+
+
+@compiled
+def _mark(x, y, w, h, label, overlap, of_smaller, stays):  # type: ignore[no-untyped-def]
+    """Mark the boxes that stay: each depends on those before it."""
+    for i in range(x.size):
+        for j in range(i):
+            if not stays[j] or label[j] != label[i]:
+                continue
+            shared = intersection(x[i], y[i], w[i], h[i], x[j], y[j], w[j], h[j])
+            a, b = w[i] * h[i], w[j] * h[j]
+            whole = min(a, b) if of_smaller else a + b - shared
+            if shared > overlap * whole:
+                stays[i] = False
+                break
 
 
 def only(detections: Detections, is_kept: NDArray[np.bool_]) -> Detections:

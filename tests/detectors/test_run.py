@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 import time
 from concurrent.futures import CancelledError
@@ -17,6 +18,7 @@ from nvcore.dataset.provenance import About
 from nvcore.detectors.base import Detections
 from nvcore.detectors.run import expect, run_detector
 from nvcore.detectors.suppression import sorted_detections
+from nvcore.detectors.threads import threads_for_a_picture
 from nvcore.errors import DetectorError, InputError
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
@@ -178,3 +180,30 @@ def test_the_expected_time_is_that_of_the_pictures(place: Path):
     assert 0.02 <= expected.seconds_each < 0.2
     assert expected.seconds == 15 * expected.seconds_each
     assert dataset.systems == ()
+
+
+def test_timing_is_cancelled_while_a_slow_picture_is_timed(place: Path):
+    began = time.monotonic()
+
+    def cancel(_share: float, _words: str) -> None:
+        if time.monotonic() - began > 0.1:
+            raise CancelledError
+
+    detector = Numbers(delay_s=0.5)
+    _, pictures = opened(place)
+    with pytest.raises(CancelledError):
+        expect(detector, pictures, n_threads=1, progress=cancel)
+    assert len(detector.seen) == 1
+
+
+@pytest.mark.parametrize(("n_threads", "each"), [(1, os.cpu_count()), (2, 1)])
+def test_of_several_pictures_at_a_time_each_takes_one_thread(place: Path, n_threads: int, each):
+    class Counting(Numbers):
+        def detect(self, picture: Picture) -> Detections:
+            counts.add(threads_for_a_picture())
+            return super().detect(picture)
+
+    counts: set[int] = set()
+    run_detector(Counting(), *opened(place), n_threads=n_threads)
+    assert counts == {each}
+    assert threads_for_a_picture() == os.cpu_count()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nvcore.detectors.suppression import sorted_detections, suppress
+from nvcore.detectors.suppression import sorted_detections, staying_boxes, suppress
 
 BOXES = np.array([[0, 0, 10, 10], [5, 0, 10, 10], [100, 0, 10, 10], [0, 0, 10, 10]], float)
 SCORES = np.array([0.5, 0.9, 0.1, 0.2])
@@ -49,3 +49,32 @@ def test_labels_do_not_suppress_each_other():
 @pytest.mark.parametrize("n", [0, 1])
 def test_nothing_and_one_box_stay(n: int):
     assert len(suppress(sorted_detections(BOXES[:n], SCORES[:n]), 0.0)) == n
+
+
+# IoU of the second with the first 80/120 = 0.67, of the third with the second the same, of the
+# third with the first 60/140 = 0.43; the fourth lies within the first, a quarter of it
+ROW = np.array([[0.0, 2, 4, 1], [0, 0, 0, 1], [10, 10, 10, 5], [10, 10, 10, 5]])
+
+
+@pytest.mark.parametrize(
+    ("overlap", "of", "expected"),
+    [
+        (0.5, "union", [0, 2, 3]),  # the second, which goes, does not suppress the third
+        (0.4, "union", [0, 3]),
+        (0.5, "smaller", [0]),
+        (0.7, "union", [0, 1, 2, 3]),
+        (1.0, "smaller", [0, 1, 2, 3]),
+    ],
+)
+def test_the_less_confident_of_two_overlapping_boxes_goes(overlap, of, expected):
+    assert np.flatnonzero(staying_boxes(ROW, overlap, of)).tolist() == expected
+
+
+@pytest.mark.parametrize(
+    ("of", "second"),
+    [("union", [0.0, 0, 10, 5]), ("smaller", [5.0, 0, 10, 10])],
+)
+def test_a_box_goes_by_more_than_the_overlap_and_not_by_just_that(of, second):
+    box = np.array([[0.0, 0, 10, 10], second]).T  # they share 50 px², just a half
+    assert staying_boxes(box, 0.5, of).tolist() == [True, True]
+    assert staying_boxes(box, 0.49, of).tolist() == [True, False]

@@ -18,6 +18,7 @@ from nvcore.dataset.provenance import About, Setting
 from nvcore.detectors.base import Detections, Detector
 from nvcore.detectors.candidates import candidates, open_loosened
 from nvcore.detectors.registry import open_detector
+from nvcore.detectors.threads import one_for_a_picture
 from nvcore.pictures import Picture
 from ui.confined.process import Allowance, SteadyProcess
 
@@ -136,6 +137,8 @@ def _model(spec: DetectorSpec) -> IcfModel:
 
 
 def _detect(spec: DetectorSpec, picture: Picture) -> Detections:
+    one_for_a_picture()  # of a run: other cores are for other pictures, and for visitors
+    cv2.setNumThreads(1)
     return _detector(spec).detect(picture)
 
 

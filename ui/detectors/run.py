@@ -40,7 +40,7 @@ TIMING: Final = "detector_timing"
 RUN: Final = "detector_run"
 FOLDER: Final = "detector"
 SHARE_OF_CORES: Final = 2
-"""Of the cores one in so many works for a run: the others are for visitors."""
+"""One picture for so many cores at a time, each in one thread: the others are for visitors."""
 
 
 @dataclass(frozen=True)
@@ -194,8 +194,7 @@ def _start_timing(key: RunKey, about: About) -> None:
 
     def work(progress: Progress) -> Expectation:
         try:
-            progress(0.0, "")
-            return expect(detector, pictures, n_threads=n_threads())
+            return expect(detector, pictures, n_threads=n_threads(), progress=progress)
         finally:
             detector.close()
 

@@ -11,6 +11,7 @@ import streamlit as st
 
 from nvcore.detectors.base import Detections
 from nvcore.detectors.candidates import MOST, counting, usual_threshold
+from nvcore.detectors.facts import run_settings
 from nvcore.figures.detectors.boxes import boxes_plot
 from nvcore.figures.style import plain
 from nvcore.pictures import Picture
@@ -88,14 +89,16 @@ def _draw_levels(spec: DetectorSpec, what: Described, boxes: Detections) -> Leve
         help="Lowest score of a box that counts. A run takes it as the threshold of the new "
         "system; the boxes below it are written, too, down to the detector's own, for the curves.",
     )
+    facts = run_settings(what.about)["overlap"]
+    assert facts.high is not None
     overlap = st.slider(
         "Overlap",
-        0.0,
-        1.0,
-        min(before.overlap, 1.0),
+        0.0,  # a network's lower one says that its own default is wanted
+        float(facts.high),
+        before.overlap,
         0.05,
         key=f"detector_overlap_{asking.key_of(spec.text)}",
-        help="A box goes if it overlaps a more confident one by more than this share.",
+        help=plain(facts.meaning),
     )
     levels = Levels(threshold, overlap)
     st.session_state[LEVELS][spec.text] = levels

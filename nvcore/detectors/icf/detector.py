@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -16,12 +15,13 @@ from nvcore.detectors.base import About, Detections
 from nvcore.detectors.icf.cascade import floors
 from nvcore.detectors.icf.channels import Bytes, check_picture, integral_images
 from nvcore.detectors.icf.features import corner_offsets, has_differences
-from nvcore.detectors.icf.kernels.pictures import scan, suppress
+from nvcore.detectors.icf.kernels.pictures import scan
 from nvcore.detectors.icf.model import IcfModel
 from nvcore.detectors.icf.model_file import fingerprint
 from nvcore.detectors.icf.pyramid import Level, levels, planes_of
 from nvcore.detectors.icf.regions import Places, places
-from nvcore.detectors.icf.settings import IcfSettings, OverlapOf
+from nvcore.detectors.suppression import suppress
+from nvcore.detectors.threads import threads_for_a_picture
 from nvcore.pictures import Picture
 
 KIND: Final = "icf"
@@ -103,7 +103,9 @@ class IcfDetector:
         DetectorError
             If it is no such picture, grey where the model needs colour, or too large.
         """
-        boxes = suppressed(self.candidates(self.score_maps(picture)), self.model.settings)
+        settings = self.model.settings
+        boxes = self.candidates(self.score_maps(picture))
+        boxes = suppress(boxes, settings.overlap, settings.overlap_of)
         return self.classified(picture, boxes)
 
     def classified(self, picture: Picture, boxes: Detections) -> Detections:
@@ -125,7 +127,7 @@ class IcfDetector:
         picture = check_picture(picture, self.model.is_colour)
         groups = levels(picture.shape[1], picture.shape[0], self.model.settings)
         where = places(picture, self.model.settings, self.model.band)
-        with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        with ThreadPoolExecutor(threads_for_a_picture()) as pool:
             maps = pool.map(lambda group: list(self._maps(picture, group, where, look)), groups)
             return [score_map for of_group in maps for score_map in of_group]
 
@@ -178,24 +180,3 @@ class IcfDetector:
         except Empty:
             buffer = np.empty(0, np.int32)
         return buffer if len(buffer) >= size else np.empty(size, np.int32)
-
-
-def stays(boxes: NDArray[np.float64], overlap: float, overlap_of: OverlapOf) -> NDArray[np.bool_]:
-    """Boxes that no more confident one which stays overlaps too much (greedy suppression).
-
-    Parameters
-    ----------
-    boxes
-        Left, top, width, height, the most confident first; (4, n).
-    """
-    is_staying = np.zeros(boxes.shape[1], np.bool_)
-    x, y, w, h = np.ascontiguousarray(boxes)
-    suppress(x, y, w, h, float(overlap), overlap_of == "smaller", is_staying)
-    return is_staying
-
-
-def suppressed(boxes: Detections, settings: IcfSettings) -> Detections:
-    """Boxes after suppression (`stays`), in their order."""
-    columns = np.stack([boxes.x, boxes.y, boxes.w, boxes.h, boxes.score])
-    x, y, w, h, score = columns[:, stays(columns[:4], settings.overlap, settings.overlap_of)]
-    return Detections(x, y, w, h, score)

@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from nvcore.detectors.icf.boosting import Boosted
 from nvcore.detectors.icf.cascade import Calibration, calibrate
 from nvcore.detectors.icf.channels import plane_names
-from nvcore.detectors.icf.detector import IcfDetector, ScoreMap, stays
+from nvcore.detectors.icf.detector import IcfDetector, ScoreMap
 from nvcore.detectors.icf.features import Features, values_at
 from nvcore.detectors.icf.model import IcfModel
 from nvcore.detectors.icf.settings import MAX_STRIDE, IcfSettings
 from nvcore.detectors.icf.windows import Scene, is_background
+from nvcore.detectors.suppression import staying_boxes
 from nvcore.progress import Progress
 
 _PASSING: Final = 0.98
@@ -132,7 +133,7 @@ def _differing(
 ) -> NDArray[np.int64]:
     """Indices of the most confident boxes that differ in place."""
     order = np.argsort(-score, kind="stable")[: 50 * most]
-    return order[stays(boxes[:, order], _DIVERSE, "union")][:most]
+    return order[staying_boxes(boxes[:, order], _DIVERSE)][:most]
 
 
 def _hardest(detector: IcfDetector, scene: Scene, task: Task, most: int) -> _Hard:

@@ -9,12 +9,12 @@ from typing import Any, Final, Literal, get_args
 
 from nvcore.detection import scale_steps
 from nvcore.detectors.base import Setting
+from nvcore.detectors.suppression import OverlapOf
 from nvcore.errors import ParameterError
 
 ChannelSet = Literal["grey", "rgb", "hsv", "luv", "magnitude", "orientations"]
 Magnitude = Literal["euclidean", "sum"]
 Cascade = Literal["constant", "calibrated", "hard", "none"]
-OverlapOf = Literal["union", "smaller"]
 Proposals = Literal["none", "red"]
 
 OF_COLOUR: Final[tuple[ChannelSet, ...]] = ("rgb", "hsv", "luv")
@@ -102,8 +102,8 @@ class IcfSettings:
     threshold
         Lowest confidence of a detection.
     overlap, overlap_of
-        Of two boxes that overlap by this share of their ``union`` or of the ``smaller`` one, the
-        less confident goes; more than 1: both stay.
+        Of two boxes that overlap by more than this share of their ``union`` or of the ``smaller``
+        one, the less confident goes; 1: both stay.
     region
         Corners of a polygon in shares of the picture's width and height, one after another, in
         which the centre of a window must lie; empty: anywhere.
@@ -240,7 +240,7 @@ RANGES: Final[dict[str, tuple[float, float]]] = {
     "scales_between": (0, MAX_SCALES),
     "stride": (1, MAX_STRIDE),
     "threshold": (-1e6, 1e6),
-    "overlap": (0, 2),
+    "overlap": (0, 1),
     "red_share": (0, 1),
 }
 _MEMBERS: Final[dict[str, tuple[float, float]]] = {

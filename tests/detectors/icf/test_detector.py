@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 from nvcore.detection import WindowGrid, scale_steps
-from nvcore.detectors.base import Detections, Detector
+from nvcore.detectors.base import Detector
 from nvcore.detectors.candidates import candidates, counting, open_loosened
 from nvcore.detectors.icf import AS_IN_REPORT, IcfDetector, write_model
 from nvcore.detectors.icf.cascade import Calibration, calibrate, floors, lower, passes
-from nvcore.detectors.icf.detector import stays, suppressed
 from nvcore.detectors.icf.displays import window_path
 from nvcore.detectors.icf.pyramid import levels
 from nvcore.detectors.registry import open_detector
@@ -188,37 +187,6 @@ def test_each_stage_of_a_hard_cascade_begins_anew(model):
     assert np.flatnonzero(restarts).tolist() == [2, 4]
     assert np.flatnonzero(np.isfinite(lowest)).tolist() == [1, 3, 7]
     np.testing.assert_allclose(lowest[[1, 3, 7]], [2, 2, 4])
-
-
-# IoU of the second with the first 80/120 = 0.67, of the third with the second the same, of the
-# third with the first 60/140 = 0.43; the fourth lies within the first, a quarter of it
-ROW = np.array([[0.0, 2, 4, 1], [0, 0, 0, 1], [10, 10, 10, 5], [10, 10, 10, 5]])
-
-
-@pytest.mark.parametrize(
-    ("overlap", "of", "expected"),
-    [
-        (0.5, "union", [0, 2, 3]),  # the second, which goes, does not suppress the third
-        (0.4, "union", [0, 3]),
-        (0.5, "smaller", [0]),
-        (0.7, "union", [0, 1, 2, 3]),
-        (2.0, "smaller", [0, 1, 2, 3]),
-    ],
-)
-def test_the_less_confident_of_two_overlapping_boxes_goes(overlap, of, expected):
-    assert np.flatnonzero(stays(ROW, overlap, of)).tolist() == expected
-
-
-def test_half_an_overlap_is_enough():
-    boxes = np.array([[0.0, 0], [0, 0], [10, 10], [10, 5]])
-    assert stays(boxes, 0.5, "union").tolist() == [True, False]
-
-
-def test_suppression_keeps_scores_with_their_boxes(settings):
-    boxes = Detections(*ROW, np.array([4.0, 3.0, 2.0, 1.0]))
-    left = suppressed(boxes, replace(settings, overlap=0.5, overlap_of="union"))
-    assert left.score.tolist() == [4, 2, 1]
-    assert left.x.tolist() == [0, 4, 1]
 
 
 def test_a_detector_says_what_it_is(model):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nvcore.metrics.kernels import compiled, intersection
+from nvcore.metrics.kernels import compiled
 
 GREY_LEVELS = 511
 """Possible differences of two grey levels, -255..255."""
@@ -125,25 +125,3 @@ def scan(
         while i < n_left:
             score[row, column[i]] = total[i]
             i += one
-
-
-@compiled
-def suppress(x, y, w, h, least_overlap, of_smaller, stays):
-    """Mark the boxes that stay, of boxes in descending confidence.
-
-    A box goes that overlaps one that stays by `least_overlap` or more, as a share of their union
-    or, `of_smaller`, of the smaller one.
-    """
-    for i in range(x.size):
-        stays[i] = True
-        for j in range(i):
-            if not stays[j]:
-                continue
-            shared = intersection(x[i], y[i], w[i], h[i], x[j], y[j], w[j], h[j])
-            if shared <= 0.0:
-                continue
-            a, b = w[i] * h[i], w[j] * h[j]
-            whole = min(a, b) if of_smaller else a + b - shared
-            if shared >= least_overlap * whole:
-                stays[i] = False
-                break
