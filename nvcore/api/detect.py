@@ -54,7 +54,8 @@ def detect(
     only
         Names of recordings; empty: all.
     n_threads
-        Pictures at a time; None: as many as there are cores.
+        Pictures at a time, each in one thread; None: as many as there are cores. 1: a picture may
+        take all cores.
     progress
         Called with the share done, and the time left in words. It may raise `CancelledError`:
         nothing is then written.
