@@ -8,13 +8,13 @@ from figure_parts import shape, trace, words
 
 from nvcore.detectors.base import Detections
 from nvcore.detectors.icf.detector import ScoreMap
-from nvcore.detectors.icf.displays import Node, Tree, WindowPath
+from nvcore.detectors.icf.displays import MOST_CELLS, CoarseMap, Node, Tree, WindowPath, coarse_map
 from nvcore.detectors.icf.pyramid import Level
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.figures.detectors.boxes import boxes_plot
 from nvcore.figures.detectors.confidence import confidence_plot, training_plot
 from nvcore.figures.detectors.pictures import pictures_plot
-from nvcore.figures.detectors.score_map import MOST_CELLS, score_map_plot
+from nvcore.figures.detectors.score_map import score_map_plot
 from nvcore.figures.detectors.tree import tree_plot
 from nvcore.figures.style import LOOK
 
@@ -57,8 +57,8 @@ def test_no_box_is_no_error():
     assert "0 boxes before suppression, 0 after" in words(figure)
 
 
-def of_scale(score: np.ndarray, depth: np.ndarray) -> ScoreMap:
-    return ScoreMap(Level(2.0, 40, 30, 2.0, 2.0), score, depth)
+def of_scale(score: np.ndarray, depth: np.ndarray) -> CoarseMap:
+    return coarse_map(ScoreMap(Level(2.0, 40, 30, 2.0, 2.0), score, depth))
 
 
 def test_a_window_stands_at_its_middle_in_the_picture():

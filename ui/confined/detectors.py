@@ -24,8 +24,8 @@ from ui.confined.process import Allowance, SteadyProcess
 
 if TYPE_CHECKING:
     from nvcore.detectors.icf import IcfDetector, IcfModel
-    from nvcore.detectors.icf.detector import ScoreMap
-    from nvcore.detectors.icf.displays import Tree, WindowPath
+    from nvcore.detectors.icf.displays import CoarseMap, Tree, WindowPath
+    from nvcore.detectors.icf.settings import IcfSettings
 
 ALLOWANCE: Final = Allowance(memory_mb=3000, seconds=60.0)
 """For opening a model, and for one picture."""
@@ -62,10 +62,8 @@ class Inside:
 
     Attributes
     ----------
-    scales
-        Divisors of a picture's size.
-    window
-        Width and height of the window, px.
+    settings
+        Of the model.
     n_trees
         Trees of the model.
     error, round_ends
@@ -74,8 +72,7 @@ class Inside:
         Windows of the last round of training.
     """
 
-    scales: tuple[float, ...]
-    window: tuple[int, int]
+    settings: IcfSettings
     n_trees: int
     error: NDArray[np.float64]
     round_ends: NDArray[np.int32]
@@ -148,12 +145,10 @@ def describe(spec: DetectorSpec) -> Described:
     if about.kind != "icf":
         return Described(about, None)
     model = _model(spec)
-    settings = model.settings
     return Described(
         about,
         Inside(
-            scales=settings.scales,
-            window=(settings.window_width, settings.window_height),
+            settings=model.settings,
             n_trees=len(model.trees),
             error=model.error,
             round_ends=model.round_ends,
@@ -170,27 +165,33 @@ def find(spec: DetectorSpec, picture: Picture) -> Detections:
 
 def pictures_of(
     spec: DetectorSpec, picture: Picture, scale: float
-) -> tuple[dict[str, Picture], dict[str, Picture]]:
-    """The picture before and after blur and equalisation, and its channels, by name."""
-    from nvcore.detectors.icf.displays import channels_of, preparation
+) -> tuple[float, dict[str, Picture], dict[str, Picture]]:
+    """The picture before and after blur and equalisation, and its channels, by name.
+
+    First comes the scale from which the channels are made: the picture is prepared for that.
+    """
+    from nvcore.detectors.icf.displays import channels_of, computed_scale, preparation
 
     model = _model(spec)
-    steps = preparation(model, picture, scale)
+    computed = computed_scale(model, picture, scale)
+    steps = preparation(model, picture, computed)
     named = {"as it comes": steps.resized}
     if model.settings.blur:
         named["after the blur"] = steps.blurred
     if model.settings.clahe_clip > 0:
         named["after CLAHE"] = steps.equalised
     channels = channels_of(model, picture, scale)
-    return {k: _small(v) for k, v in named.items()}, {k: _small(v) for k, v in channels.items()}
+    small, small_channels = (
+        {name: _small(pixels) for name, pixels in every.items()} for every in (named, channels)
+    )
+    return computed, small, small_channels
 
 
-def score_map(spec: DetectorSpec, picture: Picture, scale: float) -> tuple[ScoreMap, IcfModel]:
-    """What became of the windows of one scale, and the model with the settings of that."""
-    from nvcore.detectors.icf import IcfDetector
+def score_map(spec: DetectorSpec, picture: Picture, scale: float) -> CoarseMap:
+    """What became of the windows of one scale."""
+    from nvcore.detectors.icf.displays import map_at
 
-    model = _model(spec).run_with(scales=(scale,))
-    return IcfDetector(model).score_maps(picture)[0], model
+    return map_at(_model(spec), picture, scale)
 
 
 def window_in(

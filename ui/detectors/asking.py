@@ -22,11 +22,21 @@ T = TypeVar("T")
 MOST_AT_ONCE: Final = 2
 """Pictures of all visitors that are looked at by detectors at a time; others wait."""
 MOST_KEPT: Final = 16
+"""Answers of a kind."""
+LARGE_KEPT: Final = 2
+"""The same of large ones."""
 
 _turns = threading.BoundedSemaphore(MOST_AT_ONCE)
 
 
-def ask(kind: str, function: Callable[..., T], spec: DetectorSpec, *arguments: Any, key: Any) -> T:
+def ask(
+    kind: str,
+    function: Callable[..., T],
+    spec: DetectorSpec,
+    *arguments: Any,
+    key: Any,
+    most: int = MOST_KEPT,
+) -> T:
     """What a function of `ui.confined.detectors` returns, made anew where `key` is another.
 
     Raises
@@ -42,7 +52,7 @@ def ask(kind: str, function: Callable[..., T], spec: DetectorSpec, *arguments: A
                 function, spec, *arguments, what="running the detector"
             )
 
-    return space.cached(f"detector_{kind}", (spec, key), make, most=MOST_KEPT)
+    return space.cached(f"detector_{kind}", (spec, key), make, most=most)
 
 
 def described(spec: DetectorSpec) -> Described:

@@ -181,7 +181,8 @@ def _draw_about(what: Described) -> None:
     parts = [f"Detects {plain(listed([*about.labels]))}."]
     if inside is not None:
         parts.append(
-            f"{inside.n_trees:,} trees over windows of {inside.window[0]} × {inside.window[1]} px, "
+            f"{inside.n_trees:,} trees over windows of {inside.settings.window_width} × "
+            f"{inside.settings.window_height} px, "
             f"trained on {inside.n_objects:,} windows of objects and {inside.n_background:,} of "
             "background."
         )

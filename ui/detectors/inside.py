@@ -7,7 +7,8 @@ from typing import Final
 import numpy as np
 import streamlit as st
 
-from nvcore.errors import NvcoreError
+from nvcore.detectors.icf.displays import usable_scales
+from nvcore.errors import NvcoreError, ParameterError
 from nvcore.figures.detectors.confidence import confidence_plot, training_plot
 from nvcore.figures.detectors.pictures import pictures_plot
 from nvcore.figures.detectors.score_map import MapOf, score_map_plot
@@ -65,8 +66,11 @@ def draw(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
         st.warning(plain(page_text(error)), icon=":material/warning:")
 
 
-def _choose_scale(inside: Inside) -> float:
-    scales = list(inside.scales)
+def _choose_scale(inside: Inside, picture: Picture) -> float:
+    """One of those at which the picture holds a window; ParameterError if there is none."""
+    scales = usable_scales(inside.settings, picture.shape[1], picture.shape[0])
+    if not scales:
+        raise ParameterError("the picture is smaller than the window at every scale")
     if len(scales) == 1:
         return scales[0]
     usual = min(scales, key=lambda scale: abs(scale - 1))
@@ -75,26 +79,30 @@ def _choose_scale(inside: Inside) -> float:
         scales,
         usual,
         format_func=lambda scale: f"{scale:.3g}",
-        key=f"detector_scale_{asking.key_of(inside.scales)}",
+        key=f"detector_scale_{asking.key_of(scales)}",
         help="Divisor of the picture's size: below 1 it is enlarged, for smaller objects.",
     )
     return scale
 
 
 def _draw_pictures(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
-    scale, shade = _choose_scale(inside), state.theme().shade
+    scale, shade = _choose_scale(inside, picture), state.theme().shade
     key = (*asking.place(), scale)
-    steps, channels = asking.ask("pictures", pictures_of, spec, picture, scale, key=key)
-    subtitle = f"scale {scale:.3g}"
+    computed, steps, channels = asking.ask(
+        "pictures", pictures_of, spec, picture, scale, key=key, most=asking.LARGE_KEPT
+    )
+    subtitle = f"scale {computed:.3g}"
     figure = pictures_plot(
         steps, theme=shade, title="The picture on its way", subtitle=subtitle, columns=3
     )
     draw_chart(figure, "detector_steps")
+    origin = "" if computed == scale else f", made from those of scale {computed:.3g} as in a run"
     figure = pictures_plot(
         channels,
         theme=shade,
         title="Channels",
-        subtitle="what the features are sums of; the contrast of each is stretched",
+        subtitle=f"what the features are sums of, at scale {scale:.3g}{origin}; the contrast of "
+        "each is stretched",
         stretched=True,
     )
     draw_chart(figure, "detector_channels")
@@ -103,12 +111,12 @@ def _draw_pictures(spec: DetectorSpec, inside: Inside, picture: Picture) -> None
 def _draw_map(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
     left, right = st.columns(2)
     with left:
-        scale = _choose_scale(inside)
+        scale = _choose_scale(inside, picture)
     with right:
         of = choose_side_by_side("Colour", MAPS, "detector_map_of", default="trees")
     key = (*asking.place(), scale)
-    windows, model = asking.ask("map", score_map, spec, picture, scale, key=key)
-    figure = score_map_plot(windows, model.settings, picture, theme=state.theme().shade, of=of)
+    windows = asking.ask("map", score_map, spec, picture, scale, key=key, most=asking.LARGE_KEPT)
+    figure = score_map_plot(windows, inside.settings, picture, theme=state.theme().shade, of=of)
     draw_chart(figure, "detector_map")
     n_trees = windows.n_features / 2 / max(windows.n_windows, 1)
     st.caption(
@@ -138,5 +146,6 @@ def _draw_window(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
         number = st.number_input("Tree", 1, inside.n_trees, 1, 1, key="detector_tree", width=200)
         tree = asking.ask("tree", tree_of, spec, number - 1, key=number)
         leaf = int(np.asarray(path.leaf)[number - 1])
-        figure = tree_plot(tree, theme=theme, window=inside.window, number=number, leaf=leaf)
+        window = inside.settings.window_width, inside.settings.window_height
+        figure = tree_plot(tree, theme=theme, window=window, number=number, leaf=leaf)
         draw_chart(figure, "detector_tree_plot")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +18,43 @@ from nvcore.detectors.icf.channels import (
     integral_images,
     resized,
 )
+from nvcore.detectors.icf.detector import IcfDetector, ScoreMap
 from nvcore.detectors.icf.features import values_at
 from nvcore.detectors.icf.model import IcfModel
-from nvcore.detectors.icf.pyramid import Level, levels, rescaled
+from nvcore.detectors.icf.pyramid import Level, levels, planes_of, rescaled
+from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.errors import ParameterError
 from nvcore.pictures import Picture
+
+Number = TypeVar("Number", bound=np.generic)
+
+MOST_CELLS: Final = 200
+"""Of a coarse map, along each side."""
+
+
+@dataclass(frozen=True, eq=False)
+class CoarseMap:
+    """A score map with so few cells that it can be drawn; the highest of a cell stands for it.
+
+    Attributes
+    ----------
+    level
+        The picture at that scale.
+    step
+        Windows to a cell, along each side.
+    score, depth
+        As of a `ScoreMap`, (n_cells_down, n_cells_across).
+    n_windows, n_through, n_features
+        Of all windows: looked at, came through, and features evaluated.
+    """
+
+    level: Level
+    step: int
+    score: NDArray[np.float64]
+    depth: NDArray[np.int32]
+    n_windows: int
+    n_through: int
+    n_features: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,9 +146,11 @@ def preparation(model: IcfModel, picture: Picture, scale: float) -> Preparation:
 
 
 def channels_of(model: IcfModel, picture: Picture, scale: float) -> dict[str, Bytes]:
-    """Every channel by its name, at one scale: (h, w), 0..255; errors as `preparation`."""
-    level, picture = _at_scale(model, picture, scale)
-    planes = channel_planes(resized(picture, level.width, level.height), model.settings)
+    """Every channel by its name, at one scale, as a run has it: (h, w), 0..255.
+
+    Errors as `preparation`.
+    """
+    _, planes = _planes_at(model, picture, scale)
     return dict(zip(model.channels, planes, strict=True))
 
 
@@ -138,6 +173,38 @@ def approximation_error(
     return dict(zip(model.channels, ratio.tolist(), strict=True))
 
 
+def usable_scales(settings: IcfSettings, width: int, height: int) -> tuple[float, ...]:
+    """Scales at which a picture of this size, px, holds a window; errors as `levels`."""
+    return tuple(level.scale for group in levels(width, height, settings) for level in group)
+
+
+def computed_scale(model: IcfModel, picture: Picture, scale: float) -> float:
+    """Scale from whose channels a run makes those of another; errors as `preparation`."""
+    return _group_of(model, picture, scale)[0].scale
+
+
+def map_at(model: IcfModel, picture: Picture, scale: float) -> CoarseMap:
+    """What becomes of the windows of one scale in a run; errors as `preparation`."""
+    scales = tuple(level.scale for level in _group_of(model, picture, scale))
+    return coarse_map(IcfDetector(model.run_with(scales=scales)).score_maps(picture)[-1])
+
+
+def coarse_map(score_map: ScoreMap, most: int = MOST_CELLS) -> CoarseMap:
+    """The map with at most so many cells along each side."""
+    step = max(1, -(-max(score_map.score.shape) // most))
+    score = np.where(np.isnan(score_map.score), -np.inf, score_map.score)
+    score = _highest(score, step, -np.inf)
+    return CoarseMap(
+        level=score_map.level,
+        step=step,
+        score=np.where(np.isneginf(score), np.nan, score),
+        depth=_highest(score_map.depth, step, 0),
+        n_windows=score_map.n_windows,
+        n_through=int(np.isfinite(score_map.score).sum()),
+        n_features=score_map.n_features,
+    )
+
+
 def window_path(
     model: IcfModel, picture: Picture, scale: float, row: int, column: int
 ) -> WindowPath:
@@ -148,13 +215,12 @@ def window_path(
     row, column
         Of the window in the grid of that scale.
     """
-    level, pixels = _at_scale(model, picture, scale)
+    level, planes = _planes_at(model, picture, scale)
     rows, columns = level.grid(model.settings)
     if not (0 <= row < rows and 0 <= column < columns):
         raise ParameterError(
             f"window {row}, {column}: at scale {scale:g} there are {rows} rows of {columns} windows"
         )
-    planes = channel_planes(resized(pixels, level.width, level.height), model.settings)
     base = (row * (level.width + 1) + column) * model.settings.stride
     values = values_at(integral_images(planes), np.array([base], np.int64), model.features)
     sums = model.trees.running_sums(values)
@@ -215,12 +281,40 @@ def tree(model: IcfModel, index: int) -> Tree:
 
 
 def _at_scale(model: IcfModel, picture: Picture, scale: float) -> tuple[Level, Bytes]:
+    """The level, its channels computed there, and the picture as the channels take it."""
     picture = check_picture(picture, model.is_colour)
     single = model.run_with(scales=(float(scale),)).settings
     groups = levels(picture.shape[1], picture.shape[0], single)
     if not groups:
         raise ParameterError(f"scale {scale:g}: the picture is smaller than the window there")
     return groups[0][0], picture
+
+
+def _group_of(model: IcfModel, picture: Picture, scale: float) -> tuple[Level, ...]:
+    """The level of a scale, behind that from which a run makes its channels, if there is one."""
+    alone, _ = _at_scale(model, picture, scale)
+    for group in levels(picture.shape[1], picture.shape[0], model.settings):
+        for level in group[1:]:
+            if level.scale == scale:
+                return group[0], level
+    return (alone,)
+
+
+def _planes_at(model: IcfModel, picture: Picture, scale: float) -> tuple[Level, Bytes]:
+    """The level of a scale, and its channels as a run has them."""
+    group = _group_of(model, picture, scale)
+    pixels = check_picture(picture, model.is_colour)
+    *_, last = planes_of(pixels, group, model.settings, model.powers)
+    return last
+
+
+def _highest(values: NDArray[Number], step: int, least: float) -> NDArray[Number]:
+    """The highest value of each square of `step` cells, those outside being `least`."""
+    rows, columns = (-(-side // step) for side in values.shape)
+    padded = np.full((rows * step, columns * step), least, values.dtype)
+    padded[: values.shape[0], : values.shape[1]] = values
+    highest: NDArray[Number] = padded.reshape(rows, step, columns, step).max(axis=(1, 3))
+    return highest
 
 
 def _leaves(model: IcfModel, values: NDArray[np.int32]) -> NDArray[np.int64]:

@@ -14,7 +14,7 @@ from nvcore.pictures import Picture
 from nvcore.wording import count_text
 
 if TYPE_CHECKING:
-    from nvcore.detectors.icf.detector import ScoreMap
+    from nvcore.detectors.icf.displays import CoarseMap
     from nvcore.detectors.icf.settings import IcfSettings
 
 MapOf: TypeAlias = Literal["trees", "confidence"]
@@ -23,15 +23,13 @@ TITLES: Final[dict[MapOf, str]] = {
     "confidence": "Confidence of the windows that came through",
 }
 HEIGHT_PX: Final = 460
-MOST_CELLS: Final = 200
-"""Along each side: of more, the highest value of several stands for them."""
 OPACITY: Final = 0.9
 """Of the highest value; of the lowest 0, so that the picture is seen."""
 BAR_PX: Final = 40
 
 
 def score_map_plot(
-    score_map: ScoreMap,
+    windows: CoarseMap,
     settings: IcfSettings,
     picture: Picture,
     *,
@@ -42,22 +40,19 @@ def score_map_plot(
 
     Parameters
     ----------
-    score_map
-        Of `nvcore.detectors.icf.IcfDetector.score_maps`.
+    windows
+        Of `nvcore.detectors.icf.displays.map_at`.
     settings
-        Of the model.
+        Of the run.
     of
         How many trees each window came through, on a logarithmic scale; or the confidence of those
         that came through all.
     """
     height, width = picture.shape[:2]
-    level = score_map.level
-    values = score_map.score if of == "confidence" else _logarithm(score_map.depth)
-    step = max(1, -(-max(values.shape) // MOST_CELLS))
-    across = (np.arange(0, values.shape[1], step) + (step - 1) / 2) * settings.stride
-    down = (np.arange(0, values.shape[0], step) + (step - 1) / 2) * settings.stride
+    level, step = windows.level, windows.step
+    values = windows.score if of == "confidence" else _logarithm(windows.depth)
+    down, across = ((np.arange(n) * step + (step - 1) / 2) * settings.stride for n in values.shape)
     look = LOOK[theme]
-    n_through = int(np.isfinite(score_map.score).sum())
     bar = {
         "thickness": 8,
         "outlinewidth": 0,
@@ -77,8 +72,8 @@ def score_map_plot(
     heat = go.Heatmap(
         x=(across + settings.window_width / 2) * level.across,
         y=(down + settings.window_height / 2) * level.down,
-        z=_highest(values, step).astype(np.float32),
-        customdata=_highest(score_map.depth.astype(float), step) if of == "trees" else None,
+        z=values.astype(np.float32),
+        customdata=windows.depth if of == "trees" else None,
         colorscale=[(share, faded(look.y, share * OPACITY)) for share in (0.0, 0.5, 1.0)],
         zmin=0 if of == "trees" else None,
         colorbar=bar,
@@ -89,9 +84,9 @@ def score_map_plot(
         heat,
         theme,
         title=TITLES[of],
-        subtitle=f"scale {level.scale:g}: {count_text(score_map.n_windows, 'window')} of "
+        subtitle=f"scale {level.scale:g}: {count_text(windows.n_windows, 'window')} of "
         f"{settings.window_width * level.across:.0f} × {settings.window_height * level.down:.0f} "
-        f"px, {n_through:,} came through",
+        f"px, {windows.n_through:,} came through",
         height=HEIGHT_PX,
         margin={"l": 4, "r": 4, "t": HEADING_PX + 8, "b": BAR_PX},
         images=[picture_layer(picture, width, height)],
@@ -102,12 +97,3 @@ def score_map_plot(
 def _logarithm(depth: np.ndarray) -> np.ndarray:
     """Logarithm to base 10; NaN where nothing was looked at."""
     return np.log10(np.where(depth > 0, depth, np.nan))
-
-
-def _highest(values: np.ndarray, step: int) -> np.ndarray:
-    """The highest value of each square of `step` cells; NaN where all are."""
-    rows, columns = (-(-side // step) * step for side in values.shape)
-    padded = np.full((rows, columns), -np.inf)
-    padded[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), -np.inf, values)
-    highest = padded.reshape(rows // step, step, columns // step, step).max(axis=(1, 3))
-    return np.where(np.isneginf(highest), np.nan, highest)

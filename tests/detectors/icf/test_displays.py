@@ -12,8 +12,12 @@ from nvcore.detectors.icf.channels import channel_planes
 from nvcore.detectors.icf.displays import (
     approximation_error,
     channels_of,
+    coarse_map,
+    computed_scale,
+    map_at,
     preparation,
     tree,
+    usable_scales,
     window_of,
     window_path,
 )
@@ -100,3 +104,34 @@ def test_a_box_leads_back_to_its_window(model, drawn):
         assert score_map.score[row, column] == boxes.score[k]
     with pytest.raises(ParameterError, match="at every scale"):
         window_of(model, 10, 10, (0.0, 0.0, 10.0))
+
+
+def test_displays_show_the_channels_that_a_run_approximates(model, drawn):
+    picture, run = drawn(3).picture, model.run_with(scales_between=2)
+    assert [computed_scale(run, picture, scale) for scale in (0.9, 1.1, 1.2)] == [0.9, 0.9, 1.2]
+    maps = {score_map.level.scale: score_map for score_map in IcfDetector(run).score_maps(picture)}
+    for scale in (0.9, 1.1, 1.2):
+        alone = map_at(run, picture, scale)
+        np.testing.assert_array_equal(alone.score, maps[scale].score)
+        row, column = np.argwhere(maps[scale].depth > 1)[0]
+        path = window_path(run, picture, scale, int(row), int(column))
+        assert (path.rejected_after or len(run.trees)) == maps[scale].depth[row, column]
+    exact, close = (channels_of(each, picture, 1.1)["gradient"] for each in (model, run))
+    assert (exact != close).any()
+
+
+def test_of_a_coarse_map_the_highest_of_each_cell_is_kept(model, drawn):
+    whole = IcfDetector(model).score_maps(drawn(3).picture)[0]
+    coarse = coarse_map(whole, most=10)
+    assert max(coarse.score.shape) <= 10
+    assert coarse.depth[0, 0] == whole.depth[: coarse.step, : coarse.step].max()
+    assert np.nanmax(coarse.score) == np.nanmax(whole.score)
+    assert (coarse.n_windows, coarse.n_features) == (whole.n_windows, whole.n_features)
+    assert coarse.n_through == np.isfinite(whole.score).sum()
+
+
+def test_scales_are_those_that_hold_a_window(model, drawn):
+    assert usable_scales(model.settings, 160, 120) == model.settings.scales
+    assert usable_scales(model.settings, 26, 30) == (0.9, 1.0)
+    with pytest.raises(ParameterError, match="smaller than the window there"):
+        map_at(model, drawn(0).picture[:30, :26], 1.35)
