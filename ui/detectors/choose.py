@@ -14,7 +14,7 @@ from nvcore.detectors.icf.model_file import MAX_BYTES
 from nvcore.detectors.registry import DETECTORS, kind_of_file
 from nvcore.errors import DetectorError, NvcoreError
 from nvcore.report.detectors import trained_on_text
-from nvcore.wording import listed, shortened
+from nvcore.wording import count_text, listed, shortened
 from ui.confined.detectors import Described, DetectorSpec
 from ui.detectors.asking import described
 from ui.session import state
@@ -25,6 +25,7 @@ from ui.widgets.text import docs_link, plain
 
 SENT: Final = "detector_sent"
 """What the page remembers of the model that was sent."""
+USUAL: Final = "detector_usual"
 ENDINGS: Final = (".npz", ".onnx")
 SEEN: Final = "detector_file_seen"
 TROUBLE: Final = "detector_file_trouble"
@@ -52,10 +53,12 @@ def draw() -> DetectorSpec | None:
     with right, st.expander("A model of your own"):
         _take_model()
     options = _options()
+    usual = _usual()
     with left:
         text = st.selectbox(
             "Detector",
             list(options),
+            list(options).index(usual),
             format_func=lambda option: options[option][0],
             key="detector",
             persist_state="session",
@@ -65,6 +68,20 @@ def draw() -> DetectorSpec | None:
         if about is not None:
             _draw_about(about)
     return None if about is None else spec
+
+
+def _usual() -> str:
+    """What is chosen at first; it goes with what was open, unless another was chosen.
+
+    The sample's people are drawings, which a detector of people does not find.
+    """
+    is_sample = state.opened().session.folder == state.SAMPLE.parent
+    usual = "icf:sample" if is_sample else "hog"
+    before = st.session_state.get(USUAL, usual)
+    if before != usual and st.session_state.get("detector") == before:
+        st.session_state["detector"] = usual
+    st.session_state[USUAL] = usual
+    return usual
 
 
 def checked(spec: DetectorSpec) -> Described | None:
@@ -189,6 +206,13 @@ def _draw_about(what: Described) -> None:
     trained_on = "; ".join(trained_on_text(part) for part in about.trained_on)
     if trained_on:
         parts.append(f"Trained on: {plain(shortened(trained_on, 300))}.")
+        names = state.recording_names()
+        n_open = len({part.recording for part in about.trained_on} & set(names))
+        if n_open:
+            parts.append(
+                f"That is {n_open} of the {count_text(len(names), 'open recording')}: what it "
+                "finds there says little about others."
+            )
     else:
         parts.append("On which recordings it was trained is not known.")
     parts.append(f"Fingerprint {about.fingerprint[:12]}.")

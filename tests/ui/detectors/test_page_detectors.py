@@ -66,9 +66,20 @@ def timed(page: AppTest) -> AppTest:
     return checked(page.run())
 
 
-def test_a_built_in_detector_is_tried_on_the_current_frame():
+def with_hog() -> AppTest:
     page = checked(opened("detectors", is_folded=True, **PEOPLE))
-    assert page.selectbox(key="detector").value == "hog"
+    return checked(page.selectbox(key="detector").set_value("hog").run())
+
+
+def test_the_sample_begins_with_the_detector_of_its_drawings():
+    page = checked(opened("detectors", is_folded=True, **PEOPLE))
+    assert page.selectbox(key="detector").value == "icf:sample"
+    assert "That is 7 of the 10 open recordings" in texts(page)
+    assert counts(page)[1] > 0
+
+
+def test_a_built_in_detector_is_tried_on_the_current_frame():
+    page = with_hog()
     (heading,) = headings(page)
     assert heading.startswith("HOG on frame 120")
     assert "the truth has 4" in heading
@@ -87,7 +98,7 @@ def test_a_built_in_detector_is_tried_on_the_current_frame():
 
 
 def test_settings_are_the_detectors_own_and_a_wrong_one_is_said():
-    page = checked(opened("detectors", is_folded=True, **PEOPLE))
+    page = with_hog()
     fields = {one.label: one for one in [*page.number_input, *page.toggle, *page.selectbox]}
     assert {"Stride", "Scale step", "Upscale", "Padding", "Person box"} <= {*fields}
     assert "Hit threshold" not in fields  # moved beside the picture
@@ -203,7 +214,7 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(model: bytes):
 
 
 def test_what_it_was_trained_on_may_be_said_on_the_page(monkeypatch: pytest.MonkeyPatch):
-    page = checked(opened("detectors", is_folded=True, **PEOPLE))
+    page = with_hog()
     (trained,) = [one for one in page.multiselect if one.label.startswith("Trained on")]
     checked(trained.set_value(["rural_road"]).run())
     timed(page)
