@@ -6,7 +6,7 @@ with needs("report", "figures need"):
     from nvcore.figures.cost_map import cost_plot
     from nvcore.figures.detection import CurveKind, curve_plot, legend_text
     from nvcore.figures.detectors.boxes import boxes_plot
-    from nvcore.figures.detectors.confidence import confidence_plot, training_plot
+    from nvcore.figures.detectors.confidence import confidence_plot, traces_plot, training_plot
     from nvcore.figures.detectors.pictures import pictures_plot
     from nvcore.figures.detectors.score_map import score_map_plot
     from nvcore.figures.detectors.tree import tree_plot
@@ -65,6 +65,7 @@ __all__ = [
     "similarity_plot",
     "stability_map",
     "subgroup_forest",
+    "traces_plot",
     "training_plot",
     "tree_plot",
     "venn_figure",

@@ -12,7 +12,7 @@ from nvcore.detectors.icf.displays import MOST_CELLS, CoarseMap, Node, Tree, Win
 from nvcore.detectors.icf.pyramid import Level
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.figures.detectors.boxes import boxes_plot
-from nvcore.figures.detectors.confidence import confidence_plot, training_plot
+from nvcore.figures.detectors.confidence import confidence_plot, traces_plot, training_plot
 from nvcore.figures.detectors.pictures import pictures_plot
 from nvcore.figures.detectors.score_map import score_map_plot
 from nvcore.figures.detectors.tree import tree_plot
@@ -105,6 +105,19 @@ def test_a_window_that_comes_through_ends_with_its_confidence(floor: list[float]
     figure = confidence_plot(path, theme="dark")
     assert "came through all 2 trees with 2.25" in words(figure)
     assert ("least sum of a stage by itself" in words(figure)) == np.isfinite(floor).any()
+
+
+def test_traces_end_where_their_windows_are_rejected():
+    floor, leaf = np.array([-0.5, -0.6, -0.7]), np.zeros(3, int)
+    through = WindowPath(np.array([0.5, 1.0, 1.5]), floor, None, leaf)
+    rejected = WindowPath(np.array([0.1, -1.0, -1.5]), floor, 2, leaf)
+    figure = traces_plot([through, through], [rejected], theme="light")
+    np.testing.assert_array_equal(trace(figure, "objects").x, [1, 2, 3, np.nan, 1, 2, 3, np.nan])
+    np.testing.assert_array_equal(trace(figure, "background").y, [0.1, -1.0, np.nan])
+    assert trace(figure, "background, rejected").x == (2,)
+    assert trace(figure, "rejected below").y.tolist() == floor.tolist()
+    assert "2 of 2 objects came through; 1 window of background rejected" in words(figure)
+    assert "0 of 0 objects" in words(traces_plot([], [], theme="dark"))
 
 
 def test_each_round_of_training_begins_anew():

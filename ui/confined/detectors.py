@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 ALLOWANCE: Final = Allowance(memory_mb=3000, seconds=60.0)
 """For opening a model, and for one picture."""
+MOST_TRACES: Final = 12
+"""Objects of a frame that are followed over the trees."""
 SHOWN_PX: Final = 640
 """Width of the pictures that are shown of the inside of a model."""
 
@@ -203,6 +205,17 @@ def window_in(
     model = _model(spec)
     scale, row, column = window_of(model, picture.shape[1], picture.shape[0], box)
     return scale, window_path(model, picture, scale, row, column)
+
+
+def traces_in(
+    spec: DetectorSpec, picture: Picture, truth: NDArray[np.float64], scale: float
+) -> tuple[list[WindowPath], list[WindowPath]]:
+    """How windows on the truth's boxes, (n, 4) px, fare, and rejected ones beside them."""
+    from nvcore.detectors.icf.displays import rejected_paths, truth_paths
+
+    model = _model(spec)
+    objects = truth_paths(model, picture, truth[:MOST_TRACES])
+    return objects, rejected_paths(model, picture, truth, scale)
 
 
 def tree_of(spec: DetectorSpec, index: int) -> Tree:

@@ -7,7 +7,9 @@ import threading
 from collections.abc import Callable
 from typing import Any, Final, TypeVar
 
+import numpy as np
 import streamlit as st
+from numpy.typing import NDArray
 
 from nvcore.dataset.provenance import About
 from nvcore.detectors.base import Detections
@@ -79,6 +81,16 @@ def key_of(*parts: object) -> str:
 def place() -> tuple[int, int]:
     """What the picture of the current frame is known by, while the same is open."""
     return state.recording(), state.row()
+
+
+def truth_in(picture: Picture) -> NDArray[np.float64]:
+    """The truth's boxes of the current frame, px of its picture; (n, 4)."""
+    dataset, recording, row = state.opened().dataset, state.recording(), state.row_in_all()
+    frames = dataset.frame_columns
+    across = picture.shape[1] / float(frames.width[recording])
+    down = picture.shape[0] / float(frames.height[recording])
+    x, y, w, h = dataset.truth.of_frames(row, row + 1).xywh
+    return np.column_stack([x * across, y * down, w * across, h * down])
 
 
 def picture() -> tuple[Picture | None, str]:

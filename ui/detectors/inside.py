@@ -7,18 +7,22 @@ from typing import Final
 import numpy as np
 import streamlit as st
 
+from nvcore.detection import WindowGrid
 from nvcore.detectors.icf.displays import usable_scales
+from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.errors import NvcoreError, ParameterError
-from nvcore.figures.detectors.confidence import confidence_plot, training_plot
+from nvcore.figures.detectors.confidence import confidence_plot, traces_plot, training_plot
 from nvcore.figures.detectors.pictures import pictures_plot
 from nvcore.figures.detectors.score_map import MapOf, score_map_plot
 from nvcore.figures.detectors.tree import tree_plot
 from nvcore.pictures import Picture
 from ui.confined.detectors import (
+    MOST_TRACES,
     DetectorSpec,
     Inside,
     pictures_of,
     score_map,
+    traces_in,
     tree_of,
     window_in,
 )
@@ -34,8 +38,10 @@ VIEWS: Final = {
     "pictures": "Picture and channels",
     "map": "Score map",
     "window": "One window",
+    "traces": "Objects and background",
     "training": "Training",
 }
+STRIDES: Final = range(1, 11)
 MAPS: Final[dict[MapOf, str]] = {"trees": "trees", "confidence": "confidence"}
 
 
@@ -53,6 +59,8 @@ def draw(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
             _draw_map(spec, inside, picture)
         elif view == "window":
             _draw_window(spec, inside, picture)
+        elif view == "traces":
+            _draw_traces(spec, inside, picture)
         else:
             draw_chart(
                 training_plot(inside.error, inside.round_ends, theme=state.theme().shade),
@@ -122,6 +130,37 @@ def _draw_map(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
     st.caption(
         f"A window is given to {n_trees:.1f} of {inside.n_trees:,} trees on average: most are "
         "rejected early."
+    )
+    _draw_windows_per_stride(inside.settings, picture)
+
+
+def _draw_windows_per_stride(settings: IcfSettings, picture: Picture) -> None:
+    """How many windows a picture of this size has, at all scales, with other strides."""
+    height, width = picture.shape[:2]
+    counts = [
+        WindowGrid(settings.window_width, settings.window_height, stride, settings.scales)
+        for stride in STRIDES
+    ]
+    rows = (
+        ["Stride, px", *(f"**{n}**" if n == settings.stride else str(n) for n in STRIDES)],
+        ["---:"] * (1 + len(STRIDES)),
+        ["Windows of a picture", *(f"{grid.per_image(width, height):,.0f}" for grid in counts)],
+    )
+    st.markdown("\n".join(f"| {' | '.join(row)} |" for row in rows))
+    st.caption("At all scales together, before region, band and proposals leave any out.")
+
+
+def _draw_traces(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
+    scale = _choose_scale(inside, picture)
+    truth = asking.truth_in(picture)
+    key = (*asking.place(), scale)
+    objects, background = asking.ask("traces", traces_in, spec, picture, truth, scale, key=key)
+    theme = asking.theme_of(asking.described(spec).about)
+    draw_chart(traces_plot(objects, background, theme=theme), "detector_traces")
+    st.caption(
+        f"Objects: the window nearest to each of the truth's first {MOST_TRACES} boxes, where one "
+        "fits, at the scale of that. Background: windows of the chosen scale that are rejected, "
+        "after one tree and ever later. A line ends where its window is rejected."
     )
 
 

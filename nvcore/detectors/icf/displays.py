@@ -23,11 +23,14 @@ from nvcore.detectors.icf.features import values_at
 from nvcore.detectors.icf.model import IcfModel
 from nvcore.detectors.icf.pyramid import Level, levels, planes_of, rescaled
 from nvcore.detectors.icf.settings import IcfSettings
+from nvcore.detectors.icf.windows import Scene, is_background
 from nvcore.errors import ParameterError
 from nvcore.pictures import Picture
 
 Number = TypeVar("Number", bound=np.generic)
 
+LEAST_IOU: Final = 0.5
+"""Of a window with the object that it stands for."""
 MOST_CELLS: Final = 200
 """Of a coarse map, along each side."""
 
@@ -228,6 +231,58 @@ def window_path(
     is_below = ~passes(model.settings, model.calibration, sums)[0]
     rejected = int(is_below.argmax()) + 1 if is_below.any() else None
     return WindowPath(sums[0], lowest, rejected, _leaves(model, values[0]))
+
+
+def truth_paths(model: IcfModel, picture: Picture, boxes: NDArray[np.float64]) -> list[WindowPath]:
+    """How the windows nearest to some objects fare; those that no window fits are left out.
+
+    Parameters
+    ----------
+    boxes
+        Left, top, width, height, px of the picture; (n, 4). Their height and centre count.
+
+    Raises
+    ------
+    DetectorError, ParameterError
+        As `preparation` and `window_of`.
+    """
+    settings, height, width = model.settings, *picture.shape[:2]
+    paths = []
+    for x, y, w, h in boxes.tolist():
+        wide = h * settings.aspect
+        scale, row, column = window_of(model, width, height, (x + (w - wide) / 2, y, wide))
+        level, _ = _at_scale(model, picture, scale)
+        window = level.boxes(np.array([row]), np.array([column]), settings)
+        scene = Scene(picture, np.array([[x + (w - wide) / 2, y, wide, h]]))
+        if not is_background(window, scene, most_shared=LEAST_IOU).any():
+            paths.append(window_path(model, picture, scale, row, column))
+    return paths
+
+
+def rejected_paths(
+    model: IcfModel, picture: Picture, boxes: NDArray[np.float64], scale: float, n: int = 6
+) -> list[WindowPath]:
+    """How some windows of background fare that are rejected: after one tree, and ever later.
+
+    Of the windows of a scale those that came nearest to a number of trees, the numbers being spread
+    evenly on a logarithmic scale.
+
+    Parameters
+    ----------
+    boxes
+        As of `truth_paths`: windows on them are left out.
+    """
+    scales = tuple(level.scale for level in _group_of(model, picture, scale))
+    windows = IcfDetector(model.run_with(scales=scales)).score_maps(picture)[-1]
+    row, column = np.nonzero((windows.depth > 0) & np.isnan(windows.score))
+    is_free = is_background(windows.level.boxes(row, column, model.settings), Scene(picture, boxes))
+    row, column = row[is_free], column[is_free]
+    if not len(row):
+        return []
+    depth = np.log(windows.depth[row, column])
+    wanted = np.linspace(depth.min(), depth.max(), n)
+    nearest = np.unique([np.abs(depth - value).argmin() for value in wanted])
+    return [window_path(model, picture, scale, int(row[k]), int(column[k])) for k in nearest]
 
 
 def window_of(

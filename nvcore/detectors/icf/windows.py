@@ -157,19 +157,23 @@ def level_values(
     return values_at(integral_images(planes), base.astype(np.int64), features)
 
 
-def is_background(boxes: NDArray[np.float64], scene: Scene) -> NDArray[np.bool_]:
+def is_background(
+    boxes: NDArray[np.float64], scene: Scene, most_shared: float = _MOST_SHARED
+) -> NDArray[np.bool_]:
     """Boxes that overlap objects by an IoU of at most 0.2, and lie outside what is ignored.
 
     Parameters
     ----------
     boxes
         Left, top, width, height; (4, n).
+    most_shared
+        Another such IoU.
     """
     is_free = np.ones(boxes.shape[1], np.bool_)
     area = boxes[2] * boxes[3]
     for box in scene.boxes:
         shared = _shared(boxes, box)
-        is_free &= shared <= _MOST_SHARED * (area + box[2] * box[3] - shared)
+        is_free &= shared <= most_shared * (area + box[2] * box[3] - shared)
     for box in scene.ignored:
         is_free &= _shared(boxes, box) <= _MOST_SHARED * area
     return is_free

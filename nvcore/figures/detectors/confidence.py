@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -79,6 +80,71 @@ def confidence_plot(path: WindowPath, *, theme: Theme) -> go.Figure:
         height=HEIGHT_PX,
         margin={"l": LEFT_PX, "r": 16, "t": 88, "b": 48},
         xaxis=axis(theme, "trees", range=[0, n_trees + 1], fixedrange=True),
+        yaxis=axis(theme, "confidence", fixedrange=True, zeroline=True, zerolinecolor=look.pale),
+    )
+
+
+def traces_plot(
+    objects: Sequence[WindowPath], background: Sequence[WindowPath], *, theme: Theme
+) -> go.Figure:
+    """Running confidence of windows on objects and on background, until they are rejected.
+
+    Parameters
+    ----------
+    objects, background
+        Windows of one model; each may be empty.
+    """
+    look = LOOK[theme]
+    kinds = (
+        ("objects", objects, {"width": 2, "color": look.y}),
+        ("background", background, {"width": 1.4, "color": look.muted}),
+    )
+    paths = [*objects, *background]
+    traces = []
+    if paths and np.isfinite(paths[0].floor).all():
+        floor = paths[0].floor
+        line = {"width": 1.8, "color": look.ink, "dash": "dash"}
+        traces.append(still_line(np.arange(1, len(floor) + 1), floor, "rejected below", line=line))
+        traces[-1].update(showlegend=True)
+    for name, windows, line in kinds:
+        ends = [path.rejected_after or len(path.confidence) for path in windows]
+        x = [np.append(np.arange(1.0, end + 1), np.nan) for end in ends]
+        y = [
+            np.append(path.confidence[:end], np.nan)
+            for path, end in zip(windows, ends, strict=True)
+        ]
+        traces.append(
+            go.Scatter(
+                x=np.concatenate([*x, np.empty(0)]),
+                y=np.concatenate([*y, np.empty(0)]),
+                mode="lines",
+                line=line,
+                name=name,
+                hovertemplate=f"{name}, tree %{{x}}: %{{y:.3g}}<extra></extra>",
+            )
+        )
+        out = [path.rejected_after is not None for path in windows]
+        place = (
+            [end for end, is_out in zip(ends, out, strict=True) if is_out],
+            [
+                path.confidence[end - 1]
+                for path, end, is_out in zip(windows, ends, out, strict=True)
+                if is_out
+            ],
+        )
+        text = [f"rejected after {count_text(end, 'tree')}" for end in place[0]]
+        marker = steady_marker(symbol="x", size=9, color=line["color"])
+        traces.append(marks(*place, text, name=f"{name}, rejected", **marker))
+    n_through = sum(path.rejected_after is None for path in objects)
+    return draw(
+        traces,
+        theme,
+        title="Objects and background over the trees",
+        subtitle=f"{n_through} of {count_text(len(objects), 'object')} came through; "
+        f"{count_text(len(background), 'window')} of background rejected",
+        height=HEIGHT_PX,
+        margin={"l": LEFT_PX, "r": 16, "t": 88, "b": 48},
+        xaxis=axis(theme, "trees", type="log", fixedrange=True),
         yaxis=axis(theme, "confidence", fixedrange=True, zeroline=True, zerolinecolor=look.pale),
     )
 

@@ -16,7 +16,9 @@ from nvcore.detectors.icf.displays import (
     computed_scale,
     map_at,
     preparation,
+    rejected_paths,
     tree,
+    truth_paths,
     usable_scales,
     window_of,
     window_path,
@@ -135,3 +137,16 @@ def test_scales_are_those_that_hold_a_window(model, drawn):
     assert usable_scales(model.settings, 26, 30) == (0.9, 1.0)
     with pytest.raises(ParameterError, match="smaller than the window there"):
         map_at(model, drawn(0).picture[:30, :26], 1.35)
+
+
+def test_objects_are_followed_over_the_trees_and_background_until_it_is_rejected(model, drawn):
+    scene = drawn(3)
+    tiny = np.array([[5.0, 5, 4, 4]])  # no window is as small
+    objects = truth_paths(model, scene.picture, np.concatenate([scene.boxes, tiny]))
+    assert len(objects) == len(scene.boxes) == 2
+    assert all(path.confidence[-1] > 0 for path in objects)
+    background = rejected_paths(model, scene.picture, scene.boxes, 1.0)
+    ends = {path.rejected_after for path in background}
+    assert 1 < len(ends) <= 6
+    assert None not in ends
+    assert min(ends) <= 3

@@ -122,10 +122,12 @@ def test_a_sent_model_is_described_and_shows_its_inside(model: bytes):
     for view, names in {
         "map": ["Trees that each window came through"],
         "window": ["Running confidence of the window", "Tree 1"],
+        "traces": ["Objects and background over the trees"],
         "training": ["Training error over the rounds"],
     }.items():
         checked(page.button_group(key="detector_view").set_value(view).run())
         assert [heading.partition(":")[0] for heading in headings(page)][1:] == names
+        assert ("Windows of a picture" in texts(page)) == (view == "map")
     labels = {one.label for one in [*page.text_input, *page.number_input, *page.selectbox]}
     assert {"Scales", "Stride", "Cascade", "Overlap of"} <= labels
 
