@@ -29,12 +29,15 @@ PAGES = {
     "time-left": "time_left",
     "saliency": "saliency?recording=rural_child",
     "detection": "detection",
+    "detectors": "detectors?recording=urban_crossing&frame=120",
     "stability": "stability",
     "ratings": "ratings",
     "export": f"export?{MOMENT}",
     "metrics": "metrics",
 }
 DARK = ("overview", "timeline")
+# below the top of the page: what is then the first to be seen
+FIRST_SEEN = {"detectors": "Try it on a frame"}
 IS_WHOLE = """() => document.fonts.status === "loaded"
   && [...document.images].every(image => image.complete && image.naturalWidth)"""
 TWO_PAINTS = """() => new Promise(
@@ -53,6 +56,9 @@ def main() -> None:
                 one.page.wait_for_function(IS_WHOLE)
                 if one.viewer.count():
                     expect(one.viewer).to_have_attribute("data-shown-row", re.compile("[0-9]"))
+                if name in FIRST_SEEN:
+                    heading = one.heading(FIRST_SEEN[name])
+                    heading.evaluate("element => element.scrollIntoView()")
                 one.page.evaluate(TWO_PAINTS)
                 save(one.page.screenshot(), FOLDER / f"{name}{suffix}.png")
                 one.close()

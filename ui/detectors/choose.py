@@ -211,7 +211,7 @@ def _draw_about(what: Described) -> None:
         if n_open:
             parts.append(
                 f"That is {n_open} of the {count_text(len(names), 'open recording')}: what it "
-                "finds there says little about others."
+                "finds in them says little about others."
             )
     else:
         parts.append("On which recordings it was trained is not known.")

@@ -142,12 +142,15 @@ def _draw_windows_per_stride(settings: IcfSettings, picture: Picture) -> None:
         for stride in STRIDES
     ]
     rows = (
-        ["Stride, px", *(f"**{n}**" if n == settings.stride else str(n) for n in STRIDES)],
+        ["Stride, px", *map(str, STRIDES)],
         ["---:"] * (1 + len(STRIDES)),
         ["Windows of a picture", *(f"{grid.per_image(width, height):,.0f}" for grid in counts)],
     )
     st.markdown("\n".join(f"| {' | '.join(row)} |" for row in rows))
-    st.caption("At all scales together, before region, band and proposals leave any out.")
+    st.caption(
+        f"At all scales together, before region, band and proposals leave any out. The stride is "
+        f"{settings.stride} px."
+    )
 
 
 def _draw_traces(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
@@ -160,7 +163,7 @@ def _draw_traces(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
     st.caption(
         f"Objects: the window nearest to each of the truth's first {MOST_TRACES} boxes, where one "
         "fits, at the scale of that. Background: windows of the chosen scale that are rejected, "
-        "after one tree and ever later. A line ends where its window is rejected."
+        "some early and some late. A line ends where its window is rejected."
     )
 
 

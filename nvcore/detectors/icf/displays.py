@@ -262,7 +262,7 @@ def truth_paths(model: IcfModel, picture: Picture, boxes: NDArray[np.float64]) -
 def rejected_paths(
     model: IcfModel, picture: Picture, boxes: NDArray[np.float64], scale: float, n: int = 6
 ) -> list[WindowPath]:
-    """How some windows of background fare that are rejected: after one tree, and ever later.
+    """How some windows of background fare that are rejected, early and ever later.
 
     Of the windows of a scale those that came nearest to a number of trees, the numbers being spread
     evenly on a logarithmic scale.
