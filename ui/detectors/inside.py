@@ -157,7 +157,9 @@ def _draw_traces(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
     scale = _choose_scale(inside, picture)
     truth = asking.truth_in(picture)
     key = (*asking.place(), scale)
-    objects, background = asking.ask("traces", traces_in, spec, picture, truth, scale, key=key)
+    objects, background = asking.ask(
+        "traces", traces_in, spec, picture, truth, scale, key=key, most=asking.LARGE_KEPT
+    )
     theme = asking.theme_of(asking.described(spec).about)
     draw_chart(traces_plot(objects, background, theme=theme), "detector_traces")
     st.caption(

@@ -9,10 +9,18 @@ import numpy as np
 import pytest
 import small_icf
 
+from nvcore.detectors.icf.displays import MOST_CELLS
 from nvcore.detectors.registry import open_detector
-from nvcore.errors import DetectorError, InputError
+from nvcore.errors import DetectorError, InputError, ParameterError
 from ui.confined import detectors
-from ui.confined.detectors import ConfinedDetector, DetectorSpec, describe, find, window_in
+from ui.confined.detectors import (
+    ConfinedDetector,
+    DetectorSpec,
+    describe,
+    find,
+    score_map,
+    window_in,
+)
 from ui.confined.process import Allowance, SteadyProcess
 
 
@@ -60,3 +68,15 @@ def test_a_box_is_followed_over_the_trees(model: Path):
     assert scale in small_icf.SETTINGS.scales
     assert path.confidence[-1] == pytest.approx(boxes.score[0])
     assert path.rejected_after is None
+
+
+def test_a_map_in_the_other_process_is_small_and_a_scale_without_a_window_is_said(model: Path):
+    spec = DetectorSpec(str(model), "1", (("stride", 1),))
+    process = SteadyProcess(detectors.ALLOWANCE)
+    picture = np.tile(small_icf.scene(0).picture, (4, 4))
+    windows = process.call(score_map, spec, picture, 1.5, what="looking")
+    assert windows.n_windows == (426 - 16 + 1) * (320 - 32 + 1)
+    assert max(windows.score.shape) <= MOST_CELLS
+    with pytest.raises(ParameterError, match="smaller than the window there"):
+        process.call(score_map, spec, picture[:40, :30], 2.75, what="looking")
+    process.close()
