@@ -10,8 +10,8 @@ import pytest
 from onnx_models import blob_model
 
 from nvcore.detectors.candidates import candidates, counting, open_loosened, usual_threshold
-from nvcore.detectors.facts import OF_ICF, run_settings
-from nvcore.detectors.icf.settings import CHOICES, OF_A_RUN, RANGES
+from nvcore.detectors.facts import run_settings
+from nvcore.detectors.icf.settings import OF_A_RUN
 from nvcore.detectors.registry import open_detector
 from nvcore.detectors.suppression import only
 
@@ -64,9 +64,7 @@ def test_without_a_threshold_of_its_own_that_of_the_settings_is_usual():
 
 def test_every_setting_of_a_run_is_known():
     assert set(run_settings(open_detector("hog").about)) >= {"overlap", "hit_threshold"}
-    assert set(OF_ICF) == OF_A_RUN
-    for name, facts in OF_ICF.items():
-        if name in RANGES:
-            assert (facts.low, facts.high) == RANGES[name]
-        if facts.choices:
-            assert set(facts.choices) == set(CHOICES[name])
+    of_icf = run_settings(open_detector("icf:sample").about)
+    assert set(of_icf) == OF_A_RUN
+    assert (of_icf["stride"].low, of_icf["stride"].high) == (1, 256)
+    assert all(facts.meaning.endswith(".") for facts in of_icf.values())

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import Field, asdict, dataclass, fields
 from typing import Any, Final, Literal, get_args
 
 from nvcore.detection import scale_steps
 from nvcore.detectors.base import Setting
+from nvcore.detectors.settings import facts_of, setting
 from nvcore.detectors.suppression import OverlapOf
 from nvcore.errors import ParameterError
 
@@ -47,70 +48,7 @@ MAX_FEATURES: Final = 200_000
 class IcfSettings:
     """Settings of the detector. Lengths in px are those of the window.
 
-    Attributes
-    ----------
-    channels
-        ``grey``, ``rgb``, ``hsv``, ``luv``, ``magnitude`` (of the gradient), ``orientations``.
-    orientation_bins
-        Equal parts of the circle, or of half of it, with a channel each.
-    full_circle
-        Whether dark on bright and bright on dark are two orientations.
-    magnitude
-        Of a gradient: ``euclidean``, or the ``sum`` of both absolute differences.
-    blur
-        3x3 Gaussian, first of all.
-    clahe_clip, clahe_tile_px
-        Clip limit of the contrast-limited adaptive histogram equalisation of the brightness (0:
-        none), and about the side of its tiles.
-    window_width, window_height
-        Size of the classifier's window, px.
-    object_width, object_height
-        Size that an object has in the middle of the window, px; its box is of this size.
-    features, least_area, difference_share
-        Features in the pool, least area of their rectangles (px²), and the share that are the
-        difference of two rectangles of one size.
-    trees_per_round
-        Trees of each round of training. Every round but the first has more background, that which
-        the round before took for objects, and begins anew.
-    feature_share
-        Share of the pool that is tried for each tree.
-    patience
-        A round ends where its training error has not fallen for so many trees; None: never.
-    negatives, negatives_per_round
-        Windows of background in the first round, drawn at random, and those added before each
-        further one.
-    copies, mirrored
-        Further windows of each object, moved by up to half a stride and scaled by up to half a
-        step of the scales; whether every other of them is mirrored.
-    least_object_px
-        Copies are shrunk at random, down to this height of the object in its picture (0: none),
-        so that small and blurred objects are learned, too.
-    cascade, rejection
-        What rejects a window before the last tree: the running sum of confidences below a
-        ``constant`` (`rejection`) or below the least that objects had there (``calibrated``); the
-        sum of one of the stages by itself (``hard``); or nothing (``none``).
-    kept_share
-        Share of the objects that the calibrated trace and the stages let pass: of those trained
-        on, and of those held out by themselves.
-    scales
-        Divisors of the picture's size, ascending; below 1 it is enlarged.
-    scales_between
-        0: the channels of every scale are computed. Else those of so many scales after each
-        computed one are made from its channels, by resizing (approximation).
-    stride
-        Step between two windows, px.
-    threshold
-        Lowest confidence of a detection.
-    overlap, overlap_of
-        Of two boxes that overlap by more than this share of their ``union`` or of the ``smaller``
-        one, the less confident goes; 1: both stay.
-    region
-        Corners of a polygon in shares of the picture's width and height, one after another, in
-        which the centre of a window must lie; empty: anywhere.
-    use_band
-        Whether windows must lie where the objects of the training lay, by their size.
-    proposals, red_share
-        ``red``: only windows with at least this share of red pixels are looked at.
+    Where a setting has several values, its range is that of each.
 
     Raises
     ------
@@ -118,51 +56,149 @@ class IcfSettings:
         If a value is not possible.
     """
 
-    channels: tuple[ChannelSet, ...] = ("luv", "magnitude", "orientations")
-    orientation_bins: int = 6
-    full_circle: bool = False
-    magnitude: Magnitude = "euclidean"
-    blur: bool = True
-    clahe_clip: float = 0.0
-    clahe_tile_px: int = 64
-    window_width: int = 64
-    window_height: int = 64
-    object_width: float = 52.0
-    object_height: float = 52.0
-    features: int = 5000
-    least_area: int = 25
-    difference_share: float = 0.0
-    trees_per_round: tuple[int, ...] = (64, 256, 1024)
-    feature_share: float = 0.25
-    patience: int | None = None
-    negatives: int = 8000
-    negatives_per_round: int = 6000
-    copies: int = 3
-    mirrored: bool = False
-    least_object_px: float = 0.0
-    cascade: Cascade = "calibrated"
-    rejection: float = -1.0
-    kept_share: float = 1.0
-    scales: tuple[float, ...] = scale_steps(1.0, 1.7, 0.1)
-    scales_between: int = 0
-    stride: int = 6
-    threshold: float = 0.0
-    overlap: float = 0.5
-    overlap_of: OverlapOf = "union"
-    region: tuple[float, ...] = ()
-    use_band: bool = False
-    proposals: Proposals = "none"
-    red_share: float = 0.02
+    channels: tuple[ChannelSet, ...] = setting(
+        ("luv", "magnitude", "orientations"),
+        "grey, rgb, hsv, luv, magnitude (of the gradient), orientations.",
+    )
+    orientation_bins: int = setting(
+        6, "Equal parts of the circle, or of half of it, with a channel each.", low=1, high=36
+    )
+    full_circle: bool = setting(
+        False, "Whether dark on bright and bright on dark are two orientations."
+    )
+    magnitude: Magnitude = setting(
+        "euclidean",
+        "Of a gradient.",
+        choices={
+            "euclidean": "root of the sum of squares",
+            "sum": "of both absolute differences",
+        },
+    )
+    blur: bool = setting(True, "3x3 Gaussian, first of all.")
+    clahe_clip: float = setting(
+        0.0,
+        "Clip limit of the contrast-limited adaptive histogram equalisation of the brightness; "
+        "0: none.",
+        low=0,
+        high=1000,
+    )
+    clahe_tile_px: int = setting(64, "About the side of its tiles, px.", low=4, high=4096)
+    window_width: int = setting(64, "Width of the classifier's window, px.", low=8, high=MAX_WINDOW)
+    window_height: int = setting(64, "Height of the window, px.", low=8, high=MAX_WINDOW)
+    object_width: float = setting(
+        52.0, "Width of an object in the middle of the window, and of its box, px.",
+        low=1, high=MAX_WINDOW,
+    )  # fmt: skip
+    object_height: float = setting(
+        52.0, "Height of an object in the middle of the window, and of its box, px.",
+        low=1, high=MAX_WINDOW,
+    )  # fmt: skip
+    features: int = setting(5000, "Features in the pool.", low=1, high=MAX_FEATURES)
+    least_area: int = setting(25, "Least area of their rectangles, px².", low=1, high=MAX_WINDOW**2)
+    difference_share: float = setting(
+        0.0, "Share of them that are the difference of two rectangles of one size.", low=0, high=1
+    )
+    trees_per_round: tuple[int, ...] = setting(
+        (64, 256, 1024),
+        "Trees of each round of training. Every round but the first has more background, that "
+        "which the round before took for objects, and begins anew.",
+        low=1,
+        high=MAX_TREES,
+    )
+    feature_share: float = setting(
+        0.25, "Share of the pool that is tried for each tree.", low=0.001, high=1
+    )
+    patience: int | None = setting(
+        None,
+        "A round ends where its training error has not fallen for so many trees; none: never.",
+        low=1,
+        high=MAX_TREES,
+    )
+    negatives: int = setting(
+        8000, "Windows of background in the first round, drawn at random.", low=1, high=1_000_000
+    )
+    negatives_per_round: int = setting(
+        6000, "Windows of background added before each further round.", low=0, high=1_000_000
+    )
+    copies: int = setting(
+        3,
+        "Further windows of each object, moved by up to half a stride and scaled by up to half a "
+        "step of the scales.",
+        low=0,
+        high=100,
+    )
+    mirrored: bool = setting(False, "Whether every other copy is mirrored.")
+    least_object_px: float = setting(
+        0.0,
+        "Copies are shrunk at random, down to this height of the object in its picture, so that "
+        "small and blurred objects are learned, too; 0: not at all.",
+        low=0,
+        high=MAX_WINDOW,
+    )
+    cascade: Cascade = setting(
+        "calibrated",
+        "What rejects a window before the last tree.",
+        choices={
+            "constant": "a confidence below the setting rejection",
+            "calibrated": "a confidence below what objects had there",
+            "hard": "too low a sum of one stage by itself",
+            "none": "nothing: every window is given to every tree",
+        },
+    )
+    rejection: float = setting(-1.0, "Of the constant cascade.", low=-1000, high=1000)
+    kept_share: float = setting(
+        1.0,
+        "Share of the objects that the calibrated trace and the stages let pass: of those trained "
+        "on, and of those held out by themselves.",
+        low=0.5,
+        high=1,
+    )
+    scales: tuple[float, ...] = setting(
+        scale_steps(1.0, 1.7, 0.1),
+        "Divisors of the picture's size, ascending, with blanks between; below 1 it is enlarged.",
+        low=0.05,
+        high=50,
+    )
+    scales_between: int = setting(
+        0,
+        "How many scales after each computed one are made from its channels; 0: none.",
+        low=0,
+        high=MAX_SCALES,
+    )
+    stride: int = setting(6, "Step between two windows, px.", low=1, high=MAX_STRIDE)
+    threshold: float = setting(0.0, "Lowest confidence of a box.", low=-1e6, high=1e6)
+    overlap: float = setting(
+        0.5,
+        "Of two boxes that overlap by more than this share, the less confident goes; 1: both stay.",
+        low=0,
+        high=1,
+    )
+    overlap_of: OverlapOf = setting(
+        "union",
+        "Of what the overlap is a share.",
+        choices={"union": "of both boxes together", "smaller": "of the smaller box"},
+    )
+    region: tuple[float, ...] = setting(
+        (),
+        "Corners of a polygon in which a window's centre must lie, as shares of the picture's "
+        "width and height, with blanks between; empty: anywhere.",
+        low=0,
+        high=1,
+    )
+    use_band: bool = setting(
+        False, "Whether windows must lie where the objects of the training lay, by their size."
+    )
+    proposals: Proposals = setting(
+        "none",
+        "Which windows are looked at.",
+        choices={"none": "all", "red": "those with enough red pixels"},
+    )
+    red_share: float = setting(0.02, "Least share of red pixels of a proposal.", low=0, high=1)
 
     def __post_init__(self) -> None:
-        _check_choices(self)
-        for name, (low, high) in RANGES.items():
-            _check_number(name, getattr(self, name), low, high)
-        for name, (low, high) in _MEMBERS.items():
-            for value in getattr(self, name):
-                _check_number(name, value, low, high)
-        if self.patience is not None:
-            _check_number("patience", self.patience, 1, MAX_TREES)
+        _check_channels(self)
+        for spec in fields(self):
+            _check(spec, getattr(self, spec.name))
         for name in _WHOLE:
             if not all(isinstance(value, int) for value in _values(getattr(self, name))):
                 raise ParameterError(f"{name}: expected a whole number, got {getattr(self, name)}")
@@ -209,45 +245,6 @@ class IcfSettings:
         }
 
 
-CHOICES: Final[dict[str, tuple[Any, ...]]] = {
-    "magnitude": get_args(Magnitude),
-    "cascade": get_args(Cascade),
-    "overlap_of": get_args(OverlapOf),
-    "proposals": get_args(Proposals),
-    "full_circle": (False, True),
-    "blur": (False, True),
-    "mirrored": (False, True),
-    "use_band": (False, True),
-}
-RANGES: Final[dict[str, tuple[float, float]]] = {
-    "orientation_bins": (1, 36),
-    "clahe_clip": (0, 1000),
-    "clahe_tile_px": (4, 4096),
-    "window_width": (8, MAX_WINDOW),
-    "window_height": (8, MAX_WINDOW),
-    "object_width": (1, MAX_WINDOW),
-    "object_height": (1, MAX_WINDOW),
-    "features": (1, MAX_FEATURES),
-    "least_area": (1, MAX_WINDOW**2),
-    "difference_share": (0, 1),
-    "feature_share": (0.001, 1),
-    "negatives": (1, 1_000_000),
-    "negatives_per_round": (0, 1_000_000),
-    "copies": (0, 100),
-    "least_object_px": (0, MAX_WINDOW),
-    "rejection": (-1000, 1000),
-    "kept_share": (0.5, 1),
-    "scales_between": (0, MAX_SCALES),
-    "stride": (1, MAX_STRIDE),
-    "threshold": (-1e6, 1e6),
-    "overlap": (0, 1),
-    "red_share": (0, 1),
-}
-_MEMBERS: Final[dict[str, tuple[float, float]]] = {
-    "trees_per_round": (1, MAX_TREES),
-    "scales": (0.05, 50),
-    "region": (0, 1),
-}
 _WHOLE: Final = (
     "orientation_bins",
     "clahe_tile_px",
@@ -268,21 +265,31 @@ def _values(value: Any) -> tuple[Any, ...]:
     return value if isinstance(value, tuple) else (value,)
 
 
-def _check_choices(settings: IcfSettings) -> None:
-    for name, choices in CHOICES.items():
-        value = getattr(settings, name)
-        if not any(value is c or (isinstance(value, str) and value == c) for c in choices):
-            expected = ", ".join(str(choice) for choice in choices)
-            raise ParameterError(f"{name}: expected one of {expected}, got {value!r}")
-    for name in ("channels", *_MEMBERS):
-        if not isinstance(getattr(settings, name), tuple):
-            raise ParameterError(f"{name}: expected several values, got {getattr(settings, name)}")
-    known = get_args(ChannelSet)
-    channels = settings.channels
+def _check_channels(settings: IcfSettings) -> None:
+    channels, known = settings.channels, get_args(ChannelSet)
+    if not isinstance(channels, tuple):
+        raise ParameterError(f"channels: expected several values, got {channels}")
     if not channels or not all(channel in known for channel in channels):
         raise ParameterError(f"channels: expected some of {', '.join(known)}, got {channels}")
     if len(set(channels)) < len(channels):
         raise ParameterError(f"channels: each once, got {channels}")
+
+
+def _check(spec: Field[Any], value: Any) -> None:
+    """Refuse a value that a setting cannot have by itself."""
+    facts = facts_of(spec)
+    is_choice = isinstance(value, str) and value in (facts.choices or {})
+    if facts.choices and not is_choice:
+        expected = ", ".join(facts.choices)
+        raise ParameterError(f"{spec.name}: expected one of {expected}, got {value!r}")
+    if isinstance(spec.default, bool) and not isinstance(value, bool):
+        raise ParameterError(f"{spec.name}: expected one of False, True, got {value!r}")
+    if isinstance(spec.default, tuple) and not isinstance(value, tuple):
+        raise ParameterError(f"{spec.name}: expected several values, got {value}")
+    if facts.low is None or facts.high is None or (value is None and spec.default is None):
+        return
+    for number in _values(value):
+        _check_number(spec.name, number, facts.low, facts.high)
 
 
 def _check_number(name: str, value: Any, low: float, high: float) -> None:

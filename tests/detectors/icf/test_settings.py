@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
+from dataclasses import fields, replace
+from typing import get_args, get_type_hints
 
 import pytest
 
 from nvcore.detectors.icf import AS_IN_REPORT, PEDESTRIANS, SIGNS, IcfSettings
+from nvcore.detectors.settings import facts_of
 from nvcore.errors import ParameterError
 
 
@@ -54,6 +56,15 @@ def test_the_preset_is_what_the_report_says():
 def test_an_impossible_value_is_refused(changes, words):
     with pytest.raises(ParameterError, match=words):
         IcfSettings(**changes)
+
+
+def test_every_setting_has_a_meaning_and_its_choices_are_those_of_its_type():
+    kinds = get_type_hints(IcfSettings)
+    for spec in fields(IcfSettings):
+        facts = facts_of(spec)
+        assert facts.meaning.endswith(".")
+        if facts.choices:
+            assert tuple(facts.choices) == get_args(kinds[spec.name])
 
 
 def test_missing_and_unknown_settings_are_named():
