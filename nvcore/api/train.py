@@ -89,7 +89,7 @@ def train(
     Returns
     -------
     Training
-        ``.model``, and how many objects were learned, held out and kept.
+        ``.model``, and how many objects were learned, held out, kept and found.
 
     Raises
     ------

@@ -46,8 +46,8 @@ class Training:
     n_objects, n_held_out
         Boxes that were learned, and those that were held out.
     n_kept, n_found
-        Held-out boxes whose own window the cascade lets through, and those of them that reach the
-        threshold.
+        Held-out boxes whose own window the cascade lets through, which are `kept_share` of them by
+        construction where it is calibrated, and those of them that reach the threshold.
     faults
         Why pictures could not be read.
     seconds
