@@ -21,7 +21,6 @@ from time import perf_counter, process_time
 
 import numpy as np
 import pandas as pd
-from scipy.stats import binomtest
 
 import nvcore as nv
 from nvcore.dataset import Dataset
@@ -45,6 +44,7 @@ from nvcore.detectors.icf.windows import object_windows, window_values
 from nvcore.metrics.matching import match_system
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
+from nvcore.tables.classes import share_of
 from scripts.sign_data import (
     CHOOSING,
     SPEED_LIMITS,
@@ -391,8 +391,8 @@ def share_text(n_right: int, n_signs: int) -> str:
     """A share with its 95 % interval (Wilson)."""
     if not n_signs:
         return "–"
-    ends = binomtest(n_right, n_signs).proportion_ci(0.95, method="wilson")
-    return f"{n_right} of {n_signs} ({n_right / n_signs:.1%}, {ends.low:.1%} to {ends.high:.1%})"
+    of = share_of(n_right, n_signs)
+    return f"{n_right} of {n_signs} ({of.share:.1%}, {of.low:.1%} to {of.high:.1%})"
 
 
 def main() -> None:

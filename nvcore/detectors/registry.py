@@ -72,13 +72,12 @@ def _hog_settings() -> type:
 
 
 def _open_icf(text: str, settings: Mapping[str, Setting]) -> Detector:
-    from nvcore.detectors.icf import read_model  # type: ignore[import-not-found,unused-ignore]
+    from nvcore.detectors.icf import read_model
 
     detector = read_model(SAMPLE_MODEL if text == "icf:sample" else Path(text))
     if settings:
         detector = detector.run_with(**typed_like(detector.model.settings, settings))
-    opened: Detector = detector
-    return opened
+    return detector
 
 
 def _open_onnx(text: str, settings: Mapping[str, Setting]) -> Detector:

@@ -93,6 +93,11 @@ def read_share(table: pd.DataFrame, letter: str) -> ReadShare:
     rows = table[table["system"] == letter]
     n = int(rows["n"].sum())
     n_right = int(rows["n"][rows["truth_class"] == rows["read_class"]].sum())
+    return share_of(n_right, n)
+
+
+def share_of(n_right: int, n: int) -> ReadShare:
+    """So many right ones of so many, with the interval."""
     if not n:
         return ReadShare(0, 0, np.nan, np.nan, np.nan)
     ends = binomtest(n_right, n).proportion_ci(CONFIDENCE, method="wilson")
