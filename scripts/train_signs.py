@@ -389,9 +389,9 @@ def moved(box: np.ndarray, share: float, rng: np.random.Generator) -> np.ndarray
 
 def share_text(n_right: int, n_signs: int) -> str:
     """A share with its 95 % interval (Wilson)."""
-    read = share_of(n_right, n_signs)
     if not n_signs:
         return "–"
+    read = share_of(n_right, n_signs)
     return f"{n_right} of {n_signs} ({read.share:.1%}, {read.low:.1%} to {read.high:.1%})"
 
 

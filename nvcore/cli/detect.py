@@ -10,7 +10,16 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from nvcore.cli.options import INPUTS, OUTPUT, GroupedCommand, examples, grouped_option, pair_of
+from nvcore.cli.options import (
+    INPUTS,
+    OUTPUT,
+    GroupedCommand,
+    examples,
+    grouped_option,
+    only_option,
+    pair_of,
+    tag_option,
+)
 from nvcore.cli.progress import ShareProgress, TerminalProgress
 from nvcore.cli.session_options import frames_option
 from nvcore.cli.steps import errors_of, refuse_among_inputs, refuse_to_replace
@@ -95,21 +104,8 @@ _detector_options = (
     metavar="SYSTEM",
     help="The system that it is compared with, as X. Default: the session's X.",
 )
-@grouped_option(
-    INPUTS,
-    "--tag",
-    "tags",
-    multiple=True,
-    metavar="TAG",
-    help="Only recordings with this tag; may be given again: with all of them.",
-)
-@grouped_option(
-    INPUTS,
-    "--only",
-    multiple=True,
-    metavar="RECORDING",
-    help="Only this recording; may be given again.",
-)
+@tag_option()
+@only_option()
 @grouped_option(
     INPUTS,
     "--frames",

@@ -89,6 +89,29 @@ def grouped_option(group: str, *names: str, **settings: Any) -> Callable[..., An
     return click.option(*names, cls=GroupedOption, group=group, **settings)
 
 
+def tag_option(lead: str = "Only") -> Callable[..., Any]:
+    """``--tag``, whose help begins with these words."""
+    return grouped_option(
+        INPUTS,
+        "--tag",
+        "tags",
+        multiple=True,
+        metavar="TAG",
+        help=f"{lead} recordings with this tag; may be given again: with all of them.",
+    )
+
+
+def only_option(lead: str = "Only") -> Callable[..., Any]:
+    """``--only``, whose help begins with these words."""
+    return grouped_option(
+        INPUTS,
+        "--only",
+        multiple=True,
+        metavar="RECORDING",
+        help=f"{lead} this recording; may be given again.",
+    )
+
+
 class _Pair(click.ParamType[tuple[float, float]]):
     """One or two numbers with a comma between them."""
 
@@ -271,21 +294,8 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
             "Default: the truth's own list, or from its first to its last annotated "
             "frame.",
         ),
-        grouped_option(
-            INPUTS,
-            "--tag",
-            "tags",
-            multiple=True,
-            metavar="TAG",
-            help="Compare only recordings with this tag; may be given again: with all of them.",
-        ),
-        grouped_option(
-            INPUTS,
-            "--only",
-            multiple=True,
-            metavar="RECORDING",
-            help="Compare only this recording; may be given again.",
-        ),
+        tag_option("Compare only"),
+        only_option("Compare only"),
     ]
     for letter in "xy":
         system = letter.upper()

@@ -11,7 +11,16 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from nvcore.cli.options import INPUTS, OUTPUT, GroupedCommand, examples, grouped_option, pair_of
+from nvcore.cli.options import (
+    INPUTS,
+    OUTPUT,
+    GroupedCommand,
+    examples,
+    grouped_option,
+    only_option,
+    pair_of,
+    tag_option,
+)
 from nvcore.cli.progress import ShareProgress, TerminalProgress
 from nvcore.cli.steps import errors_of, refuse_to_replace
 from nvcore.extras import needs
@@ -39,21 +48,8 @@ _SUGGESTED: Final = 3
 _PathTo = click.Path(exists=True, file_okay=False, path_type=Path)
 
 _OPTIONS: Final = (
-    grouped_option(
-        INPUTS,
-        "--only",
-        multiple=True,
-        metavar="RECORDING",
-        help="Only this recording; may be given again.",
-    ),
-    grouped_option(
-        INPUTS,
-        "--tag",
-        "tags",
-        multiple=True,
-        metavar="TAG",
-        help="Only recordings with this tag; may be given again: with all of them.",
-    ),
+    only_option(),
+    tag_option(),
     grouped_option(
         INPUTS,
         "--frames",

@@ -99,10 +99,14 @@ class Dataset:
 
     def unlisted_frames(self, recording: str) -> np.ndarray:
         """Frames of a recording with boxes of the truth, but not evaluated; int64, ascending."""
-        lost = self.left_out
-        is_here = (lost["subject"] == "truth") & (lost["recording"] == recording)
-        frames: np.ndarray = np.unique(lost.loc[is_here, "frame"].to_numpy(np.int64))
-        return frames
+        return self._unlisted.get(recording, np.empty(0, np.int64))
+
+    @cached_property
+    def _unlisted(self) -> dict[str, np.ndarray]:
+        """`unlisted_frames` of every recording that has any, in one pass over the rows left out."""
+        lost = self.left_out[self.left_out["subject"] == "truth"]
+        groups = lost.groupby("recording", sort=False)["frame"]
+        return {str(name): np.unique(frames.to_numpy(np.int64)) for name, frames in groups}
 
     @cached_property
     def derived(self) -> dict[Hashable, Any]:

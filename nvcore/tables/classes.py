@@ -97,7 +97,7 @@ def read_share(table: pd.DataFrame, letter: str) -> ReadShare:
 
 
 def share_of(n_right: int, n: int) -> ReadShare:
-    """The share of so many, with its interval."""
+    """So many right ones of so many, with the interval."""
     if not n:
         return ReadShare(0, 0, np.nan, np.nan, np.nan)
     ends = binomtest(n_right, n).proportion_ci(CONFIDENCE, method="wilson")

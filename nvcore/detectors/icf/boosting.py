@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.detectors.icf.kernels import in_threads
 from nvcore.detectors.icf.kernels.training import BINS, best_stumps, running_sums, to_bins
+from nvcore.metrics.kernels import over_ranges
 from nvcore.progress import Progress, no_progress
 
 _SAMPLED: Final = 4096
@@ -47,8 +47,15 @@ class Trees:
             Of all features, (n_windows, n_features).
         """
         sums = np.empty((len(values), len(self)))
-        in_threads(
-            running_sums, len(values), values, self.feature, self.threshold, self.leaves, sums
+        over_ranges(
+            running_sums,
+            len(values),
+            values,
+            self.feature,
+            self.threshold,
+            self.leaves,
+            sums,
+            least=1,
         )
         return sums
 
@@ -129,7 +136,7 @@ def boost(
     rng = np.random.default_rng(seed)
     edges = bin_edges(values)
     bins = np.empty((values.shape[1], len(values)), np.uint8)
-    in_threads(to_bins, values.shape[1], values, edges, bins)
+    over_ranges(to_bins, values.shape[1], values, edges, bins, least=1)
     sign = np.where(is_object, 1.0, -1.0)
     weights = np.where(is_object, 0.5 / is_object.sum(), 0.5 / (~is_object).sum())
     total = np.zeros(len(values))
@@ -198,6 +205,6 @@ def _splits(
     """Best feature and cut of each node; of equal ones the first."""
     gain = np.empty((len(tried), 2))
     cut = np.empty((len(tried), 2), np.int64)
-    in_threads(best_stumps, len(tried), bins, tried, node, signed, gain, cut)
+    over_ranges(best_stumps, len(tried), bins, tried, node, signed, gain, cut, least=1)
     best = gain[:, :n_nodes].argmax(axis=0)
     return [(int(tried[i]), int(cut[i, k])) for k, i in enumerate(best)]

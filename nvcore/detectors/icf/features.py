@@ -7,10 +7,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.detectors.icf.kernels import in_threads
 from nvcore.detectors.icf.kernels.training import feature_values
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.errors import DetectorError
+from nvcore.metrics.kernels import over_ranges
 
 Features = NDArray[np.int32]
 """(n, 10): channel, left, top, right, bottom of a rectangle in the window, px, right and bottom
@@ -107,5 +107,5 @@ def values_at(
     values = np.empty((len(base), len(features)), np.int32)
     corners = corner_offsets(features, sums.shape[-1] - 1, sums.shape[-2] - 1)
     flat, has_second = sums.reshape(-1), has_differences(features)
-    in_threads(feature_values, len(base), flat, base, corners, has_second, values)
+    over_ranges(feature_values, len(base), flat, base, corners, has_second, values, least=1)
     return values

@@ -29,9 +29,17 @@ MIN_PER_THREAD: Final = 20_000
 """Smallest number of frames that is worth a thread of its own."""
 
 
-def over_ranges(kernel: Callable[..., Any], n: int, *arguments: Any) -> list[Any]:
-    """Run ``kernel(lo, hi, *arguments)`` over 0..n in as many threads as there are cores."""
-    n_threads = min(os.cpu_count() or 1, n // MIN_PER_THREAD)
+def over_ranges(
+    kernel: Callable[..., Any], n: int, *arguments: Any, least: int | None = None
+) -> list[Any]:
+    """Run ``kernel(lo, hi, *arguments)`` over 0..n in as many threads as there are cores.
+
+    Parameters
+    ----------
+    least
+        Smallest part of the range that is worth a thread of its own; None: `MIN_PER_THREAD`.
+    """
+    n_threads = min(os.cpu_count() or 1, n // (least or MIN_PER_THREAD))
     if n_threads < 2:
         return [kernel(0, n, *arguments)]
     edges = np.linspace(0, n, n_threads + 1).astype(np.int64)
