@@ -13,6 +13,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
@@ -22,6 +23,7 @@ from nvcore.dataset.provenance import About, Setting
 from nvcore.detectors.base import Detections, to_8_bits
 from nvcore.detectors.settings import setting, settings_from
 from nvcore.detectors.suppression import sorted_detections, suppress
+from nvcore.detectors.threads import threads_for_a_picture
 from nvcore.errors import DetectorError
 from nvcore.extras import needs
 from nvcore.pictures import Picture
@@ -43,6 +45,8 @@ BODY_SHARE: Final = 0.75
 """Height of the person in a window, of both classifiers: 96 of 128 and 72 of 96 px."""
 BODY_ASPECT: Final = 0.41
 """Width over height of a pedestrian's box, as the benchmarks have it."""
+_MOST_LEVELS: Final = 64
+"""As many as OpenCV takes."""
 MOST_PIXELS: Final = 1 << 26
 """Of a picture, enlarged."""
 
@@ -121,20 +125,59 @@ class Hog:
         margin = 2 * settings.padding
         if enlarged[0] + margin < window_width or enlarged[1] + margin < window_height:
             return sorted_detections(np.empty((0, 4)), np.empty(0))
-        windows, scores = self._descriptor.detectMultiScale(
-            prepared,
+        boxes, score = self._windows(prepared)
+        if settings.person_box:
+            boxes = _person_boxes(boxes)
+        boxes = _clipped(boxes, enlarged) * np.tile([width / enlarged[0], height / enlarged[1]], 2)
+        return suppress(sorted_detections(boxes, score), settings.overlap)
+
+    def _windows(self, picture: Picture) -> tuple[np.ndarray, np.ndarray]:
+        """Windows of all sizes, px of the picture, (n, 4), and their scores, (n,).
+
+        Those of OpenCV's `detectMultiScale`, which gives some windows the scores of others where
+        its threads end at the same time.
+        """
+        with ThreadPoolExecutor(threads_for_a_picture()) as pool:
+            levels = list(
+                pool.map(lambda scale: self._level(picture, scale), self._scales(picture))
+            )
+        return (
+            np.concatenate([boxes for boxes, _ in levels]),
+            np.concatenate([score for _, score in levels]),
+        )
+
+    def _scales(self, picture: Picture) -> list[float]:
+        """Of the levels: the picture shrunk as long as it holds a window."""
+        height, width = picture.shape[:2]
+        scales = [self.settings.scale_step**level for level in range(_MOST_LEVELS)]
+        return scales[:1] + [
+            scale
+            for scale in scales[1:]
+            if round(width / scale) >= self._size[0] and round(height / scale) >= self._size[1]
+        ]
+
+    def _level(self, picture: Picture, scale: float) -> tuple[np.ndarray, np.ndarray]:
+        """Windows and scores of the picture shrunk by a factor; px as given."""
+        settings, (height, width) = self.settings, picture.shape[:2]
+        size = round(width / scale), round(height / scale)
+        if size != (width, height):
+            picture = cv2.resize(picture, size, interpolation=cv2.INTER_LINEAR_EXACT)
+        corners, scores = self._descriptor.detect(
+            picture,
             hitThreshold=settings.hit_threshold,
             winStride=(settings.stride, settings.stride),
             padding=(settings.padding, settings.padding),
-            scale=settings.scale_step,
-            groupThreshold=0,
         )
-        boxes = np.asarray(windows, dtype=np.float64).reshape(-1, 4)
-        boxes = boxes * np.tile([width / enlarged[0], height / enlarged[1]], 2)
-        if settings.person_box:
-            boxes = _person_boxes(boxes)
-        score = np.asarray(scores, dtype=np.float64).reshape(-1)
-        return suppress(sorted_detections(boxes, score), settings.overlap)
+        corner = np.asarray(corners, dtype=np.float64).reshape(-1, 2)
+        sides = np.tile(self._size, (len(corner), 1))
+        boxes: np.ndarray = np.rint(np.column_stack([corner, sides]) * scale)
+        return boxes, np.asarray(scores, dtype=np.float64).reshape(-1)
+
+
+def _clipped(boxes: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """The parts of boxes inside a picture of a size, px; a window's margin may lie outside."""
+    corners = np.clip(np.column_stack([boxes[:, :2], boxes[:, :2] + boxes[:, 2:]]), 0, size * 2)
+    return np.column_stack([corners[:, :2], corners[:, 2:] - corners[:, :2]])
 
 
 def _person_boxes(windows: np.ndarray) -> np.ndarray:
