@@ -29,7 +29,10 @@ from scripts.sign_data import (
     read_rgb,
     read_scenes,
 )
-from scripts.train_signs import MOVED, ROOT, SEED, Boxes, examples, moved
+from scripts.sign_examples import examples
+from scripts.sign_measures import SEED
+from scripts.sign_reading import MOVED, Boxes, moved
+from scripts.train_signs import ROOT
 
 EVERY: Final = 4
 VARIANTS: Final = [
