@@ -131,6 +131,7 @@ def read_options(
         box_base=source.box_base,
         recordings=() if truth is None else tuple(truth.recordings["name"]),
         images=None if truth is None else truth.images,
+        categories={} if truth is None else truth.categories,
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -101,3 +102,57 @@ def test_labels_are_part_of_the_fingerprint_of_tables_only_where_there_are_any()
         return dataset_from_tables(recordings, frames, boxes.assign(**more), []).fingerprint
 
     assert fingerprint() == fingerprint(label=NO_LABEL) != fingerprint(label=0)
+
+
+LIMITS = ("speed limit 30", "Speed limit (70km/h)", "give way")
+"""Classes of three boxes in one picture."""
+
+
+def coco(folder: Path) -> str:
+    """With results of the same boxes, which name their categories by number alone."""
+    image = {"id": 1, "file_name": "drive/000001.png", "width": 640, "height": 480}
+    box = {"image_id": 1, "bbox": [10, 10, 20, 20]}
+    truth = {
+        "images": [image],
+        "annotations": [{**box, "id": i, "category_id": i + 4} for i in range(len(LIMITS))],
+        "categories": [{"id": i + 4, "name": name} for i, name in enumerate(LIMITS)],
+    }
+    (folder / "truth.json").write_text(json.dumps(truth))
+    results = [{**box, "category_id": kind, "score": 0.5} for kind in (5, 4, 6)]
+    (folder / "x.json").write_text(json.dumps(results))
+    return "truth.json"
+
+
+def voc(folder: Path) -> str:
+    corners = "<xmin>1</xmin><ymin>1</ymin><xmax>9</xmax><ymax>9</ymax>"
+    signs = [f"<object><name>{x}</name><bndbox>{corners}</bndbox></object>" for x in LIMITS]
+    (folder / "voc").mkdir()
+    (folder / "voc" / "drive_1.xml").write_text(f"<annotation>{''.join(signs)}</annotation>")
+    return "voc"
+
+
+def cvat(folder: Path) -> str:
+    place = 'occluded="0" xtl="1" ytl="2" xbr="4" ybr="6"'
+    signs = "".join(f'<box label="{name}" {place}/>' for name in LIMITS)
+    image = f'<image id="0" name="drive_1.png" width="640" height="480">{signs}</image>'
+    (folder / "cvat.xml").write_text(f"<annotations>{image}</annotations>")
+    return "cvat.xml"
+
+
+def yolo(folder: Path) -> str:
+    (folder / "drive").mkdir()
+    (folder / "drive" / "1.txt").write_text("".join(f"{i} .5 .5 .1 .1\n" for i in range(3)))
+    (folder / "drive" / "classes.txt").write_text("\n".join(LIMITS))
+    return "drive"
+
+
+@pytest.mark.parametrize("written", [coco, voc, cvat, yolo])
+def test_every_format_that_names_classes_hands_them_on(tmp_path: Path, written):
+    truth = tmp_path / written(tmp_path)
+    results = tmp_path / "x.json"
+    x = results if results.exists() else truth
+    given = {"size": (640, 480), "fps": 10, "objects": "speed sign"}
+    dataset = nv.load(truth=str(truth), x=str(x), **given)
+    assert dataset.labels == ("30", "70")
+    assert labels(dataset, 0) == ["30", "70"]
+    assert labels(dataset, 1) == (["70", "30"] if x == results else ["30", "70"])

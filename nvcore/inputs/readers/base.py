@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from io import BufferedReader
@@ -173,6 +173,8 @@ class ReadOptions:
         Names of the recordings of the ground truth, for readers of detections.
     images
         The truth's image list (see `Reading.images`), for results that name images by id.
+    categories
+        The truth's names of categories by their ids, for results that have ids alone.
     """
 
     role: Role = "truth"
@@ -183,6 +185,7 @@ class ReadOptions:
     box_base: int | None = None
     recordings: tuple[str, ...] = ()
     images: pd.DataFrame | None = None
+    categories: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -212,6 +215,8 @@ class Reading:
     labels
         What the column `label` of `boxes` counts: classes in the words of the objects ("70"), of
         the boxes that are not ignored.
+    categories
+        Names of categories by their ids, where results in the same format have ids alone.
     """
 
     boxes: pd.DataFrame
@@ -222,6 +227,7 @@ class Reading:
     findings: tuple[Finding, ...] = ()
     attributes: pd.DataFrame | None = None
     labels: tuple[str, ...] = ()
+    categories: Mapping[str, str] = field(default_factory=dict)
 
 
 Read = Callable[[Sequence[SourceFile], ReadOptions], Reading]

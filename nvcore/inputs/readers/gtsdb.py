@@ -29,7 +29,7 @@ from nvcore.inputs.readers.meaning.classes import (
     name_left_out,
     rule_for,
 )
-from nvcore.inputs.readers.meaning.labels import codes_of, labels_of
+from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.names import recording_and_frame_of, recordings_of
 from nvcore.inputs.readers.parse.text import Layout, read_numbers, read_text, stacked, whole_numbers
 
@@ -85,7 +85,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     rule = rule_for(ClassRule((), (), CLASSES), label, options)
     _check_objects(tables[0], options)
     choice = choose_classes(label, rule, _by_name(options), table.lines)
-    label_of = labels_of(pd.unique(label[choice.keep & ~choice.ignore]), options.objects)
+    codes, labels = labelled(label, choice.keep & ~choice.ignore, options.objects)
     recording = object_array(names)[table.lines.file]
     scenes = [_scenes(file, files, frame[table.lines.file == i]) for i, file in enumerate(tables)]
     facts += [
@@ -102,13 +102,13 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
             recording=recording,
             frame=frame,
             ignore=choice.ignore,
-            label=codes_of(label, label_of),
+            label=codes,
         ),
         recordings=recordings_table(names),
         conversion=conversion_text(facts),
         images=image_list(names, [listed for listed, _ in scenes]),
         findings=choice.findings,
-        labels=tuple(dict.fromkeys(label_of.values())),
+        labels=labels,
     )
 
 

@@ -24,6 +24,7 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.meaning.categories import concerns_objects, free_labels
 from nvcore.inputs.readers.meaning.classes import choose_classes, name_left_out
+from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.names import listed_frames
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
 from nvcore.inputs.readers.meaning.sizes import recordings_with_sizes
@@ -76,6 +77,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     label = object_array(objects.label)
     declared = {shape[0] for shape in objects.shapes}
     choice = choose_classes(label, free_labels({*label, *declared}, options), options, lines)
+    codes, labels = labelled(label, choice.keep & ~choice.ignore, options.objects)
     base = 1 if options.box_base is None else options.box_base
     is_truth = options.role == "truth"
     x, y = column["xmin"] - base, column["ymin"] - base
@@ -89,6 +91,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         score=column["score"],
         ignore=(choice.ignore | (column["difficult"] == 1)) & is_truth,
         occlusion=levels_of_numbers(column["occluded"]),
+        label=codes,
     )
     facts = [
         "frame numbers from the file names",
@@ -126,6 +129,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         conversion=conversion_text(facts),
         images=images.sort_values("image_id", ignore_index=True),
         findings=tuple(findings),
+        labels=labels,
     )
 
 

@@ -26,6 +26,7 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.meaning.categories import free_labels
 from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes, name_left_out
+from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.names import listed_frames
 from nvcore.inputs.readers.parse.text import (
     Layout,
@@ -111,6 +112,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     label = _labels(whole_numbers(table.columns[0], table.lines, "class number"), names)
     rule, class_options = _rule(label, names, options)
     choice = choose_classes(label, rule, class_options, table.lines)
+    is_named = len(names.names) > 0  # a number alone tells no class from another file's
+    codes, labels = labelled(label, choice.keep & ~choice.ignore & is_named, options.objects)
     width, height = options.size
     x, y, w, h = fields.middle_and_size
     boxes = table.lines.boxes(
@@ -122,6 +125,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         track=fields.track,
         ignore=choice.ignore,
         file=position[file],
+        label=codes,
     )
     extras = [other for other in files if _is_extra(other.name)]
     passed = sorted({PurePosixPath(extra.name).name for extra in extras})
@@ -140,6 +144,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         conversion=conversion_text(facts),
         images=images.sort_values("image_id", ignore_index=True),
         findings=(*fields.findings, *choice.findings),
+        labels=labels,
     )
 
 

@@ -31,6 +31,7 @@ from nvcore.inputs.readers.coco.images import (
     rows_by_id,
 )
 from nvcore.inputs.readers.coco.result_columns import ResultColumns, read_columns
+from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.names import recording_of
 from nvcore.inputs.readers.meaning.tracks import TEXT_IDS, track_numbers
 from nvcore.wording.objects import PEDESTRIAN
@@ -67,22 +68,26 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     MissingFactError
         If images are named by id and the truth's image list is not given.
     """
-    tables = []
+    tables, kinds = [], []
     facts = ["boxes as they are (0-based)"]
     findings: list[Finding] = []
     for number, file in enumerate(files):
         columns, own = read_columns(file)
         images = options.images if own is None else own
-        boxes, new_facts, oddities = _boxes(columns, file, number, images, options)
+        boxes, new_facts, oddities, kind = _boxes(columns, file, number, images, options)
         tables.append(boxes)
+        kinds.append(kind)
         facts += new_facts
         findings += oddities
     boxes = concat_boxes(tables)
+    kind = np.concatenate(kinds) if kinds else np.empty(0, dtype=object)
+    codes, labels = labelled(kind, kind != "", options.objects)
     return Reading(
-        boxes=boxes,
+        boxes=boxes.assign(label=codes),
         recordings=recordings_table(boxes["recording"].unique()),
         conversion=conversion_text(facts),
         findings=tuple(findings),
+        labels=labels,
     )
 
 
@@ -92,11 +97,12 @@ def _boxes(
     number: int,
     images: pd.DataFrame | None,
     options: ReadOptions,
-) -> tuple[pd.DataFrame, list[str], list[Finding]]:
-    """Boxes of a file, the conversion in words, and what is odd."""
+) -> tuple[pd.DataFrame, list[str], list[Finding], np.ndarray]:
+    """Boxes of a file, the conversion in words, what is odd; class of boxes, empty if unknown."""
     n_rows = len(columns)
     if not n_rows:
-        return reading_boxes(0), ["an empty list: nothing was detected"], []
+        empty = np.empty(0, dtype=object)
+        return reading_boxes(0), ["an empty list: nothing was detected"], [], empty
     is_wanted, facts, findings = _categories(columns.category, file, options, n_rows)
     if columns.image_id is not None:
         recording, frame, is_known = _places_by_id(columns.image_id, file, images)
@@ -132,7 +138,12 @@ def _boxes(
         file=number,
         **values,
     )
-    return boxes, facts, findings
+    kind = np.full(n_rows, "", dtype=object)
+    if columns.category is not None:
+        keys = columns.category.unique()
+        name_of = {key: options.categories.get(id_text(key), "") for key in keys}
+        kind = columns.category.map(name_of).fillna("").to_numpy(dtype=object)
+    return boxes, facts, findings, kind[is_wanted & is_known]
 
 
 def _categories(
@@ -145,12 +156,16 @@ def _categories(
     present = {id_text(key): count for key, count in category.value_counts(dropna=False).items()}
     listed = ", ".join(f"{key} ({count} results)" for key, count in present.items())
     objects = options.objects
-    counted = {PERSON} if objects.are_pedestrians else set()
+    counted = {PERSON}
+    if not objects.are_pedestrians:
+        counted = {key for key, name in options.categories.items() if objects.counts(name)}
     if options.classes is not None:
-        # results have no names for their categories: only a person's number is known
-        names = [name for name in options.classes if not name.isdecimal()]
+        # results have no names for their categories: a person's number is known, and the truth's
+        key_of = {name.casefold(): key for key, name in options.categories.items()}
+        wanted = [key_of.get(name.casefold(), name) for name in options.classes]
+        names = [name for name in wanted if not name.isdecimal()]
         persons = [name for name in names if PEDESTRIAN.counts(name)]
-        counted = set(options.classes) - set(names) | ({PERSON} if persons else set())
+        counted = set(wanted) - set(names) | ({PERSON} if persons else set())
         if len(persons) < len(names) and set(present) - counted:
             raise file.fault(
                 f"results number their classes: found category_id {listed}; give the classes as "

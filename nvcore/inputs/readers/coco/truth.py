@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -38,6 +38,7 @@ from nvcore.inputs.readers.meaning.attributes import (
 )
 from nvcore.inputs.readers.meaning.categories import CategoryChoice, choose_categories
 from nvcore.inputs.readers.meaning.distance import known_distances, odd_distances
+from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.occlusion import (
     levels_of_numbers,
     levels_of_visible_share,
@@ -67,7 +68,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     FormatError
         With file and record of the first thing that is not COCO, or is not clear.
     """
-    tables, images, recordings, attributes = [], [], [], []
+    tables, images, recordings, attributes, kinds = [], [], [], [], []
+    categories: dict[str, str] = {}
     facts: list[str] = ["boxes as they are (0-based)"]
     findings: list[Finding] = []
     for number, file in enumerate(files):
@@ -78,23 +80,31 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
                 f"{short_json(document)}; a list of results is no ground truth"
             )
         listed = read_images(document, file)
-        boxes, new_facts, oddities, texts = _read_annotations(
-            document, file, number, listed, options
+        names = _categories(document, file)
+        boxes, new_facts, oddities, texts, kind = _read_annotations(
+            document, file, number, listed, names, options
         )
         tables.append(boxes)
+        kinds.append(kind)
+        for key, name in names.items():  # one name for an id, or none
+            categories[key] = name if categories.get(key, name) == name else ""
         attributes.append(texts)
         recordings.append(listed.recordings)
         images.append(listed.table)
         facts += [listed.conversion, *new_facts]
         findings += [*listed.findings, *oddities]
     facts.append("evaluated frames from the image list")
+    kind = np.concatenate(kinds) if kinds else np.empty(0, dtype=object)
+    codes, labels = labelled(kind, kind != "", options.objects)
     return Reading(
-        boxes=concat_boxes(tables),
+        boxes=concat_boxes(tables).assign(label=codes),
         recordings=pd.concat(recordings).drop_duplicates("name", ignore_index=True),
         conversion=conversion_text(facts),
         images=_all_images(images, files),
         findings=tuple(findings),
         attributes=joined_attributes(attributes),
+        labels=labels,
+        categories=categories,
     )
 
 
@@ -119,21 +129,24 @@ def _read_annotations(
     file: SourceFile,
     number: int,
     listed: ImageList,
+    names: Mapping[str, str],
     options: ReadOptions,
-) -> tuple[pd.DataFrame, list[str], list[Finding], pd.DataFrame | None]:
-    """Boxes of a file, the conversion in words, what is odd, and the attributes."""
+) -> tuple[pd.DataFrame, list[str], list[Finding], pd.DataFrame | None, np.ndarray]:
+    """Boxes, the conversion in words, what is odd, the attributes; class of boxes, or empty."""
     records = Records(document.get("annotations"), file, "annotation", "annotations")
-    choice, keys = _classes(document, records, file, options)
+    choice, keys = _classes(names, records, file, options)
     facts = [choice.conversion] if choice is not None else ["no categories: all annotations count"]
     if not len(records):
-        return reading_boxes(0), facts, [], None
+        return reading_boxes(0), facts, [], None, np.empty(0, dtype=object)
     box = records.boxes()
     row = rows_by_id(image_ids(records, "image_id"), listed.table["image_id"])
     recording, frame, is_known = places_of_rows(listed.table, row)
     ignore = records.flags("ignore", "iscrowd")
     facts.append("ignore and iscrowd = ignore")
     is_left_out = np.zeros(len(records), dtype=bool)
+    kind = np.full(len(records), "", dtype=object)
     if choice is not None:
+        kind = keys.map({key: names.get(key, "") for key in choice.counted}).fillna("").to_numpy()
         ignore |= keys.isin(choice.ignored).to_numpy()
         is_left_out = keys.isin(choice.left_out).to_numpy()
     columns: dict[str, object] = {}
@@ -172,7 +185,7 @@ def _read_annotations(
     )
     attributes = attributes_of_boxes(boxes, _attribute_texts(records)[keep])
     facts += ["attributes as classes of encounters"] if attributes is not None else []
-    return boxes, facts, findings, attributes
+    return boxes, facts, findings, attributes, kind[keep]
 
 
 def _attribute_texts(records: Records) -> np.ndarray:
@@ -192,10 +205,8 @@ def _attribute_texts(records: Records) -> np.ndarray:
     return texts
 
 
-def _classes(
-    document: dict[str, object], records: Records, file: SourceFile, options: ReadOptions
-) -> tuple[CategoryChoice | None, pd.Series]:
-    """The choice of classes, and each annotation's category id as text."""
+def _categories(document: dict[str, object], file: SourceFile) -> dict[str, str]:
+    """The names that a file gives its categories, by their ids as text."""
     names: dict[str, str] = {}
     if document.get("categories") is not None:
         categories = Records(document["categories"], file, "category", "categories")
@@ -203,6 +214,14 @@ def _classes(
             labels = categories.required("name")
             for key, label in zip(categories.required("id"), labels, strict=True):
                 names[id_text(key)] = str(label)
+    return names
+
+
+def _classes(
+    categories: Mapping[str, str], records: Records, file: SourceFile, options: ReadOptions
+) -> tuple[CategoryChoice | None, pd.Series]:
+    """The choice of classes, and each annotation's category id as text."""
+    names = dict(categories)
     values = records.values("category_id")
     keys = pd.Series([id_text(v) for v in values or [None] * len(records)], dtype=object)
     if not names:

@@ -22,6 +22,7 @@ from nvcore.inputs.readers.cvat.xml import CvatContent
 from nvcore.inputs.readers.meaning.attributes import attributes_of_boxes, is_ambiguous
 from nvcore.inputs.readers.meaning.categories import concerns_objects, free_labels
 from nvcore.inputs.readers.meaning.classes import choose_classes, name_left_out
+from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
 
 CORNERS = ["x0", "y0", "x1", "y1"]
@@ -57,6 +58,7 @@ def boxes_reading(
     label = column["label"]
     lines = Lines(files, column["file"], column["line"])
     choice = choose_classes(label, free_labels({*label, *declared}, options), options, lines)
+    codes, labels = labelled(label, choice.keep & ~choice.ignore, options.objects)
     is_truth = options.role == "truth"
     n_rotated = int((choice.keep & (np.nan_to_num(column["rotation"]) != 0)).sum())
     upright = lines.boxes(
@@ -68,6 +70,7 @@ def boxes_reading(
         track=column["track"],
         ignore=(choice.ignore | column["ignore"]) & is_truth,
         occlusion=levels_of_numbers(column["occluded"]),
+        label=codes,
     )
     texts, ambiguous = _attributes(column["attributes"][choice.keep], lines[choice.keep], is_truth)
     attributes = attributes_of_boxes(upright, texts)
@@ -88,6 +91,7 @@ def boxes_reading(
         images=images,
         findings=(*merged(findings), *choice.findings, *ambiguous),
         attributes=attributes,
+        labels=labels,
     )
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from nvcore.schema import NO_LABEL, names_as_categories
 from nvcore.wording.objects import Objects, labels_in_order
@@ -37,6 +38,29 @@ def codes_of(kind: Any, label_of: Mapping[str, str]) -> np.ndarray:
     of_name = [place.get(label_of.get(str(name), ""), NO_LABEL) for name in names.categories]
     codes: np.ndarray = np.array([*of_name, NO_LABEL], np.int32)[names.codes]
     return codes
+
+
+def labelled(
+    kind: np.ndarray, is_counted: np.ndarray, objects: Objects
+) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Label of each row as `Reading` has it, and what the labels are.
+
+    Parameters
+    ----------
+    kind
+        Class of each row, object, shape (n,).
+    is_counted
+        Whether the row's class counts, bool, shape (n,).
+    objects
+        In whose words.
+
+    Returns
+    -------
+    codes, labels
+        Places among the labels, int32, (n,); NO_LABEL where the class counts not or says none.
+    """
+    label_of = labels_of(pd.unique(kind[is_counted]), objects)
+    return codes_of(kind, label_of), tuple(dict.fromkeys(label_of.values()))
 
 
 def merged(parts: Iterable[tuple[str, ...]]) -> tuple[tuple[str, ...], list[np.ndarray]]:
