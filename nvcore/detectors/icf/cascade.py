@@ -33,7 +33,7 @@ class Calibration:
     stage_floors: NDArray[np.float64]
 
 
-def calibrate(sums: NDArray[np.float64], kept_share: float) -> Calibration:
+def calibrate(sums: NDArray[np.float64], kept_share: float, slack: float = 0.0) -> Calibration:
     """Direct backward pruning: no object that is confident at the end is rejected on the way.
 
     Of the objects, the share `kept_share` with the highest sum over all trees counts. The trace is
@@ -45,6 +45,9 @@ def calibrate(sums: NDArray[np.float64], kept_share: float) -> Calibration:
         Running sums of objects, (n_objects, n_trees); at least one of each.
     kept_share
         Of the objects, rounded to whole ones.
+    slack
+        How far below the least sum the trace and the floors lie, in standard deviations of the
+        sums of the objects that count.
 
     References
     ----------
@@ -56,7 +59,8 @@ def calibrate(sums: NDArray[np.float64], kept_share: float) -> Calibration:
     ends = stage_ends(sums.shape[1])
     at_ends = passing[:, ends - 1]
     of_stage = np.diff(at_ends, axis=1, prepend=0.0)
-    return Calibration(passing.min(axis=0), ends, of_stage.min(axis=0))
+    trace, floors = (of.min(axis=0) - slack * of.std(axis=0) for of in (passing, of_stage))
+    return Calibration(trace, ends, floors)
 
 
 def lower(first: Calibration, second: Calibration) -> Calibration:

@@ -153,6 +153,13 @@ class IcfSettings:
         low=0.5,
         high=1,
     )
+    slack: float = setting(
+        0.0,
+        "How far below the least sum of these objects the calibrated trace and the floors of the "
+        "stages lie, in standard deviations of their sums: room for objects a little unlike them.",
+        low=0,
+        high=10,
+    )
     scales: tuple[float, ...] = setting(
         scale_steps(1.0, 1.7, 0.1),
         "Divisors of the picture's size, ascending, with blanks between; below 1 it is enlarged.",
@@ -344,6 +351,7 @@ SIGNS: Final = IcfSettings(
     least_area=16,
     trees_per_round=(64, 256, 800),
     least_object_px=16.0,
+    slack=0.5,
     scales=tuple(round(0.66 * 1.15**i, 4) for i in range(15)),
     stride=4,
     overlap_of="smaller",

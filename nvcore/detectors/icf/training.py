@@ -92,7 +92,7 @@ def train(
     rounds, background = _rounds(task, objects, background, part_of(progress, _WINDOWS, 0.98))
     progress(0.98, "calibrating")
     return replace(
-        task.model(rounds[-1], _calibration(rounds[-1], objects, unseen, settings.kept_share)),
+        task.model(rounds[-1], _calibration(rounds[-1], objects, unseen, settings)),
         name=name,
         label=label,
         settings=settings,
@@ -108,14 +108,15 @@ def train(
 
 
 def _calibration(
-    boosted: Boosted, objects: NDArray[np.int32], unseen: NDArray[np.int32], kept_share: float
+    boosted: Boosted, objects: NDArray[np.int32], unseen: NDArray[np.int32], settings: IcfSettings
 ) -> Calibration:
     """What lets pass this share of the objects trained on, and of those held out by themselves.
 
     Boosting drives those trained on apart from the background: alone, they reject too early.
     """
     of_objects, of_unseen = (
-        calibrate(boosted.trees.running_sums(values), kept_share) for values in (objects, unseen)
+        calibrate(boosted.trees.running_sums(values), settings.kept_share, settings.slack)
+        for values in (objects, unseen)
     )
     return lower(of_objects, of_unseen)
 
