@@ -46,8 +46,7 @@ def calibrate(sums: NDArray[np.float64], kept_share: float, slack: float = 0.0) 
     kept_share
         Of the objects, rounded to whole ones.
     slack
-        How far below the least sum the trace and the floors lie, in standard deviations of the
-        sums of the objects that count.
+        How far below the least sum the trace and the floors lie.
 
     References
     ----------
@@ -59,8 +58,7 @@ def calibrate(sums: NDArray[np.float64], kept_share: float, slack: float = 0.0) 
     ends = stage_ends(sums.shape[1])
     at_ends = passing[:, ends - 1]
     of_stage = np.diff(at_ends, axis=1, prepend=0.0)
-    trace, floors = (of.min(axis=0) - slack * of.std(axis=0) for of in (passing, of_stage))
-    return Calibration(trace, ends, floors)
+    return Calibration(passing.min(axis=0) - slack, ends, of_stage.min(axis=0) - slack)
 
 
 def lower(first: Calibration, second: Calibration) -> Calibration:

@@ -156,9 +156,9 @@ class IcfSettings:
     slack: float = setting(
         0.0,
         "How far below the least sum of these objects the calibrated trace and the floors of the "
-        "stages lie, in standard deviations of their sums: room for objects a little unlike them.",
+        "stages lie: room for objects a little unlike them.",
         low=0,
-        high=10,
+        high=100,
     )
     scales: tuple[float, ...] = setting(
         scale_steps(1.0, 1.7, 0.1),
@@ -351,7 +351,7 @@ SIGNS: Final = IcfSettings(
     least_area=16,
     trees_per_round=(64, 256, 800),
     least_object_px=16.0,
-    slack=0.5,
+    slack=0.75,
     scales=tuple(round(0.66 * 1.15**i, 4) for i in range(15)),
     stride=4,
     overlap_of="smaller",

@@ -144,11 +144,11 @@ def test_the_trace_is_the_least_sum_of_those_that_are_kept():
     np.testing.assert_array_equal(calibration.stage_floors, [0.5, 1.0])
 
 
-def test_slack_lowers_the_trace_by_the_spread_of_the_sums():
-    sums = np.array([[1.0, 2.0, 3.0], [3.0, 6.0, 9.0]])  # standard deviations 1, 2 and 3
+def test_slack_lowers_the_trace_and_the_floors_of_stages():
+    sums = np.array([[1.0, 2.0, 3.0], [3.0, 6.0, 9.0]])
     calibration = calibrate(sums, kept_share=1.0, slack=0.5)
-    np.testing.assert_allclose(calibration.trace, [0.5, 1.0, 1.5])
-    np.testing.assert_allclose(calibration.stage_floors, [1.0, 0.5])  # of 2 and 6; 1 and 3
+    np.testing.assert_array_equal(calibration.trace, [0.5, 1.5, 2.5])
+    np.testing.assert_array_equal(calibration.stage_floors, [1.5, 0.5])
 
 
 def test_the_lower_of_two_calibrations_keeps_the_share_of_each_by_itself(settings):
