@@ -16,6 +16,8 @@ from string import ascii_lowercase
 from typing import Final
 
 UNDEFINED: Final = "–"
+MOST_NAMED: Final = 5
+"""Names in an error; of the others it says how many there are."""
 ARROWS: Final = {"higher": " ↑", "lower": " ↓", "": ""}
 """Which way is better, as a label's suffix."""
 
@@ -150,8 +152,23 @@ def capitalised(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def listed(words: Sequence[str]) -> str:
-    """Words in a row: "alpha, IoU and midpoint"."""
+def listed(words: Sequence[str], *, most: int | None = None) -> str:
+    """Words in a row.
+
+    Parameters
+    ----------
+    most
+        So many are named, of the others how many they are; None: all.
+
+    Examples
+    --------
+    >>> listed(["alpha", "IoU", "midpoint"])
+    'alpha, IoU and midpoint'
+    >>> listed(["alpha", "IoU", "midpoint"], most=1)
+    'alpha and 2 more'
+    """
+    if most is not None and len(words) > most:
+        words = [*words[:most], f"{len(words) - most:,} more"]
     return "".join(words) if len(words) < 2 else f"{', '.join(words[:-1])} and {words[-1]}"
 
 
