@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, Field, dataclass, field, fields
 from typing import Any, Final, TypeVar
 
@@ -75,10 +75,13 @@ def settings_from(kind: type[AnySettings], given: Mapping[str, Setting]) -> AnyS
     return kind(**values)
 
 
-def typed_like(settings: object, given: Mapping[str, Setting]) -> dict[str, Any]:
+def typed_like(
+    settings: object, given: Mapping[str, Setting | Sequence[Setting]]
+) -> dict[str, Any]:
     """Texts read as the types that the settings of these names have; other values as they are.
 
-    Several values stand in one text, with commas or spaces between. What is no setting stays as it
+    Several values stand in one text, with commas or spaces between, or in a sequence; a single one
+    may stand by itself. What is no setting stays as it
     is, for whoever checks the names.
 
     Raises
@@ -94,6 +97,8 @@ def typed_like(settings: object, given: Mapping[str, Setting]) -> dict[str, Any]
             values[name] = tuple(
                 _typed(name, kind, part) for part in _SEPARATOR.split(value) if part
             )
+        elif isinstance(before, tuple):
+            values[name] = tuple(value) if isinstance(value, Sequence) else (value,)
         elif isinstance(value, str) and before is not None:
             values[name] = _typed(name, type(before), value)
         else:

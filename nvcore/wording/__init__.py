@@ -173,8 +173,20 @@ def listed(words: Sequence[str], *, most: int | None = None) -> str:
 
 
 def did_you_mean(name: str, names: Iterable[str], sentence: str) -> str:
-    """The closest name as a question, if one is close, and the sentence that names them all."""
+    """The closest name as a question, if one is close, and the sentence that names them all.
+
+    Names of several words (``trees_per_round``) are close by one of them, too.
+
+    Examples
+    --------
+    >>> did_you_mean("threes", ["trees_per_round", "stride"], "there are two")
+    "did you mean 'trees_per_round'? There are two"
+    """
+    names = [*names]
     close = get_close_matches(name, names, n=1)
+    if not close:
+        by_word = {word: known for known in names for word in known.lower().split("_")}
+        close = [by_word[word] for word in get_close_matches(name, by_word, n=1)]
     return f"did you mean {close[0]!r}? {capitalised(sentence)}" if close else sentence
 
 

@@ -13,7 +13,6 @@ from streamlit.runtime.uploaded_file_manager import UploadedFile
 from nvcore.detectors.icf.model_file import MAX_BYTES
 from nvcore.detectors.registry import DETECTORS, kind_of_file
 from nvcore.errors import DetectorError, NvcoreError
-from nvcore.report.detectors import trained_on_text
 from nvcore.wording import count_text, listed, shortened
 from ui.confined.detectors import Described, DetectorSpec
 from ui.detectors.asking import described
@@ -203,7 +202,7 @@ def _draw_about(what: Described) -> None:
             f"trained on {inside.n_objects:,} windows of objects and {inside.n_background:,} of "
             "background."
         )
-    trained_on = "; ".join(trained_on_text(part) for part in about.trained_on)
+    trained_on = "; ".join(map(str, about.trained_on))
     if trained_on:
         parts.append(f"Trained on: {plain(shortened(trained_on, 300))}.")
         names = state.recording_names()

@@ -16,13 +16,13 @@ import streamlit as st
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About, TrainedOn
 from nvcore.detectors.registry import DETECTORS
-from nvcore.detectors.run import Expectation, expect, run_detector
+from nvcore.detectors.run import run_detector
+from nvcore.detectors.timing import Expectation, expect
 from nvcore.detectors.writing import WrittenRun, write_detections
 from nvcore.errors import NvcoreError
 from nvcore.inputs.session import Session
 from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress
-from nvcore.report.detectors import render_expectation, render_run
 from ui.confined.detectors import ConfinedDetector, Described, DetectorSpec
 from ui.detectors.asking import described
 from ui.detectors.trial import Levels, levels_of
@@ -164,7 +164,7 @@ def _draw_start(key: RunKey, about: About, levels: Levels, *, is_busy: bool) -> 
             st.button("Try again", key="drop_timing", on_click=_drop_timing)
         return
     assert timing.output is not None
-    st.markdown(f"**{plain(render_expectation(timing.output, len(key.recordings)))}**")
+    st.markdown(f"**{plain(str(timing.output))}**")
     if (
         st.button(
             "Run the detector",
@@ -286,7 +286,7 @@ def _draw_done(job: RunJob) -> None:
     """What came out, the button that compares it, and the files."""
     written = job.output
     assert written is not None
-    first, *others = render_run(written.run).splitlines()
+    first, *others = str(written.run).splitlines()
     st.success(f"**{plain(written.name)}**: {plain(first)}.", icon=":material/check_circle:")
     if others:
         st.warning(plain(" ".join(others)), icon=":material/warning:")

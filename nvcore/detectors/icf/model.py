@@ -18,9 +18,10 @@ from nvcore.detectors.icf.features import Features
 from nvcore.detectors.icf.regions import EVERYWHERE, Band
 from nvcore.detectors.icf.settings import OF_A_RUN, IcfSettings
 from nvcore.errors import ParameterError
+from nvcore.wording import count_text, listed, one_line
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class IcfModel:
     """A trained model.
 
@@ -81,6 +82,22 @@ class IcfModel:
     def channels(self) -> tuple[str, ...]:
         """Name of each channel that the features count in."""
         return plane_names(self.settings, self.is_colour)
+
+    def __repr__(self) -> str:
+        return (
+            f"<IcfModel {one_line(self.name)}: {count_text(len(self.trees), 'tree')}, "
+            f"{count_text(len(self.features), 'feature')}, detects {one_line(listed(self.labels))}>"
+        )
+
+    def windows_in_words(self) -> list[str]:
+        """Windows of the training, and its error at the end of each round; a line each."""
+        lines = [f"windows: {self.n_objects:,} of objects, {self.n_background:,} of background"]
+        start = 0
+        for number, end in enumerate(self.round_ends.tolist(), 1):
+            trees = count_text(end - start, "tree")
+            lines.append(f"  round {number}: {trees}, training error {self.error[end - 1]:.2%}")
+            start = end
+        return lines
 
     def run_with(self, **changes: Any) -> IcfModel:
         """The same model with other settings of its runs.

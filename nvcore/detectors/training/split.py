@@ -29,8 +29,9 @@ class Choice:
 
     Attributes
     ----------
-    first_frame, last_frame
-        Frames of each recording, both included; None: from its beginning, to its end.
+    frames
+        Only these of the evaluated ones: a range (`nvcore.inputs.facts.frame_range`), or the path
+        of a file with one number a line; None: all.
     every
         Only every so many evaluated frames; None: as many as keep the boxes below 5,000.
     hold_out
@@ -54,8 +55,7 @@ class Choice:
         If a value is not possible.
     """
 
-    first_frame: int | None = None
-    last_frame: int | None = None
+    frames: str | None = None
     every: int | None = None
     hold_out: tuple[str, ...] = ()
     split: SplitBy = "auto"

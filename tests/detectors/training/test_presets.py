@@ -38,6 +38,7 @@ def test_texts_are_read_as_the_setting_s_type():
     assert preset_settings("as-in-report", {"patience": "150"}).patience == 150
     assert preset_settings("as-in-report", {"patience": "none"}).patience is None
     assert preset_settings("pedestrians", {"trees_per_round": [4, 8]}).trees_per_round == (4, 8)
+    assert preset_settings("pedestrians", {"trees_per_round": 8}).trees_per_round == (8,)
 
 
 @pytest.mark.parametrize(
