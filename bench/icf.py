@@ -26,7 +26,8 @@ from nvcore.detectors.icf.cascade import floors
 from nvcore.detectors.icf.channels import channel_planes, integral_images, resized
 from nvcore.detectors.icf.pyramid import levels
 from nvcore.detectors.suppression import suppress
-from scripts.sign_data import TESTED, LazyScenes, held_out, read_crops, read_scenes
+from scripts.sign_data import TESTED, held_out, read_crops, read_scenes
+from scripts.sign_data import SignScenes as LazyScenes
 
 ROOT = Path(__file__).resolve().parents[1]
 TREES = (64, 256, 686)

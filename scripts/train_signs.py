@@ -49,7 +49,6 @@ from scripts.sign_data import (
     SPEED_LIMITS,
     TESTED,
     Crop,
-    LazyScenes,
     SignScene,
     held_out,
     read_crops,
@@ -57,6 +56,9 @@ from scripts.sign_data import (
     read_scenes,
     unlike,
     unlike_scenes,
+)
+from scripts.sign_data import (
+    SignScenes as LazyScenes,
 )
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -21,6 +21,8 @@ MOST_NAMED: Final = 5
 ARROWS: Final = {"higher": " ↑", "lower": " ↓", "": ""}
 """Which way is better, as a label's suffix."""
 
+_SHORT_WORD: Final = 3
+"""Letters of words of a name, up to which nothing is taken for a misspelling of them."""
 _MARKUP: Final = re.compile(r"([\\`*_{}\[\]<>()#+.!|$~:&^=@-])")
 
 
@@ -185,7 +187,8 @@ def did_you_mean(name: str, names: Iterable[str], sentence: str) -> str:
     names = [*names]
     close = get_close_matches(name, names, n=1)
     if not close:
-        by_word = {word: known for known in names for word in known.lower().split("_")}
+        words = [(word, known) for known in names for word in known.lower().split("_")]
+        by_word = {word: known for word, known in reversed(words) if len(word) > _SHORT_WORD}
         close = [by_word[word] for word in get_close_matches(name, by_word, n=1)]
     return f"did you mean {close[0]!r}? {capitalised(sentence)}" if close else sentence
 

@@ -14,7 +14,7 @@ from nvcore.detectors.icf.model_file import MAX_BYTES
 from nvcore.detectors.registry import DETECTORS, kind_of_file
 from nvcore.errors import DetectorError, NvcoreError
 from nvcore.wording import count_text, listed, shortened
-from ui.confined.detectors import Described, DetectorSpec
+from ui.confined.detectors import DetectorFacts, DetectorSpec
 from ui.detectors.asking import described
 from ui.session import state
 from ui.session.local_files import LocalRoot, local_root
@@ -83,7 +83,7 @@ def _usual() -> str:
     return usual
 
 
-def checked(spec: DetectorSpec) -> Described | None:
+def checked(spec: DetectorSpec) -> DetectorFacts | None:
     """What the detector is; None: it cannot be used, and why is said."""
     try:
         return described(spec)
@@ -191,7 +191,7 @@ def _stored(file: UploadedFile) -> SentModel:
     return SentModel(path, path.name, hashlib.sha256(content).hexdigest()[:12])
 
 
-def _draw_about(what: Described) -> None:
+def _draw_about(what: DetectorFacts) -> None:
     """What it detects, what it was trained on, by which digits it is known."""
     about, inside = what.about, what.inside
     parts = [f"Detects {plain(listed([*about.labels]))}."]

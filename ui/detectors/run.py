@@ -23,7 +23,7 @@ from nvcore.errors import NvcoreError
 from nvcore.inputs.session import Session
 from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress
-from ui.confined.detectors import ConfinedDetector, Described, DetectorSpec
+from ui.confined.detectors import ConfinedDetector, DetectorFacts, DetectorSpec
 from ui.detectors.asking import described
 from ui.detectors.trial import Levels, levels_of
 from ui.jobs.background import BackgroundJob, JobState, while_open
@@ -80,7 +80,7 @@ class RunJob(BackgroundJob[WrittenRun]):
             shutil.rmtree(self.folder, ignore_errors=True)
 
 
-def draw(spec: DetectorSpec, what: Described) -> None:
+def draw(spec: DetectorSpec, what: DetectorFacts) -> None:
     """Which recordings, how long that will take, the run, and the way to its comparison."""
     st.header("Run it over the recordings")
     chosen = _choose_recordings()

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.dataset import Dataset
-from nvcore.detectors.icf.splits import by_group, by_time
+from nvcore.detectors.training.groups import by_group, by_time
 from nvcore.errors import InputError, ParameterError
 from nvcore.schema import NO_TRACK
 from nvcore.wording import did_you_mean, listed, one_line
