@@ -170,8 +170,8 @@ def place_sources(
         n_files += len(source.files)
     findings = [finding for source in loaded for finding in source.reading.findings]
     for source in loaded:
-        first = source.files[0].name
-        findings += changed_input(source.subject, first, source.digests, session.hashes)
+        names = [file.name for file in source.files]
+        findings += changed_input(source.subject, names, source.digests, session.hashes)
     findings += contradicted_facts(truth, recordings)
     findings += missing_pictures(session, recordings["name"].tolist())
     return dataset_from_tables(

@@ -50,6 +50,14 @@ def test_frames_without_a_picture_are_said_with_the_pictures_there_are(tmp_path:
         nv.detect(SAMPLE, blobs, tmp_path / "out", only="odd_pose", frames="900:910")
 
 
+def test_scores_of_a_detector_that_was_run_here_are_on_its_own_scale(tmp_path: Path):
+    run = {"settings": {"scale_step": 1.3, "hit_threshold": -1}, "frames": "40:42"}
+    written = nv.detect(SAMPLE, "hog:daimler", tmp_path / "out", only="urban_crossing", **run)
+    assert min(part.boxes["score"].min() for part in written.run.recordings) < 0
+    findings = nv.audit(written.session)
+    assert not [finding for finding in findings if finding.code == "unusual-scores"]
+
+
 def test_a_session_is_as_good(tmp_path: Path, blobs: Path):
     session = nv.read_session(SAMPLE)
     written = nv.detect(session, blobs, tmp_path / "out", name="Blobs", only=["odd_pose"])
