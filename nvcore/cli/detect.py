@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -17,6 +18,7 @@ from nvcore.cli.options import (
     pair_of,
     part_options,
 )
+from nvcore.cli.program import program
 from nvcore.cli.progress import ShareProgress, TerminalProgress
 from nvcore.cli.steps import errors_of, part_from
 from nvcore.extras import needs
@@ -127,10 +129,11 @@ def detect(session_file: Path, detector: str, settings: Sequence[str], **options
             written = job.run(progress)
     click.echo(written.run)
     click.echo(one_line(f"written to {options['out']} as {written.name}"), err=True)
+    session_path = shlex.quote(str(written.session))
     if len(job.dataset.systems):
-        click.echo(one_line(f"compare: nvcore compare {written.session}"), err=True)
+        click.echo(one_line(f"compare: {program()} compare {session_path}"), err=True)
     else:
-        click.echo(one_line(f"a second system: nvcore detect {written.session} ..."), err=True)
+        click.echo(one_line(f"a second system: {program()} detect {session_path} ..."), err=True)
 
 
 @click.command(

@@ -20,6 +20,7 @@ from nvcore.cli.options import (
     pair_of,
     part_options,
 )
+from nvcore.cli.program import program
 from nvcore.cli.progress import ShareProgress, TerminalProgress
 from nvcore.cli.steps import errors_of, part_from
 from nvcore.inputs.session import Session
@@ -236,8 +237,8 @@ def _next_step(out: Path, session_file: Path | None, others: Sequence[str]) -> s
             "with --only or --frames"
         )
     folder = out.with_suffix("") if out.suffix else Path(f"{out}_run")
-    words = ["nvcore", "detect", "SESSION" if session_file is None else str(session_file)]
+    words = ["detect", "SESSION" if session_file is None else str(session_file)]
     words += ["--detector", str(out)]
     for name in others[:_SUGGESTED]:
         words += ["--only", name]
-    return f"run it: {shlex.join([*words, '--out', str(folder)])}"
+    return f"run it: {program()} {shlex.join([*words, '--out', str(folder)])}"

@@ -106,6 +106,25 @@ def typed_like(
     return values
 
 
+def value_text(value: Any) -> str:
+    """A value in a message, as people write it: "1, 1.7, 0.1", "yes", "'luv'"."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:g}"
+    if isinstance(value, tuple | list):
+        return (
+            ", ".join(map(str, (f"{v:g}" if isinstance(v, float) else v for v in value))) or "none"
+        )
+    return repr(value)
+
+
+def multiples_text(step: int, low: float, high: float) -> str:
+    """Which values a whole number may have that must be a multiple: "8, 16, 24 ... 64"."""
+    first, last = -(-int(low) // step) * step, int(high) // step * step
+    return f"{first}, {first + step}, {first + 2 * step} ... {last}"
+
+
 def _typed(name: str, kind: type, value: Setting) -> Any:
     """The value as a bool, int, float or str."""
     try:
@@ -115,7 +134,7 @@ def _typed(name: str, kind: type, value: Setting) -> Any:
             raise ValueError
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         words = {bool: "yes or no", int: "a whole number", float: "a number", str: "a text"}
-        raise DetectorError(f"{name}: expected {words[kind]}, found {value!r}") from error
+        raise DetectorError(f"{name}: expected {words[kind]}, found {value_text(value)}") from error
     return typed
 
 
@@ -125,7 +144,7 @@ def _checked(spec: Field[Any], value: Setting) -> Setting:
     typed = _typed(spec.name, type(spec.default), value)
     if facts.choices and typed not in facts.choices:
         choices = listed([*facts.choices])
-        raise DetectorError(f"{spec.name}: expected one of {choices}, found {value!r}")
+        raise DetectorError(f"{spec.name}: expected one of {choices}, found {value_text(value)}")
     low, high = facts.low, facts.high
     is_below, is_above = (
         low is not None and not typed >= low,
@@ -133,6 +152,6 @@ def _checked(spec: Field[Any], value: Setting) -> Setting:
     )
     if is_below or is_above:
         limits = f"at least {low:g}" if high is None else f"{low:g} to {high:g}"
-        raise DetectorError(f"{spec.name}: expected {limits}, found {value!r}")
+        raise DetectorError(f"{spec.name}: expected {limits}, found {value_text(value)}")
     checked: Setting = typed
     return checked

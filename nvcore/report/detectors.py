@@ -9,8 +9,8 @@ from nvcore.detectors.base import Detector
 from nvcore.detectors.facts import run_settings
 from nvcore.detectors.icf import IcfDetector, IcfModel
 from nvcore.detectors.registry import DETECTORS
-from nvcore.detectors.settings import SettingFacts
-from nvcore.wording import count_text, listed, one_line
+from nvcore.detectors.settings import SettingFacts, value_text
+from nvcore.wording import UNDEFINED, count_text, listed, one_line
 
 
 def render_detectors() -> str:
@@ -65,9 +65,9 @@ def _settings(about: About) -> list[str]:
 
 
 def _value(value: Any) -> str:
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    return one_line(str(value)) if value not in (None, "") else "–"
+    if value in (None, ""):
+        return UNDEFINED
+    return one_line(value) if isinstance(value, str) else value_text(value)
 
 
 def _range(facts: SettingFacts) -> str:

@@ -18,7 +18,7 @@ from nvcore.detectors.icf.features import Features
 from nvcore.detectors.icf.regions import EVERYWHERE, Band
 from nvcore.detectors.icf.settings import OF_A_RUN, IcfSettings
 from nvcore.errors import ParameterError
-from nvcore.wording import count_text, listed, one_line
+from nvcore.wording import count_text, did_you_mean, listed, one_line
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -107,10 +107,13 @@ class IcfModel:
         ParameterError
             If one is not a setting of a run (`OF_A_RUN`), or its value is not possible.
         """
-        odd = sorted(set(changes) - OF_A_RUN)
-        if odd:
+        known, odd = listed(sorted(OF_A_RUN)), sorted(set(changes) - OF_A_RUN)
+        fixed = [name for name in odd if hasattr(self.settings, name)]
+        if fixed:
             raise ParameterError(
-                f"{', '.join(odd)}: not a setting that a trained model can be run with otherwise; "
-                f"such are {', '.join(sorted(OF_A_RUN))}"
+                f"{listed(fixed)}: fixed by the training; of a run there are {known}"
             )
+        if odd:
+            hint = did_you_mean(odd[0], sorted(OF_A_RUN), f"of a run there are {known}")
+            raise ParameterError(f"there is no setting {odd[0]!r}; {hint}")
         return replace(self, settings=replace(self.settings, **changes))

@@ -89,7 +89,10 @@ def train(
         missing = "object" if not len(objects) else "background"
         raise DetectorError(f"a training needs windows of both kinds; there is no {missing}")
     if not len(unseen):
-        raise DetectorError("there is no object left to calibrate on: give more, or others")
+        raise DetectorError(
+            f"no object is left to calibrate the rejection on: there are {len(objects):,} windows "
+            "of objects to learn from, and none held out; at least one is needed"
+        )
     rounds, background = _rounds(task, objects, background, part_of(progress, _WINDOWS, 0.98))
     progress(0.98, "calibrating")
     return replace(

@@ -16,6 +16,7 @@ from nvcore.detectors.training.shots import Shot
 from nvcore.detectors.training.split import Choice
 from nvcore.errors import InputError
 from nvcore.pictures import RecordingPictures
+from nvcore.wording import count_text, one_line
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,15 +85,35 @@ def gather(
     if dataset is None or pictures is None:
         if not from_folders.shots:
             raise InputError("there is nothing to learn from; name a session, or folders")
+        _check_held_out(from_folders.shots, from_folders.split)
         return TrainingData(from_folders.shots, from_folders.trained_on, 1, from_folders.split)
     of_session = session_shots(dataset, pictures, settings, choice)
+    shots = [*of_session.shots, *from_folders.shots]
+    held_out = "; ".join(text for text in (of_session.split, from_folders.split) if text)
+    _check_held_out(shots, held_out)
     return TrainingData(
-        shots=[*of_session.shots, *from_folders.shots],
+        shots=shots,
         trained_on=of_session.trained_on + from_folders.trained_on,
         every=of_session.every,
-        held_out="; ".join(text for text in (of_session.split, from_folders.split) if text),
+        held_out=held_out,
         notes=of_session.notes,
     )
+
+
+def _check_held_out(shots: Sequence[Shot], held_out: str) -> None:
+    """Refuse a training of which all objects would be on one side."""
+    n_learned, n_out = (
+        sum(len(boxes) for boxes in side)
+        for side in zip(*((shot.learned, shot.held_out) for shot in shots), strict=True)
+    )
+    if n_learned + n_out and not (n_learned and n_out):
+        every = "all are" if n_out else "none is"
+        raise InputError(
+            f"of {count_text(n_learned + n_out, 'box', 'boxes')} {every} held out "
+            f"({one_line(held_out)}); a training needs some to learn, and at least one, of another "
+            "physical object, to calibrate the rejection on: choose more recordings or frames, or "
+            "another split or share"
+        )
 
 
 def check_model_target(path: Path) -> None:
