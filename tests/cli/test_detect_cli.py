@@ -195,3 +195,13 @@ def test_progress_on_a_terminal_says_what_is_left(monkeypatch: pytest.MonkeyPatc
             progress(done / 2, f"night: {done} of 2 pictures, {2 - done} s left")
     assert "night: 1 of 2 pictures, 1 s left" in terminal.getvalue()
     assert "100%" in terminal.getvalue()
+
+
+def test_progress_that_is_stopped_stays_where_it_was(monkeypatch: pytest.MonkeyPatch):
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    with pytest.raises(KeyboardInterrupt), ShareProgress() as progress:
+        progress(0.5, "night: 1 of 2 pictures")
+        raise KeyboardInterrupt
+    assert " 50%" in terminal.getvalue()
+    assert "100%" not in terminal.getvalue()
