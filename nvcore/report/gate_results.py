@@ -7,7 +7,8 @@ from typing import Final
 from xml.etree import ElementTree
 
 from nvcore.findings import Finding
-from nvcore.report.gate import COUNTED_FINDINGS, Outcome, value_text, what_is_not_asked
+from nvcore.report.gate import COUNTED_FINDINGS, Outcome, value_text
+from nvcore.report.rules import what_is_not_asked
 from nvcore.report.terminal import render_findings
 from nvcore.wording import markdown_text, one_line
 

@@ -36,7 +36,7 @@ OF_A_RUN: Final = frozenset(
         "scales_between",
     )
 )
-"""Settings that a trained model may be run with otherwise; the others made it what it is."""
+"""Settings that each run of a trained model may choose; the others made it what it is."""
 MAX_WINDOW: Final = 256
 MAX_STRIDE: Final = 256
 MAX_SCALES: Final = 64
