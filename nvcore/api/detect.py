@@ -201,6 +201,7 @@ def detector_job(
     """
     with needs("detectors", "detectors need"):
         from nvcore.detectors.registry import open_detector
+        from nvcore.detectors.run import no_pictures
         from nvcore.detectors.writing import check_target, outputs
         from nvcore.pictures import session_pictures
 
@@ -214,6 +215,8 @@ def detector_job(
     refuse_among_inputs(folder, session)
     pictures = session_pictures(session, dataset)
     try:
+        if not any((index >= 0).any() for index in pictures.indices.values()):
+            raise no_pictures(pictures, dataset)
         yield DetectorJob(opened, dataset, pictures, folder, name, threshold, against, n_threads)
     finally:
         pictures.close()

@@ -20,7 +20,7 @@ import numpy as np
 
 from nvcore.dataset.provenance import About, Setting
 from nvcore.detectors.base import Detections, to_8_bits
-from nvcore.detectors.settings import multiples_text, setting, settings_from
+from nvcore.detectors.settings import setting, settings_from
 from nvcore.detectors.suppression import sorted_detections, suppress
 from nvcore.errors import DetectorError
 from nvcore.extras import needs
@@ -39,8 +39,6 @@ _WEIGHTS: Final[dict[str, Callable[[], Any]]] = {
     "daimler": cv2.HOGDescriptor.getDaimlerPeopleDetector,
 }
 _BLOCK_PX: Final = 8
-_LEAST_STRIDE: Final = 8
-_MOST_STRIDE: Final = 64
 BODY_SHARE: Final = 0.75
 """Height of the person in a window, of both classifiers: 96 of 128 and 72 of 96 px."""
 BODY_ASPECT: Final = 0.41
@@ -58,7 +56,7 @@ class HogSettings:
         0.0, "Windows with a lower score are dropped at once.", low=-10, high=10
     )
     stride: int = setting(
-        8, "Step of the window, px; a multiple of 8.", low=_LEAST_STRIDE, high=_MOST_STRIDE
+        8, "Step of the window, px; a multiple of 8.", low=8, high=64, multiple_of=_BLOCK_PX
     )
     scale_step: float = setting(
         1.05, "Factor from one size of the picture to the next.", low=1.01, high=2
@@ -78,11 +76,6 @@ class HogSettings:
     stretch_8_bit: bool = setting(
         False, "Whether grey levels of 8-bit pictures are stretched, too, as 16-bit ones always."
     )
-
-    def __post_init__(self) -> None:
-        if self.stride % _BLOCK_PX:
-            possible = multiples_text(_BLOCK_PX, _LEAST_STRIDE, _MOST_STRIDE)
-            raise DetectorError(f"stride: expected one of {possible}, found {self.stride}")
 
 
 class Hog:

@@ -19,9 +19,10 @@ from nvcore.dataset.provenance import About
 from nvcore.detectors.base import Detections, Detector
 from nvcore.detectors.threads import one_for_a_picture
 from nvcore.errors import InputError, MediaError
+from nvcore.inputs.evaluated_frames import frames_there
 from nvcore.pictures import Picture, RecordingPictures
 from nvcore.progress import POLL_S, Progress, no_progress
-from nvcore.wording import count_text, duration_text, one_line
+from nvcore.wording import MOST_NAMED, count_text, duration_text, listed, one_line
 
 NO_PICTURES: Final = (
     "no evaluated frame has a picture; name the pictures of each recording in the session file "
@@ -136,13 +137,29 @@ def threads_of(n_threads: int | None) -> int:
     return n_threads or os.cpu_count() or 1
 
 
-def no_pictures(pictures: RecordingPictures) -> InputError:
-    """That no evaluated frame has a picture, and what to do, or which pictures there are."""
+def no_pictures(pictures: RecordingPictures, dataset: Dataset | None = None) -> InputError:
+    """That no evaluated frame has a picture, and why.
+
+    Parameters
+    ----------
+    dataset
+        For the frames that there are beside those that are evaluated; None: they are not said.
+    """
     if not pictures.sources:
-        return InputError(" ".join([NO_PICTURES, *map(one_line, pictures.troubles.values())]))
-    notes = [one_line(pictures.notes.get(number, "")) for number in pictures.sources]
-    more = f" So it is in {len(notes) - 1:,} more recordings." if len(notes) > 1 else ""
-    return InputError(f"no evaluated frame has a picture. {notes[0]}{more}")
+        why = list(dict.fromkeys(map(one_line, pictures.troubles.values())))
+        return InputError(
+            ". ".join([NO_PICTURES, *([listed(why, most=MOST_NAMED)] if why else [])])
+        )
+    notes = list(dict.fromkeys(one_line(pictures.notes[number]) for number in pictures.sources))
+    there = ""
+    if dataset is not None:
+        names = dataset.recordings["name"]
+        frames = {
+            str(names.iloc[i]): dataset.unlisted_frames(names.iloc[i]) for i in pictures.sources
+        }
+        if any(map(len, frames.values())):
+            there = f" By the ground truth {frames_there(frames)}."
+    return InputError(f"no evaluated frame has a picture. {' '.join(notes[:MOST_NAMED])}{there}")
 
 
 def run_detector(
@@ -179,7 +196,7 @@ def run_detector(
     indices = pictures.indices
     n_pictures = sum(int(np.count_nonzero(index >= 0)) for index in indices.values())
     if not n_pictures:
-        raise no_pictures(pictures)
+        raise no_pictures(pictures, dataset)
     clock = _Clock(n_pictures, progress)
     recordings = []
     for number, name in enumerate(dataset.recordings["name"]):

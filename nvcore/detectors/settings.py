@@ -29,12 +29,15 @@ class SettingFacts:
         Range of a number, both included.
     choices
         What a text may be, with what that means; empty: any text, or a number.
+    multiple_of
+        Which whole numbers between `low` and `high` are possible; None: all.
     """
 
     meaning: str
     low: float | None = None
     high: float | None = None
     choices: Mapping[str, str] | None = None
+    multiple_of: int | None = None
 
 
 def setting(default: Any, meaning: str, **facts: Any) -> Any:
@@ -150,8 +153,11 @@ def _checked(spec: Field[Any], value: Setting) -> Setting:
         low is not None and not typed >= low,
         high is not None and not typed <= high,
     )
-    if is_below or is_above:
+    step = facts.multiple_of
+    if is_below or is_above or (step is not None and typed % step):
         limits = f"at least {low:g}" if high is None else f"{low:g} to {high:g}"
+        if step is not None and low is not None and high is not None:
+            limits = f"one of {multiples_text(step, low, high)}"
         raise DetectorError(f"{spec.name}: expected {limits}, found {value_text(value)}")
     checked: Setting = typed
     return checked

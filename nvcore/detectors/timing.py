@@ -98,7 +98,6 @@ def expect(
     n_timed, seconds, faults = 0, 0.0, list[str]()
     for place in range(n_places):
         poll = partial(progress, place / n_places, "timing it")
-        poll()
         middle = int((place + 0.5) / n_places * n_pictures)
         row = int(np.searchsorted(starts, middle, side="right")) - 1
         first = max(0, min(middle, int(starts[row + 1]) - least) - int(starts[row]))

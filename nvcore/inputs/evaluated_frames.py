@@ -100,10 +100,14 @@ def frames_there(frames: Mapping[str, np.ndarray]) -> str:
     frames
         Of each recording, by its name, sorted.
     """
-    ends = {name: f"{own[0]} to {own[-1]}" for name, own in frames.items() if len(own)}
-    if len(ends) > 1 and len(set(ends.values())) == 1:
-        return f"each of the {len(ends)} recordings has frames {min(ends.values())}"
-    texts = [f"{one_line(name)} has frames {span}" for name, span in ends.items()]
+    names_of: dict[str, list[str]] = {}
+    for name, own in frames.items():
+        if len(own):
+            names_of.setdefault(f"{own[0]} to {own[-1]}", []).append(one_line(name))
+    texts = [
+        f"{listed(names, most=MOST_NAMED)} {'has' if len(names) == 1 else 'have'} frames {span}"
+        for span, names in names_of.items()
+    ]
     return listed(texts, most=MOST_NAMED) or "the recordings have no frames"
 
 

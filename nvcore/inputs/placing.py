@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Collection
 from dataclasses import asdict, dataclass
+from itertools import compress
 from typing import Final
 
 import numpy as np
@@ -145,7 +146,7 @@ def place_sources(
     truth = loaded[0].reading
     check_listed(session, truth)
     recordings = describe_recordings(session, truth, is_compared)
-    frames, notes = _frames(session, truth, recordings)
+    frames, notes = _frames(session, truth, recordings, is_compared)
     n_frames = sum(map(len, frames))
     if max_frames is not None and n_frames > max_frames:
         raise InputError(
@@ -247,7 +248,10 @@ def _input_rows(source: LoadedSource) -> pd.DataFrame:
 
 
 def _frames(
-    session: Session, truth: Reading, recordings: pd.DataFrame
+    session: Session,
+    truth: Reading,
+    recordings: pd.DataFrame,
+    is_compared: Callable[[str, Collection[str]], bool],
 ) -> tuple[list[np.ndarray], list[str]]:
     """Listed frames of every recording, and in words how they were chosen."""
     entries = session.entries(recordings["name"].tolist())
@@ -276,10 +280,15 @@ def _frames(
         f"{reason} ({sum(counts[name] for name in names)} in all)"
         for reason, names in reasons.items()
     ]
+    compared = [
+        is_compared(*recording) for recording in zip(counts, recordings["tags"], strict=True)
+    ]
+    if not any(map(len, frames)) or not any(counts[name] for name in compress(counts, compared)):
+        there = {name: own[name][0] for name in compress(counts, compared) if name in own}
+        if any(map(len, there.values())):
+            texts_given = listed([*map(repr, asked)])
+            raise InputError(f"no frame is in {texts_given}: {frames_there(there)}")
     if not any(map(len, frames)):
-        there = {name: numbers for name, (numbers, _) in own.items() if len(numbers)}
-        if there:
-            raise InputError(f"no frame is in {listed([*map(repr, asked)])}: {frames_there(there)}")
         raise MissingFactError(NO_BOX, file=session.truth.path[0], facts=("frames",))
     return frames, notes
 

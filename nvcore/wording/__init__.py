@@ -181,15 +181,14 @@ def did_you_mean(name: str, names: Iterable[str], sentence: str) -> str:
 
     Examples
     --------
-    >>> did_you_mean("threes", ["trees_per_round", "stride"], "there are two")
+    >>> did_you_mean("threes", ["trees_per_round", "threshold"], "there are two")
     "did you mean 'trees_per_round'? There are two"
     """
-    names = [*names]
-    close = get_close_matches(name, names, n=1)
-    if not close:
-        words = [(word, known) for known in names for word in known.lower().split("_")]
-        by_word = {word: known for word, known in reversed(words) if len(word) > _SHORT_WORD}
-        close = [by_word[word] for word in get_close_matches(name, by_word, n=1)]
+    every = [*names]
+    words = [(word, known) for known in every for word in known.lower().split("_")]
+    known_as = {word: known for word, known in reversed(words) if len(word) > _SHORT_WORD}
+    known_as |= {known: known for known in every}
+    close = [known_as[text] for text in get_close_matches(name, known_as, n=1)]
     return f"did you mean {close[0]!r}? {capitalised(sentence)}" if close else sentence
 
 

@@ -89,7 +89,7 @@ def test_what_is_interrupted_leaves_nothing(tmp_path: Path, monkeypatch: pytest.
         (("--set", "stride=0"), "stride: expected 1 to 256, got 0"),
         (("--only", "nowhere"), "there is no recording 'nowhere'"),
         (("--frames", "0-399"), "0-399: cannot be read as a frame list; expected first:last or"),
-        (("--frames", "900:"), "each of the 10 recordings has frames 0 to 299"),
+        (("--frames", "900:"), "and 5 more have frames 0 to 299"),
         (("--hold-out", "odd_poses"), "did you mean 'odd_pose'?"),
         (("--share", "2"), "share: expected more than 0 and less than 1, got 2"),
         (("--crops", "nowhere"), "Directory 'nowhere' does not exist"),

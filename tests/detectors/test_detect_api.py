@@ -46,7 +46,9 @@ def test_what_was_run_is_printed_as_the_command_prints_it(tmp_path: Path, blobs:
 
 
 def test_frames_without_a_picture_are_said_with_the_pictures_there_are(tmp_path: Path, blobs: Path):
-    with pytest.raises(nv.NvcoreError, match=r"Picture i shows frame i.* \(300 pictures in odd_po"):
+    with pytest.raises(
+        nv.NvcoreError, match=r"\(300 pictures in odd_pose.mp4\)\. By .* odd_pose has"
+    ):
         nv.detect(SAMPLE, blobs, tmp_path / "out", only="odd_pose", frames="900:910")
 
 

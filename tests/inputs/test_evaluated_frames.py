@@ -60,8 +60,9 @@ def test_without_a_recording_both_ends_are_needed():
 
 
 def test_frames_that_are_there_are_said_of_all_or_of_a_few():
-    same = {name: np.arange(10, 15) for name in "abc"}
-    assert frames_there(same) == "each of the 3 recordings has frames 10 to 14"
+    same = {name: np.arange(10, 15) for name in "abcdefgh"}
+    assert frames_there(same) == "a, b, c, d, e and 3 more have frames 10 to 14"
+    assert frames_there({**same, "i": np.arange(3)}).endswith("10 to 14 and i has frames 0 to 2")
     many = {name: np.arange(place) for place, name in enumerate("abcdefgh", 1)}
     assert frames_there(many).startswith("a has frames 0 to 0, b has frames 0 to 1, ")
     assert frames_there(many).endswith("e has frames 0 to 4 and 3 more")

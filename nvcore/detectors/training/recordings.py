@@ -104,7 +104,7 @@ def _rows(
     asked = np.flatnonzero(_asked(dataset, choice.frames))
     rows = asked[has_picture[asked]]
     if not len(rows):
-        raise no_pictures(pictures)
+        raise no_pictures(pictures, dataset)
     n_asked, n_here = (
         np.bincount(frames.recording[which], minlength=len(names)) for which in (asked, rows)
     )

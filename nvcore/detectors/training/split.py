@@ -150,8 +150,8 @@ class HeldOut:
                 )
         if not {*known} - {*names}:
             raise InputError(
-                f"hold_out: all {len(known)} recordings are held out; one at least must be left to "
-                "learn from"
+                "hold_out: every recording chosen is held out; one at least must be left to learn "
+                "from"
             )
         self._hold_out_frames(self._rows[np.isin(self._recording, names)])
         return one_line(listed(names))

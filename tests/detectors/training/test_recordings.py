@@ -167,7 +167,7 @@ def test_many_frames_are_thinned_out():
     ("choice", "words"),
     [
         ({"hold_out": ("c",)}, "hold_out: there is no recording 'c', or it is not among those cho"),
-        ({"hold_out": ("a",)}, "hold_out: all 1 recordings are held out; one at least"),
+        ({"hold_out": ("a",)}, "hold_out: every recording chosen is held out; one at least"),
         ({"split": "recording"}, "a single recording cannot be split"),
         ({"frames": "90:"}, "no evaluated frame is in '90:': a has frames 0 to 39"),
         ({"least_height": 200}, "no box of the truth can be learned"),
