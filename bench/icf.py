@@ -26,7 +26,8 @@ from nvcore.detectors.icf.cascade import floors
 from nvcore.detectors.icf.channels import channel_planes, integral_images, resized
 from nvcore.detectors.icf.pyramid import levels
 from nvcore.detectors.suppression import suppress
-from scripts.sign_data import TESTED, LazyScenes, held_out, read_crops, read_scenes
+from scripts.sign_data import TESTED, held_out, read_crops, read_scenes
+from scripts.sign_data import SignScenes as SignScenes
 
 ROOT = Path(__file__).resolve().parents[1]
 TREES = (64, 256, 686)
@@ -64,7 +65,7 @@ def trained(grid: Grid, folder: Path, realdata: Path) -> IcfDetector:
         print(f"training {path} ...")
         scenes = [s for s in read_scenes(realdata / "gtsdb" / "train") if s.number % 4 != TESTED]
         crops, _ = held_out(read_crops(realdata / "gtsrb"))
-        parts = LazyScenes(scenes[::2], crops[::2])
+        parts = SignScenes(scenes[::2], crops[::2])
         write_model(train(parts, grid.settings, name=grid.name, label="speed limit"), path)
     return read_model(path)
 

@@ -79,6 +79,9 @@ class Protocol:
             numbers = getattr(self, name)
             if numbers is not None:
                 object.__setattr__(self, name, tuple(map(float, numbers)))
+        for name in ("tags", "recordings"):  # a single one may stand by itself
+            if isinstance(getattr(self, name), str):
+                object.__setattr__(self, name, (getattr(self, name),))
         for name in ("height_px", "aspect"):
             low, high = getattr(self, name)
             if not 0 <= low <= high or low == math.inf:
@@ -87,7 +90,8 @@ class Protocol:
                 )
         if not self.occlusion or not set(self.occlusion) <= {0, 1, 2}:
             raise ParameterError(
-                f"occlusion: expected one or more of 0, 1, 2, got {self.occlusion!r}"
+                "occlusion: expected one or more of 0, 1, 2, got "
+                + (", ".join(map(str, self.occlusion)) or "none")
             )
         if self.border_px is not None and not all(0 <= side < math.inf for side in self.border_px):
             raise ParameterError(f"border_px: expected four margins, got {self.border_px!r}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, Self
 
@@ -83,6 +83,11 @@ class Settings:
     def thresholds(self) -> tuple[float | None, ...]:
         """Score threshold of each system, in their order; empty: every detection counts."""
         return ()
+
+
+def as_names(names: str | Iterable[str]) -> tuple[str, ...]:
+    """Names that may be given as a single one."""
+    return (names,) if isinstance(names, str) else tuple(names)
 
 
 def new_names(names: Sequence[str], new: Mapping[str, str]) -> tuple[str, ...]:

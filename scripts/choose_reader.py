@@ -24,8 +24,8 @@ from scripts.sign_data import (
     CHOOSING,
     SPEED_LIMITS,
     Crop,
-    LazyScenes,
     SignScene,
+    SignScenes,
     read_rgb,
     read_scenes,
 )
@@ -77,7 +77,7 @@ def main() -> None:
     limits = [crop for crop in of_training.crops if crop.is_speed_limit]
     aside = limits[::EVERY]
     names = {crop.path.name for crop in aside}
-    learned = LazyScenes(
+    learned = SignScenes(
         [scene for scene in of_training.scenes if scene.limits],
         [crop for crop in limits if crop.path.name not in names],
     )

@@ -10,6 +10,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Final
 
@@ -17,6 +18,7 @@ import cv2
 import numpy as np
 
 from nvcore.detectors.icf import Scene
+from nvcore.detectors.icf.windows import LazyScenes
 
 _LIMITS: Final = ("20", "30", "50", "60", "70", "80", "", "100", "120")
 SPEED_LIMITS: Final = {number: limit for number, limit in enumerate(_LIMITS) if limit}
@@ -60,22 +62,12 @@ class Crop:
         return self.sign in SPEED_LIMITS
 
 
-class LazyScenes(Sequence[Scene]):
-    """Scenes and crops, scenes first; read when asked for the first time."""
+class SignScenes(LazyScenes):
+    """Scenes and crops, scenes first; each read once."""
 
     def __init__(self, scenes: Sequence[SignScene], crops: Sequence[Crop]) -> None:
         self._scenes, self._crops = scenes, crops
-        self._read: dict[int, Scene] = {}
-
-    def __len__(self) -> int:
-        return len(self._scenes) + len(self._crops)
-
-    def __getitem__(self, index: int) -> Scene:  # type: ignore[override]
-        if not 0 <= index < len(self):
-            raise IndexError(index)
-        if index not in self._read:
-            self._read[index] = self._scene(index)
-        return self._read[index]
+        super().__init__(cache(self._scene), range(len(scenes) + len(crops)))
 
     def _scene(self, index: int) -> Scene:
         if index < len(self._scenes):

@@ -11,8 +11,8 @@ from scripts.sign_data import (
     CHOOSING,
     TESTED,
     Crop,
-    LazyScenes,
     SignScene,
+    SignScenes,
     held_out,
     read_crops,
     read_scenes,
@@ -42,14 +42,14 @@ class Examples:
     crops: list[Crop]
     alike: list[str]
 
-    def parts(self) -> list[LazyScenes]:
+    def parts(self) -> list[SignScenes]:
         """What is trained on, and what rejection is calibrated on."""
         limits = [crop for crop in self.crops if crop.is_speed_limit]
         with_signs = [scene for scene in self.scenes if len(scene.boxes)]
         calibrating = {crop.path.name for crop in limits[::EVERY]}
         calibrating |= {scene.path.name for scene in with_signs[::EVERY]}
         return [
-            LazyScenes(
+            SignScenes(
                 [scene for scene in self.scenes if (scene.path.name in calibrating) == is_out],
                 [crop for crop in self.crops if (crop.path.name in calibrating) == is_out],
             )

@@ -22,7 +22,6 @@ from nvcore.detection.miss_rate import log_average_miss_rate
 from nvcore.detectors.registry import SAMPLE_MODEL
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
-from nvcore.report.detectors import render_training
 from nvcore.sample.camera import N_FRAMES
 
 SESSION: Final = Path(__file__).resolve().parents[1] / "sample_data" / "session.toml"
@@ -73,7 +72,7 @@ def train_sample(out: Path) -> None:
         seed=SEED,
         progress=progress,
     )
-    print(render_training(training))
+    print(training)
     print(f"{out.name}: {out.stat().st_size / 1000:.0f} kB")
 
 

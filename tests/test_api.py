@@ -348,6 +348,10 @@ def test_a_gate_is_true_if_all_rules_hold(sample: Comparison, folder: Path):
     assert [one.rule.name for one in outcome.failed] == ["new_misses"]
     assert [one.rule.name for one in outcome.passed] == ["encounters", "audit_errors"]
     assert "FAILED  new_misses == 0  (new_misses is 8)" in str(outcome)
+    hint = "no rule is about false alarms"
+    assert hint in str(outcome)
+    assert hint not in str(nv.gate(sample, ["new_misses == 0", "precision_y >= 0.5"]))
+    assert hint not in str(nv.gate(sample, ["encounters == 38"]))
     with pytest.raises(nv.NvcoreError, match="there is no measure 'new_mises'"):
         nv.gate(sample, ["new_mises == 0"])
     same = nv.compare(**{**paths(folder), "y": folder / "fir.csv"}, **SIZE, name_y="again")

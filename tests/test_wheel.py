@@ -60,11 +60,11 @@ def test_the_light_core_is_enough_for(arguments: tuple[str, ...], wheel: Install
         (("app",), f"the dashboard needs {MISSING}[app]'"),
         (
             ("detect", "{}/session.toml", "--detector", "hog", "--out", "hog"),
-            f"nvcore detect needs {MISSING}[detectors]'",
+            f"detectors need {MISSING}[detectors]'",
         ),
         (
             ("train", "{}/session.toml", "--out", "model.npz"),
-            f"nvcore train needs {MISSING}[detectors]'",
+            f"training a detector needs {MISSING}[detectors]'",
         ),
         (("models",), f"nvcore models needs {MISSING}[detectors]'"),
     ],

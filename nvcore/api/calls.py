@@ -15,13 +15,14 @@ from nvcore.api.inputs import (
     Size,
     load,
     objects_named,
+    refuse_for_loaded,
     size_from,
     with_choices,
     with_params,
 )
 from nvcore.auditing import audit as audit_dataset
 from nvcore.dataset import Dataset
-from nvcore.errors import InputError, ParameterError
+from nvcore.errors import ParameterError
 from nvcore.findings import Finding
 from nvcore.inputs.conversion import Conversion
 from nvcore.inputs.conversion import convert as convert_input
@@ -138,9 +139,7 @@ def _dataset(
 ) -> Dataset:
     if not isinstance(source, Dataset):
         return load(source, **inputs, name_x=name_x, name_y=name_y, protocol=protocol)
-    names = [f"{name}=" for name, value in inputs.items() if value is not None]
-    if names:
-        raise InputError(f"a dataset is loaded already: give {', '.join(names)} to load()")
+    refuse_for_loaded([name for name, value in inputs.items() if value is not None])
     settings = with_choices(source.settings, name_x, name_y, protocol)
     return source if settings == source.settings else source.with_settings(settings)
 

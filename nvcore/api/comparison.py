@@ -37,7 +37,7 @@ from nvcore.report.files import (
     write_report,
 )
 from nvcore.report.plan import verdict_plan
-from nvcore.report.protect_inputs import files_read, replaced_input
+from nvcore.report.protect_inputs import files_read, refuse_to_replace
 from nvcore.report.terminal import render_scorecard
 from nvcore.report.verdict import Verdict, verdict
 from nvcore.scoring import SystemResult
@@ -313,13 +313,8 @@ class Comparison:
 
     def _protect_inputs(self, outputs: Sequence[Path]) -> None:
         settings = self.dataset.settings
-        clash = (
-            replaced_input(outputs, files_read(settings)) if isinstance(settings, Session) else None
-        )
-        if clash is not None:
-            raise InputError(
-                "is an input, and would be replaced; write to another place", file=clash
-            )
+        if isinstance(settings, Session):
+            refuse_to_replace(outputs, files_read(settings))
 
     def __str__(self) -> str:
         return render_scorecard(

@@ -1,36 +1,48 @@
-"""The call of Python users that runs a detector over recordings."""
+"""A detector run over recordings: the call of Python users, and what the command makes of it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from nvcore.api.inputs import Part, PathLike, Size, keywords_named, load_part
 from nvcore.dataset import Dataset
-from nvcore.dataset.provenance import Setting
+from nvcore.dataset.provenance import Setting, TrainedOn
 from nvcore.errors import InputError
 from nvcore.extras import needs
-from nvcore.inputs.load import load
-from nvcore.inputs.recordings_file import with_recordings_file
+from nvcore.inputs.facts import frame_range, is_frame_range
+from nvcore.inputs.pipes import pipes_kept
 from nvcore.inputs.session import Session
-from nvcore.inputs.session_toml import read_session
 from nvcore.progress import Progress, no_progress
-from nvcore.report.protect_inputs import files_read, input_folder_around, replaced_input
+from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
+from nvcore.settings import as_names
 
 if TYPE_CHECKING:
+    from nvcore.detectors.base import Detector
+    from nvcore.detectors.timing import Expectation
     from nvcore.detectors.writing import WrittenRun
+    from nvcore.pictures import RecordingPictures
 
 
+@pipes_kept()
 def detect(
-    source: str | Path | Session | Dataset,
-    detector: str | Path,
-    out: str | Path,
+    source: PathLike | Session | Dataset,
+    detector: PathLike,
+    out: PathLike,
     *,
-    settings: Mapping[str, Setting] | None = None,
+    settings: Mapping[str, Setting | Sequence[Setting]] | None = None,
+    trained_on: str | Sequence[str] = (),
     name: str | None = None,
     threshold: float | None = None,
     against: str | None = None,
-    only: Sequence[str] = (),
+    only: str | Sequence[str] = (),
+    tags: str | Sequence[str] = (),
+    size: Size | None = None,
+    fps: float | None = None,
+    frames: str | range | None = None,
     n_threads: int | None = None,
     progress: Progress = no_progress,
 ) -> WrittenRun:
@@ -47,12 +59,17 @@ def detect(
         Folder for the boxes (CSV), the record of how they were made, and ``session.toml``.
     settings
         Of the detector, by name; ``nvcore models`` describes them.
+    trained_on
+        Recordings on which the model was trained, where it does not say so itself; of a part of
+        one its frames, too: ``"urban_01=0:399"``.
     name, threshold
         Of the new system; None: the detector's.
     against
         The system that it is compared with, as X; None: the session's X.
-    only
-        Names of recordings; empty: all.
+    only, tags
+        Names of recordings, and tags that they all have; empty: all that the session compares.
+    size, fps, frames
+        See `load`.
     n_threads
         Pictures at a time, each in one thread; None: as many as there are cores. 1: a picture may
         take all cores.
@@ -64,13 +81,15 @@ def detect(
     -------
     WrittenRun
         ``.session`` is the file that `compare` takes; ``.run`` says what came out, and which frames
-        have no picture.
+        have no picture. ``print`` shows what the command prints.
 
     Raises
     ------
     InputError
         If an input or the model cannot be used, an input would be replaced, or no evaluated frame
         has a picture.
+    MissingFactError
+        As `load`.
     MissingExtraError
         If the extra ``detectors``, or for ONNX files ``onnx``, is not installed.
 
@@ -79,59 +98,146 @@ def detect(
     >>> hog = detect("night.toml", "hog", "hog", settings={"upscale": 2})  # doctest: +SKIP
     >>> compare(hog.session)  # doctest: +SKIP
     """
-    with needs("detectors", "detectors need"):
-        from nvcore.detectors.registry import open_detector
+    with (
+        keywords_named(),
+        detector_job(
+            *(source, detector, out),
+            settings=settings,
+            trained_on=trained_on,
+            name=name,
+            threshold=threshold,
+            against=against,
+            part=Part(only=only, tags=tags, size=size, fps=fps, frames=frames),
+            n_threads=n_threads,
+        ) as job,
+    ):
+        return job.run(progress)
+
+
+@dataclass(frozen=True, eq=False)
+class DetectorJob:
+    """A detector and the recordings that it will be run over: opened, and known to be possible.
+
+    Attributes
+    ----------
+    detector
+        Ready to run, with all that is known of its training.
+    dataset
+        The recordings.
+    pictures
+        Theirs, open.
+    out
+        Folder for what comes out.
+    name, threshold, against, n_threads
+        As in `detect`.
+    """
+
+    detector: Detector
+    dataset: Dataset
+    pictures: RecordingPictures
+    out: Path
+    name: str | None
+    threshold: float | None
+    against: str | None
+    n_threads: int | None
+
+    def expect(self) -> Expectation:
+        """How long the run will take; errors as `detect`."""
+        from nvcore.detectors.timing import expect
+
+        return expect(self.detector, self.pictures, n_threads=self.n_threads)
+
+    def run(self, progress: Progress = no_progress) -> WrittenRun:
+        """Run the detector and write what comes out; errors as `detect`."""
         from nvcore.detectors.run import run_detector
-        from nvcore.detectors.writing import check_target, outputs, write_detections
-        from nvcore.pictures import session_pictures
+        from nvcore.detectors.writing import write_detections
 
-    opened = open_detector(detector, settings)
-    dataset = dataset_of(source).only(names=only)
-    session = dataset.settings
-    if not isinstance(session, Session):
-        raise InputError("expected a session, or a dataset that was loaded: it names the pictures")
-    check_target(dataset, Path(out), name=name, against=against)
-    files = [Path(path) for path in (source, detector) if isinstance(path, str | Path)]
-    check_not_inputs(outputs(Path(out), dataset), Path(out), session, files)
-    pictures = session_pictures(session, dataset)
-    try:
-        run = run_detector(opened, dataset, pictures, n_threads=n_threads, progress=progress)
-    finally:
-        pictures.close()
-    return write_detections(
-        run, dataset, Path(out), name=name, threshold=threshold, against=against
-    )
+        run = run_detector(
+            *(self.detector, self.dataset, self.pictures),
+            n_threads=self.n_threads,
+            progress=progress,
+        )
+        return write_detections(
+            *(run, self.dataset, self.out),
+            name=self.name,
+            threshold=self.threshold,
+            against=self.against,
+        )
 
 
-def check_not_inputs(
-    files: Iterable[Path], out: Path, session: Session, inputs: Sequence[Path]
-) -> None:
-    """Refuse to write over what is read.
+@contextmanager
+def detector_job(
+    source: PathLike | Session | Dataset,
+    detector: PathLike,
+    out: PathLike,
+    *,
+    settings: Mapping[str, Setting | Sequence[Setting]] | None = None,
+    trained_on: str | Sequence[str] = (),
+    name: str | None = None,
+    threshold: float | None = None,
+    against: str | None = None,
+    part: Part | None = None,
+    n_threads: int | None = None,
+    inputs: Sequence[Path] = (),
+    loading: Progress = no_progress,
+) -> Iterator[DetectorJob]:
+    """All that a run needs, opened; what cannot be done is refused before anything runs.
 
     Parameters
     ----------
-    files, out
-        What is written, and the folder for it.
+    source, detector, out, settings, trained_on, name, threshold, against, n_threads
+        See `detect`.
+    part
+        Of the source; None: all of it.
     inputs
-        Further files that are read, beside those of the session.
+        Further files that are read, and must not be replaced.
+    loading
+        Progress of the reading.
 
     Raises
     ------
-    InputError
-        If one of the files is an input, or the folder lies in one of inputs.
+    InputError, MissingFactError, MissingExtraError
+        As `detect`.
     """
-    clash = replaced_input(files, [*inputs, *files_read(session)])
-    if clash is not None:
-        raise InputError("is an input, and would be replaced; give another folder", file=clash)
-    around = input_folder_around(out, session)
-    if around is not None:
-        raise InputError(f"lies in the folder of inputs {around}; give another", file=out)
+    with needs("detectors", "detectors need"):
+        from nvcore.detectors.registry import open_detector
+        from nvcore.detectors.run import no_pictures
+        from nvcore.detectors.writing import check_target, outputs
+        from nvcore.pictures import session_pictures
+
+    opened, folder = open_detector(detector, settings), Path(out)
+    dataset, session = load_part(source, part or Part(), progress=loading)
+    parts = _parts(as_names(trained_on), dataset)
+    opened.about = replace(opened.about, trained_on=(*opened.about.trained_on, *parts))
+    check_target(dataset, folder, name=name, against=against)
+    files = [*inputs, *(Path(path) for path in (source, detector) if isinstance(path, PathLike))]
+    refuse_to_replace(outputs(folder, dataset), [*files, *files_read(session)], instead="folder")
+    refuse_among_inputs(folder, session)
+    pictures = session_pictures(session, dataset)
+    try:
+        if not any((index >= 0).any() for index in pictures.indices.values()):
+            raise no_pictures(pictures, dataset)
+        yield DetectorJob(opened, dataset, pictures, folder, name, threshold, against, n_threads)
+    finally:
+        pictures.close()
 
 
-def dataset_of(source: str | Path | Session | Dataset) -> Dataset:
-    """The data of a session; a session file need not name a system."""
-    if isinstance(source, Dataset):
-        return source
-    if not isinstance(source, Session):
-        source = read_session(source, needs_system=False)
-    return load(with_recordings_file(source))
+def _parts(texts: Sequence[str], dataset: Dataset) -> list[TrainedOn]:
+    """What ``RECORDING`` or ``RECORDING=first:last`` names."""
+    names = {*dataset.recordings["name"]}
+    parts = []
+    for text in texts:
+        name, sign, frames = text.rpartition("=")
+        if not sign or text in names:
+            parts.append(TrainedOn(recording=text))
+        elif is_frame_range(frames):
+            ends = frame_range(frames)
+            parts.append(TrainedOn("", name, ends.first, ends.last))
+        elif name in names:
+            raise InputError(
+                f"trained on {text!r}: expected a recording, or frames of it as {name}=first:last, "
+                "such as 0:399, :399 or 400:"
+            )
+        else:
+            parts.append(TrainedOn(recording=text))
+    return parts

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import fields, replace
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
@@ -24,8 +25,9 @@ from nvcore.inputs.session import (
 )
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import params_from
+from nvcore.progress import Progress, no_progress
 from nvcore.protocols import Protocol, protocol_from
-from nvcore.settings import Settings
+from nvcore.settings import Settings, as_names
 from nvcore.wording.objects import Objects, objects_from
 
 PathLike = str | Path
@@ -78,8 +80,8 @@ def load(
     fps
         Frames per second of all recordings; None: likewise.
     frames
-        Evaluated frames: a range, ``"first:last[:step]"``, or a file with one number a line; None:
-        likewise.
+        Evaluated frames: a range, ``"first:last[:step]"`` with both ends included, of which either
+        may be missing, or a file with one number a line; None: likewise.
     recordings
         A CSV file with a line for each recording: its size, frame rate, traffic context, tags and
         pictures (docs/formats.md); None: what the session names. `size` and `fps` go before it.
@@ -123,17 +125,88 @@ def load(
         table = RecordingsFile(str(Path.cwd() / recordings))
         session = replace(session, recordings_file=table)
     session = with_recordings_file(session, goes_first=recordings is not None)
-    session = override_recordings(session, size=size_from(size), fps=fps, frames=_frames(frames))
+    session = override_recordings(
+        session, size=size_from(size), fps=fps, frames=frames_from(frames)
+    )
     session = with_choices(session, name_x, name_y, protocol)
     session = replace(session, objects=objects_named(objects) or session.objects)
-    try:
+    with keywords_named():
         return load_session(session, tables=tables)
+
+
+@contextmanager
+def keywords_named() -> Iterator[None]:
+    """Within it, errors about missing facts name the keywords by which Python users give them."""
+    try:
+        yield
     except MissingFactError as error:
         keywords = ", ".join(KEYWORDS[fact] for fact in error.facts)
         hint = f" (in Python: {keywords})" if keywords else ""
         raise MissingFactError(
             error.message + hint, file=error.file, line=error.line, facts=error.facts
         ) from error
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """Which recordings and frames of a session a detector is run over or trained on.
+
+    Attributes
+    ----------
+    only, tags
+        Names of recordings, and tags that they all have; empty: all that the session compares.
+    size, fps, frames
+        See `load`.
+    """
+
+    only: str | Sequence[str] = ()
+    tags: str | Sequence[str] = ()
+    size: Size | None = None
+    fps: float | None = None
+    frames: str | range | None = None
+
+
+def load_part(
+    source: PathLike | Session | Dataset, part: Part, *, progress: Progress = no_progress
+) -> tuple[Dataset, Session]:
+    """Data of a session that need not name a system, and the session with its pictures.
+
+    Raises
+    ------
+    InputError
+        If it cannot be used, or a dataset was not loaded from a session.
+    MissingFactError
+        As `load`.
+    """
+    if isinstance(source, Dataset):
+        given = [name for name in KEYWORDS if getattr(part, name) is not None]
+        refuse_for_loaded(given)
+        dataset = source.only(part.tags, part.only)
+    else:
+        if not isinstance(source, Session):
+            source = read_session(Path(source), needs_system=False)
+        session = override_recordings(
+            with_recordings_file(source),
+            size=size_from(part.size),
+            fps=part.fps,
+            frames=frames_from(part.frames),
+        )
+        session = replace(
+            session,
+            only_tags=as_names(part.tags) or session.only_tags,
+            only=as_names(part.only) or session.only,
+        )
+        dataset = load_session(session, progress=progress)
+    if not isinstance(dataset.settings, Session):
+        raise InputError("expected a session, or a dataset that was loaded: it names the pictures")
+    return dataset, dataset.settings
+
+
+def refuse_for_loaded(names: Sequence[str]) -> None:
+    """Raise InputError if facts of inputs are given that are loaded already."""
+    if names:
+        keywords = ", ".join(f"{name}=" for name in names)
+        raise InputError(f"a dataset is loaded already: give {keywords} to load()")
 
 
 def objects_named(names: str | Sequence[str] | None) -> Objects | None:
@@ -221,10 +294,19 @@ def with_params(dataset: Dataset, changes: Mapping[str, Any]) -> Dataset:
     return dataset.with_settings(settings)
 
 
-def _frames(frames: str | range | None) -> str | None:
-    """As a session says it; the name of a file starts where Python runs, not at the session."""
+def frames_from(frames: str | range | None) -> str | None:
+    """As a session says it; the name of a file starts where Python runs, not at the session.
+
+    Raises
+    ------
+    InputError
+        If a range is empty.
+    """
     if isinstance(frames, range):
-        return f"{frames.start}:{frames.stop - 1}:{frames.step}"
+        if not frames:
+            raise InputError(f"frames: expected at least one, got {frames}")
+        first, last = sorted((frames[0], frames[-1]))
+        return f"{first}:{last}:{abs(frames.step)}"
     if frames is None or is_frame_range(frames):
         return frames
     return str(Path.cwd() / frames)

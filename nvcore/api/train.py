@@ -1,48 +1,53 @@
-"""The call of Python users that trains a detector on recordings or folders of pictures."""
+"""A detector trained: the call of Python users, and what the command makes of it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from nvcore.api.detect import dataset_of
+from nvcore.api.inputs import Part, PathLike, Size, frames_from, keywords_named, load_part
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import Setting
-from nvcore.errors import InputError
 from nvcore.extras import needs
+from nvcore.inputs.pipes import pipes_kept
 from nvcore.inputs.session import Session
 from nvcore.progress import Progress, no_progress
-from nvcore.report.protect_inputs import files_read, replaced_input
+from nvcore.report.protect_inputs import files_read, refuse_to_replace
+from nvcore.settings import as_names
 from nvcore.wording import one_line
 
 if TYPE_CHECKING:
     from nvcore.detectors.icf import IcfSettings
-    from nvcore.detectors.training.gathering import Folders, Gathered
+    from nvcore.detectors.training.gathering import Folders, TrainingData
     from nvcore.detectors.training.run import Training
     from nvcore.detectors.training.split import Choice
 
 
+@pipes_kept()
 def train(
-    source: str | Path | Session | Dataset | None,
-    out: str | Path,
+    source: PathLike | Session | Dataset | None,
+    out: PathLike,
     *,
     preset: Literal["pedestrians", "signs", "as-in-report"] | None = None,
-    settings: Mapping[str, Setting | Sequence[float] | Sequence[str]] | None = None,
+    settings: Mapping[str, Setting | Sequence[Setting]] | None = None,
     name: str | None = None,
-    only: Sequence[str] = (),
-    first_frame: int | None = None,
-    last_frame: int | None = None,
+    only: str | Sequence[str] = (),
+    tags: str | Sequence[str] = (),
+    size: Size | None = None,
+    fps: float | None = None,
+    frames: str | range | None = None,
     every: int | None = None,
-    hold_out: Sequence[str] = (),
+    hold_out: str | Sequence[str] = (),
     split: Literal["auto", "object", "recording", "time"] = "auto",
     share: float = 0.1,
     gap: int = 20,
     least_height: float | None = None,
-    crops: str | Path | None = None,
+    crops: PathLike | None = None,
     crop_share: float | None = None,
-    background: str | Path | None = None,
+    background: PathLike | None = None,
     seed: int = 0,
     progress: Progress = no_progress,
 ) -> Training:
@@ -61,14 +66,16 @@ def train(
         Settings to start from; None: ``signs`` where the objects are speed signs, else
         ``pedestrians``.
     settings
-        Changes of the preset, by name.
+        Changes of the preset, by name; several values of one as a sequence.
     name
         Of the model; None: the file's.
-    only
-        Names of recordings; empty: all.
-    first_frame, last_frame, every
-        Frames of each recording, both included, and only every so many evaluated ones; None: all,
-        thinned out to 5,000 boxes.
+    only, tags
+        Names of recordings, and tags that they all have; empty: all that the session compares.
+    size, fps
+        See `load`.
+    frames, every
+        Of the evaluated frames only these (see `load`), and only every so many; None: all, thinned
+        out to 5,000 boxes.
     hold_out, split, share, gap
         What is not learned but calibrates the rejection: recordings by name; or this share of the
         physical objects (tracks), of the recordings, or of the end of each recording, after a gap
@@ -89,12 +96,15 @@ def train(
     Returns
     -------
     Training
-        ``.model``, and how many objects were learned, held out, kept and found.
+        ``.model``, and how many objects were learned, held out, kept and found. ``print`` shows
+        what the command prints.
 
     Raises
     ------
     InputError
         If an input cannot be used, would be replaced, or there is nothing to learn.
+    MissingFactError
+        As `load`.
     ParameterError
         If a setting cannot be used.
     MissingExtraError
@@ -102,92 +112,140 @@ def train(
 
     Examples
     --------
-    >>> train("night.toml", "night.npz", only=["urban_01"])  # doctest: +SKIP
-    >>> detect("night.toml", "night.npz", "icf", only=["urban_02"])  # doctest: +SKIP
+    >>> train("night.toml", "night.npz", only="urban_01")  # doctest: +SKIP
+    >>> detect("night.toml", "night.npz", "icf", only="urban_02")  # doctest: +SKIP
     """
-    with needs("detectors", "training a detector needs"):
-        from nvcore.detectors.training.gathering import Folders, write_trained
-        from nvcore.detectors.training.presets import objects_of, preset_for, preset_settings
-        from nvcore.detectors.training.run import train_on
-        from nvcore.detectors.training.split import Choice
+    part = Part(only=only, tags=tags, size=size, fps=fps)
+    options: dict[str, Any] = {"frames": frames, "every": every, "seed": seed}
+    options |= {"crops": crops, "crop_share": crop_share, "background": background}
+    options |= {"hold_out": hold_out, "split": split, "share": share, "gap": gap}
+    options |= {"least_height": least_height}
+    with (
+        keywords_named(),
+        training_job(
+            *(source, out), preset=preset, settings=settings, name=name, part=part, **options
+        ) as job,
+    ):
+        return job.run(progress)
 
-    path = Path(out)
-    choice = Choice(
-        first_frame=first_frame,
-        last_frame=last_frame,
-        every=every,
-        hold_out=tuple(hold_out),
-        split=split,
-        share=share,
-        gap=gap,
-        least_height=least_height,
-        seed=seed,
-    )
-    folders = Folders(
-        crops=None if crops is None else Path(crops),
-        background=None if background is None else Path(background),
-        crop_share=crop_share,
-    )
-    dataset = None if source is None else dataset_of(source).only(names=only)
-    chosen = preset or preset_for(None if dataset is None else dataset.objects)
-    resolved = preset_settings(chosen, settings or {})
-    objects = objects_of(chosen) if dataset is None else dataset.objects
-    files = [Path(source)] if isinstance(source, str | Path) else []
-    with gathering(dataset, resolved, choice, folders, path, files) as gathered:
+
+@dataclass(frozen=True, eq=False)
+class TrainingJob:
+    """What a model will be trained on: gathered, with pictures open, and known to be possible.
+
+    Attributes
+    ----------
+    training_data
+        Pictures and boxes.
+    settings
+        Of the model.
+    out, name, label
+        Its file, its name, and what it detects.
+    seed
+        Of all that is drawn at random.
+    """
+
+    training_data: TrainingData
+    settings: IcfSettings
+    out: Path
+    name: str
+    label: str
+    seed: int
+
+    def run(self, progress: Progress = no_progress) -> Training:
+        """Train the model and write it; errors as `train`."""
+        from nvcore.detectors.icf import write_model
+        from nvcore.detectors.training.run import train_on
+
         training = train_on(
-            gathered,
-            resolved,
-            name=name or one_line(path.stem),
-            label=objects.singular,
-            seed=seed,
+            *(self.training_data, self.settings),
+            name=self.name,
+            label=self.label,
+            seed=self.seed,
             progress=progress,
         )
-    write_trained(training.model, path)
-    return training
+        write_model(training.model, self.out)
+        return training
 
 
 @contextmanager
-def gathering(
-    dataset: Dataset | None,
-    settings: IcfSettings,
-    choice: Choice,
-    folders: Folders,
-    out: Path,
-    files: Sequence[Path] = (),
-) -> Iterator[Gathered]:
-    """What a training learns from, with its pictures open; `out` is none of it and can be written.
+def training_job(
+    source: PathLike | Session | Dataset | None,
+    out: PathLike,
+    *,
+    preset: str | None = None,
+    settings: Mapping[str, Setting | Sequence[Setting]] | None = None,
+    name: str | None = None,
+    part: Part | None = None,
+    inputs: Sequence[Path] = (),
+    loading: Progress = no_progress,
+    **options: Any,
+) -> Iterator[TrainingJob]:
+    """All that a training needs; what cannot be done is refused before anything is trained.
 
     Parameters
     ----------
-    dataset
-        That was loaded from a session; None: folders alone.
-    files
-        Further inputs that `out` must not replace.
+    source, out, preset, settings, name
+        See `train`.
+    part
+        Of the source; None: all of it.
+    inputs
+        Further files that are read, and must not be replaced.
+    loading
+        Progress of the reading.
+    options
+        The others of `train`, by name.
 
     Raises
     ------
-    InputError, ParameterError
+    InputError, MissingFactError, ParameterError, MissingExtraError
         As `train`.
     """
-    from nvcore.detectors.training.gathering import check_model_target, gather
-    from nvcore.pictures import session_pictures
+    with needs("detectors", "training a detector needs"):
+        from nvcore.detectors.training.gathering import check_model_target, gather
+        from nvcore.detectors.training.presets import objects_of, preset_for, preset_settings
+        from nvcore.pictures import session_pictures
 
-    inputs = [*files, *(path for path in (folders.crops, folders.background) if path is not None)]
-    pictures = None
-    if dataset is not None:
-        session = dataset.settings
-        if not isinstance(session, Session):
-            raise InputError(
-                "expected a session, or a dataset that was loaded: it names the pictures"
-            )
-        inputs += files_read(session)
-        pictures = session_pictures(session, dataset)
+    path, settings = Path(out), settings or {}
+    preset_settings(preset or preset_for(None), settings)  # what is wrong is said before loading
+    choice, folders = _choice(options)
+    dataset = session = pictures = None
+    if source is not None:
+        dataset, session = load_part(source, part or Part(), progress=loading)
+    files = [*inputs, *(Path(path) for path in [source] if isinstance(path, PathLike))]
+    files += [folder for folder in (folders.crops, folders.background) if folder is not None]
+    check_model_target(path)
+    refuse_to_replace([path], [*files, *(files_read(session) if session is not None else ())])
+    chosen = preset or preset_for(None if dataset is None else dataset.objects)
+    resolved = preset_settings(chosen, settings)
+    objects = objects_of(chosen) if dataset is None else dataset.objects
     try:
-        check_model_target(out)
-        clash = replaced_input([out], inputs)
-        if clash is not None:
-            raise InputError("is an input, and would be replaced; give another file", file=clash)
-        yield gather(dataset, pictures, settings, choice, folders)
+        if dataset is not None and session is not None:
+            pictures = session_pictures(session, dataset)
+        yield TrainingJob(
+            training_data=gather(dataset, pictures, resolved, choice, folders),
+            settings=resolved,
+            out=path,
+            name=name or one_line(path.stem),
+            label=objects.singular,
+            seed=choice.seed,
+        )
     finally:
         if pictures is not None:
             pictures.close()
+
+
+def _choice(options: Mapping[str, Any]) -> tuple[Choice, Folders]:
+    """Options of `train` as the library takes them."""
+    from nvcore.detectors.training.gathering import Folders
+    from nvcore.detectors.training.split import Choice
+
+    rest = dict(options)
+    paths = {key: rest.pop(key, None) for key in ("crops", "background")}
+    folders = Folders(
+        **{key: None if path is None else Path(path) for key, path in paths.items()},
+        crop_share=rest.pop("crop_share", None),
+    )
+    rest["frames"] = frames_from(rest.get("frames"))
+    rest["hold_out"] = as_names(rest.get("hold_out", ()))
+    return Choice(**rest), folders

@@ -13,7 +13,9 @@ from nvcore.auditing.cases import (
     without_doubles,
 )
 from nvcore.dataset import Dataset
+from nvcore.dataset.provenance import is_in_ranges
 from nvcore.findings import Cases, Finding, Severity
+from nvcore.inputs.session import Session
 from nvcore.wording import count_text
 
 
@@ -79,15 +81,17 @@ def _not_listed(dataset: Dataset, subject: str, rows: pd.DataFrame) -> list[Find
     frame = rows["frame"].to_numpy()
     inside = (first < frame) & (frame < last)
     is_usual = inside & is_sampled & (subject != TRUTH_NAME)
+    nothing = _nothing_left(dataset, subject)
+    is_wanted = ~is_usual & (not nothing) & _left_out_by_choice(dataset, subject, rows)
+    is_odd = ~is_usual & ~is_wanted
     findings = []
-    if not is_usual.all():
-        odd = rows[~is_usual]
+    if is_odd.any():
+        odd = rows[is_odd]
         numbers = without_doubles(odd["frame"])
         message = (
             f"{count_text(len(odd), 'row is', 'rows are')} left out, in "
             f"{count_text(len(numbers), 'frame number')} not evaluated."
         )
-        nothing = _nothing_left(dataset, subject)
         if nothing:
             message += " Nothing is left to compare."
         findings.append(
@@ -98,7 +102,22 @@ def _not_listed(dataset: Dataset, subject: str, rows: pd.DataFrame) -> list[Find
                 subject,
                 odd,
                 message,
-                _advice(subject, frame[~is_usual], first[~is_usual], last[~is_usual]),
+                _advice(subject, frame[is_odd], first[is_odd], last[is_odd]),
+            )
+        )
+    if is_wanted.any():
+        chosen = rows[is_wanted]
+        findings.append(
+            _finding(
+                dataset,
+                Severity.NOTE,
+                "left-out-by-choice",
+                subject,
+                chosen,
+                f"{count_text(len(chosen), 'row is', 'rows are')} left out, in frames that are not "
+                "among those given (--frames, or frames in the session).",
+                "Nothing to do if so many frames are meant.",
+                has_cases=False,
             )
         )
     if is_usual.any():
@@ -117,6 +136,46 @@ def _not_listed(dataset: Dataset, subject: str, rows: pd.DataFrame) -> list[Find
             )
         )
     return findings
+
+
+def _left_out_by_choice(dataset: Dataset, subject: str, rows: pd.DataFrame) -> np.ndarray:
+    """Rows in frames that the recording has, but that were not given; bool, shape (n,).
+
+    That it has them is known by the truth, or by the record of the detector's run.
+    """
+    settings, is_wanted = dataset.settings, np.zeros(len(rows), dtype=bool)
+    if not isinstance(settings, Session):
+        return is_wanted
+    names = dataset.recordings["name"].tolist()
+    entries, number_of = settings.entries(names), {name: i for i, name in enumerate(names)}
+    record, frame = dataset.provenance.get(subject), rows["frame"].to_numpy()
+    for name, places in rows.groupby("recording", sort=False).indices.items():
+        entry = entries.get(str(name))
+        if settings.frames is None and (entry is None or entry.frames is None):
+            continue
+        is_wanted[places] = _is_of_truth(dataset, number_of[str(name)], frame[places])
+        if record is not None:
+            ranges = record.frames.get(str(name), ())
+            is_wanted[places] |= is_in_ranges(frame[places], ranges)
+    return is_wanted
+
+
+def _is_of_truth(dataset: Dataset, number: int, frame: np.ndarray) -> np.ndarray:
+    """Frames from the first to the last with a box of the truth, evaluated or not; bool, (n,).
+
+    None where the evaluated frames begin and end as far beside these as if counted otherwise.
+    """
+    rows = dataset.frame_columns.rows_of(number)
+    listed = dataset.frame_columns.frame[rows]
+    boxes = dataset.truth.of_frames(rows.start, rows.stop)
+    of_truth = dataset.unlisted_frames(str(dataset.recordings["name"].iloc[number]))
+    of_truth = np.concatenate([of_truth, dataset.frame_columns.frame[boxes.frame_index]])
+    if not len(of_truth):
+        return np.zeros(len(frame), dtype=bool)
+    low, high = of_truth.min(), of_truth.max()
+    is_shifted = abs(listed[0] - low) == 1 and listed[0] - low == listed[-1] - high
+    is_within: np.ndarray = (low <= frame) & (frame <= high) & (not is_shifted)
+    return is_within
 
 
 def _advice(subject: str, frame: np.ndarray, first: np.ndarray, last: np.ndarray) -> str:

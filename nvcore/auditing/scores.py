@@ -28,6 +28,9 @@ def audit_scores(source: BoxSource) -> list[Finding]:
     low, high = float(np.nanmin(score)), float(np.nanmax(score))
     without = np.flatnonzero(is_missing)
     is_constant = low == high and len(score) - len(without) > 1
+    record = source.dataset.provenance.get(source.name)
+    has_own_scale = record is not None and bool(record.about.kind)  # of a detector run here
+    is_unusual = (low < 0 or high > 1) and not has_own_scale
     return [
         *source.findings(
             Severity.WARNING,
@@ -48,7 +51,7 @@ def audit_scores(source: BoxSource) -> list[Finding]:
         *source.findings(
             Severity.NOTE,
             "unusual-scores",
-            np.flatnonzero((score < 0) | (score > 1)) if low < 0 or high > 1 else without[:0],
+            np.flatnonzero((score < 0) | (score > 1)) if is_unusual else without[:0],
             f"The scores go from {low:g} to {high:g}, not from 0 to 1.",
             "That is allowed; give a threshold on this scale, and check that the score was read "
             "from the right column.",

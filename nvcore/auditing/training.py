@@ -166,17 +166,22 @@ def _frames_finding(
 
 def _other_files(dataset: Dataset, name: str, record: Provenance) -> list[Finding]:
     """Detections that are not those which the record is about."""
-    digests = dataset.inputs["sha256"][dataset.inputs["subject"] == name]
-    n_other = len(set(digests) - set(record.files.values())) if record.files else 0
-    if not n_other:
+    own = dataset.inputs[dataset.inputs["subject"] == name]
+    others = (
+        own["file"][~own["sha256"].isin(record.files.values())] if record.files else own["file"][:0]
+    )
+    if not len(others):
         return []
+    n = "" if len(own) == 1 else f"{len(others):,} of {len(own):,} files: "
     return [
         Finding(
             severity=Severity.WARNING,
             code="other-provenance",
             subject=name,
-            count=n_other,
-            message="The record of how these detections were made is about other files.",
+            count=len(others),
+            message="The record of how these detections were made is not about these files "
+            f"({n}{spelled(others)}).",
             advice="They have changed since, or the session names a record of another run.",
+            file=str(others.iloc[0]) if len(others) == 1 else "",
         )
     ]

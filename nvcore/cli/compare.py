@@ -28,8 +28,6 @@ from nvcore.cli.steps import (
     errors_of,
     exit_on_findings,
     findings_at_paths,
-    refuse_among_inputs,
-    refuse_to_replace,
     shown_paths,
 )
 from nvcore.inputs.session import Session
@@ -140,7 +138,7 @@ def _protect_inputs(
     if out is None:
         return
     from nvcore.report.files import SESSION_FILE
-    from nvcore.report.protect_inputs import files_read
+    from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
 
     names = [*names]
     is_written_by_hand = not session.hashes

@@ -24,8 +24,6 @@ from nvcore.cli.steps import (
     compare_session,
     errors_of,
     findings_at_paths,
-    refuse_among_inputs,
-    refuse_to_replace,
     shown_paths,
 )
 from nvcore.errors import InputError, NvcoreError
@@ -156,7 +154,7 @@ def gate(
     """
     from nvcore.report.gate import measure_names, run_gate, value_text
     from nvcore.report.gate_results import junit_xml, markdown, terminal_lines
-    from nvcore.report.protect_inputs import files_read
+    from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
     from nvcore.report.terminal import render_findings
 
     junit, markdown_file = _result_files(out, junit, markdown_file)

@@ -22,8 +22,6 @@ from nvcore.cli.steps import (
     errors_of,
     exit_on_findings,
     findings_at_paths,
-    refuse_among_inputs,
-    refuse_to_replace,
     shown_paths,
 )
 from nvcore.wording import one_line
@@ -65,7 +63,7 @@ def matrix(out: Path | None, as_json: bool, strict: bool, **options: Any) -> Non
     from nvcore.evidence.pairwise import pairwise_table, thresholds_in_use
     from nvcore.inputs.load import load
     from nvcore.report.matrix import MATRIX_FILES, matrix_json, render_matrix, write_matrix
-    from nvcore.report.protect_inputs import files_read
+    from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
     from nvcore.report.terminal import render_findings
 
     session = session_from(options, needs_y=True)

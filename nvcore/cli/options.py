@@ -112,6 +112,38 @@ def only_option(lead: str = "Only") -> Callable[..., Any]:
     )
 
 
+def frames_option(what: str, default: str) -> Callable[..., Any]:
+    """``--frames``, whose help begins with what it chooses."""
+    return grouped_option(
+        FACTS,
+        "--frames",
+        metavar="FILE|F:L[:S]",
+        help=f"{what}: first:last[:step], both included, either may be missing; or a file with a "
+        f"number a line. Default: {default}.",
+    )
+
+
+def part_options(frames: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Flags that choose recordings and frames of a session, and give the facts which they lack.
+
+    Parameters
+    ----------
+    frames
+        What ``--frames`` chooses.
+    """
+    options = (
+        *(only_option(), tag_option(), frames_option(frames, "the session's")),
+        *(size_option, fps_option),
+    )
+
+    def with_options(command: Callable[..., Any]) -> Callable[..., Any]:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return with_options
+
+
 class _Pair(click.ParamType[tuple[float, float]]):
     """One or two numbers with a comma between them."""
 
@@ -195,6 +227,23 @@ objects_option = grouped_option(
 )
 """The flag for the kind of objects."""
 
+size_option = grouped_option(
+    FACTS,
+    "--size",
+    metavar="WxH",
+    help="Image size in pixels, such as 640x480. Default: as in the data.",
+)
+"""The flag for the size of all pictures."""
+
+fps_option = grouped_option(
+    FACTS,
+    "--fps",
+    type=float,
+    help="Frames per second of the camera, also where only every n-th frame is annotated. "
+    "Default: as in the data.",
+)
+"""The flag for the frame rate of all recordings."""
+
 reading_options = (
     grouped_option(
         READING,
@@ -203,12 +252,7 @@ reading_options = (
         help="Class names or numbers that count, with commas. Default: the usual ones of the "
         "format and of --objects.",
     ),
-    grouped_option(
-        FACTS,
-        "--size",
-        metavar="WxH",
-        help="Image size in pixels, such as 640x480. Default: as in the data.",
-    ),
+    size_option,
     grouped_option(
         READING,
         "--frame-base",
@@ -271,13 +315,7 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
         grouped_option(READING, "--format-y", metavar="FORMAT", help="Format of Y, likewise."),
         *reading_options,
         objects_option,
-        grouped_option(
-            FACTS,
-            "--fps",
-            type=float,
-            help="Frames per second of the camera, also where only every n-th frame is annotated. "
-            "Default: as in the data.",
-        ),
+        fps_option,
         grouped_option(
             FACTS,
             "--recordings",
@@ -286,13 +324,9 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
             "speed_kmh,horizon,tags,title,pictures,first_picture (docs/formats.md). --size and "
             "--fps go before it.",
         ),
-        grouped_option(
-            FACTS,
-            "--frames",
-            metavar="FILE|F:L[:S]",
-            help="Evaluated frames: first:last[:step], or a file with a number a line. "
-            "Default: the truth's own list, or from its first to its last annotated "
-            "frame.",
+        frames_option(
+            "Evaluated frames",
+            "the truth's own list, or from its first to its last annotated frame",
         ),
         tag_option("Compare only"),
         only_option("Compare only"),

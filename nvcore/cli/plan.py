@@ -23,7 +23,6 @@ from nvcore.cli.steps import (
     errors_of,
     exit_on_findings,
     findings_at_paths,
-    refuse_to_replace,
     shown_paths,
 )
 from nvcore.output.files import write_whole
@@ -126,7 +125,7 @@ def plan(
     from nvcore.evidence.planning.pilot import MIN_PILOT
     from nvcore.evidence.units import RECORDINGS
     from nvcore.report.plan import plan_json, render_plan
-    from nvcore.report.protect_inputs import files_read
+    from nvcore.report.protect_inputs import files_read, refuse_to_replace
     from nvcore.report.terminal import render_findings
 
     key = plan_key(measure)

@@ -12,10 +12,13 @@ from __future__ import annotations
 
 import errno
 import os
+import shlex
+import shutil
 import sys
 import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, Final
 
 import click
@@ -24,6 +27,7 @@ from nvcore.errors import NvcoreError
 from nvcore.inputs.pipes import pipes_kept
 from nvcore.wording import one_line
 
+NAME: Final = "nvcore"
 EXIT_BAD_INPUT: Final = 2
 EXIT_FAULT: Final = 3
 EXIT_INTERRUPTED: Final = 130
@@ -99,6 +103,13 @@ def _shown_errors() -> Iterator[None]:
         raise _fault() from error
     except Exception as error:
         raise _fault() from error
+
+
+def program() -> str:
+    """How this program is called, for commands that it proposes: by name, or by path as here."""
+    called = sys.argv[0]
+    is_by_path = Path(called).stem == NAME and shutil.which(NAME) != shutil.which(called)
+    return shlex.quote(called) if is_by_path else NAME
 
 
 def _fault() -> _Fault:

@@ -11,6 +11,15 @@ import click
 from nvcore.wording import one_line
 
 
+def _end(bar: Any, *, is_done: bool) -> None:
+    """Leave the line of a bar; one of work that was stopped stays where it was."""
+    if bar is None:
+        return
+    if is_done:
+        bar.finish()
+    bar.__exit__(None, None, None)
+
+
 class TerminalProgress:
     """A bar on the error stream, shown once the work has taken a second."""
 
@@ -25,10 +34,8 @@ class TerminalProgress:
     def __enter__(self) -> TerminalProgress:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        if self.bar is not None:
-            self.bar.finish()
-            self.bar.__exit__(None, None, None)
+    def __exit__(self, error: type[BaseException] | None, *_: object) -> None:
+        _end(self.bar, is_done=error is None)
 
     def __call__(self, _share: float, what: str) -> None:
         """Progress of a part of the steps: one of them begins."""
@@ -63,10 +70,8 @@ class ShareProgress:
             self.bar.__enter__()
         return self
 
-    def __exit__(self, *_: object) -> None:
-        if self.bar is not None:
-            self.bar.finish()
-            self.bar.__exit__(None, None, None)
+    def __exit__(self, error: type[BaseException] | None, *_: object) -> None:
+        _end(self.bar, is_done=error is None)
 
     def __call__(self, share: float, words: str) -> None:
         """Progress of the work."""

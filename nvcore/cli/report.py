@@ -25,7 +25,6 @@ from nvcore.cli.steps import (
     errors_of,
     exit_on_findings,
     findings_at_paths,
-    refuse_to_replace,
     shown_paths,
 )
 from nvcore.extras import needs
@@ -87,7 +86,7 @@ def report(
     hashes of the inputs; it needs neither network nor this program, and browsers print it to PDF.
     Exit code 0: fine, 1: the audit found errors (with --strict: or warnings), 2: bad input.
     """
-    from nvcore.report.protect_inputs import files_read
+    from nvcore.report.protect_inputs import files_read, refuse_to_replace
     from nvcore.report.terminal import render_findings
 
     with needs("report", "the HTML report needs"):

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import click
+from typing import TYPE_CHECKING, Any
 
 from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.session import Session, Source
@@ -16,6 +14,7 @@ from nvcore.progress import Progress, no_progress
 from nvcore.wording import one_line
 
 if TYPE_CHECKING:
+    from nvcore.api.inputs import Part
     from nvcore.comparison import Result
     from nvcore.dataset import Dataset
     from nvcore.findings import Finding
@@ -25,34 +24,6 @@ if TYPE_CHECKING:
 # Nothing here imports numpy, pandas or numba before it is called.
 
 EXIT_FINDINGS = 1
-
-
-def refuse_to_replace(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
-    """A usage error if one of the files to write is also one to read, by whatever name or link.
-
-    Parameters
-    ----------
-    inputs
-        Files; of a folder the pictures in it are meant.
-    """
-    from nvcore.report.protect_inputs import replaced_input
-
-    clash = replaced_input(outputs, inputs)
-    if clash is not None:
-        raise click.UsageError(
-            one_line(f"{clash} is an input, and would be replaced; give another file to write")
-        )
-
-
-def refuse_among_inputs(out: Path, session: Session) -> None:
-    """A usage error if the folder to write lies in a folder of inputs, whose files are all read."""
-    from nvcore.report.protect_inputs import input_folder_around
-
-    inputs = input_folder_around(out, session)
-    if inputs is not None:
-        raise click.UsageError(
-            one_line(f"{out} lies in the folder of inputs {inputs}; give another --out")
-        )
 
 
 def compare_session(
@@ -79,6 +50,13 @@ def exit_on_findings(findings: Iterable[Finding], strict: bool) -> None:
     bad = {"error", "warning"} if strict else {"error"}
     if any(finding.severity.value in bad for finding in findings):
         raise SystemExit(EXIT_FINDINGS)
+
+
+def part_from(options: Mapping[str, Any]) -> Part:
+    """What `part_options` choose of a session."""
+    from nvcore.api.inputs import Part
+
+    return Part(**{name: options[name] for name in ("only", "tags", "size", "fps", "frames")})
 
 
 def as_loaded(session: Session, dataset: Dataset) -> Session:

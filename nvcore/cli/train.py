@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
 import shlex
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from contextlib import AbstractContextManager, ExitStack, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import click
 
@@ -16,19 +15,17 @@ from nvcore.cli.options import (
     OUTPUT,
     GroupedCommand,
     examples,
+    flag_of,
     grouped_option,
-    only_option,
     pair_of,
-    tag_option,
+    part_options,
 )
+from nvcore.cli.program import program
 from nvcore.cli.progress import ShareProgress, TerminalProgress
-from nvcore.cli.steps import errors_of, refuse_to_replace
-from nvcore.extras import needs
+from nvcore.cli.steps import errors_of, part_from
+from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import read_session
-from nvcore.wording import one_line
-
-if TYPE_CHECKING:
-    from nvcore.dataset import Dataset
+from nvcore.wording import listed, one_line
 
 # As in nvcore/cli/__init__.py, numpy and OpenCV are imported by the command only.
 
@@ -39,23 +36,17 @@ PRESET_NAMES: Final = ("pedestrians", "signs", "as-in-report")
 SPLITS: Final = ("auto", "object", "recording", "time")
 
 _AS_IN_PYTHON: Final = (
-    *("preset", "name", "every", "hold_out", "split", "share", "gap", "least_height", "seed"),
-    *("crops", "crop_share", "background"),
+    *("preset", "name", "frames", "every", "hold_out", "split", "share", "gap", "least_height"),
+    *("seed", "crops", "crop_share", "background"),
 )
-"""Options that `nvcore.api.train.train` has by the same names."""
+"""Options that `nvcore.train` has by the same names."""
+_OF_A_SESSION: Final = ("only", "tags", "frames", "size", "fps", "hold_out")
 _SUGGESTED: Final = 3
 """Recordings that the command for a first run names."""
 _PathTo = click.Path(exists=True, file_okay=False, path_type=Path)
 
 _OPTIONS: Final = (
-    only_option(),
-    tag_option(),
-    grouped_option(
-        INPUTS,
-        "--frames",
-        metavar="F:L",
-        help="Only these of the evaluated frames: first and last, each may be missing.",
-    ),
+    part_options("Only these of the evaluated frames"),
     grouped_option(
         INPUTS,
         "--every",
@@ -191,63 +182,51 @@ def train(session_file: Path | None, **options: Any) -> None:
     ends it and leaves nothing behind. nvcore detect then takes the file. Exit code 0: fine, 2: bad
     input.
     """
-    with needs("detectors", "nvcore train needs"):
-        from nvcore.detectors.training.presets import preset_settings
-
-    settings = dict(pair_of(text, "--set") for text in options["settings"])
-    preset_settings(options["preset"] or PRESET_NAMES[0], settings)  # before anything is loaded
-    if session_file is None:
-        if options["only"] or options["tags"] or options["hold_out"] or options["frames"]:
-            raise click.UsageError(
-                "--only, --tag, --frames and --hold-out are about a session; name its file"
-            )
-        _train(None, settings, options)
-        return
-    from nvcore.inputs.load import load
-    from nvcore.inputs.recordings_file import with_recordings_file
-
-    refuse_to_replace([options["out"]], [session_file])
-    session = with_recordings_file(read_session(session_file, needs_system=False))
-    chosen = replace(
-        session,
-        only_tags=options["tags"] or session.only_tags,
-        only=options["only"] or session.only,
-    )
-    with errors_of(session):
-        with TerminalProgress(2 + len(session.systems)) as steps:
-            whole = load(session.of_all, progress=steps)
-        dataset = whole.with_settings(chosen).only(chosen.only_tags, chosen.only)
-        names = whole.only(session.only_tags).recordings["name"].tolist()
-        _train(dataset, settings, options, session_file, names)
-
-
-def _train(
-    dataset: Dataset | None,
-    settings: dict[str, str],
-    options: dict[str, Any],
-    session_file: Path | None = None,
-    recordings: Sequence[str] = (),
-) -> None:
-    from nvcore.api.train import train as train_model
-    from nvcore.report.detectors import render_training
+    from nvcore.api.train import training_job
 
     out: Path = options["out"]
-    first, last = _frames(options["frames"])
-    with ShareProgress() as progress:
-        training = train_model(
-            dataset,
-            out,
-            settings=settings,
-            first_frame=first,
-            last_frame=last,
-            progress=progress,
-            **{name: options[name] for name in _AS_IN_PYTHON},
-        )
-    click.echo(render_training(training))
+    if session_file is None:
+        if any(options[name] for name in _OF_A_SESSION):
+            flags = listed([flag_of("tag" if name == "tags" else name) for name in _OF_A_SESSION])
+            raise click.UsageError(f"{flags} are about a session; name its file")
+        session = None
+        around: AbstractContextManager[None] = nullcontext()
+    else:
+        session = read_session(session_file, needs_system=False)
+        around = errors_of(session)
+    with around, ExitStack() as stack:
+        with TerminalProgress(2 if session is None else 2 + len(session.systems)) as steps:
+            job = stack.enter_context(
+                training_job(
+                    *(session, out),
+                    settings=dict(pair_of(text, "--set") for text in options["settings"]),
+                    part=part_from({**options, "frames": None}),
+                    inputs=[] if session_file is None else [session_file],
+                    loading=steps,
+                    **{name: options[name] for name in _AS_IN_PYTHON},
+                )
+            )
+        with ShareProgress() as progress:
+            training = job.run(progress)
+    click.echo(training)
     click.echo(one_line(f"written to {out} ({out.stat().st_size / 1000:,.0f} kB)"), err=True)
     trained = {part.recording for part in training.model.trained_on}
-    others = [name for name in recordings if name not in trained]
+    names = [] if session is None else _with_pictures(session)
+    others = [name for name in names if name not in trained]
     click.echo(one_line(_next_step(out, session_file, others)), err=True)
+
+
+def _with_pictures(session: Session) -> list[str]:
+    """What the recordings are called that the session compares and has pictures of."""
+    from nvcore.inputs.recordings_file import with_recordings_file
+
+    return [
+        entry.title or entry.name
+        for entry in with_recordings_file(session).recordings
+        if entry.pictures is not None
+        and {*session.only_tags} <= {*entry.tags}
+        and (not session.only or {entry.name, entry.title} & {*session.only})
+    ]
 
 
 def _next_step(out: Path, session_file: Path | None, others: Sequence[str]) -> str:
@@ -258,19 +237,8 @@ def _next_step(out: Path, session_file: Path | None, others: Sequence[str]) -> s
             "with --only or --frames"
         )
     folder = out.with_suffix("") if out.suffix else Path(f"{out}_run")
-    words = ["nvcore", "detect", "SESSION" if session_file is None else str(session_file)]
+    words = ["detect", "SESSION" if session_file is None else str(session_file)]
     words += ["--detector", str(out)]
     for name in others[:_SUGGESTED]:
         words += ["--only", name]
-    return f"run it: {shlex.join([*words, '--out', str(folder)])}"
-
-
-def _frames(text: str | None) -> tuple[int | None, int | None]:
-    """First and last frame of ``F:L``."""
-    if text is None:
-        return None, None
-    match = re.fullmatch(r"\s*(-?\d{1,15})?\s*:\s*(-?\d{1,15})?\s*", text, re.ASCII)
-    if match is None:
-        raise click.UsageError(f"--frames: expected F:L, such as 0:399, found {one_line(text)!r}")
-    first, last = (None if end is None else int(end) for end in match.groups())
-    return first, last
+    return f"run it: {program()} {shlex.join([*words, '--out', str(folder)])}"

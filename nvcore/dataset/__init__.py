@@ -18,12 +18,10 @@ from nvcore.errors import InputError
 from nvcore.findings import Finding
 from nvcore.params import Params
 from nvcore.schema import ATTRIBUTE_DTYPES, LEFT_OUT_DTYPES, TRUTH, conform
-from nvcore.settings import Settings
-from nvcore.wording import did_you_mean, listed
+from nvcore.settings import Settings, as_names
+from nvcore.wording import MOST_NAMED, did_you_mean, listed
 from nvcore.wording.objects import Objects, names_at_risk
 
-MOST_NAMED = 5
-"""Recordings or tags that a text names one by one."""
 INPUT_COLUMNS = ("subject", "file", "sha256", "format", "conversion")
 
 
@@ -175,7 +173,7 @@ class Dataset:
         object.__setattr__(other, "settings", settings)
         return other
 
-    def only(self, tags: Collection[str] = (), names: Collection[str] = ()) -> Dataset:
+    def only(self, tags: str | Collection[str] = (), names: str | Collection[str] = ()) -> Dataset:
         """The data of those recordings alone that have all of the tags and one of the names.
 
         Their settings choose them so, too.
@@ -183,19 +181,20 @@ class Dataset:
         Parameters
         ----------
         tags, names
-            Empty: any.
+            One or several; empty: any.
 
         Raises
         ------
         InputError
             If no recording is left, or there is none of a given name.
         """
+        tags, names = as_names(tags), as_names(names)
         every = self.recordings["name"].tolist()
         for name in names:
             if name not in every:
                 raise InputError(
                     f"there is no recording {name!r}; "
-                    f"{did_you_mean(name, every, f'they are {listed(every[:MOST_NAMED])}')}"
+                    f"{did_you_mean(name, every, f'they are {listed(every, most=MOST_NAMED)}')}"
                 )
         is_chosen = np.array(
             [
@@ -209,13 +208,17 @@ class Dataset:
             raise InputError(
                 f"no recording has the {'tag' if len(tags) == 1 else 'tags'} {listed([*tags])}"
                 f"{' and one of these names' if names else ''}; "
-                + (f"the tags are {listed(known[:MOST_NAMED])}" if known else "there are no tags")
+                + (
+                    f"the tags are {listed(known, most=MOST_NAMED)}"
+                    if known
+                    else "there are no tags"
+                )
             )
         if is_chosen.all():
             return self
         settings = self.settings
         all_tags = tuple(dict.fromkeys([*settings.only_tags, *tags]))
-        chosen = replace(settings, only_tags=all_tags, only=tuple(names) or settings.only)
+        chosen = replace(settings, only_tags=all_tags, only=names or settings.only)
         return replace(
             self._of(is_chosen, tags), settings=chosen if chosen != settings else settings
         )

@@ -38,6 +38,8 @@ _MOST_PARTS: Final = 100_000
 _LONGEST_TEXT: Final = 4096
 """Of the parts of a training: entries, and characters of a name or fingerprint."""
 _SHOWN_NAME: Final = 40
+_SHOWN_DIGITS: Final = 12
+"""Of a name, and of a fingerprint."""
 _RANGE: Final = re.compile(r"(-?\d{1,15}):(-?\d{1,15})", re.ASCII)
 _EXPECTED: Final = "expected the record that nvcore detect writes (docs/detectors.md)"
 
@@ -61,6 +63,14 @@ class TrainedOn:
     recording: str = ""
     first_frame: int | None = None
     last_frame: int | None = None
+
+    def __str__(self) -> str:
+        if not self.recording:
+            return f"crops and scenes ({self.fingerprint[:_SHOWN_DIGITS]})"
+        if self.first_frame is None and self.last_frame is None:
+            return one_line(self.recording)
+        first, last = ("" if end is None else end for end in (self.first_frame, self.last_frame))
+        return f"{one_line(self.recording)}, frames {first}:{last}"
 
 
 @dataclass(frozen=True)
@@ -123,7 +133,7 @@ class Provenance:
             return ""
         name = shortened(one_line(about.name), _SHOWN_NAME)
         kind = shortened(one_line(about.kind), _SHOWN_NAME)
-        return f"made by {kind} ({name}, fingerprint {one_line(about.fingerprint[:12])})"
+        return f"made by {kind} ({name}, fingerprint {one_line(about.fingerprint[:_SHOWN_DIGITS])})"
 
     def renamed(self, recordings: Mapping[str, str]) -> Provenance:
         """The same with other names of some recordings, by the old ones."""

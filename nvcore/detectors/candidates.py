@@ -69,6 +69,6 @@ def counting(
 
 
 def usual_threshold(about: About) -> float:
-    """The score from which on a detector's boxes count, unless one says otherwise."""
+    """The score from which on a detector's boxes count, unless the user gives another."""
     own = about.settings[DETECTORS[about.kind].threshold]
     return float(own if about.threshold is None else about.threshold)  # type: ignore[arg-type]

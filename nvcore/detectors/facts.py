@@ -1,4 +1,4 @@
-"""What is known of the settings that a detector may be run with, whatever its kind."""
+"""What is known of the settings of a run, whatever the kind of detector."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from nvcore.detectors.settings import SettingFacts, facts_of
 
 
 def run_settings(about: About) -> dict[str, SettingFacts]:
-    """The settings that this detector may be run with otherwise, by name."""
+    """The settings whose values a run of this detector may choose, by name."""
     settings = DETECTORS[about.kind].settings()
     if settings is None:
         from nvcore.detectors.icf.settings import OF_A_RUN, IcfSettings

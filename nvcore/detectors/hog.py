@@ -59,7 +59,9 @@ class HogSettings:
     hit_threshold: float = setting(
         0.0, "Windows with a lower score are dropped at once.", low=-10, high=10
     )
-    stride: int = setting(8, "Step of the window, px; a multiple of 8.", low=8, high=64)
+    stride: int = setting(
+        8, "Step of the window, px; a multiple of 8.", low=8, high=64, multiple_of=_BLOCK_PX
+    )
     scale_step: float = setting(
         1.05, "Factor from one size of the picture to the next.", low=1.01, high=2
     )
@@ -78,10 +80,6 @@ class HogSettings:
     stretch_8_bit: bool = setting(
         False, "Whether grey levels of 8-bit pictures are stretched, too, as 16-bit ones always."
     )
-
-    def __post_init__(self) -> None:
-        if self.stride % _BLOCK_PX:
-            raise DetectorError(f"stride: expected a multiple of 8, found {self.stride}")
 
 
 class Hog:

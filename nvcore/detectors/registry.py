@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from nvcore.dataset.provenance import Setting
 from nvcore.detectors.base import Detector
@@ -53,13 +53,13 @@ class Kind:
     title: str
     built_in: Mapping[str, str]
     recognise: Callable[[bytes], bool]
-    open: Callable[[str, Mapping[str, Setting]], Detector]
+    open: Callable[[str, Mapping[str, Any]], Detector]
     settings: Callable[[], type | None]
     threshold: str = "threshold"
     loosest: Mapping[str, Setting] = field(default_factory=dict)
 
 
-def _open_hog(text: str, settings: Mapping[str, Setting]) -> Detector:
+def _open_hog(text: str, settings: Mapping[str, Any]) -> Detector:
     from nvcore.detectors.hog import open_hog
 
     return open_hog(text.partition(":")[2], settings)
@@ -71,7 +71,7 @@ def _hog_settings() -> type:
     return HogSettings
 
 
-def _open_icf(text: str, settings: Mapping[str, Setting]) -> Detector:
+def _open_icf(text: str, settings: Mapping[str, Any]) -> Detector:
     from nvcore.detectors.icf import read_model
 
     detector = read_model(SAMPLE_MODEL if text == "icf:sample" else Path(text))
@@ -83,7 +83,7 @@ def _open_icf(text: str, settings: Mapping[str, Setting]) -> Detector:
         raise DetectorError(str(error)) from error
 
 
-def _open_onnx(text: str, settings: Mapping[str, Setting]) -> Detector:
+def _open_onnx(text: str, settings: Mapping[str, Any]) -> Detector:
     from nvcore.detectors.onnx import open_onnx
 
     return open_onnx(Path(text), settings)
@@ -137,7 +137,7 @@ DETECTORS: Final[dict[str, Kind]] = {
 """The kinds of detectors by key."""
 
 
-def open_detector(text: str | Path, settings: Mapping[str, Setting] | None = None) -> Detector:
+def open_detector(text: str | Path, settings: Mapping[str, Any] | None = None) -> Detector:
     """A detector, ready to run.
 
     Parameters
@@ -146,7 +146,7 @@ def open_detector(text: str | Path, settings: Mapping[str, Setting] | None = Non
         Name of a built-in one (``hog``, ``hog:daimler``), or the path of a model, which is
         recognised by its content. A file is meant where both are there only with a path: ``./hog``.
     settings
-        By name; texts are read as the setting's type. None: the defaults.
+        By name; see `nvcore.detectors.settings.typed_like`. None: the defaults.
 
     Raises
     ------

@@ -5,10 +5,9 @@ from __future__ import annotations
 import os
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
-from itertools import islice
 from typing import Final
 
 import numpy as np
@@ -20,21 +19,20 @@ from nvcore.dataset.provenance import About
 from nvcore.detectors.base import Detections, Detector
 from nvcore.detectors.threads import one_for_a_picture
 from nvcore.errors import InputError, MediaError
+from nvcore.inputs.evaluated_frames import frames_there
 from nvcore.pictures import Picture, RecordingPictures
 from nvcore.progress import POLL_S, Progress, no_progress
-from nvcore.wording import count_text, duration_text, one_line
+from nvcore.wording import MOST_NAMED, count_text, duration_text, listed, one_line
 
 NO_PICTURES: Final = (
     "no evaluated frame has a picture; name the pictures of each recording in the session file "
     '(pictures = "drive.mp4" under [[recording]])'
 )
-TIMED_PER_THREAD: Final = 2
-"""Pictures that each thread is timed with before a run."""
 AHEAD: Final = 2
 """Pictures read ahead for each thread."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class RecordingRun:
     """What came out for one recording.
 
@@ -59,10 +57,20 @@ class RecordingRun:
     n_listed: int
     note: str = ""
 
+    @property
+    def n_without(self) -> int:
+        """Evaluated frames without a picture."""
+        return self.n_listed - len(self.frames)
 
-@dataclass(frozen=True)
+    def __repr__(self) -> str:
+        boxes = count_text(len(self.boxes), "box", "boxes")
+        pictures = count_text(len(self.frames), "picture")
+        return f"<RecordingRun of {one_line(self.name)}: {boxes} in {pictures}>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class DetectorRun:
-    """What a detector gave on recordings.
+    """What a detector gave on recordings; ``print`` says what came out.
 
     Attributes
     ----------
@@ -91,31 +99,37 @@ class DetectorRun:
     @property
     def n_without(self) -> int:
         """Evaluated frames without a picture."""
-        return sum(recording.n_listed for recording in self.recordings) - self.n_pictures
+        return sum(recording.n_without for recording in self.recordings)
 
+    def __repr__(self) -> str:
+        return (
+            f"<DetectorRun of {one_line(self.about.name)}: {self._boxes}, "
+            f"{count_text(self.n_without, 'frame')} without a picture>"
+        )
 
-@dataclass(frozen=True)
-class Expectation:
-    """How long a run will take, timed on a few of its pictures.
-
-    Attributes
-    ----------
-    n_pictures
-        Of the run.
-    n_threads
-        Pictures at a time.
-    seconds_each
-        From one picture to the next, all threads busy.
-    """
-
-    n_pictures: int
-    n_threads: int
-    seconds_each: float
+    def __str__(self) -> str:
+        rate = self.n_pictures / self.seconds if self.seconds > 0 else 0.0
+        lines = [f"{self._boxes}, in {duration_text(self.seconds)} ({rate:.1f} pictures a second)"]
+        if self.n_without:
+            lines.append(
+                f"{self.n_without:,} of {self.n_without + self.n_pictures:,} evaluated frames were "
+                "not seen, and count as missed where they are compared:"
+            )
+            lines += [
+                f"  {one_line(part.name)}: {part.n_without:,} of {part.n_listed:,}. "
+                f"{part.note}".rstrip()
+                for part in self.recordings
+                if part.n_without
+            ]
+        return "\n".join(lines)
 
     @property
-    def seconds(self) -> float:
-        """Of the whole run."""
-        return self.n_pictures * self.seconds_each
+    def _boxes(self) -> str:
+        n_run = sum(len(part.frames) > 0 for part in self.recordings)
+        return (
+            f"{count_text(self.n_boxes, 'box', 'boxes')} in "
+            f"{count_text(self.n_pictures, 'picture')} of {count_text(n_run, 'recording')}"
+        )
 
 
 def threads_of(n_threads: int | None) -> int:
@@ -123,58 +137,29 @@ def threads_of(n_threads: int | None) -> int:
     return n_threads or os.cpu_count() or 1
 
 
-def expect(
-    detector: Detector,
-    pictures: RecordingPictures,
-    *,
-    n_threads: int | None = None,
-    progress: Progress = no_progress,
-) -> Expectation:
-    """How long `run_detector` will take: a few consecutive pictures, timed.
-
-    The recording is the one with the most pictures, the place its middle; a first picture, on which
-    compiled loops are loaded, does not count; a run of a single picture takes no time.
+def no_pictures(pictures: RecordingPictures, dataset: Dataset | None = None) -> InputError:
+    """That no evaluated frame has a picture, and why.
 
     Parameters
     ----------
-    progress
-        Called for every picture and now and then between.
-
-    Raises
-    ------
-    InputError
-        If no evaluated frame has a picture, or the detector cannot work on such pictures.
-    CancelledError
-        If `progress` raises it.
+    dataset
+        For the frames that there are beside those that are evaluated; None: they are not said.
     """
-    n_threads = threads_of(n_threads)
-    indices = {number: index[index >= 0] for number, index in sorted(pictures.indices.items())}
-    n_pictures = sum(map(len, indices.values()))
-    if not n_pictures:
-        raise InputError(" ".join([NO_PICTURES, *map(one_line, pictures.troubles.values())]))
-    number = max(indices, key=lambda key: len(indices[key]))
-    n_timed = min(len(indices[number]), 1 + TIMED_PER_THREAD * n_threads)
-    start = (len(indices[number]) - n_timed) // 2
-    source = pictures.sources[number].another()
-    n_done = 0
-
-    def poll() -> None:
-        progress(n_done / n_timed, "timing it")
-
-    try:
-        timed = _read(source.read, enumerate(indices[number][start : start + n_timed]), [])
-        for _ in _in_order(detector, islice(timed, 1), n_threads, poll):
-            n_done += 1
-        began = time.perf_counter()
-        for _ in _in_order(detector, timed, n_threads, poll):
-            n_done += 1
-            poll()
-        seconds = time.perf_counter() - began
-    finally:
-        source.close()
-    if not n_done:
-        raise InputError(f"{NO_PICTURES}: those of {source.name} cannot be read")
-    return Expectation(n_pictures, n_threads, seconds / max(1, n_done - 1))
+    if not pictures.sources:
+        why = list(dict.fromkeys(map(one_line, pictures.troubles.values())))
+        return InputError(
+            ". ".join([NO_PICTURES, *([listed(why, most=MOST_NAMED)] if why else [])])
+        )
+    notes = list(dict.fromkeys(one_line(pictures.notes[number]) for number in pictures.sources))
+    there = ""
+    if dataset is not None:
+        names = dataset.recordings["name"]
+        frames = {
+            str(names.iloc[i]): dataset.unlisted_frames(names.iloc[i]) for i in pictures.sources
+        }
+        if any(map(len, frames.values())):
+            there = f" By the ground truth {frames_there(frames)}."
+    return InputError(f"no evaluated frame has a picture. {' '.join(notes[:MOST_NAMED])}{there}")
 
 
 def run_detector(
@@ -211,7 +196,7 @@ def run_detector(
     indices = pictures.indices
     n_pictures = sum(int(np.count_nonzero(index >= 0)) for index in indices.values())
     if not n_pictures:
-        raise InputError(" ".join([NO_PICTURES, *map(one_line, pictures.troubles.values())]))
+        raise no_pictures(pictures, dataset)
     clock = _Clock(n_pictures, progress)
     recordings = []
     for number, name in enumerate(dataset.recordings["name"]):
@@ -270,8 +255,8 @@ def _run_recording(
     frames: list[int] = []
     boxes: list[Detections] = []
     try:
-        pending = _read(source.read, with_picture, faults)
-        for frame, detections in _in_order(detector, pending, n_threads, lambda: tell(0)):
+        pending = read_pictures(source.read, with_picture, faults)
+        for frame, detections in in_order(detector, pending, n_threads, lambda: tell(0)):
             frames.append(frame)
             boxes.append(detections)
             tell(1)
@@ -293,7 +278,7 @@ def _run_recording(
     return RecordingRun("", table, np.array(frames, np.int64), len(listed), note)
 
 
-def _read(
+def read_pictures(
     read: Callable[[int], Picture], indices: Iterable[tuple[int, int]], faults: list[str]
 ) -> Iterator[tuple[int, Picture]]:
     """Frame and picture; of those that cannot be read, why, is added to `faults`."""
@@ -306,12 +291,12 @@ def _read(
             yield int(frame), picture
 
 
-def _in_order(
+def in_order(
     detector: Detector,
     pictures: Iterator[tuple[int, Picture]],
     n_threads: int,
     poll: Callable[[], None],
-) -> Iterator[tuple[int, Detections]]:
+) -> Generator[tuple[int, Detections]]:
     """Frame and boxes of every picture, in their order; `poll` is called while waiting.
 
     This thread reads, the others detect: pictures of a video are decoded one after another. Of

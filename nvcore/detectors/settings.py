@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, Field, dataclass, field, fields
 from typing import Any, Final, TypeVar
 
@@ -29,12 +29,15 @@ class SettingFacts:
         Range of a number, both included.
     choices
         What a text may be, with what that means; empty: any text, or a number.
+    multiple_of
+        Which whole numbers between `low` and `high` are possible; None: all.
     """
 
     meaning: str
     low: float | None = None
     high: float | None = None
     choices: Mapping[str, str] | None = None
+    multiple_of: int | None = None
 
 
 def setting(default: Any, meaning: str, **facts: Any) -> Any:
@@ -75,10 +78,13 @@ def settings_from(kind: type[AnySettings], given: Mapping[str, Setting]) -> AnyS
     return kind(**values)
 
 
-def typed_like(settings: object, given: Mapping[str, Setting]) -> dict[str, Any]:
+def typed_like(
+    settings: object, given: Mapping[str, Setting | Sequence[Setting]]
+) -> dict[str, Any]:
     """Texts read as the types that the settings of these names have; other values as they are.
 
-    Several values stand in one text, with commas or spaces between. What is no setting stays as it
+    Several values stand in one text, with commas or spaces between, or in a sequence; a single one
+    may stand by itself. What is no setting stays as it
     is, for whoever checks the names.
 
     Raises
@@ -94,11 +100,32 @@ def typed_like(settings: object, given: Mapping[str, Setting]) -> dict[str, Any]
             values[name] = tuple(
                 _typed(name, kind, part) for part in _SEPARATOR.split(value) if part
             )
+        elif isinstance(before, tuple):
+            values[name] = tuple(value) if isinstance(value, Sequence) else (value,)
         elif isinstance(value, str) and before is not None:
             values[name] = _typed(name, type(before), value)
         else:
             values[name] = value
     return values
+
+
+def value_text(value: Any) -> str:
+    """A value in a message, as people write it: "1, 1.7, 0.1", "yes", "'luv'"."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:g}"
+    if isinstance(value, tuple | list):
+        return (
+            ", ".join(map(str, (f"{v:g}" if isinstance(v, float) else v for v in value))) or "none"
+        )
+    return repr(value)
+
+
+def multiples_text(step: int, low: float, high: float) -> str:
+    """Which values a whole number may have that must be a multiple: "8, 16, 24 ... 64"."""
+    first, last = -(-int(low) // step) * step, int(high) // step * step
+    return f"{first}, {first + step}, {first + 2 * step} ... {last}"
 
 
 def _typed(name: str, kind: type, value: Setting) -> Any:
@@ -110,7 +137,7 @@ def _typed(name: str, kind: type, value: Setting) -> Any:
             raise ValueError
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         words = {bool: "yes or no", int: "a whole number", float: "a number", str: "a text"}
-        raise DetectorError(f"{name}: expected {words[kind]}, found {value!r}") from error
+        raise DetectorError(f"{name}: expected {words[kind]}, found {value_text(value)}") from error
     return typed
 
 
@@ -120,14 +147,17 @@ def _checked(spec: Field[Any], value: Setting) -> Setting:
     typed = _typed(spec.name, type(spec.default), value)
     if facts.choices and typed not in facts.choices:
         choices = listed([*facts.choices])
-        raise DetectorError(f"{spec.name}: expected one of {choices}, found {value!r}")
+        raise DetectorError(f"{spec.name}: expected one of {choices}, found {value_text(value)}")
     low, high = facts.low, facts.high
     is_below, is_above = (
         low is not None and not typed >= low,
         high is not None and not typed <= high,
     )
-    if is_below or is_above:
+    step = facts.multiple_of
+    if is_below or is_above or (step is not None and typed % step):
         limits = f"at least {low:g}" if high is None else f"{low:g} to {high:g}"
-        raise DetectorError(f"{spec.name}: expected {limits}, found {value!r}")
+        if step is not None and low is not None and high is not None:
+            limits = f"one of {multiples_text(step, low, high)}"
+        raise DetectorError(f"{spec.name}: expected {limits}, found {value_text(value)}")
     checked: Setting = typed
     return checked

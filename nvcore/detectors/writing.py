@@ -20,15 +20,16 @@ from nvcore.inputs.session_toml import write_session
 from nvcore.inputs.writers import safe_names
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_run
+from nvcore.wording import one_line
 from nvcore.wording.objects import labels_in_order
 
 SESSION_FILE: Final = "session.toml"
 PROVENANCE_FILE: Final = "provenance.json"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class WrittenRun:
-    """What `write_detections` wrote.
+    """What `write_detections` wrote; ``print`` says what came out, and where it is.
 
     Attributes
     ----------
@@ -55,6 +56,14 @@ class WrittenRun:
         """Of the system."""
         assert self.system.name is not None
         return self.system.name
+
+    def __repr__(self) -> str:
+        return f"<WrittenRun of {one_line(self.name)}: {one_line(str(self.session))}>"
+
+    def __str__(self) -> str:
+        where = one_line(f"{self.session.parent} as {self.name}")
+        parts = [*map(str, self.run.about.trained_on)] or ["not known"]
+        return f"{self.run}\ntrained on: {'; '.join(parts)}\nwritten to {where}"
 
 
 def outputs(folder: Path, dataset: Dataset) -> list[Path]:

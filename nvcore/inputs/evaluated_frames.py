@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -12,9 +12,10 @@ import numpy as np
 import pandas as pd
 
 from nvcore.errors import InputError, MissingFactError
-from nvcore.inputs.facts import is_frame_range
+from nvcore.inputs.facts import FRAME_RANGE, frame_range, is_frame_range
 from nvcore.inputs.readers.base import Reading, SourceFile
 from nvcore.inputs.readers.meaning.seqinfo import MAX_FRAMES
+from nvcore.wording import MOST_NAMED, listed, one_line
 
 MIN_SAMPLED: Final = 8
 """Annotated frames from which a common step between them is taken for regular sampling."""
@@ -26,12 +27,18 @@ _LINE_ENDS: Final = tuple(end.encode() for end in "\n\r\v\f\x1c\x1d\x1e\x85\u202
 """Where `str.splitlines` splits."""
 
 
-def parse_frames(text: str, folder: Path) -> np.ndarray:
-    """Frame numbers from ``first:last``, ``first:last:step``, or a file with one number a line.
+def parse_frames(text: str, folder: Path, own: np.ndarray | None = None) -> np.ndarray:
+    """Frame numbers from a range (`frame_range`), or from a file with one number a line.
+
+    Parameters
+    ----------
+    own
+        Frames that the recording has, sorted, int64, for a range with an end that is missing; None:
+        it needs both.
 
     Returns
     -------
-    Sorted, unique, int64.
+    Sorted, unique, int64; none where the range begins behind the recording's end.
 
     Raises
     ------
@@ -41,14 +48,7 @@ def parse_frames(text: str, folder: Path) -> np.ndarray:
         With the line that is no whole number.
     """
     if is_frame_range(text):
-        first, last, step = ([int(part.strip()) for part in text.split(":")] + [1])[:3]
-        if step < 1 or last < first:
-            raise InputError(
-                f"frames {text!r}: expected first:last[:step] with last >= first and step >= 1"
-            )
-        if (last - first) // step >= MAX_FRAMES:
-            raise InputError(f"frames {text!r}: expected at most {MAX_FRAMES} frames")
-        return np.arange(first, last + 1, step)
+        return _frames_in(text, own)
     file = SourceFile(folder / text, (folder / text).name)
     try:
         with file.open() as stream:
@@ -60,8 +60,8 @@ def parse_frames(text: str, folder: Path) -> np.ndarray:
     except (InputError, ValueError) as error:  # ValueError: not UTF-8, or a name that cannot be
         reason = error.message if isinstance(error, InputError) else "not UTF-8 text"
         raise InputError(
-            "cannot be read as a frame list; expected first:last[:step], or a text file with one "
-            f"frame number a line ({reason})",
+            f"cannot be read as a frame list; expected {FRAME_RANGE}, or a text file with "
+            f"one frame number a line ({reason})",
             file=text,
         ) from error
     numbers = []
@@ -74,6 +74,41 @@ def parse_frames(text: str, folder: Path) -> np.ndarray:
     if not numbers:
         raise InputError("holds no frame number", file=text)
     return np.unique(np.array(numbers, dtype=np.int64))
+
+
+def _frames_in(text: str, own: np.ndarray | None) -> np.ndarray:
+    """Frames of a range; see `parse_frames`."""
+    chosen = frame_range(text)
+    first, last = chosen.first, chosen.last
+    if first is None or last is None:
+        if own is None:
+            raise InputError(f"frames {text!r}: expected both ends here, such as 0:299")
+        if not len(own):
+            return own
+        first = int(own[0]) if first is None else first
+        last = int(own[-1]) if last is None else last
+    if (last - first) // chosen.step >= MAX_FRAMES:
+        raise InputError(f"frames {text!r}: expected at most {MAX_FRAMES} frames")
+    return np.arange(first, last + 1, chosen.step)
+
+
+def frames_there(frames: Mapping[str, np.ndarray]) -> str:
+    """Which frames recordings have, in words, for an error about others.
+
+    Parameters
+    ----------
+    frames
+        Of each recording, by its name, sorted.
+    """
+    names_of: dict[str, list[str]] = {}
+    for name, own in frames.items():
+        if len(own):
+            names_of.setdefault(f"{own[0]} to {own[-1]}", []).append(one_line(name))
+    texts = [
+        f"{listed(names, most=MOST_NAMED)} {'has' if len(names) == 1 else 'have'} frames {span}"
+        for span, names in names_of.items()
+    ]
+    return listed(texts, most=MOST_NAMED) or "the recordings have no frames"
 
 
 def nth(step: int) -> str:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import dataclass
+from typing import Final
 
-from nvcore.errors import SessionError
+from nvcore.errors import InputError, SessionError
 from nvcore.settings import MAX_FPS, MIN_FPS
 
 
@@ -48,6 +50,46 @@ def parse_size(text: str) -> tuple[int, int]:
     return int(match[1]), int(match[2])
 
 
+FRAME_RANGE: Final = "first:last or first:last:step"
+"""How frames are chosen in a text, both ends included; one that is missing is the recording's."""
+_FRAME_RANGE: Final = re.compile(r"\s*(-?\d{1,15})?\s*:\s*(-?\d{1,15})?\s*(?::\s*(\d{1,15})\s*)?")
+
+
+@dataclass(frozen=True)
+class FrameRange:
+    """Frames from the first to the last, both included; None: the recording's first, or last."""
+
+    first: int | None
+    last: int | None
+    step: int = 1
+
+
 def is_frame_range(frames: str) -> bool:
-    """Whether the text is ``first:last`` or ``first:last:step``, not the name of a file."""
-    return re.fullmatch(r"\s*-?\d{1,15}\s*:\s*-?\d{1,15}\s*(:\s*\d{1,15}\s*)?", frames) is not None
+    """Whether the text chooses frames by their numbers, and is not the name of a file."""
+    return _FRAME_RANGE.fullmatch(frames) is not None
+
+
+def is_open_range(frames: str) -> bool:
+    """Whether the text is a range with an end that is the recording's."""
+    match = _FRAME_RANGE.fullmatch(frames)
+    return match is not None and None in match.group(1, 2)
+
+
+def frame_range(frames: str) -> FrameRange:
+    """The frames that a text such as ``0:299``, ``:399`` or ``0:299:5`` chooses.
+
+    Raises
+    ------
+    InputError
+        If it is none, or holds no frame.
+    """
+    match = _FRAME_RANGE.fullmatch(frames)
+    if match is not None:
+        first, last, step = (None if part is None else int(part) for part in match.groups())
+        is_empty = first is not None and last is not None and last < first
+        if not is_empty and step != 0:
+            return FrameRange(first, last, step or 1)
+    raise InputError(
+        f"frames {frames!r}: expected {FRAME_RANGE} with last >= first and step >= 1, such as "
+        "0:299, 0:299:5, :399 or 400:"
+    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding
@@ -24,28 +24,29 @@ def source_hash(digests: Iterable[str]) -> str:
 
 
 def changed_input(
-    subject: str, file: str, digests: list[str], hashes: Mapping[str, str]
+    subject: str, files: Sequence[str], digests: list[str], hashes: Mapping[str, str]
 ) -> list[Finding]:
     """That a source is not what it was when the session was written, if so.
 
     Parameters
     ----------
-    file
-        Its first file.
+    files
+        Names of its files.
     digests
-        Hashes of its files.
+        Hashes of these.
     hashes
         Those of the sources at that time, by subject; see `source_hashes`.
     """
     before = hashes.get(subject)
     if before is None or before == source_hash(digests):
         return []
+    which = "" if len(files) == 1 else f": one or more of its {len(files):,} files"
     finding = warning(
         "input-changed",
         len(digests),
-        "The input has changed since the session file was written.",
+        f"The input has changed since the session file was written{which}.",
         "The results will differ from those of then; find out which files are meant.",
         role=subject,
-        file=file,
+        file=files[0] if len(files) == 1 else "",
     )
     return [finding]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextvars import copy_context
 from dataclasses import replace
@@ -74,11 +74,21 @@ def load(
         system = _read(session, source, name, "detections", truth.reading, table)
         loaded.append(_with_provenance(_corrected(system, source), source, session.folder))
     progress(len(loaded) / n_steps, "placing boxes in frames")
-    dataset = place_sources(
-        session.of_all.as_titled, _named_by_session(session, loaded), max_frames
-    )
+    loaded = _named_by_session(session, loaded)
+    chosen = session.choosing_from(_titles(session, loaded))
+
+    def is_compared(name: str, tags: Collection[str]) -> bool:
+        return {*chosen.only_tags} <= {*tags} and (not chosen.only or name in chosen.only)
+
+    dataset = place_sources(session.of_all.as_titled, loaded, max_frames, is_compared)
     session = session.choosing_from(dataset.recordings["name"].tolist())
     return dataset.with_settings(session).only(session.only_tags, session.only)
+
+
+def _titles(session: Session, loaded: list[LoadedSource]) -> list[str]:
+    """What all recordings are called that have ground truth or facts."""
+    own = [entry.title or entry.name for entry in session.recordings]
+    return [*loaded[0].reading.recordings["name"], *own]
 
 
 def _refuse_past_pipes(session: Session) -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable, Collection
 from dataclasses import asdict, dataclass
+from itertools import compress
 from typing import Final
 
 import numpy as np
@@ -13,7 +15,8 @@ from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import Provenance, provenance_json
 from nvcore.dataset.tables import dataset_from_tables, what_is_stated
 from nvcore.errors import InputError, MissingFactError
-from nvcore.inputs.evaluated_frames import own_frames, parse_frames
+from nvcore.inputs.evaluated_frames import frames_there, own_frames, parse_frames
+from nvcore.inputs.facts import is_open_range
 from nvcore.inputs.hashes import changed_input
 from nvcore.inputs.readers.base import Format, Reading, SourceFile
 from nvcore.inputs.readers.meaning.labels import merged
@@ -27,6 +30,7 @@ from nvcore.inputs.recordings import (
 from nvcore.inputs.session import Session, Source
 from nvcore.memory import check_room
 from nvcore.schema import BOX_DTYPES
+from nvcore.wording import listed
 
 REASONS: Final = (
     "",
@@ -38,6 +42,7 @@ REASONS: Final = (
 """Why a box has no place, in the order in which they are looked for; none where it has one."""
 DENSE: Final = 4
 """Frame numbers for each listed one up to which a table of all of them is quickest."""
+NO_FRAMES: Final = np.empty(0, np.int64)
 BLOCK: Final = 1 << 15
 """Boxes that are placed at a time."""
 
@@ -49,8 +54,8 @@ class Places:
         self._names = pd.Index(names)
         # one number per recording and frame; frames outside the list share the places at its ends,
         # so that a frame number of any size fits
-        self._before = np.array([listed[0] - 1 for listed in frames])
-        self._span = np.array([listed[-1] - listed[0] + 3 for listed in frames])
+        self._before = np.array([numbers[0] - 1 for numbers in frames])
+        self._span = np.array([numbers[-1] - numbers[0] + 3 for numbers in frames])
         self._start = np.cumsum(self._span) - self._span
         self._listed = np.concatenate(
             [self._start[i] + (f - self._before[i]) for i, f in enumerate(frames)]
@@ -114,7 +119,12 @@ class LoadedSource:
     provenance: Provenance | None = None
 
 
-def place_sources(session: Session, loaded: list[LoadedSource], max_frames: int | None) -> Dataset:
+def place_sources(
+    session: Session,
+    loaded: list[LoadedSource],
+    max_frames: int | None,
+    is_compared: Callable[[str, Collection[str]], bool],
+) -> Dataset:
     """The dataset of all sources, every box in its frame.
 
     Parameters
@@ -123,6 +133,8 @@ def place_sources(session: Session, loaded: list[LoadedSource], max_frames: int 
         Ground truth first, then the systems of the session in their order.
     max_frames
         Most evaluated frames of all recordings; None: no limit.
+    is_compared
+        See `describe_recordings`.
 
     Raises
     ------
@@ -133,8 +145,8 @@ def place_sources(session: Session, loaded: list[LoadedSource], max_frames: int 
     """
     truth = loaded[0].reading
     check_listed(session, truth)
-    recordings = describe_recordings(session, truth)
-    frames, notes = _frames(session, truth, recordings)
+    recordings = describe_recordings(session, truth, is_compared)
+    frames, notes = _frames(session, truth, recordings, is_compared)
     n_frames = sum(map(len, frames))
     if max_frames is not None and n_frames > max_frames:
         raise InputError(
@@ -142,7 +154,7 @@ def place_sources(session: Session, loaded: list[LoadedSource], max_frames: int 
             "recordings at a time, or give the frames to evaluate"
         )
     check_room(n_frames)
-    keep = [i for i, listed in enumerate(frames) if len(listed)]
+    keep = [i for i, numbers in enumerate(frames) if len(numbers)]
     recordings = recordings.iloc[keep].reset_index(drop=True)
     frames = [frames[i] for i in keep]
     places = Places(recordings["name"], frames)
@@ -159,8 +171,8 @@ def place_sources(session: Session, loaded: list[LoadedSource], max_frames: int 
         n_files += len(source.files)
     findings = [finding for source in loaded for finding in source.reading.findings]
     for source in loaded:
-        first = source.files[0].name
-        findings += changed_input(source.subject, first, source.digests, session.hashes)
+        names = [file.name for file in source.files]
+        findings += changed_input(source.subject, names, source.digests, session.hashes)
     findings += contradicted_facts(truth, recordings)
     findings += missing_pictures(session, recordings["name"].tolist())
     return dataset_from_tables(
@@ -236,25 +248,31 @@ def _input_rows(source: LoadedSource) -> pd.DataFrame:
 
 
 def _frames(
-    session: Session, truth: Reading, recordings: pd.DataFrame
+    session: Session,
+    truth: Reading,
+    recordings: pd.DataFrame,
+    is_compared: Callable[[str, Collection[str]], bool],
 ) -> tuple[list[np.ndarray], list[str]]:
     """Listed frames of every recording, and in words how they were chosen."""
     entries = session.entries(recordings["name"].tolist())
     texts = {name: entry.frames for name, entry in entries.items() if entry.frames is not None}
-    common = None if session.frames is None else parse_frames(session.frames, session.folder)
-    listed_frames = own_frames(
-        truth, [] if common is not None else [n for n in recordings["name"] if n not in texts]
-    )
+    given = {name: texts.get(name, session.frames) for name in recordings["name"]}
+    asked = dict.fromkeys(text for text in (session.frames, *texts.values()) if text is not None)
+    lists = {text: parse_frames(text, session.folder) for text in asked if not is_open_range(text)}
+    own = own_frames(truth, [name for name, text in given.items() if text not in lists])
     frames: list[np.ndarray] = []
     reasons: dict[str, list[str]] = {}
-    for name in recordings["name"]:
-        if name in texts:
-            listed, reason = parse_frames(texts[name], session.folder), "as the session says"
-        elif common is not None:
-            listed, reason = common, "as given for all recordings"
+    for name, text in given.items():
+        if text is None or (name in own and not len(own[name][0])):
+            numbers, reason = own[name]
         else:
-            listed, reason = listed_frames[name]
-        frames.append(listed)
+            numbers = lists.get(text, NO_FRAMES)
+            if name in own:
+                numbers = parse_frames(text, session.folder, own[name][0])
+            reason = "as the session says" if name in texts else "as given for all recordings"
+            if not len(numbers):
+                reason = f"none is in {text}; recording left out"
+        frames.append(numbers)
         reasons.setdefault(reason, []).append(name)
     counts = dict(zip(recordings["name"], map(len, frames), strict=True))
     notes = [
@@ -262,7 +280,15 @@ def _frames(
         f"{reason} ({sum(counts[name] for name in names)} in all)"
         for reason, names in reasons.items()
     ]
-    if not sum(len(listed) for listed in frames):
+    compared = [
+        is_compared(*recording) for recording in zip(counts, recordings["tags"], strict=True)
+    ]
+    if not any(map(len, frames)) or not any(counts[name] for name in compress(counts, compared)):
+        there = {name: own[name][0] for name in compress(counts, compared) if name in own}
+        if any(map(len, there.values())):
+            texts_given = listed([*map(repr, asked)])
+            raise InputError(f"no frame is in {texts_given}: {frames_there(there)}")
+    if not any(map(len, frames)):
         raise MissingFactError(NO_BOX, file=session.truth.path[0], facts=("frames",))
     return frames, notes
 
@@ -283,6 +309,6 @@ def _fingerprint(
     if not session.objects.are_pedestrians:
         digest.update(f"objects {session.objects.given()}\n".encode())
     digest.update(what_is_stated(recordings).to_csv(index=False).encode())
-    for listed in frames:
-        digest.update(listed.astype(np.int64).tobytes())
+    for numbers in frames:
+        digest.update(numbers.astype(np.int64).tobytes())
     return digest.hexdigest()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import Final
 
 import numpy as np
@@ -13,10 +13,8 @@ from nvcore.errors import InputError, MissingFactError
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import Reading, warning
 from nvcore.inputs.session import Session
-from nvcore.wording import count_text, did_you_mean
+from nvcore.wording import MOST_NAMED, count_text, did_you_mean, listed
 
-MOST_NAMED: Final = 5
-"""Recordings that are named in an error."""
 MOST_SIGNS: Final = 1000
 """Of a recording's name: names are shown, and become names of files."""
 NO_BOX: Final = (
@@ -115,22 +113,29 @@ def check_listed(session: Session, truth: Reading) -> None:
 
 def no_such_recording(name: str, names: Sequence[str]) -> str:
     """Why a table of recordings cannot be used that has one which the ground truth lacks."""
-    known = f"its recordings are {', '.join(names[:MOST_NAMED])}"
-    more = f" and {len(names) - MOST_NAMED:,} more" if len(names) > MOST_NAMED else ""
+    known = f"its recordings are {listed(names, most=MOST_NAMED)}"
     return (
         f"there is no recording {name!r} in the ground truth; "
-        f"{did_you_mean(name, names, known + more)}. One without pedestrians needs its evaluated "
+        f"{did_you_mean(name, names, known)}. One without pedestrians needs its evaluated "
         "frames, as frames in a session file"
     )
 
 
-def describe_recordings(session: Session, truth: Reading) -> pd.DataFrame:
+def describe_recordings(
+    session: Session, truth: Reading, is_compared: Callable[[str, Collection[str]], bool]
+) -> pd.DataFrame:
     """Name, width, height, fps, horizon, context, speed_kmh, tags of recordings.
+
+    Parameters
+    ----------
+    is_compared
+        (name, tags) -> whether a recording is. The others are left out later: where a size or frame
+        rate of theirs is unknown, it is 1.
 
     Raises
     ------
     MissingFactError
-        If a size or a frame rate is unknown.
+        If a size or a frame rate of a recording that is compared is unknown.
     """
     table = truth.recordings.copy()
     entries = session.entries(table["name"].tolist())
@@ -153,8 +158,11 @@ def describe_recordings(session: Session, truth: Reading) -> pd.DataFrame:
         if common is not None:
             own = {name for name, entry in entries.items() if getattr(entry, column) is not None}
             table.loc[~table["name"].isin(own), column] = common
-    _check_known(table)
     tags = [entries[name].tags if name in entries else () for name in table["name"]]
+    compared = [is_compared(*recording) for recording in zip(table["name"], tags, strict=True)]
+    _check_known(table[compared])
+    facts = ["width", "height", "fps"]
+    table[facts] = table[facts].astype(float).fillna(1.0)
     return table.assign(tags=pd.Series(tags, dtype=object))
 
 

@@ -17,7 +17,7 @@ from nvcore.inputs.facts import (
     is_frame_range,
 )
 from nvcore.params.traffic import parse_context
-from nvcore.settings import Settings, new_names
+from nvcore.settings import Settings, as_names, new_names
 
 if TYPE_CHECKING:
     from nvcore.inputs.readers.base import Role
@@ -53,6 +53,7 @@ class RecordingEntry:
     speed_kmh: float | None = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "tags", as_names(self.tags))
         if not self.name:
             raise SessionError("expected a name of the recording")
         if self.title is not None and not self.title.strip():
@@ -118,8 +119,9 @@ class Source:
     box_base: int | None = None
 
     def __post_init__(self) -> None:
-        if isinstance(self.path, str):
-            object.__setattr__(self, "path", (self.path,))
+        object.__setattr__(self, "path", as_names(self.path))
+        if self.classes is not None:
+            object.__setattr__(self, "classes", as_names(self.classes))
         for name in ("frame_base", "box_base"):
             if getattr(self, name) not in (None, 0, 1):
                 raise SessionError(f"{name}: expected 0 or 1, found {getattr(self, name)}")
@@ -214,6 +216,8 @@ class Session(Settings):
     pipes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        for name in ("only_tags", "only"):
+            object.__setattr__(self, name, as_names(getattr(self, name)))
         check_rate(self.fps)
         check_path("frames", self.frames)
         names = [recording.name for recording in self.recordings]

@@ -44,7 +44,8 @@ def open_pictures(path: Path | Sequence[Path], *, inside: str | None = None) -> 
     if is_folder:
         return folder_as_pictures(path, inside=inside)
     if not is_file:
-        raise MediaError("there is no such file or folder of pictures", file=name)
+        hint = "; patterns are not followed here, name the folder" if {*"*?["} & {*name} else ""
+        raise MediaError(f"there is no such file or folder of pictures{hint}", file=name)
     content = first_bytes(path, 4096, name)
     if content.startswith((b"PK\3\4", b"PK\5\6")):
         return archive_as_pictures(path, inside=inside)

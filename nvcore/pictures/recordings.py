@@ -128,7 +128,7 @@ def session_pictures(
         try:
             pictures = (opener or open_pictures)(session.folder / entry.pictures)
         except MediaError as error:
-            notes[number] = error.message
+            notes[number] = f"{entry.pictures}: {error.message}"
             continue
         listed = frames.frame[frames.rows_of(number)]
         others = dataset.unlisted_frames(name)

@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 
 from nvcore.findings import Finding
 from nvcore.report.gate import COUNTED_FINDINGS, Outcome, value_text
+from nvcore.report.rules import what_is_not_asked
 from nvcore.report.terminal import render_findings
 from nvcore.wording import markdown_text, one_line
 
@@ -16,13 +17,14 @@ MARKDOWN_HEAD: Final = b"## Gate: "
 
 
 def terminal_lines(outcomes: Sequence[Outcome]) -> list[str]:
-    """A line for each rule, and below it what explains the outcome."""
+    """A line for each rule, and below it what explains the outcome; what no rule is about."""
     lines = []
     for outcome in outcomes:
         mark = "passed" if outcome.is_passed else "FAILED"
         lines.append(f"{mark}  {outcome.rule.text}  ({outcome.message})")
         lines += [f"        {one_line(detail)}" for detail in _details(outcome)]
-    return lines
+    gap = what_is_not_asked(outcome.rule for outcome in outcomes)
+    return [*lines, f"note: {gap}"] if gap else lines
 
 
 def _details(outcome: Outcome) -> tuple[str, ...]:
@@ -110,6 +112,8 @@ def markdown(outcomes: Sequence[Outcome], title: str, findings: Sequence[Finding
             word = "passed" if outcome.is_passed else "failed"
             lines += ["", f"`{outcome.rule.text}` {word}:", ""]
             lines += [f"- {markdown_text(detail)}" for detail in details]
+    if gap := what_is_not_asked(outcome.rule for outcome in outcomes):
+        lines += ["", f"Note: {markdown_text(gap)}"]
     lines += ["", *_audit(findings)]
     return "\n".join(lines) + "\n"
 

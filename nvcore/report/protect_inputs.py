@@ -13,14 +13,43 @@ from nvcore.inputs.files import find_files
 from nvcore.inputs.session import Session
 
 
-def replaced_input(outputs: Iterable[Path], inputs: Iterable[Path]) -> Path | None:
-    """The first output that is also an input, under whatever name or link; None: there is none.
+def refuse_to_replace(
+    outputs: Iterable[Path], inputs: Iterable[Path], *, instead: str = "file to write"
+) -> None:
+    """Refuse to write over what is read, under whatever name or link.
 
     Parameters
     ----------
     inputs
         Files; a folder means the pictures in it.
+    instead
+        What to give another one of.
+
+    Raises
+    ------
+    InputError
+        If one of the outputs is an input.
     """
+    clash = _replaced(outputs, inputs)
+    if clash is not None:
+        raise InputError(f"is an input, and would be replaced; give another {instead}", file=clash)
+
+
+def refuse_among_inputs(folder: Path, session: Session) -> None:
+    """Refuse to write into a folder of inputs, whose files are all read.
+
+    Raises
+    ------
+    InputError
+        If the folder lies in one, or is one.
+    """
+    around = _input_folder_around(folder, session)
+    if around is not None:
+        raise InputError(f"lies in the folder of inputs {around}; give another folder", file=folder)
+
+
+def _replaced(outputs: Iterable[Path], inputs: Iterable[Path]) -> Path | None:
+    """The first output that is also an input; None: there is none."""
     by_path = {file.resolve(): file for file in outputs}
     if not by_path:  # spares reading the inputs
         return None
@@ -57,7 +86,7 @@ def files_read(session: Session) -> Iterator[Path]:
             yield session.folder / facts.pictures
 
 
-def input_folder_around(folder: Path, session: Session) -> Path | None:
+def _input_folder_around(folder: Path, session: Session) -> Path | None:
     """A folder of inputs in which the folder lies, or which it is; None: there is none.
 
     What is written there would be read by the next run.

@@ -19,6 +19,7 @@ from nvcore.measures import MeasureTable, has_several_recordings, relevant_share
 from nvcore.params import Params
 from nvcore.schema import Urgency
 from nvcore.scoring import SystemResult
+from nvcore.tables.classes import names_classes, read_share
 from nvcore.tables.scorecard import ScoreRow, score_rows
 from nvcore.wording import count_text, difference, number
 
@@ -337,4 +338,27 @@ def _largest(result: Result, events: pd.DataFrame) -> str:
         f"lasts {worst['duration_s']:.2f} s{weight} and {end}, which gives it the recency "
         f"{worst['recency']:.2f}: {worst['weight_s']:.2f} s × {worst['recency']:.2f} = "
         f"{worst['saliency_s']:.2f} s."
+    )
+
+
+def describe_read(result: Result, table: pd.DataFrame, letter: str) -> str:
+    """How many of the matches of a system have the truth's class, with the interval.
+
+    Parameters
+    ----------
+    table
+        `nvcore.tables.classes.classes_table`.
+    letter
+        "x" or "y".
+    """
+    who = letter.upper()
+    if not names_classes(result, dict(result.sides)[letter]):
+        return f"{who} names no classes."
+    right = read_share(table, letter)
+    if not right.n:
+        return f"{who}: – (no match has a class)."
+    matches = count_text(right.n, "match", "matches")
+    return (
+        f"{who}: {right.share:.1%} of {matches} right, 95 % interval {right.low:.1%} to "
+        f"{right.high:.1%} (Wilson; as if boxes were independent)."
     )

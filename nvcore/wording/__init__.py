@@ -16,9 +16,13 @@ from string import ascii_lowercase
 from typing import Final
 
 UNDEFINED: Final = "–"
+MOST_NAMED: Final = 5
+"""Names in an error; of the others it says how many there are."""
 ARROWS: Final = {"higher": " ↑", "lower": " ↓", "": ""}
 """Which way is better, as a label's suffix."""
 
+_SHORT_WORD: Final = 3
+"""Letters of words of a name, up to which nothing is taken for a misspelling of them."""
 _MARKUP: Final = re.compile(r"([\\`*_{}\[\]<>()#+.!|$~:&^=@-])")
 
 
@@ -150,14 +154,41 @@ def capitalised(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def listed(words: Sequence[str]) -> str:
-    """Words in a row: "alpha, IoU and midpoint"."""
+def listed(words: Sequence[str], *, most: int | None = None) -> str:
+    """Words in a row.
+
+    Parameters
+    ----------
+    most
+        So many are named, of the others how many they are; None: all.
+
+    Examples
+    --------
+    >>> listed(["alpha", "IoU", "midpoint"])
+    'alpha, IoU and midpoint'
+    >>> listed(["alpha", "IoU", "midpoint"], most=1)
+    'alpha and 2 more'
+    """
+    if most is not None and len(words) > most:
+        words = [*words[:most], f"{len(words) - most:,} more"]
     return "".join(words) if len(words) < 2 else f"{', '.join(words[:-1])} and {words[-1]}"
 
 
 def did_you_mean(name: str, names: Iterable[str], sentence: str) -> str:
-    """The closest name as a question, if one is close, and the sentence that names them all."""
-    close = get_close_matches(name, names, n=1)
+    """The closest name as a question, if one is close, and the sentence that names them all.
+
+    Names of several words (``trees_per_round``) are close by one of them, too.
+
+    Examples
+    --------
+    >>> did_you_mean("threes", ["trees_per_round", "threshold"], "there are two")
+    "did you mean 'trees_per_round'? There are two"
+    """
+    every = [*names]
+    words = [(word, known) for known in every for word in known.lower().split("_")]
+    known_as = {word: known for word, known in reversed(words) if len(word) > _SHORT_WORD}
+    known_as |= {known: known for known in every}
+    close = [known_as[text] for text in get_close_matches(name, known_as, n=1)]
     return f"did you mean {close[0]!r}? {capitalised(sentence)}" if close else sentence
 
 

@@ -1,12 +1,20 @@
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
+import pandas as pd
 import pytest
 from audit_comparison import N, codes, dataset, find, reported, with_left_out
 from builders import Box
+from inputs import drive, session_of
 
 from nvcore.auditing.cases import place
+from nvcore.auditing.rows import audit_left_out
 from nvcore.dataset import Dataset
+from nvcore.dataset.provenance import About, Provenance
 from nvcore.findings import Severity
+from nvcore.inputs.load import load
 
 
 def test_rows_without_numbers_or_area_are_an_error() -> None:
@@ -57,6 +65,36 @@ def test_rows_between_and_outside_sampled_frames_are_told_apart() -> None:
     made = with_left_out(sampled(), *rows)
     assert find(made, "between-sampled-frames").count == 2
     assert find(made, "frame-not-listed").count == 1
+
+
+def test_rows_of_frames_that_were_not_given_are_a_note(tmp_path: Path) -> None:
+    session = session_of(drive(tmp_path), frames="0:18")
+    found = {finding.subject: finding for finding in audit_left_out(load(session))}
+    assert {finding.code for finding in found.values()} == {"left-out-by-choice"}
+    assert {name: finding.count for name, finding in found.items()} == {
+        "truth": 2,
+        "fir": 2,
+        "nir": 1,
+    }
+    assert "not among those given" in found["truth"].message
+
+
+def test_given_frames_beside_those_of_the_truth_are_a_warning(tmp_path: Path) -> None:
+    shifted = load(session_of(drive(tmp_path), frames="1:20"))
+    codes_found = {finding.code for finding in audit_left_out(shifted)}
+    assert codes_found == {"frame-not-listed"}
+
+
+def test_the_record_of_a_run_knows_its_frames(tmp_path: Path) -> None:
+    about = About("icf", "ICF", ("pedestrian",), {}, "f")
+    made = load(session_of(drive(tmp_path), frames="5:9"))
+    later = [{"recording": "urban", "frame": 40, "file": 1, "line": 1, "subject": "fir",
+              "reason": "frame not listed"}]  # fmt: skip
+    made = replace(made, left_out=pd.DataFrame(later))
+    assert [finding.code for finding in audit_left_out(made)] == ["frame-not-listed"]
+    record = Provenance(about, frames={"urban": ((0, 99),)})
+    made = replace(made, provenance={"fir": record})
+    assert [finding.code for finding in audit_left_out(made)] == ["left-out-by-choice"]
 
 
 def test_an_unknown_recording_is_a_warning_that_names_the_known_ones() -> None:

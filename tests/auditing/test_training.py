@@ -109,9 +109,13 @@ def test_a_record_of_other_files_is_said():
     data = dataset(files={"x.csv": "aa"})
     inputs = pd.DataFrame({"subject": ["x"], "file": ["x.csv"], "sha256": ["aa"]})
     assert codes_and_counts(replace(data, inputs=inputs)) == []
-    assert codes_and_counts(replace(data, inputs=inputs.assign(sha256="bb"))) == [
-        ("warning", "other-provenance", 1)
-    ]
+    changed = only_finding(replace(data, inputs=inputs.assign(sha256="bb")))
+    assert (changed.code, changed.count, changed.file) == ("other-provenance", 1, "x.csv")
+    several = {"subject": "x", "file": ["a.csv", "b.csv", "c.csv"], "sha256": ["aa", "bb", "cc"]}
+    data = dataset(files={"a.csv": "aa", "b.csv": "changed", "c.csv": "cc"})
+    changed = only_finding(replace(data, inputs=pd.DataFrame(several)))
+    assert changed.file == "b.csv"
+    assert "(1 of 3 files: b.csv)" in changed.message
 
 
 @pytest.mark.parametrize("new", ["x", "ICF 2"])

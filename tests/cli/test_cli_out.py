@@ -73,7 +73,7 @@ def test_check_and_gate_write_over_no_input_and_into_no_folder_of_inputs(folder:
     before = content(folder)
     ran = nvcore("check", *given, "--out", folder)
     assert ran.exit_code == 2
-    assert "findings.csv is an input, and would be replaced" in ran.stderr
+    assert "findings.csv: is an input, and would be replaced" in ran.stderr
     assert content(folder) == before
     drives = mot_layout(folder.parent / "drives")
     before = content(drives)
@@ -118,7 +118,7 @@ def test_plan_writes_what_json_prints(tmp_path: Path):
 
 @pytest.mark.parametrize(
     ("name", "words"),
-    [("plan.txt", "expected a file that ends in .json"), ("truth.json", "truth.json is an input")],
+    [("plan.txt", "expected a file that ends in .json"), ("truth.json", "truth.json: is an input")],
 )
 def test_a_plan_replaces_no_input(folder: Path, name: str, words: str):
     (folder / "truth.csv").rename(folder / "truth.json")

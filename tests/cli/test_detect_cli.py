@@ -54,6 +54,19 @@ def test_the_same_run_gives_the_same_files(tmp_path: Path, blobs: Path):
     assert files[0].count(b"\n") > 1
 
 
+def test_size_and_frame_rate_are_asked_of_the_recordings_that_are_run(tmp_path: Path, blobs: Path):
+    session = tmp_path / "session.toml"
+    text = SAMPLE.read_text().replace('path = "', f'path = "{SAMPLE.parent}/')
+    text = text.replace('pictures = "', f'pictures = "{SAMPLE.parent}/')
+    lines = [line for line in text.splitlines() if not line.startswith(("size", "fps"))]
+    session.write_text("\n".join(lines))
+    run = ("detect", session, "--detector", blobs, *PART, "--out", tmp_path / "out")
+    refused = nvcore(*run)
+    assert refused.exit_code == 2
+    assert "The pictures" in refused.stderr
+    assert nvcore(*run, "--size", "640x480", "--fps", "20").exit_code == 0
+
+
 def test_what_it_was_trained_on_fails_the_gate(tmp_path: Path, blobs: Path):
     out = tmp_path / "out"
     trained = ("--trained-on", "urban_crossing=:55", "--trained-on", "elsewhere")
@@ -182,3 +195,14 @@ def test_progress_on_a_terminal_says_what_is_left(monkeypatch: pytest.MonkeyPatc
             progress(done / 2, f"night: {done} of 2 pictures, {2 - done} s left")
     assert "night: 1 of 2 pictures, 1 s left" in terminal.getvalue()
     assert "100%" in terminal.getvalue()
+
+
+def test_progress_that_is_stopped_stays_where_it_was(monkeypatch: pytest.MonkeyPatch):
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    progress = ShareProgress()
+    progress.__enter__()
+    progress(0.5, "night: 1 of 2 pictures")
+    progress.__exit__(KeyboardInterrupt, None, None)
+    assert " 50%" in terminal.getvalue()
+    assert "100%" not in terminal.getvalue()

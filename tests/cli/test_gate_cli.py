@@ -219,7 +219,7 @@ def test_no_input_is_written_over(folder: Path, name: str):
         given = [folder / "session.toml", "--rules", folder / "rules.txt", flag, f"{folder}/{name}"]
         ran = nvcore("gate", *given)
         assert ran.exit_code == 2
-        assert f"{name} is an input, and would be replaced; give another file" in ran.stderr
+        assert f"{name}: is an input, and would be replaced; give another file" in ran.stderr
         assert kept(folder) == before
 
 
@@ -250,5 +250,5 @@ def test_compare_and_report_write_over_no_input(folder: Path):
         given[given.index(str(folder / "truth.csv"))] = folder / truth
         ran = nvcore(command, *given)
         assert ran.exit_code == 2, ran.output
-        assert f"{truth} is an input, and would be replaced" in ran.stderr
+        assert f"{truth}: is an input, and would be replaced" in ran.stderr
     assert kept(folder) == before

@@ -28,6 +28,38 @@ def test_a_dataset_is_run_and_compared(tmp_path: Path, blobs: Path):
     assert result.dataset.recordings["name"].tolist() == ["odd_pose"]
 
 
+def test_what_was_run_is_printed_as_the_command_prints_it(tmp_path: Path, blobs: Path):
+    trained_on = ("odd_pose=:99", "elsewhere")
+    part = {"only": "odd_pose", "frames": range(60, 39, -10), "n_threads": 1}
+    written = nv.detect(SAMPLE, blobs, tmp_path / "out", trained_on=trained_on, **part)
+    n_boxes = written.run.n_boxes
+    assert repr(written) == f"<WrittenRun of blobs: {tmp_path}/out/session.toml>"
+    assert repr(written.run.recordings[0]).startswith("<RecordingRun of odd_pose: ")
+    lines = str(written).splitlines()
+    assert lines[0].startswith(f"{n_boxes} boxes in 3 pictures of 1 recording, in ")
+    assert lines[1] == "trained on: odd_pose, frames :99; elsewhere"
+    assert lines[2] == f"written to {tmp_path}/out as blobs"
+    with pytest.raises(nv.NvcoreError, match="expected a recording, or frames of it as odd_pose="):
+        nv.detect(SAMPLE, blobs, tmp_path / "out", trained_on="odd_pose=0-99")
+    with pytest.raises(nv.NvcoreError, match="loaded already: give frames= to load"):
+        nv.detect(nv.load(SAMPLE), blobs, tmp_path / "out", frames=":99")
+
+
+def test_frames_without_a_picture_are_said_with_the_pictures_there_are(tmp_path: Path, blobs: Path):
+    with pytest.raises(
+        nv.NvcoreError, match=r"\(300 pictures in odd_pose.mp4\)\. By .* odd_pose has"
+    ):
+        nv.detect(SAMPLE, blobs, tmp_path / "out", only="odd_pose", frames="900:910")
+
+
+def test_scores_of_a_detector_that_was_run_here_are_on_its_own_scale(tmp_path: Path):
+    run = {"settings": {"scale_step": 1.3, "hit_threshold": -1}, "frames": "40:42"}
+    written = nv.detect(SAMPLE, "hog:daimler", tmp_path / "out", only="urban_crossing", **run)
+    assert min(part.boxes["score"].min() for part in written.run.recordings) < 0
+    findings = nv.audit(written.session)
+    assert not [finding for finding in findings if finding.code == "unusual-scores"]
+
+
 def test_a_session_is_as_good(tmp_path: Path, blobs: Path):
     session = nv.read_session(SAMPLE)
     written = nv.detect(session, blobs, tmp_path / "out", name="Blobs", only=["odd_pose"])

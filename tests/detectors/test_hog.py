@@ -86,7 +86,8 @@ def test_a_picture_smaller_than_the_window_has_nobody():
     ("settings", "words"),
     [
         ({"strides": 8}, "there is no setting 'strides'; did you mean 'stride'?"),
-        ({"stride": 12}, "stride: expected a multiple of 8, found 12"),
+        ({"stride": 7}, r"stride: expected one of 8, 16, 24"),
+        ({"stride": 12}, r"stride: expected one of 8, 16, 24 \.\.\. 64, found 12"),
         ({"stride": "8.5"}, "stride: expected a whole number, found '8.5'"),
         ({"overlap": 2}, "overlap: expected 0 to 1, found 2"),
         ({"overlap": "nan"}, "overlap: expected a number, found 'nan'"),

@@ -51,9 +51,12 @@ def test_a_misspelt_name_gets_a_proposal():
     ("settings", "words"),
     [
         ({"stride": 0}, "stride: expected 1 to 256, got 0"),
-        ({"scales": "2,1"}, "scales: expected 1 to 64 ascending ones"),
-        ({"features": 7}, "features: not a setting that a trained model can be run with"),
-        ({"strid": 7}, "strid: not a setting"),
+        (
+            {"scales": "2,1"},
+            "scales: expected 1 to 64 of them, ascending, such as 1, 1.1, 1.2; got 2, 1",
+        ),
+        ({"features": 7}, "features: fixed by the training; of a run there are cascade"),
+        ({"strid": 7}, "there is no setting 'strid'; did you mean 'stride'"),
     ],
 )
 def test_a_setting_that_a_model_cannot_have_is_an_error_of_the_detector(settings: dict, words: str):

@@ -16,9 +16,10 @@ from picture_files import number_in, numbered, write_numbered_video, write_pictu
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About
 from nvcore.detectors.base import Detections
-from nvcore.detectors.run import expect, run_detector
+from nvcore.detectors.run import run_detector
 from nvcore.detectors.suppression import sorted_detections
 from nvcore.detectors.threads import threads_for_a_picture
+from nvcore.detectors.timing import expect
 from nvcore.errors import DetectorError, InputError
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
@@ -124,7 +125,7 @@ def test_no_picture_at_all_is_an_error(place: Path):
     place.write_text(text.replace("night.mp4", "gone.mp4"))
     for function in (run_detector, lambda *inputs: expect(inputs[0], *inputs[2:])):
         dataset, pictures = opened(place)
-        with pytest.raises(InputError, match=r"no evaluated frame has a picture; .*there is no"):
+        with pytest.raises(InputError, match=r"has a picture; .*\. gone.mp4: there is no"):
             function(Numbers(), dataset, pictures)
 
 

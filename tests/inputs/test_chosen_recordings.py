@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from inputs import drive, flags, nvcore, session_of, write
 
-from nvcore.errors import InputError, SessionError
+from nvcore.errors import InputError, MissingFactError, SessionError
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.inputs.session_toml import read_session, write_session
@@ -32,6 +32,27 @@ def test_only_the_recordings_with_the_sessions_tags_are_loaded(tmp_path: Path):
 def test_only_the_named_recordings_are_loaded(tmp_path: Path):
     dataset = load(tagged_drive(tmp_path, only=("urban",)))
     assert dataset.recordings["name"].tolist() == ["urban"]
+
+
+def test_facts_of_recordings_that_are_left_out_may_be_unknown(tmp_path: Path):
+    facts = (RecordingEntry("urban", fps=10, title="Town"), RecordingEntry("rural"))
+    session = replace(session_of(drive(tmp_path), recordings=facts), fps=None)
+    for name in ("urban", "Town"):
+        dataset = load(replace(session, only=name))
+        assert dataset.recordings["name"].tolist() == ["Town"]
+    with pytest.raises(MissingFactError, match="the frame rate of recording 'rural' is not in"):
+        load(session)
+
+
+def test_frames_without_an_end_go_to_that_of_each_recording(tmp_path: Path):
+    session = tagged_drive(tmp_path)
+    n_frames = len(load(session).frames)
+    assert len(load(replace(session, frames="2:")).frames) == n_frames - 4
+    assert load(replace(session, frames=":")).fingerprint == load(session).fingerprint
+    with pytest.raises(
+        InputError, match="no frame is in '900:': urban and rural have frames 0 to 19"
+    ):
+        load(replace(session, frames="900:"))
 
 
 def test_facts_of_one_recording_are_not_taken_for_the_only_one_left(tmp_path: Path):

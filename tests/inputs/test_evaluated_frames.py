@@ -13,7 +13,13 @@ from inputs import write
 
 from nvcore.errors import FormatError, InputError, MissingFactError
 from nvcore.inputs import evaluated_frames
-from nvcore.inputs.evaluated_frames import MIN_SAMPLED, infer_frames, nth, parse_frames
+from nvcore.inputs.evaluated_frames import (
+    MIN_SAMPLED,
+    frames_there,
+    infer_frames,
+    nth,
+    parse_frames,
+)
 from nvcore.inputs.facts import is_frame_range
 
 HERE = Path()
@@ -31,6 +37,35 @@ HERE = Path()
 )
 def test_a_range_includes_its_last_frame(text: str, expected: list[int]):
     assert parse_frames(text, HERE).tolist() == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (":12", [10, 11, 12]),
+        ("13:", [13, 14]),
+        ("11::2", [11, 13]),
+        (":", [10, 11, 12, 13, 14]),
+        ("20:", []),
+        ("9:11", [9, 10, 11]),
+    ],
+)
+def test_a_missing_end_is_that_of_the_recording(text: str, expected: list[int]):
+    assert parse_frames(text, HERE, np.arange(10, 15)).tolist() == expected
+
+
+def test_without_a_recording_both_ends_are_needed():
+    with pytest.raises(InputError, match="frames ':12': expected both ends here"):
+        parse_frames(":12", HERE)
+
+
+def test_frames_that_are_there_are_said_of_all_or_of_a_few():
+    same = {name: np.arange(10, 15) for name in "abcdefgh"}
+    assert frames_there(same) == "a, b, c, d, e and 3 more have frames 10 to 14"
+    assert frames_there({**same, "i": np.arange(3)}).endswith("10 to 14 and i has frames 0 to 2")
+    many = {name: np.arange(place) for place, name in enumerate("abcdefgh", 1)}
+    assert frames_there(many).startswith("a has frames 0 to 0, b has frames 0 to 1, ")
+    assert frames_there(many).endswith("e has frames 0 to 4 and 3 more")
 
 
 @pytest.mark.parametrize(
@@ -119,7 +154,7 @@ def test_every_annotated_frame_is_evaluated(annotated: set[int]):
     assert (frames[0], frames[-1]) == (min(annotated), max(annotated))
 
 
-@pytest.mark.parametrize("text", ["frames.txt", "0:", "1:2:3:4", "0:x", "1" * 20 + ":2"])
+@pytest.mark.parametrize("text", ["frames.txt", "0", "1:2:3:4", "0:x", "1" * 20 + ":2"])
 def test_other_texts_are_names_of_files(text: str):
     assert not is_frame_range(text)
 

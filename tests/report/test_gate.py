@@ -146,7 +146,7 @@ def test_the_rules_to_copy_from_the_page_can_be_judged():
     (example,) = re.findall(r"^```ini\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
     rules, problems = read_rules((("", line) for line in example.splitlines()), measure_names())
     assert problems == []
-    assert len(rules) == 6
+    assert len(rules) == 7
 
 
 @pytest.mark.parametrize(

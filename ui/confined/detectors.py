@@ -83,7 +83,7 @@ class Inside:
 
 
 @dataclass(frozen=True)
-class Described:
+class DetectorFacts:
     """What a detector is, and what is inside of an ICF model; None: it is another."""
 
     about: About
@@ -141,13 +141,13 @@ def _detect(spec: DetectorSpec, picture: Picture) -> Detections:
     return _detector(spec).detect(picture)
 
 
-def describe(spec: DetectorSpec) -> Described:
+def describe(spec: DetectorSpec) -> DetectorFacts:
     """What the detector is."""
     about = _detector(spec).about
     if about.kind != "icf":
-        return Described(about, None)
+        return DetectorFacts(about, None)
     model = _model(spec)
-    return Described(
+    return DetectorFacts(
         about,
         Inside(
             settings=model.settings,

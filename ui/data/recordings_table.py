@@ -9,9 +9,9 @@ from typing import Final
 
 import streamlit as st
 
-from nvcore.inputs.recordings import MOST_NAMED, no_such_recording
+from nvcore.inputs.recordings import no_such_recording
 from nvcore.inputs.session import RecordingEntry, RecordingsFile
-from nvcore.wording import count_text, listed
+from nvcore.wording import MOST_NAMED, count_text, listed
 from ui.confined.reading import recordings_confined
 from ui.data.file_check import read_unless_known
 from ui.session.uploads import safe_name
@@ -132,10 +132,9 @@ def _draw_missing(table: RecordingsTable, pictures: Iterable[str] | None) -> Non
     sent = {*pictures}  # under safe names
     missing = sorted(name for name in names if not {name, safe_name(name)} & sent)
     if missing:
-        more = f" and {len(missing) - MOST_NAMED:,} more" if len(missing) > MOST_NAMED else ""
         st.warning(
             "The table names pictures that were not sent: "
-            f"{plain(', '.join(missing[:MOST_NAMED]))}{more}. Send them under “Pictures”; the "
+            f"{plain(listed(missing, most=MOST_NAMED))}. Send them under “Pictures”; the "
             "numbers need none.",
             icon=":material/warning:",
         )

@@ -16,7 +16,7 @@ from streamlit.runtime.uploaded_file_manager import UploadedFile
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session, Source, SystemSource
-from nvcore.wording import listed
+from nvcore.wording import MOST_NAMED, listed
 from nvcore.wording.objects import Objects
 from ui.data.file_check import FileCheck, check_files, draw_file_check
 from ui.data.form import Form, finish_form, forget_outcome
@@ -45,7 +45,6 @@ from ui.widgets.upload import upload_pictures
 PLACE: Final = "upload"
 LABEL: Final = "Uploaded files"
 MOST_SYSTEMS: Final = 20
-MOST_NAMED: Final = 5
 _STORED: Final = "upload_stored"
 _CHOSEN: Final = "upload_chosen"
 _OPENED: Final = "upload_opened"
@@ -152,8 +151,7 @@ def _tell_lost(space: Workspace, fields: Sequence[_Field]) -> None:
         space.notes.pop(_CHOSEN, None)
     elif lost := space.notes.get(_CHOSEN):
         st.info(
-            f"Before this page was loaded again, {plain(listed(lost[:MOST_NAMED]))}"
-            f"{f' and {len(lost) - MOST_NAMED} more' if len(lost) > MOST_NAMED else ''} "
+            f"Before this page was loaded again, {plain(listed(lost, most=MOST_NAMED))} "
             f"{'was' if len(lost) == 1 else 'were'} chosen here and not opened yet: choose again.",
             icon=":material/refresh:",
         )

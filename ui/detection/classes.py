@@ -6,8 +6,8 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.figures.classes import classes_plot
-from nvcore.tables.classes import classes_table, has_classes, names_classes, read_share
-from nvcore.wording import count_text
+from nvcore.report.words import describe_read
+from nvcore.tables.classes import classes_table, has_classes, names_classes
 from ui.session import state
 from ui.widgets.charts import draw_chart
 from ui.widgets.text import docs_link, plain
@@ -29,17 +29,7 @@ def draw(result: Result) -> None:
     table = classes_table(result)
     for place, (letter, system) in zip(st.columns(2), result.sides, strict=True):
         with place:
-            if not names_classes(result, system):
-                st.caption(plain(f"{letter.upper()} names no classes."))
-                continue
-            figure = classes_plot(table, letter, system.name, theme=state.theme())
-            draw_chart(figure, f"classes_{letter}")
-            right = read_share(table, letter)
-            if not right.n:
-                st.caption(f"{letter.upper()}: – (no match has a class).")
-                continue
-            matches = count_text(right.n, "match", "matches")
-            st.caption(
-                f"{letter.upper()}: {right.share:.1%} of {matches} right, 95 % interval "
-                f"{right.low:.1%} to {right.high:.1%} (Wilson; as if boxes were independent)."
-            )
+            if names_classes(result, system):
+                figure = classes_plot(table, letter, system.name, theme=state.theme())
+                draw_chart(figure, f"classes_{letter}")
+            st.caption(plain(describe_read(result, table, letter)))

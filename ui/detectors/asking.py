@@ -16,7 +16,7 @@ from nvcore.detectors.base import Detections
 from nvcore.errors import MediaError
 from nvcore.palette import Scheme, scheme_for
 from nvcore.pictures import Picture
-from ui.confined.detectors import Described, DetectorSpec, describe, find
+from ui.confined.detectors import DetectorFacts, DetectorSpec, describe, find
 from ui.session import state
 
 T = TypeVar("T")
@@ -57,7 +57,7 @@ def ask(
     return space.cached(f"detector_{kind}", (spec, key), make, most=most)
 
 
-def described(spec: DetectorSpec) -> Described:
+def described(spec: DetectorSpec) -> DetectorFacts:
     """What the detector is; errors as `ask`."""
     return ask("about", describe, spec, key=None)
 

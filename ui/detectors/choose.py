@@ -13,9 +13,8 @@ from streamlit.runtime.uploaded_file_manager import UploadedFile
 from nvcore.detectors.icf.model_file import MAX_BYTES
 from nvcore.detectors.registry import DETECTORS, kind_of_file
 from nvcore.errors import DetectorError, NvcoreError
-from nvcore.report.detectors import trained_on_text
 from nvcore.wording import count_text, listed, shortened
-from ui.confined.detectors import Described, DetectorSpec
+from ui.confined.detectors import DetectorFacts, DetectorSpec
 from ui.detectors.asking import described
 from ui.session import state
 from ui.session.local_files import LocalRoot, local_root
@@ -84,7 +83,7 @@ def _usual() -> str:
     return usual
 
 
-def checked(spec: DetectorSpec) -> Described | None:
+def checked(spec: DetectorSpec) -> DetectorFacts | None:
     """What the detector is; None: it cannot be used, and why is said."""
     try:
         return described(spec)
@@ -192,7 +191,7 @@ def _stored(file: UploadedFile) -> SentModel:
     return SentModel(path, path.name, hashlib.sha256(content).hexdigest()[:12])
 
 
-def _draw_about(what: Described) -> None:
+def _draw_about(what: DetectorFacts) -> None:
     """What it detects, what it was trained on, by which digits it is known."""
     about, inside = what.about, what.inside
     parts = [f"Detects {plain(listed([*about.labels]))}."]
@@ -203,7 +202,7 @@ def _draw_about(what: Described) -> None:
             f"trained on {inside.n_objects:,} windows of objects and {inside.n_background:,} of "
             "background."
         )
-    trained_on = "; ".join(trained_on_text(part) for part in about.trained_on)
+    trained_on = "; ".join(map(str, about.trained_on))
     if trained_on:
         parts.append(f"Trained on: {plain(shortened(trained_on, 300))}.")
         names = state.recording_names()

@@ -16,14 +16,14 @@ import streamlit as st
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About, TrainedOn
 from nvcore.detectors.registry import DETECTORS
-from nvcore.detectors.run import Expectation, expect, run_detector
+from nvcore.detectors.run import run_detector
+from nvcore.detectors.timing import Expectation, expect
 from nvcore.detectors.writing import WrittenRun, write_detections
 from nvcore.errors import NvcoreError
 from nvcore.inputs.session import Session
 from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress
-from nvcore.report.detectors import render_expectation, render_run
-from ui.confined.detectors import ConfinedDetector, Described, DetectorSpec
+from ui.confined.detectors import ConfinedDetector, DetectorFacts, DetectorSpec
 from ui.detectors.asking import described
 from ui.detectors.trial import Levels, levels_of
 from ui.jobs.background import BackgroundJob, JobState, while_open
@@ -80,7 +80,7 @@ class RunJob(BackgroundJob[WrittenRun]):
             shutil.rmtree(self.folder, ignore_errors=True)
 
 
-def draw(spec: DetectorSpec, what: Described) -> None:
+def draw(spec: DetectorSpec, what: DetectorFacts) -> None:
     """Which recordings, how long that will take, the run, and the way to its comparison."""
     st.header("Run it over the recordings")
     chosen = _choose_recordings()
@@ -164,7 +164,7 @@ def _draw_start(key: RunKey, about: About, levels: Levels, *, is_busy: bool) -> 
             st.button("Try again", key="drop_timing", on_click=_drop_timing)
         return
     assert timing.output is not None
-    st.markdown(f"**{plain(render_expectation(timing.output, len(key.recordings)))}**")
+    st.markdown(f"**{plain(str(timing.output))}**")
     if (
         st.button(
             "Run the detector",
@@ -286,7 +286,7 @@ def _draw_done(job: RunJob) -> None:
     """What came out, the button that compares it, and the files."""
     written = job.output
     assert written is not None
-    first, *others = render_run(written.run).splitlines()
+    first, *others = str(written.run).splitlines()
     st.success(f"**{plain(written.name)}**: {plain(first)}.", icon=":material/check_circle:")
     if others:
         st.warning(plain(" ".join(others)), icon=":material/warning:")

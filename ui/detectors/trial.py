@@ -16,7 +16,7 @@ from nvcore.figures.detectors.boxes import boxes_plot
 from nvcore.figures.style import plain
 from nvcore.pictures import Picture
 from nvcore.wording import count_text, minus
-from ui.confined.detectors import Described, DetectorSpec
+from ui.confined.detectors import DetectorFacts, DetectorSpec
 from ui.detectors import asking
 from ui.session import state
 from ui.widgets.charts import clicked_chart
@@ -38,7 +38,7 @@ class Levels:
     overlap: float
 
 
-def levels_of(spec: DetectorSpec, what: Described) -> Levels:
+def levels_of(spec: DetectorSpec, what: DetectorFacts) -> Levels:
     """Threshold and overlap as they are set; at first the detector's own."""
     levels: dict[str, Levels] = st.session_state.setdefault(LEVELS, {})
     overlap = what.about.settings["overlap"]
@@ -55,7 +55,7 @@ def chosen_box(spec: DetectorSpec, boxes: Detections) -> int | None:
 
 
 @st.fragment
-def draw(spec: DetectorSpec, what: Described, picture: Picture) -> None:
+def draw(spec: DetectorSpec, what: DetectorFacts, picture: Picture) -> None:
     """The picture with the boxes, beside the controls; a click chooses a box."""
     boxes = asking.found(spec, picture)
     left, right = st.columns([3, 1], gap="medium")
@@ -72,7 +72,7 @@ def draw(spec: DetectorSpec, what: Described, picture: Picture) -> None:
         st.rerun()
 
 
-def _draw_levels(spec: DetectorSpec, what: Described, boxes: Detections) -> Levels:
+def _draw_levels(spec: DetectorSpec, what: DetectorFacts, boxes: Detections) -> Levels:
     """The two sliders, at what was set for this detector."""
     before = levels_of(spec, what)
     ends = np.append(boxes.score, before.threshold)
@@ -126,7 +126,7 @@ def _draw_numbers(boxes: Detections, is_counting: np.ndarray, levels: Levels) ->
 
 def _draw_boxes(
     spec: DetectorSpec,
-    what: Described,
+    what: DetectorFacts,
     picture: Picture,
     boxes: Detections,
     is_counting: np.ndarray,

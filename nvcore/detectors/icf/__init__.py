@@ -20,6 +20,7 @@ from nvcore.detectors.icf.model_file import read_file, to_bytes
 from nvcore.detectors.icf.settings import AS_IN_REPORT, PEDESTRIANS, SIGNS, IcfSettings
 from nvcore.detectors.icf.training import train
 from nvcore.detectors.icf.windows import Scene
+from nvcore.output.files import write_whole
 
 __all__ = [
     "AS_IN_REPORT",
@@ -47,5 +48,11 @@ def read_model(path: Path) -> IcfDetector:
 
 
 def write_model(model: IcfModel, path: Path) -> None:
-    """Write a model to a file, which by custom ends in ``.npz``."""
-    path.write_bytes(to_bytes(model))
+    """Write a model to a file, which by custom ends in ``.npz``: it is whole, or as it was before.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written.
+    """
+    write_whole(path, to_bytes(model))

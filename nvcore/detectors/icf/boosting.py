@@ -61,7 +61,7 @@ class Trees:
 
 
 @dataclass(frozen=True, eq=False)
-class Boosted:
+class BoostingRound:
     """What a round of boosting gave.
 
     Attributes
@@ -104,7 +104,7 @@ def boost(
     patience: int | None = None,
     seed: int = 0,
     progress: Progress = no_progress,
-) -> Boosted:
+) -> BoostingRound:
     """Discrete AdaBoost over trees of depth 2.
 
     Each tree is grown node by node: the split whose sides differ most in signed weight. Then
@@ -124,7 +124,7 @@ def boost(
 
     Returns
     -------
-    Boosted
+    BoostingRound
         Fewer trees where one makes no error and the next would be the same, or where none is
         better than chance.
 
@@ -167,7 +167,7 @@ def boost(
     splits = np.array(nodes, np.int64).reshape(-1, 3, 2)
     feature, cut = splits[..., 0], splits[..., 1]
     trees = Trees(feature.astype(np.int32), edges[feature, cut], np.array(leaves).reshape(-1, 4))
-    return Boosted(trees, np.array(error))
+    return BoostingRound(trees, np.array(error))
 
 
 def _surest(weights: NDArray[np.float64]) -> float:

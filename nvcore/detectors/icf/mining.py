@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.detectors.icf.boosting import Boosted
+from nvcore.detectors.icf.boosting import BoostingRound
 from nvcore.detectors.icf.cascade import Calibration, calibrate
 from nvcore.detectors.icf.channels import plane_names
 from nvcore.detectors.icf.detector import IcfDetector, ScoreMap
@@ -40,9 +40,9 @@ class Task:
     is_colour: bool
     seed: int
 
-    def model(self, boosted: Boosted, calibration: Calibration) -> IcfModel:
+    def model(self, boosting: BoostingRound, calibration: Calibration) -> IcfModel:
         """A model of these trees, without a name, to look for hard background."""
-        boosted, kept = _only_used(boosted)
+        boosting, used = _only_used(boosting)
         return IcfModel(
             name="in training",
             label="object",
@@ -56,12 +56,12 @@ class Task:
                 proposals="none",
             ),
             is_colour=self.is_colour,
-            features=self.features[kept],
-            trees=boosted.trees,
+            features=self.features[used],
+            trees=boosting.trees,
             calibration=calibration,
             powers=np.zeros(len(plane_names(self.settings, self.is_colour))),
-            error=boosted.error,
-            round_ends=np.array([len(boosted.error)], np.int32),
+            error=boosting.error,
+            round_ends=np.array([len(boosting.error)], np.int32),
             n_objects=0,
             n_background=0,
             seed=self.seed,
@@ -69,7 +69,7 @@ class Task:
 
 
 def mine(
-    task: Task, boosted: Boosted, objects: NDArray[np.int32], progress: Progress
+    task: Task, boosting: BoostingRound, objects: NDArray[np.int32], progress: Progress
 ) -> NDArray[np.int32]:
     """Background that the trees take for objects: the most confident windows that are found.
 
@@ -86,10 +86,10 @@ def mine(
     -------
     Feature values, int32, (n, n_features); n is at most `negatives_per_round`.
     """
-    calibration = calibrate(boosted.trees.running_sums(objects), _PASSING)
-    detector = IcfDetector(task.model(boosted, calibration))
+    calibration = calibrate(boosting.trees.running_sums(objects), _PASSING)
+    detector = IcfDetector(task.model(boosting, calibration))
     most = task.settings.negatives_per_round
-    rng = np.random.default_rng([task.seed, len(boosted.trees)])
+    rng = np.random.default_rng([task.seed, len(boosting.trees)])
     order = rng.permutation(np.array(task.backgrounds, np.int64))
     each = max(10, most // 40, -(-2 * most // max(len(order), 1)))
     windows = [_nothing(task)]
@@ -157,8 +157,8 @@ def _hardest(detector: IcfDetector, scene: Scene, task: Task, most: int) -> _Har
     return whole.at(_differing(whole.boxes, whole.score, most))
 
 
-def _only_used(boosted: Boosted) -> tuple[Boosted, NDArray[np.int64]]:
+def _only_used(boosting: BoostingRound) -> tuple[BoostingRound, NDArray[np.int64]]:
     """The trees with their features renumbered, and which of the pool these are."""
-    kept, index = np.unique(boosted.trees.feature, return_inverse=True)
-    feature = index.reshape(boosted.trees.feature.shape).astype(np.int32)
-    return replace(boosted, trees=replace(boosted.trees, feature=feature)), kept.astype(np.int64)
+    used, index = np.unique(boosting.trees.feature, return_inverse=True)
+    feature = index.reshape(boosting.trees.feature.shape).astype(np.int32)
+    return replace(boosting, trees=replace(boosting.trees, feature=feature)), used.astype(np.int64)

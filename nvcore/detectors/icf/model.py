@@ -18,9 +18,10 @@ from nvcore.detectors.icf.features import Features
 from nvcore.detectors.icf.regions import EVERYWHERE, Band
 from nvcore.detectors.icf.settings import OF_A_RUN, IcfSettings
 from nvcore.errors import ParameterError
+from nvcore.wording import count_text, did_you_mean, listed, one_line
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class IcfModel:
     """A trained model.
 
@@ -82,6 +83,22 @@ class IcfModel:
         """Name of each channel that the features count in."""
         return plane_names(self.settings, self.is_colour)
 
+    def __repr__(self) -> str:
+        return (
+            f"<IcfModel {one_line(self.name)}: {count_text(len(self.trees), 'tree')}, "
+            f"{count_text(len(self.features), 'feature')}, detects {one_line(listed(self.labels))}>"
+        )
+
+    def windows_in_words(self) -> list[str]:
+        """Windows of the training, and its error at the end of each round; a line each."""
+        lines = [f"windows: {self.n_objects:,} of objects, {self.n_background:,} of background"]
+        start = 0
+        for number, end in enumerate(self.round_ends.tolist(), 1):
+            trees = count_text(end - start, "tree")
+            lines.append(f"  round {number}: {trees}, training error {self.error[end - 1]:.2%}")
+            start = end
+        return lines
+
     def run_with(self, **changes: Any) -> IcfModel:
         """The same model with other settings of its runs.
 
@@ -90,10 +107,13 @@ class IcfModel:
         ParameterError
             If one is not a setting of a run (`OF_A_RUN`), or its value is not possible.
         """
-        odd = sorted(set(changes) - OF_A_RUN)
-        if odd:
+        known, odd = listed(sorted(OF_A_RUN)), sorted(set(changes) - OF_A_RUN)
+        fixed = [name for name in odd if hasattr(self.settings, name)]
+        if fixed:
             raise ParameterError(
-                f"{', '.join(odd)}: not a setting that a trained model can be run with otherwise; "
-                f"such are {', '.join(sorted(OF_A_RUN))}"
+                f"{listed(fixed)}: fixed by the training; of a run there are {known}"
             )
+        if odd:
+            hint = did_you_mean(odd[0], sorted(OF_A_RUN), f"of a run there are {known}")
+            raise ParameterError(f"there is no setting {odd[0]!r}; {hint}")
         return replace(self, settings=replace(self.settings, **changes))

@@ -9,7 +9,7 @@ from typing import Any, Final, Literal, get_args
 
 from nvcore.detection import scale_steps
 from nvcore.detectors.base import Setting
-from nvcore.detectors.settings import facts_of, setting
+from nvcore.detectors.settings import facts_of, setting, value_text
 from nvcore.detectors.suppression import OverlapOf
 from nvcore.errors import ParameterError
 
@@ -36,7 +36,7 @@ OF_A_RUN: Final = frozenset(
         "scales_between",
     )
 )
-"""Settings that a trained model may be run with otherwise; the others made it what it is."""
+"""Settings that each run of a trained model may choose; the others made it what it is."""
 MAX_WINDOW: Final = 256
 MAX_STRIDE: Final = 256
 MAX_SCALES: Final = 64
@@ -208,7 +208,9 @@ class IcfSettings:
             _check(spec, getattr(self, spec.name))
         for name in _WHOLE:
             if not all(isinstance(value, int) for value in _values(getattr(self, name))):
-                raise ParameterError(f"{name}: expected a whole number, got {getattr(self, name)}")
+                raise ParameterError(
+                    f"{name}: expected a whole number, got {value_text(getattr(self, name))}"
+                )
         _check_together(self)
 
     @property
@@ -275,11 +277,13 @@ def _values(value: Any) -> tuple[Any, ...]:
 def _check_channels(settings: IcfSettings) -> None:
     channels, known = settings.channels, get_args(ChannelSet)
     if not isinstance(channels, tuple):
-        raise ParameterError(f"channels: expected several values, got {channels}")
+        raise ParameterError(f"channels: expected several values, got {value_text(channels)}")
     if not channels or not all(channel in known for channel in channels):
-        raise ParameterError(f"channels: expected some of {', '.join(known)}, got {channels}")
+        raise ParameterError(
+            f"channels: expected some of {', '.join(known)}, got {value_text(channels)}"
+        )
     if len(set(channels)) < len(channels):
-        raise ParameterError(f"channels: each once, got {channels}")
+        raise ParameterError(f"channels: each once, got {value_text(channels)}")
 
 
 def _check(spec: Field[Any], value: Any) -> None:
@@ -288,11 +292,11 @@ def _check(spec: Field[Any], value: Any) -> None:
     is_choice = isinstance(value, str) and value in (facts.choices or {})
     if facts.choices and not is_choice:
         expected = ", ".join(facts.choices)
-        raise ParameterError(f"{spec.name}: expected one of {expected}, got {value!r}")
+        raise ParameterError(f"{spec.name}: expected one of {expected}, got {value_text(value)}")
     if isinstance(spec.default, bool) and not isinstance(value, bool):
-        raise ParameterError(f"{spec.name}: expected one of False, True, got {value!r}")
+        raise ParameterError(f"{spec.name}: expected yes or no, got {value_text(value)}")
     if isinstance(spec.default, tuple) and not isinstance(value, tuple):
-        raise ParameterError(f"{spec.name}: expected several values, got {value}")
+        raise ParameterError(f"{spec.name}: expected several values, got {value_text(value)}")
     if facts.low is None or facts.high is None or (value is None and spec.default is None):
         return
     for number in _values(value):
@@ -301,7 +305,7 @@ def _check(spec: Field[Any], value: Any) -> None:
 
 def _check_number(name: str, value: Any, low: float, high: float) -> None:
     if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
-        raise ParameterError(f"{name}: expected a number, got {value!r}")
+        raise ParameterError(f"{name}: expected a number, got {value_text(value)}")
     if not low <= value <= high:
         raise ParameterError(f"{name}: expected {low:g} to {high:g}, got {value:g}")
 
@@ -316,7 +320,10 @@ def _check_together(settings: IcfSettings) -> None:
     if s.least_area > s.window_width * s.window_height:
         raise ParameterError(f"least_area: no rectangle of {s.least_area} px² fits into the window")
     if not 1 <= len(s.scales) <= MAX_SCALES or list(s.scales) != sorted(set(s.scales)):
-        raise ParameterError(f"scales: expected 1 to {MAX_SCALES} ascending ones, got {s.scales}")
+        raise ParameterError(
+            f"scales: expected 1 to {MAX_SCALES} of them, ascending, such as 1, 1.1, 1.2; got "
+            f"{value_text(s.scales)}"
+        )
     if not 1 <= len(s.trees_per_round) <= 20:
         raise ParameterError("trees_per_round: expected 1 to 20 rounds")
     if len(s.region) % 2 or 0 < len(s.region) < 6:

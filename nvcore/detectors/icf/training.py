@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from nvcore.detectors.base import TrainedOn
 from nvcore.detectors.classifier import Classifier, train_classifier
-from nvcore.detectors.icf.boosting import Boosted, boost
+from nvcore.detectors.icf.boosting import BoostingRound, boost
 from nvcore.detectors.icf.cascade import Calibration, calibrate, lower
 from nvcore.detectors.icf.channels import check_picture, has_colour, plane_names
 from nvcore.detectors.icf.features import draw_features
@@ -22,6 +22,7 @@ from nvcore.detectors.icf.pyramid import scaling_powers
 from nvcore.detectors.icf.regions import Band, learn_band
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.detectors.icf.windows import (
+    LazyScenes,
     Scene,
     object_values,
     random_background,
@@ -75,9 +76,9 @@ def train(
     DetectorError
         If there is no object to learn or to calibrate on, or no background.
     """
-    scenes, held_out = _parted(scenes, held_out)
+    scenes, held_out = _split(scenes, held_out)
     reading, cutting = part_of(progress, 0.0, _READING), part_of(progress, _READING, _CUTTING)
-    survey = _surveyed(scenes, held_out, reading)
+    survey = _survey(scenes, held_out, reading)
     is_colour = survey.is_colour
     features = draw_features(settings, len(plane_names(settings, is_colour)), seed)
     task = Task(scenes, survey.backgrounds, settings, features, is_colour, seed)
@@ -88,7 +89,10 @@ def train(
         missing = "object" if not len(objects) else "background"
         raise DetectorError(f"a training needs windows of both kinds; there is no {missing}")
     if not len(unseen):
-        raise DetectorError("there is no object left to calibrate on: give more, or others")
+        raise DetectorError(
+            f"no object is left to calibrate the rejection on: there are {len(objects):,} windows "
+            "of objects to learn from, and none held out; at least one is needed"
+        )
     rounds, background = _rounds(task, objects, background, part_of(progress, _WINDOWS, 0.98))
     progress(0.98, "calibrating")
     return replace(
@@ -97,8 +101,8 @@ def train(
         label=label,
         settings=settings,
         powers=scaling_powers(_some_pictures(task), settings, is_colour),
-        error=np.concatenate([boosted.error for boosted in rounds]),
-        round_ends=np.cumsum([len(boosted.error) for boosted in rounds], dtype=np.int32),
+        error=np.concatenate([boosting.error for boosting in rounds]),
+        round_ends=np.cumsum([len(boosting.error) for boosting in rounds], dtype=np.int32),
         n_objects=len(objects),
         n_background=len(background),
         band=survey.band,
@@ -108,14 +112,17 @@ def train(
 
 
 def _calibration(
-    boosted: Boosted, objects: NDArray[np.int32], unseen: NDArray[np.int32], settings: IcfSettings
+    boosting: BoostingRound,
+    objects: NDArray[np.int32],
+    unseen: NDArray[np.int32],
+    settings: IcfSettings,
 ) -> Calibration:
     """What lets pass this share of the objects trained on, and of those held out by themselves.
 
     Boosting drives those trained on apart from the background: alone, they reject too early.
     """
     of_objects, of_unseen = (
-        calibrate(boosted.trees.running_sums(values), settings.kept_share, settings.slack)
+        calibrate(boosting.trees.running_sums(values), settings.kept_share, settings.slack)
         for values in (objects, unseen)
     )
     return lower(of_objects, of_unseen)
@@ -153,7 +160,7 @@ class _Survey:
     n_classes: int
 
 
-def _parted(
+def _split(
     scenes: Sequence[Scene], held_out: Sequence[Scene] | None
 ) -> tuple[Sequence[Scene], Sequence[Scene]]:
     """Scenes to train on, and those to calibrate on."""
@@ -162,22 +169,9 @@ def _parted(
     holding = [i for i in range(len(scenes)) if len(scenes[i].boxes)]
     out = set(holding[:: round(1 / HELD_OUT_SHARE)]) if len(holding) > 1 else set()
     return (
-        _Subset(scenes, [i for i in range(len(scenes)) if i not in out]),
-        _Subset(scenes, sorted(out)),
+        LazyScenes(scenes.__getitem__, [i for i in range(len(scenes)) if i not in out]),
+        LazyScenes(scenes.__getitem__, sorted(out)),
     )
-
-
-class _Subset(Sequence[Scene]):
-    """Some scenes of a sequence that reads them when asked."""
-
-    def __init__(self, scenes: Sequence[Scene], indices: Sequence[int]) -> None:
-        self._scenes, self._indices = scenes, indices
-
-    def __len__(self) -> int:
-        return len(self._indices)
-
-    def __getitem__(self, index: int) -> Scene:  # type: ignore[override]
-        return self._scenes[self._indices[index]]
 
 
 def _with_objects(scenes: Sequence[Scene], progress: Progress = no_progress) -> Iterator[Scene]:
@@ -188,7 +182,7 @@ def _with_objects(scenes: Sequence[Scene], progress: Progress = no_progress) -> 
             yield scene
 
 
-def _surveyed(scenes: Sequence[Scene], held_out: Sequence[Scene], progress: Progress) -> _Survey:
+def _survey(scenes: Sequence[Scene], held_out: Sequence[Scene], progress: Progress) -> _Survey:
     """Read everything once."""
     digest = hashlib.sha256()
     is_colour, any_colour = True, False
@@ -225,21 +219,21 @@ def _first_background(task: Task, progress: Progress) -> NDArray[np.int32]:
         progress(n / n_scenes, "background")
         rng = np.random.default_rng([task.seed, i])
         scene = task.scenes[i]
-        drawn = random_background(scene, task.settings, task.features, task.is_colour, each, rng)
-        values.append(drawn)
+        windows = random_background(scene, task.settings, task.features, task.is_colour, each, rng)
+        values.append(windows)
     return np.concatenate(values)
 
 
 def _rounds(
     task: Task, objects: NDArray[np.int32], background: NDArray[np.int32], progress: Progress
-) -> tuple[list[Boosted], NDArray[np.int32]]:
+) -> tuple[list[BoostingRound], NDArray[np.int32]]:
     """What each round gave, and the background of the last.
 
     Without hard background all rounds learn from the same windows, and only the last one counts.
     """
     settings = task.settings
     numbers = settings.trees_per_round if settings.negatives_per_round else ()
-    rounds: list[Boosted] = []
+    rounds: list[BoostingRound] = []
     ends = np.cumsum(np.array([0, *settings.trees_per_round]) + 200)
     shares = (ends - ends[0]) / (ends[-1] - ends[0])
     for i, n_trees in enumerate(numbers or settings.trees_per_round[-1:]):
@@ -249,7 +243,7 @@ def _rounds(
             start = _MINING
             hard = mine(task, rounds[-1], objects, part_of(of_round, 0.0, start))
             background = np.concatenate([background, hard])
-        boosted = boost(
+        boosting = boost(
             np.concatenate([objects, background]),
             np.arange(len(objects) + len(background)) < len(objects),
             n_trees=n_trees,
@@ -258,9 +252,9 @@ def _rounds(
             seed=task.seed + i,
             progress=part_of(of_round, start, 1.0),
         )
-        if not len(boosted.trees):
+        if not len(boosting.trees):
             raise DetectorError("no feature tells the objects from the background: check the boxes")
-        rounds.append(boosted)
+        rounds.append(boosting)
     return rounds, background
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -55,6 +55,27 @@ class Scene:
     ignored: NDArray[np.float64] = field(default_factory=lambda: NO_BOXES)
     has_background: bool = True
     labels: tuple[str, ...] = ()
+
+
+class LazyScenes(Sequence[Scene]):
+    """Scenes that are read whenever they are asked for.
+
+    Parameters
+    ----------
+    read
+        Number -> scene.
+    numbers
+        Of the scenes, in their order.
+    """
+
+    def __init__(self, read: Callable[[int], Scene], numbers: Sequence[int]) -> None:
+        self._read, self._numbers = read, numbers
+
+    def __len__(self) -> int:
+        return len(self._numbers)
+
+    def __getitem__(self, index: int) -> Scene:  # type: ignore[override]
+        return self._read(self._numbers[index])
 
 
 def object_values(

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from nvcore.dataset.provenance import TrainedOn
 from nvcore.detectors.icf import IcfSettings
-from nvcore.detectors.icf.splits import by_group
 from nvcore.detectors.icf.windows import NO_BOXES
+from nvcore.detectors.training.groups import by_group
 from nvcore.detectors.training.shots import Shot
 from nvcore.errors import FormatError, InputError, MediaError, ParameterError
 from nvcore.file_kinds import IMAGE_SUFFIXES

@@ -9,15 +9,14 @@ from pathlib import Path
 
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import TrainedOn
-from nvcore.detectors.icf import IcfModel, IcfSettings
-from nvcore.detectors.icf.model_file import to_bytes
+from nvcore.detectors.icf import IcfSettings
 from nvcore.detectors.training.folders import folder_shots
 from nvcore.detectors.training.recordings import session_shots
 from nvcore.detectors.training.shots import Shot
 from nvcore.detectors.training.split import Choice
 from nvcore.errors import InputError
-from nvcore.output.files import write_whole
 from nvcore.pictures import RecordingPictures
+from nvcore.wording import count_text, one_line
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +29,7 @@ class Folders:
 
 
 @dataclass(frozen=True, eq=False)
-class Gathered:
+class TrainingData:
     """What a training learns from.
 
     Attributes
@@ -44,7 +43,7 @@ class Gathered:
     held_out
         What is held out, in words.
     notes
-        Recordings without pictures, each with the reason.
+        Recordings and frames that have no picture.
     """
 
     shots: Sequence[Shot]
@@ -60,7 +59,7 @@ def gather(
     settings: IcfSettings,
     choice: Choice,
     folders: Folders,
-) -> Gathered:
+) -> TrainingData:
     """Everything that a training learns from; no picture of a recording is read.
 
     Parameters
@@ -86,19 +85,39 @@ def gather(
     if dataset is None or pictures is None:
         if not from_folders.shots:
             raise InputError("there is nothing to learn from; name a session, or folders")
-        return Gathered(from_folders.shots, from_folders.trained_on, 1, from_folders.split)
+        _check_held_out(from_folders.shots, from_folders.split)
+        return TrainingData(from_folders.shots, from_folders.trained_on, 1, from_folders.split)
     of_session = session_shots(dataset, pictures, settings, choice)
-    return Gathered(
-        shots=[*of_session.shots, *from_folders.shots],
+    shots = [*of_session.shots, *from_folders.shots]
+    held_out = "; ".join(text for text in (of_session.split, from_folders.split) if text)
+    _check_held_out(shots, held_out)
+    return TrainingData(
+        shots=shots,
         trained_on=of_session.trained_on + from_folders.trained_on,
         every=of_session.every,
-        held_out="; ".join(text for text in (of_session.split, from_folders.split) if text),
+        held_out=held_out,
         notes=of_session.notes,
     )
 
 
+def _check_held_out(shots: Sequence[Shot], held_out: str) -> None:
+    """Refuse a training of which all objects would be on one side."""
+    n_learned, n_out = (
+        sum(len(boxes) for boxes in side)
+        for side in zip(*((shot.learned, shot.held_out) for shot in shots), strict=True)
+    )
+    if n_learned + n_out and not (n_learned and n_out):
+        every = "all are" if n_out else "none is"
+        raise InputError(
+            f"of {count_text(n_learned + n_out, 'box', 'boxes')} {every} held out "
+            f"({one_line(held_out)}); a training needs some to learn, and at least one, of another "
+            "physical object, to calibrate the rejection on: choose more recordings or frames, or "
+            "another split or share"
+        )
+
+
 def check_model_target(path: Path) -> None:
-    """Refuse what `write_trained` would refuse, before a long training.
+    """Refuse what `write_model` would refuse, before a long training.
 
     Raises
     ------
@@ -111,14 +130,3 @@ def check_model_target(path: Path) -> None:
     is_open = os.access(path, os.W_OK) if path.exists() else True
     if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK) or not is_open:
         raise InputError("cannot be written to; give another file", file=path)
-
-
-def write_trained(model: IcfModel, path: Path) -> None:
-    """Write a model at once: the file is there whole, or as it was before.
-
-    Raises
-    ------
-    InputError
-        If it cannot be written.
-    """
-    write_whole(path, to_bytes(model))

@@ -36,7 +36,7 @@ def preset_settings(preset: str, given: Mapping[str, Any]) -> IcfSettings:
     Parameters
     ----------
     given
-        By name; several values of one stand in one text, with commas or spaces between.
+        By name; see `typed_like`.
 
     Raises
     ------
@@ -61,11 +61,7 @@ def preset_settings(preset: str, given: Mapping[str, Any]) -> IcfSettings:
     patience = given.get("patience")
     if isinstance(patience, str):
         given = {**given, "patience": _whole_or_none("patience", patience)}
-    values: dict[str, Any] = typed_like(start, given)
-    values = {
-        name: tuple(value) if isinstance(value, list) else value for name, value in values.items()
-    }
-    return replace(start, **values)
+    return replace(start, **typed_like(start, given))
 
 
 def _whole_or_none(name: str, text: str) -> int | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -15,10 +16,11 @@ from nvcore.dataset.provenance import TrainedOn
 from nvcore.dataset.training import trained_part
 from nvcore.detection.filtered_truth import filter_truth
 from nvcore.detectors.icf import IcfSettings
-from nvcore.detectors.run import NO_PICTURES
+from nvcore.detectors.run import no_pictures
 from nvcore.detectors.training.shots import Shot
 from nvcore.detectors.training.split import Choice, HeldOut
 from nvcore.errors import InputError
+from nvcore.inputs.evaluated_frames import frames_there, parse_frames
 from nvcore.pictures import RecordingPictures
 from nvcore.protocols import Protocol
 from nvcore.schema import NO_LABEL
@@ -44,7 +46,7 @@ class SessionShots:
     split
         What was held out, in words.
     notes
-        Recordings without pictures, each with the reason.
+        Recordings and frames that have no picture.
     """
 
     shots: Sequence[Shot]
@@ -93,26 +95,47 @@ def session_shots(
 def _rows(
     dataset: Dataset, pictures: RecordingPictures, choice: Choice
 ) -> tuple[NDArray[np.int64], tuple[str, ...]]:
-    """Rows of the frames table that have a picture, and why recordings have none."""
+    """Rows of the frames table that have a picture, and which have none."""
     frames = dataset.frame_columns
     names = dataset.recordings["name"].tolist()
     has_picture = np.zeros(len(frames), np.bool_)
     for number, index in pictures.indices.items():
         has_picture[frames.rows_of(number)] = index >= 0
-    first = -np.inf if choice.first_frame is None else choice.first_frame
-    last = np.inf if choice.last_frame is None else choice.last_frame
-    is_asked = (frames.frame >= first) & (frames.frame <= last)
-    if not is_asked.any():
-        raise InputError("no evaluated frame is among those to train on; correct the frames")
-    rows = np.flatnonzero(has_picture & is_asked)
+    asked = np.flatnonzero(_asked(dataset, choice.frames))
+    rows = asked[has_picture[asked]]
     if not len(rows):
-        raise InputError(" ".join([NO_PICTURES, *map(one_line, pictures.troubles.values())]))
-    without = sorted(set(range(len(names))) - {*frames.recording[rows].tolist()})
-    notes = tuple(
-        one_line(f"{names[number]}: {pictures.notes.get(number) or 'no frame has a picture'}")
-        for number in without
+        raise no_pictures(pictures, dataset)
+    n_asked, n_here = (
+        np.bincount(frames.recording[which], minlength=len(names)) for which in (asked, rows)
     )
-    return rows, notes
+    notes = []
+    for number in np.flatnonzero(n_here < n_asked).tolist():
+        if n_here[number]:
+            n_without = n_asked[number] - n_here[number]
+            notes.append(
+                f"{n_without:,} of {n_asked[number]:,} frames of {names[number]}: no picture"
+            )
+        else:
+            reason = pictures.notes.get(number) or "no frame has a picture"
+            notes.append(f"{names[number]}: {reason}")
+    return rows, tuple(map(one_line, notes))
+
+
+def _asked(dataset: Dataset, frames: str | None) -> NDArray[np.bool_]:
+    """Evaluated frames that the user asks for; bool, (n_frames,)."""
+    columns = dataset.frame_columns
+    is_asked = np.full(len(columns), frames is None)
+    if frames is None:
+        return is_asked
+    own_of = {
+        name: columns.frame[columns.rows_of(number)]
+        for number, name in enumerate(dataset.recordings["name"])
+    }
+    for number, own in enumerate(own_of.values()):
+        is_asked[columns.rows_of(number)] = np.isin(own, parse_frames(frames, Path(), own))
+    if not is_asked.any():
+        raise InputError(f"no evaluated frame is in {frames!r}: {frames_there(own_of)}")
+    return is_asked
 
 
 def _counting(dataset: Dataset, settings: IcfSettings, choice: Choice) -> NDArray[np.bool_]:

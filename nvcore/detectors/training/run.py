@@ -16,12 +16,12 @@ from nvcore.detectors.icf.cascade import passes
 from nvcore.detectors.icf.channels import check_picture
 from nvcore.detectors.icf.model_file import LONGEST_NAME
 from nvcore.detectors.icf.windows import object_windows, window_values
-from nvcore.detectors.training.gathering import Gathered
+from nvcore.detectors.training.gathering import TrainingData
 from nvcore.detectors.training.shots import PictureStore, Shot, scenes_of
 from nvcore.errors import DetectorError, InputError, ParameterError
 from nvcore.memory import free_bytes
 from nvcore.progress import Progress, no_progress, part_of
-from nvcore.wording import duration_text
+from nvcore.wording import count_text, duration_text, one_line
 
 _READING: Final = 0.05
 """Share of the time for reading pictures, about."""
@@ -31,15 +31,15 @@ _BYTES_OF_VALUE: Final = 13
 """Memory for each feature of each window: joined from parts, binned, in the search of splits."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Training:
-    """A trained model, and how its training went.
+    """A trained model, and how its training went; ``print`` says it.
 
     Attributes
     ----------
     model
         Ready to be written.
-    gathered
+    training_data
         What it was to learn from.
     n_pictures
         That it was trained on.
@@ -55,7 +55,7 @@ class Training:
     """
 
     model: IcfModel
-    gathered: Gathered
+    training_data: TrainingData
     n_pictures: int
     n_objects: int
     n_held_out: int
@@ -64,9 +64,46 @@ class Training:
     faults: tuple[str, ...]
     seconds: float
 
+    def __repr__(self) -> str:
+        return f"<Training of {self.model!r}: {self._objects}>"
+
+    def __str__(self) -> str:
+        held_out = one_line(self.training_data.held_out)
+        lines = [
+            f"{one_line(self.model.name)}: {self._objects}",
+            f"held out: {held_out} ({count_text(self.n_held_out, 'box', 'boxes')})",
+            *self.model.windows_in_words(),
+            self._calibrated,
+            f"trained in {duration_text(self.seconds)}",
+        ]
+        if self.faults:
+            n_faults = count_text(len(self.faults), "picture")
+            lines.append(f"{n_faults} could not be read: {self.faults[0]}")
+        lines += [f"not trained on {note}" for note in self.training_data.notes]
+        return "\n".join(lines)
+
+    @property
+    def _objects(self) -> str:
+        """How many were learned, in how many pictures."""
+        pictures = count_text(self.n_pictures, "picture")
+        if self.training_data.every > 1:
+            pictures += f", one of {self.training_data.every} evaluated frames"
+        return f"{count_text(self.n_objects, 'object')} in {pictures}"
+
+    @property
+    def _calibrated(self) -> str:
+        """How many held-out boxes come through; a calibrated cascade is made to keep its share."""
+        settings = self.model.settings
+        n = f"{self.n_held_out:,}"
+        at_threshold = f"{self.n_found:,} of {n} at the threshold of {settings.threshold:g}"
+        if settings.cascade in ("calibrated", "hard"):
+            share = f"{100 * settings.kept_share:g} %"
+            return f"held-out boxes: {at_threshold}; calibrated on them, the cascade keeps {share}"
+        return f"held-out boxes: {at_threshold}; the cascade keeps {self.n_kept:,}"
+
 
 def train_on(
-    gathered: Gathered,
+    training_data: TrainingData,
     settings: IcfSettings,
     *,
     name: str,
@@ -78,7 +115,7 @@ def train_on(
 
     Parameters
     ----------
-    gathered
+    training_data
         Pictures and boxes.
     name, label
         Of the model, and what it detects.
@@ -97,7 +134,7 @@ def train_on(
         raise ParameterError(
             f"name: expected 1 to {LONGEST_NAME} printable characters, got {name[:40]!r}"
         )
-    shots = gathered.shots
+    shots = training_data.shots
     _check_classes(shots)
     _check_room(shots, settings)
     progress = _with_time_left(progress)
@@ -114,7 +151,7 @@ def train_on(
         label=label,
         seed=seed,
         held_out=held_out,
-        trained_on=gathered.trained_on,
+        trained_on=training_data.trained_on,
         progress=part_of(progress, _READING, 1.0),
     )
     sums = _sums(model, held_out)
@@ -123,7 +160,7 @@ def train_on(
     read = [shot for i, shot in enumerate(shots) if i not in store.faults]
     return Training(
         model=model,
-        gathered=gathered,
+        training_data=training_data,
         n_pictures=len(scenes),
         n_objects=sum(len(shot.learned) for shot in read),
         n_held_out=len(sums),

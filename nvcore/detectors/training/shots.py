@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.detectors.icf.channels import has_colour
-from nvcore.detectors.icf.windows import NO_BOXES, Scene
+from nvcore.detectors.icf.windows import NO_BOXES, LazyScenes, Scene
 from nvcore.errors import MediaError
 from nvcore.pictures import Picture
 from nvcore.progress import Progress, no_progress
@@ -107,30 +107,20 @@ def _plain(picture: Picture) -> Picture:
     return picture
 
 
-class LazyScenes(Sequence[Scene]):
-    """Scenes of shots, read when they are asked for."""
-
-    def __init__(self, store: PictureStore, shots: Sequence[int], *, are_held_out: bool) -> None:
-        self._store, self._shots, self._are_held_out = store, shots, are_held_out
-
-    def __len__(self) -> int:
-        return len(self._shots)
-
-    def __getitem__(self, index: int) -> Scene:  # type: ignore[override]
-        number = self._shots[index]
-        shot, picture = self._store.shots[number], self._store.picture(number)
-        if self._are_held_out:
-            return Scene(picture, shot.held_out, has_background=False)
-        ignored = np.concatenate([shot.ignored, shot.held_out])
-        return Scene(picture, shot.learned, ignored, shot.has_background, shot.labels)
-
-
 def scenes_of(store: PictureStore) -> tuple[LazyScenes, LazyScenes]:
     """Scenes to train on, and those of the objects held out; what cannot be read is in neither."""
+
+    def learned(number: int) -> Scene:
+        shot = store.shots[number]
+        ignored = np.concatenate([shot.ignored, shot.held_out])
+        picture = store.picture(number)
+        return Scene(picture, shot.learned, ignored, shot.has_background, shot.labels)
+
+    def held_out(number: int) -> Scene:
+        return Scene(store.picture(number), store.shots[number].held_out, has_background=False)
+
     readable = [i for i in range(len(store.shots)) if i not in store.faults]
-    learned = [i for i in readable if store.shots[i].is_learned]
-    held_out = [i for i in readable if len(store.shots[i].held_out)]
     return (
-        LazyScenes(store, learned, are_held_out=False),
-        LazyScenes(store, held_out, are_held_out=True),
+        LazyScenes(learned, [i for i in readable if store.shots[i].is_learned]),
+        LazyScenes(held_out, [i for i in readable if len(store.shots[i].held_out)]),
     )

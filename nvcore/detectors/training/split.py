@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.dataset import Dataset
-from nvcore.detectors.icf.splits import by_group, by_time
+from nvcore.detectors.training.groups import by_group, by_time
 from nvcore.errors import InputError, ParameterError
 from nvcore.schema import NO_TRACK
-from nvcore.wording import did_you_mean, listed, one_line
+from nvcore.wording import MOST_NAMED, did_you_mean, listed, one_line
 
 SplitBy = Literal["auto", "object", "recording", "time"]
 
@@ -29,8 +29,9 @@ class Choice:
 
     Attributes
     ----------
-    first_frame, last_frame
-        Frames of each recording, both included; None: from its beginning, to its end.
+    frames
+        Only these of the evaluated ones: a range (`nvcore.inputs.facts.frame_range`), or the path
+        of a file with one number a line; None: all.
     every
         Only every so many evaluated frames; None: as many as keep the boxes below 5,000.
     hold_out
@@ -54,8 +55,7 @@ class Choice:
         If a value is not possible.
     """
 
-    first_frame: int | None = None
-    last_frame: int | None = None
+    frames: str | None = None
     every: int | None = None
     hold_out: tuple[str, ...] = ()
     split: SplitBy = "auto"
@@ -137,11 +137,22 @@ class HeldOut:
     def _named(self, names: Sequence[str]) -> str:
         known = list(dict.fromkeys(self._recording.tolist()))
         for name in names:
-            if name not in known:
+            if name in self._dataset.recordings["name"].tolist() and name not in known:
                 raise InputError(
-                    f"there is no recording {name!r} with pictures to hold out; "
-                    f"{did_you_mean(name, known, f'they are {listed(known)}')}"
+                    f"hold_out: {name!r} has no evaluated frame with a picture (among frames, if "
+                    "these are given)"
                 )
+            if name not in known:
+                there = f"those here are {listed(known, most=MOST_NAMED)}"
+                raise InputError(
+                    f"hold_out: there is no recording {name!r}, or it is not among those chosen "
+                    f"(only, tags); {did_you_mean(name, known, there)}"
+                )
+        if not {*known} - {*names}:
+            raise InputError(
+                "hold_out: every recording chosen is held out; one at least must be left to learn "
+                "from"
+            )
         self._hold_out_frames(self._rows[np.isin(self._recording, names)])
         return one_line(listed(names))
 

@@ -17,6 +17,7 @@ from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Section, Sentences
+from nvcore.report.html.classes_section import classes_section
 from nvcore.report.html.cover import Cover, Inscription, cover_of
 from nvcore.report.html.encounter_sections import encounters_section, only_one_section
 from nvcore.report.html.evidence_sections import (
@@ -40,6 +41,7 @@ from nvcore.report.html.result_sections import (
 from nvcore.report.html.time_left_section import time_left_section
 from nvcore.report.html.wording import worded, worded_sections
 from nvcore.stability.map import MAPS
+from nvcore.tables.classes import has_classes
 from nvcore.wording import UNDEFINED, one_line
 
 CAUTION = {
@@ -123,6 +125,7 @@ def report_content(
         plan_section(result, evidence, plans),
         subgroups_section(subgroups, theme),
         detection,
+        *([classes_section(result)] if has_classes(result) else []),
     ]
     progress(0.4, MAPS)
     maps = part_of(progress, 0.4, 0.6)

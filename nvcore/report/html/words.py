@@ -142,6 +142,20 @@ def time_left(params: Params) -> Intro:
     )
 
 
+def classes() -> Intro:
+    """Introduction of the classes."""
+    return Intro(
+        what="What the systems took the matched pedestrians for: the class in the truth, and the "
+        "one that was read.",
+        how="Boxes are matched by place alone, at the thresholds in use. What is right stands in "
+        "the diagonal; a darker cell is a larger share of its row. Pedestrians without a class in "
+        "the truth do not count.",
+        best="Everything in the diagonal.",
+        limits="The interval takes boxes as independent, though many are of one and the same "
+        "object: it is too narrow.",
+    )
+
+
 def similarity(params: Params, midpoint: str, spread: str) -> Intro:
     """Introduction of similarity.
 

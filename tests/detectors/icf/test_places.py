@@ -1,4 +1,4 @@
-"""Where windows are looked at, and what is held out."""
+"""Where windows are looked at."""
 
 from __future__ import annotations
 
@@ -16,8 +16,6 @@ from nvcore.detectors.icf.regions import (
     learn_band,
     places,
 )
-from nvcore.detectors.icf.splits import by_group, by_time
-from nvcore.errors import ParameterError
 
 TRIANGLE = (0.0, 0.0, 1.0, 0.0, 0.0, 1.0)
 
@@ -81,36 +79,3 @@ def test_proposals_leave_only_windows_with_red(drawn, model):
 def test_a_grey_picture_has_no_proposals(settings):
     where = places(np.zeros((50, 50), np.uint8), replace(settings, proposals="red"), EVERYWHERE)
     assert where.are_open(np.array([0.0]), np.array([0.0]), 24, 24).all()
-
-
-def test_groups_are_held_out_as_a_whole():
-    tracks = [i // 30 for i in range(300)]
-    is_out = by_group(tracks, 0.2, seed=0)
-    assert is_out.sum() == 60
-    assert all(len(set(is_out[i : i + 30])) == 1 for i in range(0, 300, 30))
-    np.testing.assert_array_equal(is_out, by_group(tracks, 0.2, seed=0))
-
-
-def test_at_least_one_group_is_on_either_side():
-    assert by_group(["a", "b"], 0.01, seed=0).sum() == 1
-    assert by_group(["a", "b"], 0.99, seed=0).sum() == 1
-    assert by_group(["a", "a"], 0.5, seed=0).sum() == 0
-    assert by_group([], 0.5, seed=0).shape == (0,)
-
-
-def test_the_end_of_each_recording_is_held_out():
-    recording = np.array([0] * 10 + [1] * 5)
-    frame = np.concatenate([np.arange(10), np.arange(100, 105)])
-    is_trained, is_out = by_time(recording, frame, 0.4, gap=1)
-    assert frame[is_out].tolist() == [6, 7, 8, 9, 103, 104]
-    assert frame[is_trained].tolist() == [0, 1, 2, 3, 4, 100, 101]
-
-
-@pytest.mark.parametrize("share", [0.0, 1.0, -1.0])
-def test_all_or_nothing_cannot_be_held_out(share):
-    with pytest.raises(ParameterError, match="share"):
-        by_group(["a"], share, seed=0)
-    with pytest.raises(ParameterError, match="share"):
-        by_time(np.zeros(1, int), np.zeros(1, int), share)
-    with pytest.raises(ParameterError, match="gap"):
-        by_time(np.zeros(1, int), np.zeros(1, int), 0.5, gap=-1)

@@ -83,5 +83,5 @@ def test_settings_are_told_in_plain_values():
 
 def test_what_made_a_model_cannot_be_changed_for_a_run(model):
     assert model.run_with(stride=2).settings.stride == 2
-    with pytest.raises(ParameterError, match="channels: not a setting"):
+    with pytest.raises(ParameterError, match="channels: fixed by the training"):
         model.run_with(channels=("grey",))

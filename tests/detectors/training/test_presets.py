@@ -38,6 +38,7 @@ def test_texts_are_read_as_the_setting_s_type():
     assert preset_settings("as-in-report", {"patience": "150"}).patience == 150
     assert preset_settings("as-in-report", {"patience": "none"}).patience is None
     assert preset_settings("pedestrians", {"trees_per_round": [4, 8]}).trees_per_round == (4, 8)
+    assert preset_settings("pedestrians", {"trees_per_round": 8}).trees_per_round == (8,)
 
 
 @pytest.mark.parametrize(
@@ -47,7 +48,7 @@ def test_texts_are_read_as_the_setting_s_type():
         ("signs", {"strid": "4"}, "did you mean 'stride'"),
         ("signs", {"stride": "4.5"}, "stride: expected a whole number"),
         ("signs", {"patience": "long"}, "patience: expected a whole number or none"),
-        ("signs", {"scales": "2 1"}, "scales: expected 1 to 64 ascending ones"),
+        ("signs", {"scales": "2 1"}, "scales: expected 1 to 64 of them, ascending"),
         ("signs", {"stride": "1e999"}, "stride: expected"),
         ("signs", {"features": "99999999"}, "features: expected 1 to 200000"),
         ("signs", {"channels": "infrared"}, "channels: expected some of"),

@@ -148,7 +148,7 @@ def test_what_is_noted_is_what_the_audit_knows_also_of_thinned_frames():
     every = shots_of(dataset).trained_on
     assert every == (trained_part(dataset, "a"), trained_part(dataset, "b"))
     assert shots_of(dataset, every=7, hold_out=("b",)).trained_on == every
-    part = shots_of(dataset, first_frame=10, last_frame=19)
+    part = shots_of(dataset, frames="10:19")
     assert part.trained_on == tuple(trained_part(dataset, name, 10, 19) for name in "ab")
     assert len(part.shots) == 20
 
@@ -166,9 +166,10 @@ def test_many_frames_are_thinned_out():
 @pytest.mark.parametrize(
     ("choice", "words"),
     [
-        ({"hold_out": ("c",)}, "there is no recording 'c' with pictures to hold out"),
+        ({"hold_out": ("c",)}, "hold_out: there is no recording 'c', or it is not among those cho"),
+        ({"hold_out": ("a",)}, "hold_out: every recording chosen is held out; one at least"),
         ({"split": "recording"}, "a single recording cannot be split"),
-        ({"first_frame": 90}, "no evaluated frame is among those to train on"),
+        ({"frames": "90:"}, "no evaluated frame is in '90:': a has frames 0 to 39"),
         ({"least_height": 200}, "no box of the truth can be learned"),
         ({"split": "person"}, "split: expected one of auto, object, recording and time"),
         ({"every": 0}, "every: expected 1 or more"),

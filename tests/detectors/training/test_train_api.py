@@ -59,7 +59,7 @@ def test_the_audit_finds_what_it_was_trained_on(
     dataset: nv.Dataset, quick: dict[str, Any], tmp_path: Path
 ):
     quick |= {"trees_per_round": (4,), "features": 80}
-    trained(dataset, tmp_path / "m.npz", quick, hold_out=["winter_frost"], last_frame=99)
+    trained(dataset, tmp_path / "m.npz", quick, hold_out=["winter_frost"], frames=":99")
     only = [*TRAINED, "odd_pose"]
     part = nv.load(SAMPLE, frames=range(0, 200, 20))
     written = nv.detect(part, tmp_path / "m.npz", tmp_path / "out", only=only)

@@ -241,7 +241,7 @@ def test_the_wanted_pictures_of_a_session_are_opened_and_what_cannot_be_is_told(
     opened = session_pictures(session, dataset)
     assert list(opened.sources) == [urban]
     rural = 1 - urban
-    assert opened.troubles == {rural: "there is no such file or folder of pictures"}
+    assert opened.troubles == {rural: "absent.mp4: there is no such file or folder of pictures"}
     opened.close()
     wanted = session_pictures(session, dataset, {urban})
     assert (list(wanted.sources), wanted.troubles) == ([urban], {})

@@ -10,6 +10,7 @@ import pytest
 from builders import Place, at, make_dataset, result_of
 from drives import at_thresholds
 from inputs import drive, session_of
+from limits import limits_read
 from report_page import Page, written
 
 from nvcore import __version__
@@ -30,7 +31,16 @@ from nvcore.report.html import (
     words,
     write_html_report,
 )
-from nvcore.report.html.blocks import MAX_CELL, MAX_NOTE, MAX_ROWS, table
+from nvcore.report.html.blocks import (
+    MAX_CELL,
+    MAX_NOTE,
+    MAX_ROWS,
+    Chart,
+    Sentences,
+    Table,
+    table,
+)
+from nvcore.report.html.classes_section import classes_section
 from nvcore.report.words import FUSION_RULE
 from nvcore.settings import Settings
 from nvcore.tables.encounters.severity import weighed_encounters
@@ -74,6 +84,30 @@ def test_every_section_says_what_it_is_about(content):
     assert introduced == [one for one in anchors if one not in ("reading", "appendix")]
     for anchor in re.findall(r'href="#(about-[\w-]+)"', content):
         assert content.count(f'<h3 id="{anchor}">') == 1
+
+
+def test_what_classes_were_read_is_counted_by_hand():
+    section = classes_section(limits_read())
+    read_by_x, figure, counts, read_by_y = section.blocks
+    assert read_by_x == Sentences(
+        ("X: 60.0% of 5 matches right, 95 % interval 23.1% to 88.2% (Wilson; as if boxes were "
+         "independent).",)
+    )  # fmt: skip
+    assert isinstance(figure, Chart)
+    assert isinstance(counts, Table)
+    assert counts.rows == (
+        ("30", "30", "2"),
+        ("30", "50", "1"),
+        ("50", "50", "1"),
+        ("50", "no class", "1"),
+    )
+    assert read_by_y == Sentences(("Y names no classes.",))
+
+
+def test_the_report_has_classes_where_there_are_any(tmp_path):
+    content = written(tmp_path / "report.html", limits_read(), Settings(), ())
+    assert '<section id="classes">' in content
+    assert "What the systems took the matched pedestrians for" in content
 
 
 def cover(content: str) -> str:

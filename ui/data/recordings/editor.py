@@ -14,12 +14,12 @@ import streamlit as st
 
 from nvcore.dataset import Dataset
 from nvcore.errors import NvcoreError
-from nvcore.inputs.recordings import MOST_NAMED, no_such_recording
+from nvcore.inputs.recordings import no_such_recording
 from nvcore.inputs.recordings_file import read_recordings_file
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.params.traffic import count_contexts
 from nvcore.settings import MAX_FPS, MIN_FPS
-from nvcore.wording import count_text
+from nvcore.wording import MOST_NAMED, count_text, listed
 from ui.data.opening import try_to_open
 from ui.data.recordings.edited import (
     COLUMNS,
@@ -217,10 +217,9 @@ def _filled(table: pd.DataFrame, file: SentFile, choices: Mapping[str, str | Non
     st.caption(f"{what} filled in above; apply the table to use it.")
     filled_in, lost = filled(table, entries, choices)
     if lost:
-        more = f" and {len(lost) - MOST_NAMED:,} more" if len(lost) > MOST_NAMED else ""
         st.warning(
-            f"The file names pictures that are not here: {plain(', '.join(lost[:MOST_NAMED]))}"
-            f"{more}. Send them under “Open another comparison”, Upload, and fill the table again.",
+            f"The file names pictures that are not here: {plain(listed(lost, most=MOST_NAMED))}. "
+            "Send them under “Open another comparison”, Upload, and fill the table again.",
             icon=":material/warning:",
         )
     return filled_in

@@ -1,68 +1,4 @@
-"""One comparison, one file: a `Session` as TOML, read and written.
-
-    [[recording]]            what the data do not say, by recording (only name is required)
-    name = "urban_01"
-    width = 640
-    height = 480
-    fps = 20
-    frames = "0:299:1"       first:last[:step], or a file with one number a line
-    horizon = 236.0
-    context = "urban"        of the traffic: "urban", "rural", or a number from 0 to 1
-    speed_kmh = 50           speed of the car
-    pictures = "urban_01.mp4" a video, a folder, or an archive
-    first_picture = 0        number of the frame that the first picture shows
-    tags = ["night", "rain"] words by which recordings can be chosen
-    title = "Night drive 1"  what it is called, in place of its name in the data
-
-    [recordings]             the same as a table (see nvcore.inputs.recordings_file)
-    path = "recordings.csv"
-
-    [defaults]               the same facts for all recordings: size, fps, frames
-    size = "640x480"
-
-    [truth]
-    path = "truth.csv"       file, folder, glob, or a list of them
-    format = "csv"
-    classes = ["person"]
-    frame_base = 0
-    box_base = 1
-
-    [[system]]               the first is X, the second Y, unless [compare] says otherwise
-    name = "FIR"
-    path = "fir.csv"
-    threshold = 0.5
-    offset_frames = 0        added to the frame numbers
-    offset_px = [0, 0]       added to x and y, after scaling
-    scale = 1.0              by which coordinates are multiplied, or [x, y]
-    provenance = "fir.json"  a record of how they were made (docs/detectors.md)
-
-    [compare]
-    x = "FIR"
-    y = "NIR"
-    tags = ["night"]         only recordings that have all of these tags
-    recordings = ["urban_01"] only these, by title or name, of those with the tags
-    objects = "speed sign"   what the boxes are of, if not pedestrians; of kinds that the program
-                             does not know singular and plural: ["child", "children"]
-
-    [parameters]             any of nvcore.params.Params
-
-    [protocol]               which pedestrians count in the detection measures: a named protocol,
-    name = "reasonable"      filters of its own (see nvcore.protocols.Protocol), or both
-    height_px = [50, inf]
-    occlusion = [0, 1]
-    border_px = [5, 5, 5, 5]
-    aspect = [1.0, inf]
-    tags = ["night"]
-    recordings = ["drive_1"]
-    expand = 1.25
-
-    [[published]]            operating points of others, drawn beside the curves: recall or
-    name = "Report 2015"     miss_rate, and precision, fppi or fppw
-    recall = 0.939
-    precision = 0.215
-
-Paths are relative to the session file. A session written by the program also holds the version,
-the sha256 of every input, and which of the paths were pipes.
+"""A session file read.
 
 The tables are decoded by hand, by the types of the dataclasses' fields. The alternatives, weighed
 by licence, size and dependencies: msgspec rejects unknown keys only for its own classes, so that
@@ -73,8 +9,6 @@ words, which takes as much code as decoding here.
 
 from __future__ import annotations
 
-import glob
-import os
 import reprlib
 import tomllib
 from collections.abc import Collection, Iterator, Mapping
@@ -84,11 +18,8 @@ from pathlib import Path
 from types import UnionType
 from typing import Any, Final, TypeVar, get_args, get_origin, get_type_hints
 
-import tomli_w
-
 from nvcore.errors import ParameterError, SessionError
 from nvcore.inputs.facts import parse_size
-from nvcore.inputs.pipes import is_pipe
 from nvcore.inputs.session import (
     RecordingEntry,
     RecordingsFile,
@@ -97,7 +28,7 @@ from nvcore.inputs.session import (
     SystemSource,
 )
 from nvcore.params import params_from
-from nvcore.params.traffic import context_word, parse_context
+from nvcore.params.traffic import parse_context
 from nvcore.protocols import protocol_from
 from nvcore.published import PublishedPoint
 from nvcore.wording import did_you_mean
@@ -327,99 +258,3 @@ def _typed(kind: Any, value: Any) -> Any:
     if origin or isinstance(value, bool) or not (is_number or isinstance(value, kind)):
         raise TypeError
     return kind(value)
-
-
-def write_session(session: Session, *, version: str, fingerprint: str) -> str:
-    """The session as TOML text; reading it back gives the same comparison.
-
-    Paths are written absolute, so that the file means the same wherever it lies. Those of pipes,
-    which cannot be read again, are named as such.
-    """
-    folder = session.folder
-    session = session.with_paths(lambda path: _absolute(path, folder), folder=folder)
-    table = session.recordings_file
-    pipes = [path for path in session.paths() if is_pipe(Path(path))]
-    defaults = {
-        "size": None if session.size is None else f"{session.size[0]}x{session.size[1]}",
-        "fps": session.fps,
-        "frames": session.frames,
-    }
-    content: dict[str, Any] = {
-        "written": {
-            "version": version,
-            "fingerprint": fingerprint,
-            **({"pipes": pipes} if pipes else {}),
-            "sha256": dict(session.hashes),
-        },
-        "compare": _given(
-            {
-                "x": session.x,
-                "y": session.y,
-                "tags": list(session.only_tags) or None,
-                "recordings": list(session.only) or None,
-                "objects": session.objects.given(),
-            }
-        ),
-        "parameters": session.params.given(),
-        "protocol": session.protocol.given(),
-        "recordings": {} if table is None else {"path": table.path},
-        "defaults": _given(defaults),
-        "truth": _source_table(session.truth),
-    }
-    recordings = [_recording_table(entry) for entry in session.recordings]
-    systems = [
-        {
-            **_given({"name": system.name}),
-            **_source_table(system),
-            **_given({"threshold": system.threshold, "provenance": system.provenance}),
-            **_corrections(system),
-        }
-        for system in session.systems
-    ]
-    parts = [tomli_w.dumps({key: value for key, value in content.items() if value})]
-    # tomli_w would put short tables of a list on one line
-    parts += [f"[[recording]]\n{tomli_w.dumps(table)}" for table in recordings]
-    parts += [f"[[system]]\n{tomli_w.dumps(table)}" for table in systems]
-    parts += [f"[[published]]\n{tomli_w.dumps(point.given())}" for point in session.published]
-    return "\n".join(parts)
-
-
-def _recording_table(entry: RecordingEntry) -> dict[str, Any]:
-    context = None if entry.context is None else context_word(entry.context)
-    return _given({**vars(entry), "context": context, "tags": list(entry.tags) or None})
-
-
-def _given(values: dict[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in values.items() if value is not None}
-
-
-def _absolute(path: str, folder: Path) -> str:
-    # normpath, not resolve: a glob stays a glob and a link stays a link
-    is_glob = glob.has_magic(path) and not (folder / path).exists()
-    start = Path(glob.escape(str(folder))) if is_glob else folder
-    return Path(os.path.normpath(start / path)).as_posix()
-
-
-def _source_table(source: Source) -> dict[str, Any]:
-    paths = list(source.path)
-    return _given(
-        {
-            "path": paths[0] if len(paths) == 1 else paths,
-            "format": source.format,
-            "classes": None if source.classes is None else list(source.classes),
-            "frame_base": source.frame_base,
-            "box_base": source.box_base,
-        }
-    )
-
-
-def _corrections(system: SystemSource) -> dict[str, Any]:
-    table: dict[str, Any] = {}
-    if system.offset_frames:
-        table["offset_frames"] = system.offset_frames
-    if any(system.offset_px):
-        table["offset_px"] = list(system.offset_px)
-    if system.scale != (1, 1):
-        across, down = system.scale
-        table["scale"] = across if across == down else [across, down]
-    return table

@@ -1,4 +1,4 @@
-"""What is trained on and what is held out: by recording, by time, by physical object."""
+"""Items held out of a training: whole groups of them, or the end of each recording."""
 
 from __future__ import annotations
 

@@ -1,0 +1,110 @@
+"""A session written as a session file."""
+
+from __future__ import annotations
+
+import glob
+import os
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from nvcore.inputs.pipes import is_pipe
+from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
+from nvcore.params.traffic import context_word
+
+
+def write_session(session: Session, *, version: str, fingerprint: str) -> str:
+    """The session as TOML text; reading it back gives the same comparison.
+
+    Paths are written absolute, so that the file means the same wherever it lies. Those of pipes,
+    which cannot be read again, are named as such.
+    """
+    folder = session.folder
+    session = session.with_paths(lambda path: _absolute(path, folder), folder=folder)
+    table = session.recordings_file
+    pipes = [path for path in session.paths() if is_pipe(Path(path))]
+    defaults = {
+        "size": None if session.size is None else f"{session.size[0]}x{session.size[1]}",
+        "fps": session.fps,
+        "frames": session.frames,
+    }
+    content: dict[str, Any] = {
+        "written": {
+            "version": version,
+            "fingerprint": fingerprint,
+            **({"pipes": pipes} if pipes else {}),
+            "sha256": dict(session.hashes),
+        },
+        "compare": _given(
+            {
+                "x": session.x,
+                "y": session.y,
+                "tags": list(session.only_tags) or None,
+                "recordings": list(session.only) or None,
+                "objects": session.objects.given(),
+            }
+        ),
+        "parameters": session.params.given(),
+        "protocol": session.protocol.given(),
+        "recordings": {} if table is None else {"path": table.path},
+        "defaults": _given(defaults),
+        "truth": _source_table(session.truth),
+    }
+    recordings = [_recording_table(entry) for entry in session.recordings]
+    systems = [
+        {
+            **_given({"name": system.name}),
+            **_source_table(system),
+            **_given({"threshold": system.threshold, "provenance": system.provenance}),
+            **_corrections(system),
+        }
+        for system in session.systems
+    ]
+    parts = [tomli_w.dumps({key: value for key, value in content.items() if value})]
+    # tomli_w would put short tables of a list on one line
+    parts += [f"[[recording]]\n{tomli_w.dumps(table)}" for table in recordings]
+    parts += [f"[[system]]\n{tomli_w.dumps(table)}" for table in systems]
+    parts += [f"[[published]]\n{tomli_w.dumps(point.given())}" for point in session.published]
+    return "\n".join(parts)
+
+
+def _recording_table(entry: RecordingEntry) -> dict[str, Any]:
+    context = None if entry.context is None else context_word(entry.context)
+    return _given({**vars(entry), "context": context, "tags": list(entry.tags) or None})
+
+
+def _given(values: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in values.items() if value is not None}
+
+
+def _absolute(path: str, folder: Path) -> str:
+    # normpath, not resolve: a glob stays a glob and a link stays a link
+    is_glob = glob.has_magic(path) and not (folder / path).exists()
+    start = Path(glob.escape(str(folder))) if is_glob else folder
+    return Path(os.path.normpath(start / path)).as_posix()
+
+
+def _source_table(source: Source) -> dict[str, Any]:
+    paths = list(source.path)
+    return _given(
+        {
+            "path": paths[0] if len(paths) == 1 else paths,
+            "format": source.format,
+            "classes": None if source.classes is None else list(source.classes),
+            "frame_base": source.frame_base,
+            "box_base": source.box_base,
+        }
+    )
+
+
+def _corrections(system: SystemSource) -> dict[str, Any]:
+    table: dict[str, Any] = {}
+    if system.offset_frames:
+        table["offset_frames"] = system.offset_frames
+    if any(system.offset_px):
+        table["offset_px"] = list(system.offset_px)
+    if system.scale != (1, 1):
+        across, down = system.scale
+        table["scale"] = across if across == down else [across, down]
+    return table
