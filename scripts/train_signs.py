@@ -43,7 +43,7 @@ from nvcore.detectors.suppression import suppress
 from nvcore.metrics.matching import match_system
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
-from nvcore.tables.classes import share_of
+from nvcore.metrics.shares import share_of
 from scripts.sign_data import (
     CHOOSING,
     SPEED_LIMITS,
