@@ -26,13 +26,6 @@ _CURVE_STEPS: Final = 1 << 13
 _KNEE: Final = (6 / 29) ** 3
 
 
-def _linear() -> NDArray[np.float64]:
-    """Share of the greatest intensity, by the 8-bit value."""
-    share = np.arange(256) / 255
-    bent: NDArray[np.float64] = ((share + 0.055) / 1.055) ** 2.4
-    return np.where(share <= 0.04045, share / 12.92, bent)
-
-
 def _lines() -> NDArray[np.float64]:
     """The cube root of CIE L*a*b* and its straight end, as lines between equal steps of 0..1."""
     steps = np.arange(_CURVE_STEPS + 2)
@@ -43,8 +36,6 @@ def _lines() -> NDArray[np.float64]:
     return np.stack([value[:-1] - steps[:-1] * slope, slope], axis=1)
 
 
-LINEAR: Final = _linear()
-"""Intensity 0..1 by 8-bit value of sRGB, shape (256,)."""
 TO_PLACE: Final = _TO_XYZ / _TO_XYZ.sum(axis=1, keepdims=True) * _CURVE_STEPS
 """Linear RGB to X, Y, Z as places among the steps of `LINES`, white being the last; (3, 3)."""
 LINES: Final = _lines()

@@ -31,9 +31,7 @@ class Regions:
         return len(self.box)
 
 
-def regions_of(
-    boxes: NDArray[np.float64], width: int, height: int, surround: float
-) -> Regions:
+def regions_of(boxes: NDArray[np.float64], width: int, height: int, surround: float) -> Regions:
     """Pedestrians and rectangles around them, cut at the edge of the picture.
 
     Parameters

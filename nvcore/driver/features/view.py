@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from nvcore.driver.features import colour, kernels
 from nvcore.driver.features.regions import Regions, regions_of
 from nvcore.driver.features.settings import COLOUR_BINS, FeatureSettings
+from nvcore.driver.srgb import LINEAR
 from nvcore.pictures import Picture
 
 _SHIFT = 8 - (COLOUR_BINS - 1).bit_length()
@@ -90,7 +91,7 @@ class View:
             self.regions.inner,
             self.regions.outer,
             _SHIFT,
-            colour.LINEAR,
+            LINEAR,
             colour.TO_PLACE,
             colour.LINES,
             curved,

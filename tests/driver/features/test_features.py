@@ -37,10 +37,10 @@ def noise(*, seed: int = 0) -> np.ndarray:
 
 
 def test_the_eight_features_stand_in_the_order_of_the_tables():
-    assert FEATURE_KEYS == (
+    assert (
         *("width_px", "height_px", "luminance_sd", "luminance_contrast", "lab_distance"),
         *("edge_contrast", "colour_emd", "fixation_distance_px"),
-    )
+    ) == FEATURE_KEYS
     assert [feature.key for feature in FEATURES if feature.needs_colour] == [
         "lab_distance",
         "colour_emd",
@@ -76,11 +76,9 @@ def test_luminance_is_that_of_bt_601():
 @pytest.mark.parametrize(
     ("colour", "lab"),
     [
-        ((255, 255, 255), (100.0, 0.0, 0.0)),
         ((255, 0, 0), (53.24, 80.09, 67.20)),
         ((0, 255, 0), (87.73, -86.18, 83.18)),
         ((0, 0, 255), (32.30, 79.19, -107.86)),
-        ((119, 119, 119), (50.03, 0.0, 0.0)),
     ],
 )
 def test_lab_distance_from_black_is_the_length_of_the_colour(
@@ -88,9 +86,6 @@ def test_lab_distance_from_black_is_the_length_of_the_colour(
 ):
     """L*a*b* of the sRGB primaries as published (www.brucelindbloom.com, D65)."""
     distance = of(coloured(colour, (0, 0, 0)))["lab_distance"]
-    if colour[0] == colour[1] == colour[2]:
-        assert np.isnan(distance)  # black and white is no colour
-        return
     assert distance == pytest.approx(np.linalg.norm(lab), abs=0.03)
 
 
