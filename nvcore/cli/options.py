@@ -112,7 +112,7 @@ def only_option(lead: str = "Only") -> Callable[..., Any]:
     )
 
 
-class _Pair(click.ParamType[tuple[float, float]]):
+class PairOf(click.ParamType[tuple[float, float]]):
     """One or two numbers with a comma between them."""
 
     def __init__(self, name: str, *, may_be_one: bool = False):
@@ -122,6 +122,7 @@ class _Pair(click.ParamType[tuple[float, float]]):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[float, float]:
+        """The numbers of a text."""
         parts = value.split(",")
         try:
             numbers = [float(part) for part in parts]
@@ -310,14 +311,14 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
             grouped_option(
                 CORRECTIONS,
                 f"--offset-px-{letter}",
-                type=_Pair("DX,DY"),
+                type=PairOf("DX,DY"),
                 metavar="DX,DY",
                 help=f"Added to {system}'s x and y, in pixels, after scaling.",
             ),
             grouped_option(
                 CORRECTIONS,
                 f"--scale-{letter}",
-                type=_Pair("S", may_be_one=True),
+                type=PairOf("S", may_be_one=True),
                 metavar="S|SX,SY",
                 help=f"By which {system}'s boxes are multiplied (across, down).",
             ),

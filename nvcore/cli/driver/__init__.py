@@ -6,7 +6,9 @@ from typing import Final
 
 import click
 
-COMMANDS: Final[tuple[click.Command, ...]] = ()
+from nvcore.cli.driver.features import features
+
+COMMANDS: Final[tuple[click.Command, ...]] = (features,)
 """The commands below ``nvcore driver``, in the order of its help."""
 
 

@@ -70,7 +70,7 @@ class View:
 
     @property
     def luminance_variance(self) -> NDArray[np.float64]:
-        """Variance of the 8-bit luminance in both regions (of all pixels, not estimated), (n, 2)."""
+        """Variance of the 8-bit luminance in both regions, divided by their pixels, (n, 2)."""
         variance: NDArray[np.float64] = np.maximum(self._light[2] - self.luminance**2, 0)
         return variance
 

@@ -1,0 +1,144 @@
+"""The calls of Python users for the driver's view: features of pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from nvcore.api.detect import check_not_inputs, dataset_of
+from nvcore.dataset import Dataset
+from nvcore.errors import InputError
+from nvcore.extras import needs
+from nvcore.inputs.session import Session
+from nvcore.output.csv_text import to_csv_bytes
+from nvcore.output.files import write_whole
+from nvcore.progress import Progress, no_progress
+from nvcore.report.protect_inputs import replaced_input
+
+if TYPE_CHECKING:
+    from nvcore.driver.images import ImageFeatures
+    from nvcore.driver.writing import WrittenFeatures
+
+
+def driver_features(
+    source: str | Path | Session | Dataset,
+    out: str | Path,
+    *,
+    settings: Mapping[str, Any] | None = None,
+    only: Sequence[str] = (),
+    tags: Sequence[str] = (),
+    n_threads: int | None = None,
+    progress: Progress = no_progress,
+) -> WrittenFeatures:
+    """How well each pedestrian can be seen in the pictures: eight features, and the light.
+
+    Parameters
+    ----------
+    source
+        A session file, a session, or a dataset made by `load`. It names the pictures of visible
+        light of each recording, its light meter and where the driver looked, and need not name a
+        system.
+    out
+        Folder for ``features.csv`` and ``driver.json``, which says how they were made.
+    settings
+        What the paper leaves open, by name (docs/driver.md): ``surround``, ``drop_factor``, ...;
+        ``fixation`` is the assumed point as shares of the picture, (0.5, 0.5) its middle.
+    only, tags
+        Names of recordings, and tags that they all have; empty: all that the session compares.
+    n_threads
+        Pictures at a time; None: as many as there are cores.
+    progress
+        Called with the share done, and the time left in words. It may raise `CancelledError`:
+        nothing is then written.
+
+    Raises
+    ------
+    InputError
+        If an input cannot be used or would be replaced, or no evaluated frame has a picture.
+    ParameterError
+        If there is no such setting, or a value is outside its range.
+    MissingExtraError
+        If the extra ``driver`` is not installed.
+
+    Examples
+    --------
+    >>> features = driver_features("night.toml", "features")  # doctest: +SKIP
+    >>> print(features.run)  # doctest: +SKIP
+    """
+    with needs("driver", "features of pictures need"):
+        from nvcore.driver.run import run_features
+        from nvcore.driver.settings import settings_from
+        from nvcore.driver.writing import FEATURE_OUTPUTS, write_features
+
+    values = settings_from(settings or {})
+    dataset = _dataset_to_run(source, Path(out), FEATURE_OUTPUTS, only, tags)
+    run = run_features(dataset, values, n_threads=n_threads, progress=progress)
+    return write_features(run, Path(out))
+
+
+def image_features(
+    images: str | Path,
+    boxes: str | Path,
+    out: str | Path,
+    *,
+    settings: Mapping[str, Any] | None = None,
+    n_threads: int | None = None,
+    progress: Progress = no_progress,
+) -> ImageFeatures:
+    """The eight features of the pedestrians in single pictures, such as those of a study.
+
+    Parameters
+    ----------
+    images
+        Folder of the pictures.
+    boxes
+        CSV with the columns image, pedestrian, x, y, w, h (px), and where known fixation_x and
+        fixation_y.
+    out
+        CSV file to write: image, pedestrian, and the features.
+    settings, n_threads, progress
+        As of `driver_features`.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used, with the line; or would be replaced.
+    """
+    with needs("driver", "features of pictures need"):
+        from nvcore.driver.images import image_features as features_of_images
+        from nvcore.driver.settings import settings_from
+
+    clash = replaced_input([Path(out)], [Path(boxes), Path(images)])
+    if clash is not None:
+        raise InputError("is an input, and would be replaced; give another file", file=clash)
+    features = features_of_images(
+        Path(images),
+        Path(boxes),
+        settings_from(settings or {}),
+        n_threads=n_threads,
+        progress=progress,
+    )
+    write_whole(Path(out), to_csv_bytes(features.table))
+    return features
+
+
+def _dataset_to_run(
+    source: str | Path | Session | Dataset,
+    out: Path,
+    outputs: Iterable[str],
+    only: Sequence[str],
+    tags: Sequence[str],
+    inputs: Sequence[Path] = (),
+) -> Dataset:
+    """The recordings, once it is known that the folder may be written to."""
+    from nvcore.driver.writing import check_folder
+
+    dataset = dataset_of(source).only(tags, only)
+    session = dataset.settings
+    if not isinstance(session, Session):
+        raise InputError("expected a session, or a dataset that was loaded: it names the pictures")
+    check_folder(out)
+    files = [*inputs, *([Path(source)] if isinstance(source, str | Path) else [])]
+    check_not_inputs([out / name for name in outputs], out, session, files)
+    return dataset
