@@ -32,7 +32,8 @@ def features_of(
     Parameters
     ----------
     picture
-        Grey (h, w) or RGB (h, w, 3), uint8. One whose three channels are equal everywhere is grey.
+        Grey (h, w) or RGB (h, w, 3), uint8. One whose channels differ nowhere by more than 8 levels
+        is grey.
     boxes
         (n, 4): x, y, w, h of each pedestrian, px of the picture.
     fixation

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Final
 
 import cv2
 import numpy as np
@@ -15,8 +16,10 @@ from nvcore.driver.features.settings import COLOUR_BINS, FeatureSettings
 from nvcore.driver.srgb import LINEAR
 from nvcore.pictures import Picture
 
-_SHIFT = 8 - (COLOUR_BINS - 1).bit_length()
-_SPARSE = 16
+_SHIFT: Final = 8 - (COLOUR_BINS - 1).bit_length()
+GREY_LEVELS: Final = 8
+"""Channels that differ by no more are grey: those of grey JPEG pictures differ by 2."""
+_SPARSE: Final = 16
 """Every so many rows are looked at first to tell a grey picture from a coloured one."""
 
 
@@ -46,7 +49,7 @@ class View:
 
     @cached_property
     def has_colour(self) -> bool:
-        """Whether any two channels of the picture differ anywhere."""
+        """Whether the picture has colour."""
         return has_colour(self.picture)
 
     @cached_property
@@ -134,13 +137,13 @@ def luminance_of(picture: Picture) -> NDArray[np.uint8]:
 
 
 def has_colour(picture: Picture) -> bool:
-    """Whether any two channels of the picture differ anywhere."""
+    """Whether two channels of a picture differ anywhere by more than `GREY_LEVELS`."""
     if picture.ndim == 2:
         return False
     return any(
-        bool((part[..., 0] != part[..., channel]).any())
-        for part in (picture[::_SPARSE], picture)
-        for channel in (1, 2)
+        int(cv2.absdiff(*(cv2.extractChannel(part, i) for i in pair)).max()) > GREY_LEVELS
+        for part in (np.ascontiguousarray(picture[::_SPARSE]), picture)
+        for pair in ((0, 2), (0, 1))
     )
 
 
