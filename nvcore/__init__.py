@@ -32,15 +32,18 @@ __all__ = [
     "convert",
     "dataset_from_tables",
     "detect",
+    "evaluate_driver",
     "gate",
     "load",
     "read_session",
     "train",
+    "train_driver",
 ]
 
 _HOMES = {
     "nvcore.api.calls": ("audit", "compare", "convert", "gate"),
     "nvcore.api.detect": ("detect",),
+    "nvcore.api.driver": ("evaluate_driver", "train_driver"),
     "nvcore.api.inputs": ("load",),
     "nvcore.api.train": ("train",),
     "nvcore.comparison": ("Result",),
@@ -66,6 +69,7 @@ if TYPE_CHECKING:
     from nvcore import tables as tables
     from nvcore.api.calls import audit, compare, convert, gate
     from nvcore.api.detect import detect
+    from nvcore.api.driver import evaluate_driver, train_driver
     from nvcore.api.inputs import load
     from nvcore.api.train import train
     from nvcore.comparison import Result

@@ -7,8 +7,9 @@ from typing import Final
 import click
 
 from nvcore.cli.driver.features import features
+from nvcore.cli.driver.train import evaluate, train
 
-COMMANDS: Final[tuple[click.Command, ...]] = (features,)
+COMMANDS: Final[tuple[click.Command, ...]] = (features, train, evaluate)
 """The commands below ``nvcore driver``, in the order of its help."""
 
 

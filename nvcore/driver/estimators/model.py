@@ -8,7 +8,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.driver.keys import FEATURE_KEYS
+from nvcore.driver.features import FEATURE_KEYS
 
 Kernel = Literal["linear", "rbf"]
 KERNELS: Final[tuple[Kernel, ...]] = ("linear", "rbf")
@@ -120,7 +120,8 @@ class Regression:
     def is_outside(self, features: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Whether a feature that it takes is outside the range of the training, shape (n,)."""
         values = features[:, self.columns]
-        outside: NDArray[np.bool_] = ((values < self.low) | (values > self.high)).any(axis=1)
+        beyond = np.maximum(self.low - values, values - self.high)
+        outside: NDArray[np.bool_] = beyond.max(axis=1) > 0
         return outside
 
     def _kernel(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -237,7 +238,7 @@ class Estimator:
         Parameters
         ----------
         features
-            The eight in their order (`nvcore.driver.keys`), float64, shape (n, 8); NaN: undefined.
+            The eight in their order, float64, shape (n, 8); NaN: undefined.
         period_s
             Seconds since the last change from bright to dark, shape (n,), or one for all.
         interpolate

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from nvcore.driver.estimators.model import Regression
 from nvcore.driver.estimators.search import PAIRS, Check, Choice, Columns, Search, choose, fit
-from nvcore.driver.keys import FEATURE_KEYS
+from nvcore.driver.features import FEATURE_KEYS
 from nvcore.driver.trials.reading import PEDESTRIAN
 from nvcore.driver.trials.table import TrainingTable
 from nvcore.errors import InputError

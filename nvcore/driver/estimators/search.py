@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Final, cast
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,14 +64,14 @@ QUICK: Final = Search(n_settings=4, n_folds=3)
 def draw_settings(search: Search) -> tuple[SvrSettings, ...]:
     """The settings that are tried; both kernels in turn."""
     rng = np.random.default_rng(search.seed)
-    ranges = np.log([COST, EPSILON, GAMMA])
-    drawn = np.exp(rng.uniform(*ranges.T, (search.n_settings, 3)))
+    low, high = np.log([COST, EPSILON, GAMMA]).T
+    drawn = np.exp(rng.uniform(low, high, (search.n_settings, 3)))
     return tuple(
         SvrSettings(KERNELS[(i + 1) % 2], *values) for i, values in enumerate(drawn.tolist())
     )
 
 
-def feature_sets(known: NDArray[np.bool_]) -> tuple[Columns, ...]:
+def feature_sets(known: NDArray[Any]) -> tuple[Columns, ...]:
     """The choices of features that are tried: each alone, each pair, and all.
 
     Parameters
@@ -80,7 +80,7 @@ def feature_sets(known: NDArray[np.bool_]) -> tuple[Columns, ...]:
         Which of the features there are, shape (8,).
     """
     columns = np.flatnonzero(known).tolist()
-    sets = [(column,) for column in columns]
+    sets: list[Columns] = [(column,) for column in columns]
     sets += list(combinations(columns, 2))
     return tuple(sets + [tuple(columns)] * (len(columns) > 2))
 
@@ -148,7 +148,7 @@ def folds_of(groups: NDArray[np.int64], n_folds: int, seed: int) -> NDArray[np.i
     """
     numbers, rows = np.unique(groups, return_inverse=True)
     order = np.random.default_rng(seed).permutation(len(numbers))
-    return cast("NDArray[np.int64]", (order % min(n_folds, len(numbers)))[rows])
+    return (order % min(n_folds, len(numbers)))[rows]
 
 
 @dataclass(frozen=True)
@@ -194,7 +194,7 @@ def choose(
     check
         Called now and then; it may raise.
     """
-    sets = feature_sets(np.isfinite(features).all(axis=0))
+    sets = feature_sets(np.isfinite(features.sum(axis=0)))
     drawn = draw_settings(search)
     fold = folds_of(groups, search.n_folds, search.seed)
     squares = np.zeros((len(sets), len(drawn)))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from nvcore.driver.estimators.model import Estimator, Origin, Quality
 from nvcore.driver.estimators.nested import OutOfFold, Samples, out_of_fold, samples_of, train_final
 from nvcore.driver.estimators.search import Search, folds_of
-from nvcore.driver.keys import FEATURE_KEYS
+from nvcore.driver.features import FEATURE_KEYS
 from nvcore.driver.trials.table import TrainingTable
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.progress import Progress, no_progress, part_of, with_time_left
@@ -31,6 +31,8 @@ class Training:
     ----------
     estimator
         The model.
+    table
+        What it was trained on.
     switched_errors, single_errors, constant_errors
         Mean squared error at each period, on pedestrians left out: of the period's estimator, of
         the single one, and of the mean of the training's targets; float64, shape (p,), 0 is best.
@@ -41,6 +43,7 @@ class Training:
     """
 
     estimator: Estimator
+    table: TrainingTable
     switched_errors: NDArray[np.float64]
     single_errors: NDArray[np.float64]
     constant_errors: NDArray[np.float64]
@@ -106,6 +109,7 @@ def train_estimator(
     )
     return Training(
         estimator,
+        table,
         switched_errors=errors_by_period(samples, left_out.switched),
         single_errors=errors_by_period(samples, left_out.single),
         constant_errors=errors_by_period(samples, left_out.constant),
@@ -160,9 +164,9 @@ def origin_of(table: TrainingTable, search: Search) -> Origin:
         n_subjects=table.n_subjects,
         n_trials=table.n_trials,
         simulated=table.simulated,
-        square_px=table.judging.square_px,
-        centre_share=table.judging.centre_share,
-        display_s=table.judging.display_s,
+        square_px=float(table.judging.square_px),
+        centre_share=float(table.judging.centre_share),
+        display_s=float(table.judging.display_s),
         seed=search.seed,
         fingerprint=hashlib.sha256(content).hexdigest(),
     )

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 import pandas as pd
 
-from nvcore.driver.keys import FEATURE_KEYS
+from nvcore.driver.features import FEATURE_KEYS
 from nvcore.inputs.readers.parse.table import TextTable, parse_table, read_table
 
 TRIAL_COLUMNS: Final = (
@@ -64,7 +65,7 @@ def parse_trials(content: bytes, *, name: str) -> pd.DataFrame:
 
 
 def _trials(table: TextTable) -> pd.DataFrame:
-    seconds = {"low": 0.0, "high": LONGEST_S}
+    seconds = partial(table.numbers, low=0.0, high=LONGEST_S)
     trials = pd.DataFrame(
         {
             "subject": table.texts("subject"),
@@ -73,13 +74,11 @@ def _trials(table: TextTable) -> pd.DataFrame:
             "order": table.whole_numbers("order"),
             "image": table.texts("image"),
             "pedestrian": table.texts("pedestrian"),
-            "adaptation_asked_s": table.numbers("adaptation_asked_s", **seconds),
-            "adaptation_measured_s": table.numbers(
-                "adaptation_measured_s", may_be_empty=True, **seconds
-            ),
+            "adaptation_asked_s": seconds("adaptation_asked_s"),
+            "adaptation_measured_s": seconds("adaptation_measured_s", may_be_empty=True),
             "touch_x": table.numbers("touch_x", may_be_empty=True),
             "touch_y": table.numbers("touch_y", may_be_empty=True),
-            "response_s": table.numbers("response_s", may_be_empty=True, **seconds),
+            "response_s": seconds("response_s", may_be_empty=True),
             "not_seen": table.flags("not_seen"),
             "device": table.texts("device", may_be_empty=True),
             "line": table.lines,

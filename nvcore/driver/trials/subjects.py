@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -55,7 +55,7 @@ def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
     rows = []
     for subject, trials in judged.groupby("subject", sort=False):
         right = share_of(int(trials["is_right"].sum()), len(trials))
-        row = {
+        row: dict[str, Any] = {
             "subject": subject,
             "n": right.n,
             "n_right": right.n_right,
@@ -104,7 +104,7 @@ def _of_touches(trials: pd.DataFrame, judging: Judging) -> dict[str, float]:
     }
 
 
-def _odd(row: dict[str, float]) -> str:
+def _odd(row: dict[str, Any]) -> str:
     """Why the responses of a subject are odd; empty: they are not."""
     if row["n"] < LEAST_TRIALS:
         return ""

@@ -150,8 +150,9 @@ def detectability_table(judged: pd.DataFrame) -> pd.DataFrame:
     0..1), ``n_right``, ``n_subjects``, and the 95 % Wilson interval ``low``, ``high``; by period,
     then in the order of the trials.
     """
-    counts = judged.groupby(CELL, sort=False)["is_right"].agg(n_right="sum", n_subjects="size")
-    counts = counts.reset_index().sort_values("period_s", kind="stable", ignore_index=True)
+    groups = judged.groupby(CELL, sort=False)["is_right"]
+    counts = pd.DataFrame({"n_right": groups.sum(), "n_subjects": groups.size()}).reset_index()
+    counts = counts.sort_values("period_s", kind="stable", ignore_index=True)
     pairs = counts[["n_right", "n_subjects"]].astype("int64")
     shares = {pair: share_of(*pair) for pair in set(pairs.itertuples(index=False, name=None))}
     of_rows = [shares[pair] for pair in pairs.itertuples(index=False, name=None)]
