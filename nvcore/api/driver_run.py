@@ -1,4 +1,4 @@
-"""The calls of Python users for the driver's view: features of pictures."""
+"""The calls of Python users for the driver's view: features of pictures, and estimates of them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from nvcore.report.protect_inputs import replaced_input
 
 if TYPE_CHECKING:
     from nvcore.driver.images import ImageFeatures
-    from nvcore.driver.writing import WrittenFeatures
+    from nvcore.driver.writing import WrittenEstimates, WrittenFeatures
 
 
 def driver_features(
@@ -121,6 +121,53 @@ def image_features(
     )
     write_whole(Path(out), to_csv_bytes(features.table))
     return features
+
+
+def estimate_driver(
+    source: str | Path | Session | Dataset,
+    model: str | Path,
+    out: str | Path,
+    *,
+    settings: Mapping[str, Any] | None = None,
+    interpolate: bool = False,
+    only: Sequence[str] = (),
+    tags: Sequence[str] = (),
+    n_threads: int | None = None,
+    progress: Progress = no_progress,
+) -> WrittenEstimates:
+    """How likely the driver sees each pedestrian by himself, in every frame.
+
+    Parameters
+    ----------
+    source, settings, only, tags, n_threads, progress
+        As of `driver_features`.
+    model
+        An estimator that ``nvcore driver train`` wrote.
+    out
+        Folder for ``detectability.csv``, ``features.csv``, ``driver.json`` and ``session.toml``:
+        the session with the estimates, which `compare` takes.
+    interpolate
+        Whether to interpolate between the estimators of the periods before and after; else that of
+        the nearest adaptation period is taken.
+
+    Raises
+    ------
+    InputError
+        As `driver_features`, or if the model cannot be used.
+    """
+    with needs("driver", "estimates of what the driver sees need"):
+        from nvcore.driver.estimate import run_estimate
+        from nvcore.driver.estimators import read_estimator
+        from nvcore.driver.run import run_features
+        from nvcore.driver.settings import settings_from
+        from nvcore.driver.writing import ESTIMATE_OUTPUTS, write_estimates
+
+    values = settings_from(settings or {})
+    estimator = read_estimator(Path(model))
+    dataset = _dataset_to_run(source, Path(out), ESTIMATE_OUTPUTS, only, tags, [Path(model)])
+    features = run_features(dataset, values, n_threads=n_threads, progress=progress)
+    estimates = run_estimate(features, estimator, interpolate=interpolate)
+    return write_estimates(estimates, dataset, Path(out))
 
 
 def _dataset_to_run(

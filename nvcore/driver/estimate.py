@@ -2,52 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, Final, Protocol
+from dataclasses import asdict, dataclass
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from nvcore.driver.estimators import Estimator, fingerprint
 from nvcore.driver.features import FEATURE_KEYS
 from nvcore.driver.run import BOX_COLUMNS, FeatureRun
-from nvcore.wording import count_text
+from nvcore.wording import count_text, listed
 
 DETECTABILITY_COLUMNS: Final = (*BOX_COLUMNS, "detectability", "sd", "is_outside", "period_s")
 """Columns of a detectability file: one row for each truth box that is not ignored."""
-
-
-class Estimated(Protocol):
-    """What an estimator says of pedestrians; see `nvcore.driver.estimators`."""
-
-    @property
-    def detectability(self) -> NDArray[np.float64]:
-        """0 to 1, shape (n,); NaN: a feature that it needs is undefined."""
-        ...
-
-    @property
-    def sd(self) -> NDArray[np.float64]:
-        """Uncertainty, shape (n,)."""
-        ...
-
-    @property
-    def is_outside(self) -> NDArray[np.bool_]:
-        """Whether a feature lies outside the range of the training, shape (n,)."""
-        ...
-
-
-class Estimating(Protocol):
-    """An estimator of detectability."""
-
-    def estimate(
-        self,
-        features: NDArray[np.float64],
-        period_s: NDArray[np.float64],
-        *,
-        interpolate: bool = False,
-    ) -> Estimated:
-        """Detectability from features (n, 8) and adaptation periods (n,), NaN adapted."""
-        ...
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -60,13 +27,16 @@ class EstimateRun:
         What it was estimated from.
     table
         `DETECTABILITY_COLUMNS`, rows as those of the features.
-    about
-        The estimator, in words and numbers, for a record.
+    estimator
+        By which.
+    is_interpolated
+        Whether between the estimators of two periods.
     """
 
     features: FeatureRun
     table: pd.DataFrame
-    about: dict[str, Any]
+    estimator: Estimator
+    is_interpolated: bool = False
 
     @property
     def n_estimated(self) -> int:
@@ -77,33 +47,50 @@ class EstimateRun:
         return f"<EstimateRun of {count_text(len(self.table), 'box', 'boxes')}>"
 
     def __str__(self) -> str:
-        table = self.table
-        known = table[table["detectability"].notna()]
-        lines = [
-            str(self.features),
-            f"detectability of {len(known):,} of {len(table):,} pedestrian boxes"
-            + (f": {known['detectability'].mean():.2f} on average" if len(known) else ""),
-        ]
+        known = self.table[self.table["detectability"].notna()]
+        lines = [str(self.features), self._result(known)]
+        if self.estimator.origin.simulated != "no":
+            lines.append(
+                "the estimator was trained on a simulated observer: this is no person's eye"
+            )
         n_adapted = int(known["period_s"].isna().sum())
         if n_adapted:
             lines.append(
-                f"{n_adapted:,} of these after no known change of light: by the estimator of the "
+                f"{n_adapted:,} of them without a known change of light: by the estimator of the "
                 "longest period, as for adapted eyes"
             )
         n_outside = int(known["is_outside"].sum())
         if n_outside:
             lines.append(
-                f"{n_outside:,} of these have features outside the range of the training: take "
-                "them with care"
+                f"{n_outside:,} of them with features outside the range of the training: take them "
+                "with care"
             )
         return "\n".join(lines)
+
+    def _result(self, known: pd.DataFrame) -> str:
+        boxes = count_text(len(self.table), "pedestrian box", "pedestrian boxes")
+        text = f"detectability of {len(known):,} of {boxes}"
+        if len(known):
+            return f"{text}: {known['detectability'].mean():.2f} on average"
+        missing = self.features.table[list(self.estimator.features)].isna().all()
+        words = listed([key for key in self.estimator.features if missing[key]])
+        return f"{text}: the estimator needs {words}, which no box has" if words else text
+
+    def as_json(self) -> dict[str, Any]:
+        """The estimator, for a record."""
+        return {
+            "name": self.estimator.name,
+            "fingerprint": fingerprint(self.estimator),
+            "features": list(self.estimator.features),
+            "is_interpolated": self.is_interpolated,
+            "trained_on": asdict(self.estimator.origin),
+        }
 
 
 def run_estimate(
     features: FeatureRun,
-    estimator: Estimating,
+    estimator: Estimator,
     *,
-    about: dict[str, Any] | None = None,
     interpolate: bool = False,
 ) -> EstimateRun:
     """Detectability of every pedestrian of a run.
@@ -111,9 +98,7 @@ def run_estimate(
     Parameters
     ----------
     estimator
-        That of `nvcore.driver.estimators`.
-    about
-        What a record is to say of it.
+        Trained on pictures of the same size and angle of view.
     interpolate
         Whether to interpolate between the estimators of the periods before and after; else that of
         the nearest period is taken.
@@ -130,4 +115,4 @@ def run_estimate(
         is_outside=estimates.is_outside & is_known,
         period_s=period_s,
     )
-    return EstimateRun(features, own[list(DETECTABILITY_COLUMNS)], dict(about or {}))
+    return EstimateRun(features, own[list(DETECTABILITY_COLUMNS)], estimator, interpolate)

@@ -29,7 +29,7 @@ from nvcore.wording import count_text
 
 BOXES_COLUMNS: Final = ("image", "pedestrian", "x", "y", "w", "h")
 FIXATION_COLUMNS: Final = ("fixation_x", "fixation_y")
-IMAGE_FEATURE_COLUMNS: Final = ("image", "pedestrian", *FEATURE_KEYS)
+IMAGE_FEATURE_COLUMNS: Final = (*BOXES_COLUMNS, *FEATURE_KEYS)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -118,6 +118,7 @@ def image_features(
     for _ in in_order(look, pictures, lambda: clock.count(0, folder.name), n_threads=n_threads):
         clock.count(1, folder.name)
     columns: dict[str, object] = {"image": images, "pedestrian": table.texts("pedestrian")}
+    columns |= dict(zip("xywh", box.T, strict=True))
     columns |= dict(zip(FEATURE_KEYS, features.T, strict=True))
     n_assumed = int(np.count_nonzero(np.isnan(fixation[:, 0])))
     return ImageFeatures(pd.DataFrame(columns), len(names), n_assumed, settings)

@@ -9,8 +9,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-import pandas as pd
-
 from nvcore import __version__
 from nvcore.dataset import Dataset
 from nvcore.driver.estimate import EstimateRun
@@ -91,7 +89,7 @@ def write_features(run: FeatureRun, folder: Path) -> WrittenFeatures:
     InputError
         If the folder cannot be written to.
     """
-    content = _csv(run.table)
+    content = to_csv_bytes(run.table)
     record = _record(run, {FEATURES_FILE: content})
     write_run(folder, [(FEATURES_FILE, content), (RECORD_FILE, record)], FEATURE_OUTPUTS)
     return WrittenFeatures(folder / FEATURES_FILE, folder / RECORD_FILE, run)
@@ -112,7 +110,10 @@ def write_estimates(run: EstimateRun, dataset: Dataset, folder: Path) -> Written
     """
     session = dataset.settings
     assert isinstance(session, Session)
-    contents = {DETECTABILITY_FILE: _csv(run.table), FEATURES_FILE: _csv(run.features.table)}
+    contents = {
+        DETECTABILITY_FILE: to_csv_bytes(run.table),
+        FEATURES_FILE: to_csv_bytes(run.features.table),
+    }
     systems = tuple(
         replace(source, name=name)
         for source, name in zip(session.systems, dataset.systems, strict=True)
@@ -124,7 +125,7 @@ def write_estimates(run: EstimateRun, dataset: Dataset, folder: Path) -> Written
         driver=DriverTable(str(folder.absolute() / DETECTABILITY_FILE)),
     )
     text = write_session(named, version=__version__, fingerprint=dataset.fingerprint)
-    record = _record(run.features, contents, estimator=run.about)
+    record = _record(run.features, contents, estimator=run.as_json())
     files = [*contents.items(), (RECORD_FILE, record), (SESSION_FILE, text.encode())]
     write_run(folder, files, ESTIMATE_OUTPUTS)
     return WrittenEstimates(
@@ -134,10 +135,6 @@ def write_estimates(run: EstimateRun, dataset: Dataset, folder: Path) -> Written
         record=folder / RECORD_FILE,
         run=run,
     )
-
-
-def _csv(table: pd.DataFrame) -> bytes:
-    return to_csv_bytes(table)
 
 
 def _record(run: FeatureRun, contents: dict[str, bytes], **more: Any) -> bytes:

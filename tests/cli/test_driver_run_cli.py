@@ -80,3 +80,12 @@ def test_inputs_are_never_replaced(tmp_path: Path):
     assert result.exit_code == 2
     assert "is an input, and would be replaced" in result.stderr
     assert boxes.read_text().startswith(IMAGES_HEAD)
+
+
+def test_a_model_that_is_none_is_refused_before_pictures_are_read(tmp_path: Path):
+    (tmp_path / "driver.npz").write_text("no model")
+    flags = ("--model", tmp_path / "driver.npz", "--out", tmp_path / "out")
+    result = nvcore("driver", "estimate", SAMPLE, *flags)
+    assert result.exit_code == 2
+    assert "driver.npz: is not an estimator of nvcore" in result.stderr
+    assert not (tmp_path / "out").exists()

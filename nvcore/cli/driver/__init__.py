@@ -6,10 +6,11 @@ from typing import Final
 
 import click
 
+from nvcore.cli.driver.estimate import estimate
 from nvcore.cli.driver.features import features
 from nvcore.cli.driver.train import evaluate, train
 
-COMMANDS: Final[tuple[click.Command, ...]] = (features, train, evaluate)
+COMMANDS: Final[tuple[click.Command, ...]] = (features, train, evaluate, estimate)
 """The commands below ``nvcore driver``, in the order of its help."""
 
 
