@@ -277,5 +277,13 @@ class _Pass:
         if self.recording.light is not None:
             return f"Light by the light meter: {changes}."
         if self.recording.needs_light and self.is_seen.any():
-            return f"No light meter: the pictures' mean luminance stands in for one: {changes}."
+            every_s = (
+                float(np.median(np.diff(self.frame))) / self.fps if len(self.frame) > 1 else 0.0
+            )
+            is_sparse = every_s > self.settings.light.bright_for_s / 2
+            sparse = f", with one picture in {every_s:.3g} s" if is_sparse else ""
+            return (
+                "No light meter: the pictures' mean luminance stands in for one: "
+                f"{changes}{sparse}."
+            )
         return "Nothing is known of the light: no adaptation period."

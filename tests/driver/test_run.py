@@ -51,9 +51,10 @@ def place(tmp_path: Path) -> Path:
 
 
 def run(place: Path, keys: str = 'pictures = "drive"\n', **options: object) -> FeatureRun:
+    frames = "" if "frames = " in keys.partition("[[")[0] else f'frames = "0:{N_FRAMES - 1}"\n'
     text = (
         f'[defaults]\nsize = "64x48"\nfps = {FPS}\n[truth]\npath = "truth.csv"\n'
-        f'[[recording]]\nname = "drive"\nframes = "0:{N_FRAMES - 1}"\n{keys}'
+        f'[[recording]]\nname = "drive"\n{frames}{keys}'
     )
     (place / "session.toml").write_text(text)
     dataset = load(read_session(place / "session.toml", needs_system=False))
@@ -145,6 +146,14 @@ def test_the_pictures_stand_in_for_a_light_meter(place: Path):
     assert period_s[DARK_FROM] == pytest.approx(1 / FPS)
     assert set(part.table["illumination_by"]) == {"picture"}
     assert any("mean luminance stands in for one: 1 change from" in note for note in part.notes)
+
+
+def test_pictures_far_apart_are_said_to_be(place: Path):
+    every = N_FRAMES // 4
+    (place / "truth.csv").write_text("recording,frame,x,y,w,h\ndrive,0,20,10,8,16\n")
+    text = f'frames = "0:{N_FRAMES - 1}:{every}"\npictures = "drive"\nfirst_picture = 0\n'
+    part = run(place, text).recordings[0]
+    assert any("0 changes from bright to dark, with one picture in 2.5 s" in n for n in part.notes)
 
 
 def test_boxes_in_frames_without_a_picture_have_no_features_and_are_counted(place: Path):
