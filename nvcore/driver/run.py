@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -14,6 +14,7 @@ from nvcore.driver.features import FEATURE_KEYS, features_of
 from nvcore.driver.features.view import luminance_of
 from nvcore.driver.illumination import (
     NO_CHANGES,
+    Changes,
     Light,
     LightSource,
     changes_of,
@@ -186,7 +187,7 @@ class _Pass:
     def run(self, clock: PictureClock, n_threads: int | None) -> RecordingFeatures:
         """Look at the pictures, then at the course of the light."""
         recording, faults = self.recording, list[str]()
-        tell: Callable[[int], None] = lambda n: clock.count(n, recording.name)  # noqa: E731
+        tell = partial(clock.count, name=recording.name)
         if recording.pictures is not None:
             indices = zip(self.rows.tolist(), recording.index[self.rows].tolist(), strict=True)
             pictures = pictures_of(recording.pictures, indices, faults)
@@ -195,10 +196,15 @@ class _Pass:
                 tell(1)
             clock.n_pictures -= len(faults)
         light = self._light()
-        table = self._table(light)
+        changes = NO_CHANGES if light is None else changes_of(light, self.settings.light)
         n_unseen = int(np.count_nonzero(~self.is_seen[self.frame_of_box]))
-        notes = (*self._picture_notes(faults, n_unseen), self._fixation_note(), self._light_note())
-        return RecordingFeatures(recording.name, table, n_unseen, tuple(filter(None, notes)))
+        notes = [
+            *self._picture_notes(faults, n_unseen),
+            self._fixation_note(),
+            self._light_note(light, len(changes)),
+        ]
+        table = self._table(light, changes)
+        return RecordingFeatures(recording.name, table, n_unseen, tuple(notes))
 
     def _look(self, row: int, picture: Picture) -> int:
         """Features and light of one picture; rows of different pictures are never the same."""
@@ -228,20 +234,21 @@ class _Pass:
         times, level = self.frame[is_known] / self.fps, self.level[is_known]
         return Light(times, level, LightSource.PICTURE)
 
-    def _table(self, light: Light | None) -> pd.DataFrame:
-        changes = NO_CHANGES if light is None else changes_of(light, self.settings.light)
-        self.n_changes = len(changes)
+    def _table(self, light: Light | None, changes: Changes) -> pd.DataFrame:
         frame = self.frame[self.frame_of_box]
         begin_s, end_s = frame / self.fps, (frame + 1) / self.fps
-        nothing = np.full(len(frame), np.nan)
+        period_s = level = np.full(len(frame), np.nan)
+        if light is not None:
+            level = light.at(begin_s)
+            period_s = np.where(begin_s <= light.end_s, changes.period_s(end_s), np.nan)
         values: dict[str, object] = {
             "recording": pd.Categorical([self.recording.name_in_data] * len(frame)),
             "frame": frame,
             "track": integers_of(self.track, self.track != NO_TRACK),
             **dict(zip("xywh", self.box.T, strict=True)),
             **dict(zip(FEATURE_KEYS, self.features.T, strict=True)),
-            "period_s": changes.period_s(end_s),
-            "illumination": nothing if light is None else light.at(begin_s),
+            "period_s": period_s,
+            "illumination": level,
             "illumination_by": "" if light is None else light.source.value,
         }
         return pd.DataFrame(values, index=pd.RangeIndex(len(frame)))
@@ -272,18 +279,15 @@ class _Pass:
         of_frames = f"{n_without:,} of {len(frames):,} frames with pedestrians"
         return f"Fixation by the gaze file, which has none in {of_frames}."
 
-    def _light_note(self) -> str:
-        changes = count_text(self.n_changes, "change") + " from bright to dark"
-        if self.recording.light is not None:
-            return f"Light by the light meter: {changes}."
-        if self.recording.needs_light and self.is_seen.any():
-            every_s = (
-                float(np.median(np.diff(self.frame))) / self.fps if len(self.frame) > 1 else 0.0
-            )
-            is_sparse = every_s > self.settings.light.bright_for_s / 2
-            sparse = f", with one picture in {every_s:.3g} s" if is_sparse else ""
-            return (
-                "No light meter: the pictures' mean luminance stands in for one: "
-                f"{changes}{sparse}."
-            )
-        return "Nothing is known of the light: no adaptation period."
+    def _light_note(self, light: Light | None, n_changes: int) -> str:
+        if light is None or not len(light.time_s):
+            return "Nothing is known of the light: no adaptation period."
+        changes = count_text(n_changes, "change") + " from bright to dark"
+        if light.source is LightSource.METER:
+            is_short = self.frame.max(initial=0) / self.fps > light.end_s
+            short = f", known until {light.time_s[-1]:.3g} s" if is_short else ""
+            return f"Light by the light meter: {changes}{short}."
+        every_s = float(np.median(np.diff(self.frame))) / self.fps if len(self.frame) > 1 else 0.0
+        is_sparse = every_s > self.settings.light.bright_for_s / 2
+        sparse = f", with one picture in {every_s:.3g} s" if is_sparse else ""
+        return f"No light meter: the pictures' mean luminance stands in for one: {changes}{sparse}."

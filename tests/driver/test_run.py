@@ -139,6 +139,25 @@ def test_the_adaptation_period_is_that_at_the_end_of_the_frame(place: Path):
     assert "Light by the light meter: 1 change from bright to dark." in part.notes
 
 
+def test_where_the_readings_end_nothing_is_known(place: Path):
+    rows = [f"{i / 20},{1000 if i < 80 else 10}" for i in range(101)]
+    (place / "lux.csv").write_text("\n".join(["time_s,lux", *rows]) + "\n")
+    part = run(place, 'pictures = "drive"\nlight = "lux.csv"\n').recordings[0]
+    known = part.table["period_s"].notna()  # from 4 s to 6 s: a second after the last reading
+    assert np.flatnonzero(known).tolist() == [*range(15, 25)]
+    assert part.table["illumination"].notna().tolist() == [True] * 25 + [False] * 15
+    assert any(
+        note.endswith("1 change from bright to dark, known until 5 s.") for note in part.notes
+    )
+
+
+def test_a_light_file_without_readings_tells_nothing(place: Path):
+    (place / "lux.csv").write_text("time_s,lux\n")
+    part = run(place, 'pictures = "drive"\nlight = "lux.csv"\n').recordings[0]
+    assert part.table[["period_s", "illumination"]].isna().all(axis=None)
+    assert "Nothing is known of the light: no adaptation period." in part.notes
+
+
 def test_the_pictures_stand_in_for_a_light_meter(place: Path):
     part = run(place).recordings[0]
     period_s = part.table["period_s"]

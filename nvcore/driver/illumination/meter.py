@@ -10,6 +10,7 @@ the eye was adapted to at the beginning.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -22,6 +23,8 @@ from nvcore.driver.srgb import LINEAR
 from nvcore.inputs.readers.parse.table import read_table
 
 LIGHT_COLUMNS: Final = ("time_s", "lux")
+LEAST_HELD_S: Final = 1.0
+"""So long the last reading holds at least."""
 PICTURE_LEAST: Final = 0.002
 """Mean luminance (share of the greatest) below which a picture counts as that dark."""
 _STEP: Final = 4
@@ -59,12 +62,22 @@ class Light:
     level: NDArray[np.float64]
     source: LightSource = LightSource.METER
 
+    @property
+    def end_s(self) -> float:
+        """Until when the last reading holds: as others do, at least a second; -inf without any."""
+        if not len(self.time_s):
+            return -math.inf
+        steps = np.diff(self.time_s)
+        return float(self.time_s[-1] + max(np.median(steps) if len(steps) else 0.0, LEAST_HELD_S))
+
     def at(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The last reading at or before each time; NaN before the first, float64, shape (n,)."""
+        """The last reading at or before each time, float64, shape (n,).
+
+        NaN before the first, and after `end_s`.
+        """
         place = np.searchsorted(self.time_s, time_s, side="right") - 1
         readings = np.concatenate([self.level, [np.nan]])  # place -1: before the first
-        level: NDArray[np.float64] = readings[place]
-        return level
+        return np.where(np.asarray(time_s) <= self.end_s, readings[place], np.nan)
 
 
 def read_light(path: Path) -> Light:

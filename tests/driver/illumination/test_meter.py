@@ -20,8 +20,15 @@ def light_file(folder: Path, *lines: str) -> Path:
 def test_the_last_reading_holds_until_the_next(tmp_path: Path):
     light = read_light(light_file(tmp_path, "lux,time_s", "1000,-1", "10,2.5"))
     assert light.source is LightSource.METER
-    levels = light.at(np.array([-2.0, -1.0, 2.4, 2.5, 99.0]))
-    np.testing.assert_array_equal(levels, [np.nan, 1000, 1000, 10, 10])
+    levels = light.at(np.array([-2.0, -1.0, 2.4, 2.5]))
+    np.testing.assert_array_equal(levels, [np.nan, 1000, 1000, 10])
+
+
+def test_the_last_reading_holds_as_long_as_others_or_a_second(tmp_path: Path):
+    light = read_light(light_file(tmp_path, "time_s,lux", "0,5", "3,5", "6,7"))
+    np.testing.assert_array_equal(light.at(np.array([9.0, 9.1])), [7, np.nan])
+    quick = read_light(light_file(tmp_path, "time_s,lux", "0,5", "0.1,7"))
+    np.testing.assert_array_equal(quick.at(np.array([1.1, 1.2])), [7, np.nan])
 
 
 def test_without_readings_nothing_is_known(tmp_path: Path):
