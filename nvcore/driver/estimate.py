@@ -78,12 +78,14 @@ class EstimateRun:
 
     def as_json(self) -> dict[str, Any]:
         """The estimator, for a record."""
+        origin = asdict(self.estimator.origin)
         return {
             "name": self.estimator.name,
             "fingerprint": fingerprint(self.estimator),
             "features": list(self.estimator.features),
             "is_interpolated": self.is_interpolated,
-            "trained_on": asdict(self.estimator.origin),
+            "trained_on": origin.pop("fingerprint"),
+            **origin,
         }
 
 

@@ -122,7 +122,10 @@ def write_estimates(run: EstimateRun, dataset: Dataset, folder: Path) -> Written
         session,
         systems=systems,
         hashes=source_hashes(dataset),
-        driver=DriverTable(str(folder.absolute() / DETECTABILITY_FILE)),
+        driver=DriverTable(
+            detectability=str(folder.absolute() / DETECTABILITY_FILE),
+            provenance=str(folder.absolute() / RECORD_FILE),
+        ),
     )
     text = write_session(named, version=__version__, fingerprint=dataset.fingerprint)
     record = _record(run.features, contents, estimator=run.as_json())

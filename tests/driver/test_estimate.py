@@ -117,6 +117,7 @@ def test_files_are_a_session_that_names_the_estimates(place: Path):
     written = estimate_driver(place / "session.toml", place / "model.npz", place / "out")
     session = read_session(written.session)
     assert session.driver.detectability == str(place / "out" / "detectability.csv")
+    assert session.driver.provenance == str(place / "out" / "driver.json")
     assert session.recordings[0].light == str(place / "lux.csv")
     table = pd.read_csv(written.detectability)
     assert tuple(table.columns) == DETECTABILITY_COLUMNS
@@ -125,8 +126,9 @@ def test_files_are_a_session_that_names_the_estimates(place: Path):
     ]
     assert len(pd.read_csv(written.features)) == 40
     record = json.loads(written.record.read_text())
-    assert record["estimator"]["trained_on"]["simulated"] == "no"
-    assert record["estimator"]["features"] == ["luminance_contrast"]
+    said = record["estimator"]
+    assert (said["name"], said["simulated"], said["n_subjects"]) == ("test", "no", 4)
+    assert said["features"] == ["luminance_contrast"]
     digest = hashlib.sha256(written.detectability.read_bytes()).hexdigest()
     assert record["files"]["detectability.csv"] == digest
 

@@ -16,7 +16,8 @@ from nvcore.report.protect_inputs import files_read
 
 HEAD = '[truth]\npath = "gt.csv"\n[[system]]\npath = "fir.csv"\n'
 KEYS = 'visible = "v.mp4"\nvisible_map = [1.5, 2, 8, -12.5]\nlight = "lux.csv"\ngaze = "gaze.csv"\n'
-FULL = f'{HEAD}[driver]\ndetectability = "d.csv"\n[[recording]]\nname = "urban"\n{KEYS}'
+TABLE = '[driver]\ndetectability = "d.csv"\nprovenance = "d.json"\n'
+FULL = f'{HEAD}{TABLE}[[recording]]\nname = "urban"\n{KEYS}'
 
 
 def read(folder: Path, text: str) -> Session:
@@ -25,7 +26,7 @@ def read(folder: Path, text: str) -> Session:
 
 def test_the_keys_of_a_recording_and_the_table_are_read(tmp_path: Path):
     session = read(tmp_path, FULL)
-    assert session.driver == DriverTable("d.csv")
+    assert session.driver == DriverTable("d.csv", "d.json")
     assert session.recordings == (
         RecordingEntry(
             "urban",
@@ -58,7 +59,7 @@ def test_what_is_written_has_absolute_paths_and_reads_back(tmp_path: Path):
 
 def test_its_files_are_among_those_that_are_read(tmp_path: Path):
     session = read(tmp_path, FULL)
-    names = {"v.mp4", "lux.csv", "gaze.csv", "d.csv"}
+    names = {"v.mp4", "lux.csv", "gaze.csv", "d.csv", "d.json"}
     assert names <= set(session.paths())
     assert {tmp_path / name for name in names} <= set(files_read(session))
 
