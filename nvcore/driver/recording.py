@@ -126,6 +126,8 @@ def open_recordings(session: Session, dataset: Dataset) -> list[DriverRecording]
         entry = entries.get(name, RecordingEntry(name))
         recordings.append(_recording(number, name, entry, dataset, opened, is_visible, gaze, light))
     if not any((recording.index >= 0).any() for recording in recordings):
+        visible_pictures.close()
+        own_pictures.close()
         troubles = {**visible_pictures.troubles, **own_pictures.troubles}
         raise InputError(" ".join([NO_PICTURES, *map(one_line, troubles.values())]))
     return recordings

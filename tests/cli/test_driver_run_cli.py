@@ -5,13 +5,19 @@ from __future__ import annotations
 import csv
 import hashlib
 import json
+import re
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 from inputs import nvcore
 from picture_files import write_picture
 from places import SAMPLE
+
+from nvcore.cli.driver.features import features
+from nvcore.driver.features import FeatureSettings
+from nvcore.driver.illumination import LightSettings
 
 IMAGES_HEAD = "image,pedestrian,x,y,w,h\n"
 
@@ -89,3 +95,13 @@ def test_a_model_that_is_none_is_refused_before_pictures_are_read(tmp_path: Path
     assert result.exit_code == 2
     assert "driver.npz: is not an estimator of nvcore" in result.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_the_help_states_the_defaults_of_the_settings():
+    defaults = {**vars(FeatureSettings()), **vars(LightSettings())}
+    stated = {
+        option.name: float(re.search(r"Default: ([\d.]+?)\.?$", option.help or "")[1])  # type: ignore[index]
+        for option in features.params
+        if isinstance(option, click.Option) and option.name in defaults
+    }
+    assert stated == defaults

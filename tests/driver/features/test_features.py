@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 import cv2
 import numpy as np
 import pytest
+from places import ROOT
 from scipy.stats import wasserstein_distance
 
 from nvcore.driver.features import FEATURE_KEYS, FEATURES, FeatureSettings, features_of
@@ -287,3 +290,11 @@ def test_no_boxes_give_no_rows():
 def test_settings_outside_their_range_are_refused(given: dict[str, float]):
     with pytest.raises(ParameterError, match=f"{next(iter(given))}: expected"):
         FeatureSettings(**given)
+
+
+def test_the_documentation_lists_every_feature_in_its_words():
+    page = (ROOT / "docs" / "driver.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(\w+)` \| ([\w ]+) \| (\S[^|]*) \|", page, re.MULTILINE)
+    assert [(key, name, unit.strip()) for key, name, unit in rows] == [
+        (feature.key, feature.label, feature.unit) for feature in FEATURES
+    ]
