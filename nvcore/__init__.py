@@ -32,15 +32,22 @@ __all__ = [
     "convert",
     "dataset_from_tables",
     "detect",
+    "driver_features",
+    "estimate_driver",
+    "evaluate_driver",
     "gate",
+    "image_features",
     "load",
     "read_session",
     "train",
+    "train_driver",
 ]
 
 _HOMES = {
     "nvcore.api.calls": ("audit", "compare", "convert", "gate"),
     "nvcore.api.detect": ("detect",),
+    "nvcore.api.driver": ("evaluate_driver", "train_driver"),
+    "nvcore.api.driver_run": ("driver_features", "estimate_driver", "image_features"),
     "nvcore.api.inputs": ("load",),
     "nvcore.api.train": ("train",),
     "nvcore.comparison": ("Result",),
@@ -66,6 +73,8 @@ if TYPE_CHECKING:
     from nvcore import tables as tables
     from nvcore.api.calls import audit, compare, convert, gate
     from nvcore.api.detect import detect
+    from nvcore.api.driver import evaluate_driver, train_driver
+    from nvcore.api.driver_run import driver_features, estimate_driver, image_features
     from nvcore.api.inputs import load
     from nvcore.api.train import train
     from nvcore.comparison import Result

@@ -6,6 +6,7 @@
     │   ├── UnknownFormatError      no reader recognises it, or no reader has that name
     │   ├── MediaError              pictures, a video or an archive cannot be used
     │   ├── DetectorError           a detector's model or settings cannot be used
+    │   ├── EstimatorError          a model of what the driver sees cannot be used
     │   ├── MissingFactError        image size, frame rate, ... are needed and not in the files
     │   └── SessionError            a session file says something that cannot be done
     ├── ParameterError              a live parameter is outside its range
@@ -76,6 +77,10 @@ class MediaError(InputError):
 
 class DetectorError(InputError):
     """A detector, its model or its settings cannot be used."""
+
+
+class EstimatorError(InputError):
+    """An estimator of what the driver sees, a model file, cannot be used."""
 
 
 class MissingFactError(InputError):

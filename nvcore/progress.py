@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from typing import Final, TypeVar
+
+from nvcore.wording import duration_text
 
 T = TypeVar("T")
 Progress = Callable[[float, str], None]
@@ -13,6 +16,8 @@ Progress = Callable[[float, str], None]
 It may raise `concurrent.futures.CancelledError`: the work then stops and leaves nothing behind.
 """
 
+_SOON: Final = 0.03
+"""Share done from which on the time left is said."""
 POLL_S: Final = 0.05
 """Poll interval for cancellation while other threads work, seconds."""
 
@@ -26,6 +31,19 @@ def part_of(progress: Progress, start: float, end: float) -> Progress:
 
     def tell(share: float, what: str) -> None:
         progress(start + (end - start) * share, what)
+
+    return tell
+
+
+def with_time_left(progress: Progress) -> Progress:
+    """Words with the time left, estimated from the share done so far."""
+    began = time.perf_counter()
+
+    def tell(share: float, what: str) -> None:
+        if _SOON <= share < 1:
+            left = (time.perf_counter() - began) * (1 - share) / share
+            what = f"{what}, about {duration_text(left)} left"
+        progress(share, what)
 
     return tell
 

@@ -19,9 +19,9 @@ from nvcore.detectors.icf.channels import check_picture
 from nvcore.detectors.icf.windows import object_windows, window_values
 from nvcore.detectors.suppression import suppress
 from nvcore.metrics.matching import match_system
+from nvcore.metrics.shares import share_of
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
-from nvcore.tables.classes import share_of
 from scripts.sign_data import Crop, SignScene, read_rgb
 
 SIZE = (1360, 800)

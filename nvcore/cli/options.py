@@ -144,7 +144,7 @@ def part_options(frames: str) -> Callable[[Callable[..., Any]], Callable[..., An
     return with_options
 
 
-class _Pair(click.ParamType[tuple[float, float]]):
+class PairOf(click.ParamType[tuple[float, float]]):
     """One or two numbers with a comma between them."""
 
     def __init__(self, name: str, *, may_be_one: bool = False):
@@ -154,6 +154,7 @@ class _Pair(click.ParamType[tuple[float, float]]):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[float, float]:
+        """The numbers of a text."""
         parts = value.split(",")
         try:
             numbers = [float(part) for part in parts]
@@ -344,14 +345,14 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
             grouped_option(
                 CORRECTIONS,
                 f"--offset-px-{letter}",
-                type=_Pair("DX,DY"),
+                type=PairOf("DX,DY"),
                 metavar="DX,DY",
                 help=f"Added to {system}'s x and y, in pixels, after scaling.",
             ),
             grouped_option(
                 CORRECTIONS,
                 f"--scale-{letter}",
-                type=_Pair("S", may_be_one=True),
+                type=PairOf("S", may_be_one=True),
                 metavar="S|SX,SY",
                 help=f"By which {system}'s boxes are multiplied (across, down).",
             ),

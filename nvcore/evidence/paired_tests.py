@@ -11,6 +11,7 @@ import numpy as np
 from scipy.stats import binomtest
 
 from nvcore.evidence.bootstrap import CONFIDENCE, ROUNDING, ROWS_AT_ONCE, SEED, Statistic
+from nvcore.metrics.shares import share_of
 from nvcore.metrics.venn import MIN_DISCORDANT, Venn, measure_exclusivity
 
 MIN_SWAPPED: Final = MIN_DISCORDANT
@@ -122,10 +123,7 @@ def _newcombe(venn: Venn) -> tuple[float, float]:
     """Newcombe's square-and-add interval: Wilson's for each share, joined by their correlation."""
     n = venn.n_near
     n_x, n_y = venn.both + venn.x_only, venn.both + venn.y_only
-    ends_x, ends_y = (
-        binomtest(n_detected, n).proportion_ci(CONFIDENCE, method="wilson")
-        for n_detected in (n_x, n_y)
-    )
+    ends_x, ends_y = share_of(n_x, n), share_of(n_y, n)
     margins = n_x * (n - n_x) * n_y * (n - n_y)
     cross = venn.both * venn.neither - venn.x_only * venn.y_only
     adjusted = max(cross - n / 2, 0) if cross > 0 else cross

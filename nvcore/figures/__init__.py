@@ -10,6 +10,12 @@ with needs("report", "figures need"):
     from nvcore.figures.detectors.pictures import pictures_plot
     from nvcore.figures.detectors.score_map import score_map_plot
     from nvcore.figures.detectors.tree import tree_plot
+    from nvcore.figures.driver.detectability import (
+        detectability_histograms_plot,
+        detectability_plot,
+    )
+    from nvcore.figures.driver.errors import estimator_errors_plot
+    from nvcore.figures.driver.pairs import feature_pairs_plot, pair_ranks_plot
     from nvcore.figures.encounters import (
         fusion_plot,
         lead_time_plot,
@@ -41,7 +47,11 @@ __all__ = [
     "confidence_plot",
     "cost_plot",
     "curve_plot",
+    "detectability_histograms_plot",
+    "detectability_plot",
+    "estimator_errors_plot",
     "false_alarm_plot",
+    "feature_pairs_plot",
     "fusion_plot",
     "lanes_figure",
     "lead_time_plot",
@@ -51,6 +61,7 @@ __all__ = [
     "margins_plot",
     "miss_classes_plot",
     "over_speed_plot",
+    "pair_ranks_plot",
     "participants_plot",
     "parts_plot",
     "pictures_plot",

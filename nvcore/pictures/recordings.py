@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
@@ -99,6 +99,7 @@ def session_pictures(
     recordings: Collection[int] | None = None,
     *,
     opener: Callable[[Path], Pictures] | None = None,
+    key: Literal["pictures", "visible"] = "pictures",
 ) -> RecordingPictures:
     """Open the pictures that a session names; `notes` says what cannot be opened.
 
@@ -113,6 +114,9 @@ def session_pictures(
     opener
         Opens the pictures of a recording, and raises `MediaError` if it cannot; None:
         `open_pictures`.
+    key
+        Under which the session names them: those of the recording, or those of visible light that
+        were taken beside them.
     """
     names = [str(name) for name in dataset.recordings["name"]]
     entries = session.entries(names)
@@ -122,18 +126,22 @@ def session_pictures(
     notes: dict[int, str] = {}
     for number, name in enumerate(names):
         entry = entries.get(name)
+        path = None if entry is None else getattr(entry, key)
         is_needed = recordings is None or number in recordings
-        if entry is None or entry.pictures is None or not is_needed:
+        if entry is None or path is None or not is_needed:
             continue
         try:
-            pictures = (opener or open_pictures)(session.folder / entry.pictures)
+            pictures = (opener or open_pictures)(session.folder / path)
         except MediaError as error:
             notes[number] = f"{entry.pictures}: {error.message}"
             continue
         listed = frames.frame[frames.rows_of(number)]
         others = dataset.unlisted_frames(name)
         indices[number], note = picture_index(listed, pictures, entry.first_picture, others=others)
-        other_size = size_note(pictures, float(frames.width[number]), float(frames.height[number]))
+        other_size = ""
+        if key == "pictures":
+            size = float(frames.width[number]), float(frames.height[number])
+            other_size = size_note(pictures, *size)
         sources[number] = pictures
         notes[number] = " ".join(part for part in (note, other_size) if part)
     return RecordingPictures(sources, indices, notes=notes)

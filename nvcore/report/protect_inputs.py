@@ -84,6 +84,10 @@ def files_read(session: Session) -> Iterator[Path]:
     for facts in session.recordings:
         if facts.pictures is not None:
             yield session.folder / facts.pictures
+        yield from (session.folder / path for path in facts.driver_paths())
+    for path in (session.driver.detectability, session.driver.provenance):
+        if path is not None:
+            yield session.folder / path
 
 
 def _input_folder_around(folder: Path, session: Session) -> Path | None:

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 import pandas as pd
-from scipy.stats import binomtest
 
 from nvcore.comparison import Result
 from nvcore.metrics.matching import Matches, match_boxes
+from nvcore.metrics.shares import Share, share_of
 from nvcore.schema import NO_LABEL
 from nvcore.scoring import SystemResult
 from nvcore.tables.column import Column, Kind
 
-CONFIDENCE: Final = 0.95
 CLASS_COLUMNS: Final[tuple[Column, ...]] = (
     Column("system", Kind.TEXT, "", "Which system it is about: `x` or `y`."),
     Column("truth_class", Kind.TEXT, "", "Class of the pedestrians in the truth."),
@@ -29,27 +28,6 @@ CLASS_COLUMNS: Final[tuple[Column, ...]] = (
     Column("n", Kind.INTEGER, "boxes", "Pedestrians of the one class matched as the other."),
 )
 """Columns of `classes_table`."""
-
-
-@dataclass(frozen=True)
-class ReadShare:
-    """How many of a system's matches are of the right class.
-
-    Attributes
-    ----------
-    n_right, n
-        Matches of the truth's class, and all matches of boxes whose class the truth names.
-    share
-        Of those the right ones, 1 is best; NaN without any.
-    low, high
-        Wilson's 95 % interval of the share, which takes boxes as independent; NaN without any.
-    """
-
-    n_right: int
-    n: int
-    share: float
-    low: float
-    high: float
 
 
 def has_classes(result: Result) -> bool:
@@ -82,7 +60,7 @@ def classes_table(result: Result) -> pd.DataFrame:
     return pd.concat([empty, *parts], ignore_index=True).astype({"n": "int64"})
 
 
-def read_share(table: pd.DataFrame, letter: str) -> ReadShare:
+def read_share(table: pd.DataFrame, letter: str) -> Share:
     """The share of the matches of system "x" or "y" that have the truth's class.
 
     Parameters
@@ -94,14 +72,6 @@ def read_share(table: pd.DataFrame, letter: str) -> ReadShare:
     n = int(rows["n"].sum())
     n_right = int(rows["n"][rows["truth_class"] == rows["read_class"]].sum())
     return share_of(n_right, n)
-
-
-def share_of(n_right: int, n: int) -> ReadShare:
-    """So many right ones of so many, with the interval."""
-    if not n:
-        return ReadShare(0, 0, np.nan, np.nan, np.nan)
-    ends = binomtest(n_right, n).proportion_ci(CONFIDENCE, method="wilson")
-    return ReadShare(n_right, n, n_right / n, float(ends.low), float(ends.high))
 
 
 def _rows(result: Result, letter: str, system: SystemResult) -> pd.DataFrame:

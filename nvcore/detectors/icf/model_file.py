@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import io
-import json
-import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -24,13 +19,14 @@ from nvcore.detectors.icf.model import IcfModel
 from nvcore.detectors.icf.regions import EVERYWHERE, Band
 from nvcore.detectors.icf.settings import MAX_FEATURES, MAX_TREES, IcfSettings
 from nvcore.errors import DetectorError, ParameterError
-from nvcore.wording import one_line
+from nvcore.output import arrays as archives
+from nvcore.output.arrays import BadArchiveError
 
 FORMAT: Final = "nvcore-icf"
 VERSION: Final = 1
 MAX_BYTES: Final = 1 << 26
 """Size of a model file, and of all that is in it."""
-_ABOUT: Final = "about"
+_WHAT: Final = "a model of nvcore"
 _MOST: Final = {
     "n": MAX_TREES,
     "features": MAX_FEATURES,
@@ -71,38 +67,16 @@ _FACTS: Final[dict[str, type]] = {
 }
 LONGEST_NAME: Final = 200
 """Of a model, and of what it detects."""
-_TIME: Final = (1980, 1, 1, 0, 0, 0)
-_UNREADABLE: Final = (
-    zipfile.BadZipFile,
-    zlib.error,
-    EOFError,
-    NotImplementedError,
-    RuntimeError,
-    ValueError,
-    OSError,
-)
 
 
 def to_bytes(model: IcfModel) -> bytes:
     """The model as the content of a file; equal models give equal bytes."""
-    content = io.BytesIO()
-    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, array in _members(model).items():
-            entry = zipfile.ZipInfo(f"{name}.npy", _TIME)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            member = io.BytesIO()
-            np.lib.format.write_array(member, array, version=(1, 0), allow_pickle=False)
-            archive.writestr(entry, member.getvalue())
-    return content.getvalue()
+    return archives.pack(_members(model))
 
 
 def fingerprint(model: IcfModel) -> str:
     """sha256 over the model and its settings, as hexadecimal digits."""
-    digest = hashlib.sha256()
-    for name, array in _members(model).items():
-        digest.update(f"{name} {array.dtype.str} {array.shape}\n".encode())
-        digest.update(array.tobytes())
-    return digest.hexdigest()
+    return archives.fingerprint_of(_members(model))
 
 
 def read_file(path: Path) -> IcfModel:
@@ -134,21 +108,17 @@ def from_bytes(content: bytes, name: str) -> IcfModel:
     DetectorError
         If it is damaged, or anything in it is not as it must be.
     """
-    if len(content) > MAX_BYTES:
-        raise DetectorError(f"a model has at most {MAX_BYTES >> 20} MiB", file=name)
     try:
-        arrays = _read_members(content)
-        about = _read_about(arrays.pop(_ABOUT).tobytes())
-        return _checked(about, arrays)
-    except DetectorError as error:
-        raise DetectorError(error.message, file=name) from error
+        with archives.damage_of(_WHAT):
+            about, arrays = archives.unpack(
+                content, _ARRAYS, what=_WHAT, most_bytes=MAX_BYTES, optional=(_OF_CLASSES,)
+            )
+            return _checked(about, arrays)
+    except (BadArchiveError, DetectorError) as error:
+        text = error.message if isinstance(error, DetectorError) else str(error)
+        raise DetectorError(text, file=name) from error
     except ParameterError as error:
         raise DetectorError(f"{error}; train the model again", file=name) from error
-    except _UNREADABLE as error:
-        text = one_line(str(error))
-        raise DetectorError(f"is not a model of nvcore, or is damaged ({text})", file=name) from (
-            error
-        )
 
 
 def _members(model: IcfModel) -> dict[str, NDArray[Any]]:
@@ -169,11 +139,6 @@ def _members(model: IcfModel) -> dict[str, NDArray[Any]]:
     }
     if model.classifier is not None:
         values[_OF_CLASSES] = model.classifier.weights
-    arrays = {
-        name: np.ascontiguousarray(values[name], np.dtype(kind))
-        for name, (kind, _) in _ARRAYS.items()
-        if name in values
-    }
     about = {
         "format": FORMAT,
         "version": VERSION,
@@ -188,78 +153,18 @@ def _members(model: IcfModel) -> dict[str, NDArray[Any]]:
     }
     if model.classifier is not None:
         about["classes"] = list(model.classifier.classes)
-    text = json.dumps(about, ensure_ascii=False, allow_nan=False, indent=1)
-    return {_ABOUT: np.frombuffer(text.encode(), np.uint8), **arrays}
-
-
-def _read_members(content: bytes) -> dict[str, NDArray[Any]]:
-    """Arrays of the archive; sizes are checked before anything is unpacked."""
-    with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        members = archive.infolist()
-        expected = {f"{name}.npy" for name in (_ABOUT, *_ARRAYS)} - {f"{_OF_CLASSES}.npy"}
-        names = [member.filename for member in members]
-        others = set(names) - {f"{_OF_CLASSES}.npy"}
-        if others != expected or len(names) != len(set(names)):
-            raise DetectorError("is not a model of nvcore: its arrays are others")
-        if sum(member.file_size for member in members) > MAX_BYTES:
-            raise DetectorError(f"a model has at most {MAX_BYTES >> 20} MiB")
-        arrays = {}
-        for member in members:
-            if member.flag_bits & 1 or member.compress_type not in (0, zipfile.ZIP_DEFLATED):
-                raise DetectorError(f"{member.filename} is encrypted or compressed unusually")
-            with archive.open(member) as stream:
-                unpacked = stream.read(member.file_size + 1)
-            arrays[member.filename.removesuffix(".npy")] = _array(unpacked, member.filename)
-    return arrays
-
-
-def _array(member: bytes, name: str) -> NDArray[Any]:
-    """An array of a plain type that is as large as its header says."""
-    stream = io.BytesIO(member)
-    if np.lib.format.read_magic(stream) != (1, 0):
-        raise DetectorError(f"{name} has an unknown version")
-    shape, is_fortran, dtype = np.lib.format.read_array_header_1_0(stream, max_header_size=1000)
-    known = _ARRAYS.get(name.removesuffix(".npy"), ("|u1", ("bytes",)))
-    if is_fortran or dtype != np.dtype(known[0]) or len(shape) != len(known[1]):
-        raise DetectorError(f"{name} has type {dtype} and shape {shape}, expected {known[0]}")
-    count = 1
-    for side in shape:
-        count *= side
-    if min(shape) < 0 or count * dtype.itemsize != len(member) - stream.tell():
-        raise DetectorError(f"{name} is not of the size that it states")
-    return np.frombuffer(member, dtype, offset=stream.tell()).reshape(shape)
-
-
-def _read_about(text: bytes) -> dict[str, Any]:
-    def refuse(constant: str) -> None:
-        raise DetectorError(f"{constant} is not a number that a model may have")
-
-    try:
-        about = json.loads(text.decode(), parse_constant=refuse)
-    except RecursionError as error:
-        raise DetectorError("its JSON is nested too deeply") from error
-    if not isinstance(about, dict) or about.get("format") != FORMAT:
-        raise DetectorError("is not a model of nvcore")
-    if about.get("version") != VERSION:
-        raise DetectorError(
-            f"has version {about.get('version')!r}; this program reads {VERSION}: update it, or "
-            "train the model again"
-        )
-    for name, kind in _FACTS.items():
-        if type(about.get(name)) is not kind:
-            raise DetectorError(f"{name}: expected {kind.__name__}, got {about.get(name)!r:.80}")
-    for name in ("name", "label"):
-        if not 0 < len(about[name]) <= LONGEST_NAME or not about[name].isprintable():
-            raise DetectorError(f"{name}: expected 1 to {LONGEST_NAME} printable characters")
-    return about
+    return archives.members_of(about, values, _ARRAYS)
 
 
 def _checked(about: Mapping[str, Any], arrays: dict[str, NDArray[Any]]) -> IcfModel:
+    archives.check_version(about, FORMAT, VERSION, what=_WHAT)
+    archives.check_facts(about, _FACTS)
+    for name in ("name", "label"):
+        archives.check_name(about, name, LONGEST_NAME)
     settings = IcfSettings.from_json(about["settings"])
-    _check_lengths(arrays)
-    for name, array in arrays.items():
-        if not np.isfinite(array).all():
-            raise DetectorError(f"{name} has values that are no numbers")
+    archives.check_lengths(arrays, _ARRAYS, _MOST, may_be_empty=("band",))
+    if len(arrays["band"]) not in (0, 4):
+        raise DetectorError("band: expected 4 numbers or none")
     band = Band(*arrays["band"].tolist()) if len(arrays["band"]) else EVERYWHERE
     model = IcfModel(
         name=about["name"],
@@ -281,18 +186,6 @@ def _checked(about: Mapping[str, Any], arrays: dict[str, NDArray[Any]]) -> IcfMo
     )
     _check_indices(model)
     return model
-
-
-def _check_lengths(arrays: Mapping[str, NDArray[Any]]) -> None:
-    lengths: dict[str, int] = {}
-    for name, array in arrays.items():
-        for side, length in zip(_ARRAYS[name][1], array.shape, strict=True):
-            expected = side if isinstance(side, int) else lengths.setdefault(side, length)
-            is_short = side != "band" and length < 1
-            if length != expected or is_short or length > _MOST.get(str(side), length):
-                raise DetectorError(f"{name} has the shape {array.shape}")
-    if len(arrays["band"]) not in (0, 4):
-        raise DetectorError("band: expected 4 numbers or none")
 
 
 def _check_indices(model: IcfModel) -> None:

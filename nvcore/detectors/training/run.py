@@ -20,13 +20,11 @@ from nvcore.detectors.training.gathering import TrainingData
 from nvcore.detectors.training.shots import PictureStore, Shot, scenes_of
 from nvcore.errors import DetectorError, InputError, ParameterError
 from nvcore.memory import free_bytes
-from nvcore.progress import Progress, no_progress, part_of
+from nvcore.progress import Progress, no_progress, part_of, with_time_left
 from nvcore.wording import count_text, duration_text, one_line
 
 _READING: Final = 0.05
 """Share of the time for reading pictures, about."""
-_SOON: Final = 0.03
-"""Share done from which on the time left is said."""
 _BYTES_OF_VALUE: Final = 13
 """Memory for each feature of each window: joined from parts, binned, in the search of splits."""
 
@@ -137,7 +135,7 @@ def train_on(
     shots = training_data.shots
     _check_classes(shots)
     _check_room(shots, settings)
-    progress = _with_time_left(progress)
+    progress = with_time_left(progress)
     store = PictureStore(shots)
     store.read_all(part_of(progress, 0.0, _READING))
     faults = tuple(store.faults.values())
@@ -213,16 +211,3 @@ def _check_room(shots: Sequence[Shot], settings: IcfSettings) -> None:
             f"{needed / 1e9:.1f} GB of memory; {max(free, 0) / 1e9:.1f} GB are free. Take fewer "
             "frames, fewer copies of objects, less background or fewer features"
         )
-
-
-def _with_time_left(progress: Progress) -> Progress:
-    """Words with the time left, estimated from the share done so far."""
-    began = time.perf_counter()
-
-    def tell(share: float, what: str) -> None:
-        if _SOON <= share < 1:
-            left = (time.perf_counter() - began) * (1 - share) / share
-            what = f"{what}, about {duration_text(left)} left"
-        progress(share, what)
-
-    return tell

@@ -7,12 +7,12 @@ from typing import Final, NamedTuple
 
 import numpy as np
 from scipy.special import ndtr, ndtri
-from scipy.stats import binomtest
 from scipy.stats import t as student
 
 from nvcore.evidence.bootstrap import CONFIDENCE, LEAST_SPREAD, ROUNDING, SEED
 from nvcore.evidence.paired_tests import MIN_SWAPPED
 from nvcore.evidence.planning.pilot import Pilot
+from nvcore.metrics.shares import share_of
 from nvcore.progress import Progress, no_progress
 
 N_STUDIES: Final = 300
@@ -321,11 +321,11 @@ def find_length(
     def simulate(n_recordings: int, n_studies: int = N_STUDIES) -> float:
         progress(min(len(points) / (len(GRID) + 3), 0.95), f"studies of {n_recordings} recordings")
         n_shown = count(n_recordings, n_studies)
-        ends = binomtest(n_shown, n_studies).proportion_ci(CONFIDENCE, method="wilson")
+        shown = share_of(n_shown, n_studies)
         points[n_recordings] = PowerPoint(
-            n_recordings, n_shown / n_studies, float(ends.low), float(ends.high), n_studies
+            n_recordings, shown.share, shown.low, shown.high, n_studies
         )
-        return n_shown / n_studies
+        return shown.share
 
     middle = min(max(guess, least), MOST_RECORDINGS / GRID[-1])
     for size in sorted({max(least, round(share * middle)) for share in GRID}):

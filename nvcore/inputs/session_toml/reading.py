@@ -27,6 +27,7 @@ from nvcore.inputs.session import (
     Source,
     SystemSource,
 )
+from nvcore.inputs.session_driver import DriverTable
 from nvcore.params import params_from
 from nvcore.params.traffic import parse_context
 from nvcore.protocols import protocol_from
@@ -49,6 +50,7 @@ _TABLES: Final = frozenset(
         "parameters",
         "protocol",
         "published",
+        "driver",
         "written",
     }
 )
@@ -67,6 +69,7 @@ _WORDS: Final = {
     float: "a number",
     tuple[str, ...]: "a list of texts",
     tuple[float, float]: "two numbers",
+    tuple[float, float, float, float]: "four numbers",
     Mapping[str, str]: "a table of texts",
 }
 """What is expected, by the type of the field."""
@@ -159,6 +162,7 @@ class _Decoder:
                 params=params,
                 protocol=protocol,
                 published=tuple(published),
+                driver=self.decode(DriverTable, self.table(content, "driver"), "[driver]"),
                 hashes=hashes,
                 pipes=pipes,
                 **defaults,

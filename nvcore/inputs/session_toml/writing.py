@@ -50,6 +50,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
         "recordings": {} if table is None else {"path": table.path},
         "defaults": _given(defaults),
         "truth": _source_table(session.truth),
+        "driver": _given(vars(session.driver)),
     }
     recordings = [_recording_table(entry) for entry in session.recordings]
     systems = [
@@ -71,7 +72,8 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
 
 def _recording_table(entry: RecordingEntry) -> dict[str, Any]:
     context = None if entry.context is None else context_word(entry.context)
-    return _given({**vars(entry), "context": context, "tags": list(entry.tags) or None})
+    own = {"context": context, "tags": list(entry.tags) or None}
+    return _given({"name": entry.name, **vars(entry), **own})
 
 
 def _given(values: dict[str, Any]) -> dict[str, Any]:

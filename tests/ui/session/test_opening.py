@@ -176,6 +176,15 @@ def test_a_record_of_provenance_is_one_of_the_files_sent(tmp_path: Path):
         uploaded(tmp_path, TOML + 'provenance = "../../etc/passwd"\n')
 
 
+def test_what_a_session_file_says_of_the_driver_is_one_of_the_files_sent(tmp_path: Path):
+    text = TOML.replace('name = "A"\n', 'name = "A"\nvisible = "/etc"\nlight = "/etc/passwd"\n')
+    opened = uploaded(tmp_path, text + '[driver]\ndetectability = "/home/me/A/det.txt"\n')
+    assert (opened.recordings[0].visible, opened.recordings[0].light) == (None, None)
+    assert opened.driver.detectability == "A/det.txt"
+    with pytest.raises(SessionError, match=r"'passwd', which was not sent"):
+        uploaded(tmp_path, TOML + '[driver]\ndetectability = "/etc/passwd"\n')
+
+
 def test_a_session_file_that_would_be_read_for_hours_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):

@@ -1,0 +1,187 @@
+"""The calls of Python users for the driver's view: features of pictures, and estimates of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from nvcore.api.inputs import Part, load_part
+from nvcore.dataset import Dataset
+from nvcore.extras import needs
+from nvcore.inputs.session import Session
+from nvcore.output.csv_text import to_csv_bytes
+from nvcore.output.files import write_whole
+from nvcore.progress import Progress, no_progress
+from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
+
+if TYPE_CHECKING:
+    from nvcore.driver.images import ImageFeatures
+    from nvcore.driver.writing import WrittenEstimates, WrittenFeatures
+
+
+def driver_features(
+    source: str | Path | Session | Dataset,
+    out: str | Path,
+    *,
+    settings: Mapping[str, Any] | None = None,
+    only: str | Sequence[str] = (),
+    tags: str | Sequence[str] = (),
+    n_threads: int | None = None,
+    progress: Progress = no_progress,
+) -> WrittenFeatures:
+    """How well each pedestrian can be seen in the pictures: eight features, and the light.
+
+    Parameters
+    ----------
+    source
+        A session file, a session, or a dataset made by `load`. It names the pictures of visible
+        light of each recording, its light meter and where the driver looked, and need not name a
+        system.
+    out
+        Folder for ``features.csv`` and ``driver.json``, which says how they were made.
+    settings
+        What the paper leaves open, by name (docs/driver.md): ``surround``, ``drop_factor``, ...;
+        ``fixation`` is the assumed point as shares of the picture, (0.5, 0.5) its middle.
+    only, tags
+        Names of recordings, and tags that they all have; empty: all that the session compares.
+    n_threads
+        Pictures at a time; None: as many as there are cores.
+    progress
+        Called with the share done, and the time left in words. It may raise `CancelledError`:
+        nothing is then written.
+
+    Raises
+    ------
+    InputError
+        If an input cannot be used or would be replaced, or no evaluated frame has a picture.
+    ParameterError
+        If there is no such setting, or a value is outside its range.
+    MissingExtraError
+        If the extra ``driver`` is not installed.
+
+    Examples
+    --------
+    >>> features = driver_features("night.toml", "features")  # doctest: +SKIP
+    >>> print(features.run)  # doctest: +SKIP
+    """
+    with needs("driver", "features of pictures need"):
+        from nvcore.driver.run import run_features
+        from nvcore.driver.settings import settings_from
+        from nvcore.driver.writing import FEATURE_OUTPUTS, write_features
+
+    values = settings_from(settings or {})
+    dataset = _dataset_to_run(source, Path(out), FEATURE_OUTPUTS, only, tags)
+    run = run_features(dataset, values, n_threads=n_threads, progress=progress)
+    return write_features(run, Path(out))
+
+
+def image_features(
+    images: str | Path,
+    boxes: str | Path,
+    out: str | Path,
+    *,
+    settings: Mapping[str, Any] | None = None,
+    n_threads: int | None = None,
+    progress: Progress = no_progress,
+) -> ImageFeatures:
+    """The eight features of the pedestrians in single pictures, such as those of a study.
+
+    Parameters
+    ----------
+    images
+        Folder of the pictures.
+    boxes
+        CSV with the columns image, pedestrian, x, y, w, h (px), and where known fixation_x and
+        fixation_y.
+    out
+        CSV file to write: image, pedestrian, and the features.
+    settings, n_threads, progress
+        As of `driver_features`.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used, with the line; or would be replaced.
+    """
+    with needs("driver", "features of pictures need"):
+        from nvcore.driver.images import image_features as features_of_images
+        from nvcore.driver.settings import settings_from
+
+    refuse_to_replace([Path(out)], [Path(boxes), Path(images)])
+    features = features_of_images(
+        Path(images),
+        Path(boxes),
+        settings_from(settings or {}),
+        n_threads=n_threads,
+        progress=progress,
+    )
+    write_whole(Path(out), to_csv_bytes(features.table))
+    return features
+
+
+def estimate_driver(
+    source: str | Path | Session | Dataset,
+    model: str | Path,
+    out: str | Path,
+    *,
+    settings: Mapping[str, Any] | None = None,
+    interpolate: bool = False,
+    only: str | Sequence[str] = (),
+    tags: str | Sequence[str] = (),
+    n_threads: int | None = None,
+    progress: Progress = no_progress,
+) -> WrittenEstimates:
+    """How likely the driver sees each pedestrian by himself, in every frame.
+
+    Parameters
+    ----------
+    source, settings, only, tags, n_threads, progress
+        As of `driver_features`.
+    model
+        An estimator that ``nvcore driver train`` wrote.
+    out
+        Folder for ``detectability.csv``, ``features.csv``, ``driver.json`` and ``session.toml``:
+        the session with the estimates, which `compare` takes.
+    interpolate
+        Whether to interpolate between the estimators of the periods before and after; else that of
+        the nearest adaptation period is taken.
+
+    Raises
+    ------
+    InputError
+        As `driver_features`, or if the model cannot be used.
+    """
+    with needs("driver", "estimates of what the driver sees need"):
+        from nvcore.driver.estimate import run_estimate
+        from nvcore.driver.estimators import read_estimator
+        from nvcore.driver.run import run_features
+        from nvcore.driver.settings import settings_from
+        from nvcore.driver.writing import ESTIMATE_OUTPUTS, write_estimates
+
+    values = settings_from(settings or {})
+    estimator = read_estimator(Path(model))
+    dataset = _dataset_to_run(source, Path(out), ESTIMATE_OUTPUTS, only, tags, [Path(model)])
+    features = run_features(dataset, values, n_threads=n_threads, progress=progress)
+    estimates = run_estimate(features, estimator, interpolate=interpolate)
+    return write_estimates(estimates, dataset, Path(out))
+
+
+def _dataset_to_run(
+    source: str | Path | Session | Dataset,
+    out: Path,
+    outputs: Iterable[str],
+    only: str | Sequence[str],
+    tags: str | Sequence[str],
+    inputs: Sequence[Path] = (),
+) -> Dataset:
+    """The recordings, once it is known that the folder may be written to."""
+    from nvcore.driver.writing import check_folder
+
+    dataset, session = load_part(source, Part(only=only, tags=tags))
+    check_folder(out)
+    files = [*inputs, *([Path(source)] if isinstance(source, str | Path) else [])]
+    named = [out / name for name in outputs]
+    refuse_to_replace(named, [*files, *files_read(session)], instead="folder")
+    refuse_among_inputs(out, session)
+    return dataset

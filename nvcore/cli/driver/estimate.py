@@ -1,0 +1,86 @@
+"""``nvcore driver estimate``: how likely the driver sees each pedestrian by himself."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from nvcore.cli.driver.options import (
+    LIGHT_OPTIONS,
+    RUN_OPTIONS,
+    SETTING_OPTIONS,
+    given_settings,
+    with_options,
+)
+from nvcore.cli.options import INPUTS, OUTPUT, GroupedCommand, examples, grouped_option
+from nvcore.cli.progress import ShareProgress, TerminalProgress
+from nvcore.cli.steps import errors_of
+from nvcore.inputs.session_toml import read_session
+from nvcore.wording import one_line
+
+
+@click.command(
+    cls=GroupedCommand,
+    short_help="How likely the driver sees each pedestrian by himself.",
+    epilog=examples(
+        "nvcore driver estimate night.toml --model driver.npz --out seen",
+        "nvcore compare seen/session.toml",
+    ),
+)
+@click.argument("session_file", type=click.Path(dir_okay=False, path_type=Path))
+@grouped_option(
+    INPUTS,
+    "--model",
+    required=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="An estimator that nvcore driver train wrote (.npz).",
+)
+@grouped_option(
+    INPUTS,
+    "--interpolate",
+    is_flag=True,
+    help="Between the estimators of the adaptation periods before and after. Default: that of the "
+    "nearest.",
+)
+@grouped_option(
+    OUTPUT,
+    "--out",
+    required=True,
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Write detectability.csv, features.csv, driver.json, and session.toml into this folder.",
+)
+@with_options(*RUN_OPTIONS, *SETTING_OPTIONS, *LIGHT_OPTIONS)
+def estimate(session_file: Path, model: Path, out: Path, **options: Any) -> None:
+    """How likely the driver sees each pedestrian by himself, in every frame.
+
+    SESSION_FILE (TOML) names what nvcore driver features needs. DIR/session.toml is the same
+    session with the estimates, which nvcore compare takes. Features have to be computed as those
+    that the model was trained on. Exit code 0: fine, 2: bad input.
+    """
+    from nvcore.api.driver_run import estimate_driver
+    from nvcore.inputs.load import load
+    from nvcore.inputs.recordings_file import with_recordings_file
+
+    session = with_recordings_file(read_session(session_file, needs_system=False))
+    with errors_of(session):
+        with TerminalProgress(2 + len(session.systems)) as steps:
+            dataset = load(session, progress=steps)
+        with ShareProgress() as progress:
+            written = estimate_driver(
+                dataset,
+                model,
+                out,
+                settings=given_settings(options),
+                interpolate=options["interpolate"],
+                only=options["only"],
+                tags=options["tags"],
+                n_threads=options["n_threads"],
+                progress=progress,
+            )
+    click.echo(str(written.run))
+    click.echo(one_line(f"written to {out}"), err=True)
+    click.echo(one_line(f"compare: nvcore compare {written.session}"), err=True)

@@ -1,0 +1,231 @@
+"""``nvcore driver train`` and ``evaluate``: estimators learned from trials with people."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import click
+
+from nvcore.cli.options import INPUTS, OUTPUT, GroupedCommand, examples, grouped_option
+from nvcore.cli.progress import ShareProgress
+from nvcore.extras import needs
+from nvcore.wording import one_line
+
+if TYPE_CHECKING:
+    from nvcore.driver.trials import Judging
+
+# As in nvcore/cli/__init__.py, numpy and scikit-learn are imported by the commands only.
+
+JUDGING: Final = "Which responses are right"
+SEARCH: Final = "Search"
+_ANGLE: Final = ("distance_mm", "shown_width_mm", "picture_width_px")
+_File = click.Path(dir_okay=False, path_type=Path)
+_LENGTH = click.FloatRange(0, min_open=True)
+
+_OPTIONS: Final = (
+    grouped_option(
+        INPUTS,
+        "--features",
+        required=True,
+        type=_File,
+        metavar="FILE",
+        help="Features of the pictures, as nvcore driver features writes them (CSV).",
+    ),
+    grouped_option(
+        INPUTS,
+        "--boxes",
+        type=_File,
+        metavar="FILE",
+        help="Where the pedestrians are: image,pedestrian,x,y,w,h (CSV). Default: the columns "
+        "x,y,w,h of the features.",
+    ),
+    grouped_option(
+        INPUTS,
+        "--leave-out",
+        multiple=True,
+        metavar="SUBJECT",
+        help="Without the responses of this subject; may be given again.",
+    ),
+    grouped_option(
+        JUDGING,
+        "--square-px",
+        type=_LENGTH,
+        metavar="PX",
+        help="Side of the square around the touch that has to overlap the middle of the "
+        "pedestrian, in pixels of the picture. Default: 200.",
+    ),
+    grouped_option(
+        JUDGING,
+        "--square-degrees",
+        type=click.FloatRange(0, 90, min_open=True),
+        metavar="DEG",
+        help="The same as a visual angle, 5 in the paper; it needs the three lengths below.",
+    ),
+    grouped_option(
+        JUDGING, "--distance-mm", type=_LENGTH, metavar="MM", help="From the eye to the screen."
+    ),
+    grouped_option(
+        JUDGING,
+        "--shown-width-mm",
+        type=_LENGTH,
+        metavar="MM",
+        help="Width of the picture on the screen.",
+    ),
+    grouped_option(
+        JUDGING,
+        "--picture-width-px",
+        type=_LENGTH,
+        metavar="PX",
+        help="Width of the picture in its own pixels.",
+    ),
+    grouped_option(
+        JUDGING,
+        "--centre-share",
+        type=click.FloatRange(0, 1),
+        default=0.5,
+        show_default=True,
+        help="Size of that middle, as a share of the pedestrian's width and height.",
+    ),
+    grouped_option(
+        JUDGING,
+        "--display-s",
+        type=click.FloatRange(0, 60),
+        default=0.5,
+        show_default=True,
+        metavar="S",
+        help="How long a picture is shown; the adaptation period ends with it.",
+    ),
+    grouped_option(
+        SEARCH,
+        "--quick",
+        is_flag=True,
+        help="Try fewer settings, for a first look: a tenth of the time.",
+    ),
+    grouped_option(
+        SEARCH,
+        "--seed",
+        type=click.IntRange(0, 2**32 - 1),
+        default=0,
+        show_default=True,
+        help="Of all that is drawn at random: the same seed gives the same result.",
+    ),
+    grouped_option(
+        SEARCH,
+        "--threads",
+        type=click.IntRange(1, 256),
+        help="Regressions at a time. Default: as many as there are cores.",
+    ),
+)
+
+
+def _with_options(command: Callable[..., None]) -> Callable[..., None]:
+    for option in reversed(_OPTIONS):
+        command = option(command)
+    return command
+
+
+@click.command(
+    cls=GroupedCommand,
+    short_help="Train an estimator on trials with people.",
+    epilog=examples(
+        "nvcore driver train trials.csv --features features.csv --out driver.npz",
+        "nvcore driver train trials.csv --features features.csv --leave-out S07 --out driver.npz",
+    ),
+)
+@click.argument("trials", type=_File)
+@_with_options
+@grouped_option(
+    OUTPUT,
+    "--out",
+    required=True,
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write the model into this file (.npz).",
+)
+def train(trials: Path, out: Path, **options: Any) -> None:
+    """Train an estimator of detectability: which share of drivers sees a pedestrian.
+
+    TRIALS (CSV) has a row for each picture shown to a subject. Learned is a regression for each
+    adaptation period, and one for all as the comparison; features and settings are chosen by
+    cross-validation. Their errors on pedestrians left out stand beside those of a constant. Ctrl+C
+    ends it and leaves nothing behind. Exit code 0: fine, 2: bad input.
+    """
+    with needs("driver", "nvcore driver train needs"):
+        from nvcore.api.driver import train_driver
+        from nvcore.report.driver import render_training
+
+    with ShareProgress() as progress:
+        training = train_driver(trials, out=out, progress=progress, **_arguments(options))
+    click.echo(render_training(training))
+    click.echo(one_line(f"written to {out} ({out.stat().st_size / 1000:,.0f} kB)"), err=True)
+    command = shlex.join(["nvcore", "driver", "estimate", "SESSION", "--model", str(out)])
+    click.echo(one_line(f"run it: {command} --out DIR"), err=True)
+
+
+@click.command(
+    cls=GroupedCommand,
+    short_help="Say how well estimators do on unseen pedestrians.",
+    epilog=examples(
+        "nvcore driver evaluate trials.csv --features features.csv --quick --out tables"
+    ),
+)
+@click.argument("trials", type=_File)
+@_with_options
+@grouped_option(
+    OUTPUT,
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Write the tables into this folder (CSV).",
+)
+def evaluate(trials: Path, out: Path | None, **options: Any) -> None:
+    """Evaluate estimators on TRIALS (CSV), leaving out one pedestrian at a time.
+
+    Each pedestrian is estimated by regressions that were chosen and trained without him: one of
+    his adaptation period, one for all periods, and the mean of the others; then by each pair of
+    features. With 51 pedestrians and 6 periods that takes up to half an hour on two cores; --quick
+    a tenth. Exit code 0: fine, 2: bad input.
+    """
+    with needs("driver", "nvcore driver evaluate needs"):
+        from nvcore.api.driver import evaluate_driver
+        from nvcore.report.driver import render_evaluation
+
+    arguments = _arguments(options)
+    with ShareProgress() as progress:
+        evaluation = evaluate_driver(trials, out=out, progress=progress, **arguments)
+    click.echo(render_evaluation(evaluation))
+    if out is not None:
+        click.echo(one_line(f"tables written to {out}"), err=True)
+
+
+def _arguments(options: dict[str, Any]) -> dict[str, Any]:
+    """The options as the calls of Python users have them."""
+    as_they_are = ("features", "boxes", "leave_out", "quick", "seed")
+    return {
+        **{name: options[name] for name in as_they_are},
+        "n_threads": options["threads"],
+        "judging": _judging(options),
+    }
+
+
+def _judging(options: dict[str, Any]) -> Judging:
+    """How responses are judged; a square is given in pixels or as an angle."""
+    from nvcore.driver.trials import Judging, side_of_angle
+
+    lengths = {name: options[name] for name in _ANGLE}
+    flags = ", ".join(f"--{name.replace('_', '-')}" for name in _ANGLE)
+    if options["square_degrees"] is None:
+        if any(length is not None for length in lengths.values()):
+            raise click.UsageError(f"{flags} belong to --square-degrees; give it, too")
+        side = options["square_px"] or Judging.square_px
+    elif options["square_px"] is not None:
+        raise click.UsageError("give --square-px or --square-degrees, not both")
+    elif any(length is None for length in lengths.values()):
+        raise click.UsageError(f"--square-degrees needs {flags}")
+    else:
+        side = side_of_angle(options["square_degrees"], **lengths)
+    shares = {name: options[name] for name in ("centre_share", "display_s")}
+    return Judging(square_px=side, **shares)

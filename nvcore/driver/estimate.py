@@ -1,0 +1,120 @@
+"""Detectability of every pedestrian of recordings: the estimator at the end of the pass."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.driver.estimators import Estimator, fingerprint
+from nvcore.driver.features import FEATURE_KEYS
+from nvcore.driver.run import BOX_COLUMNS, FeatureRun
+from nvcore.wording import count_text, listed
+
+DETECTABILITY_COLUMNS: Final = (*BOX_COLUMNS, "detectability", "sd", "is_outside", "period_s")
+"""Columns of a detectability file: one row for each truth box that is not ignored."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class EstimateRun:
+    """Detectability of the pedestrians of recordings; ``print`` says what came out.
+
+    Attributes
+    ----------
+    features
+        What it was estimated from.
+    table
+        `DETECTABILITY_COLUMNS`, rows as those of the features.
+    estimator
+        By which.
+    is_interpolated
+        Whether between the estimators of two periods.
+    """
+
+    features: FeatureRun
+    table: pd.DataFrame
+    estimator: Estimator
+    is_interpolated: bool = False
+
+    @property
+    def n_estimated(self) -> int:
+        """Pedestrian boxes with an estimate."""
+        return int(self.table["detectability"].notna().sum())
+
+    def __repr__(self) -> str:
+        return f"<EstimateRun of {count_text(len(self.table), 'box', 'boxes')}>"
+
+    def __str__(self) -> str:
+        known = self.table[self.table["detectability"].notna()]
+        lines = [str(self.features), self._result(known)]
+        if self.estimator.origin.simulated != "no":
+            lines.append(
+                "the estimator was trained on a simulated observer: this is no person's eye"
+            )
+        n_adapted = int(known["period_s"].isna().sum())
+        if n_adapted:
+            lines.append(
+                f"{n_adapted:,} of them without a known change of light: by the estimator of the "
+                "longest period, as for adapted eyes"
+            )
+        n_outside = int(known["is_outside"].sum())
+        if n_outside:
+            lines.append(
+                f"{n_outside:,} of them with features outside the range of the training: take them "
+                "with care"
+            )
+        return "\n".join(lines)
+
+    def _result(self, known: pd.DataFrame) -> str:
+        boxes = count_text(len(self.table), "pedestrian box", "pedestrian boxes")
+        text = f"detectability of {len(known):,} of {boxes}"
+        if len(known):
+            return f"{text}: {known['detectability'].mean():.2f} on average"
+        missing = self.features.table[list(self.estimator.features)].isna().all()
+        words = listed([key for key in self.estimator.features if missing[key]])
+        return f"{text}: the estimator needs {words}, which no box has" if words else text
+
+    def as_json(self) -> dict[str, Any]:
+        """The estimator, for a record."""
+        origin = asdict(self.estimator.origin)
+        return {
+            "name": self.estimator.name,
+            "fingerprint": fingerprint(self.estimator),
+            "features": list(self.estimator.features),
+            "is_interpolated": self.is_interpolated,
+            "trained_on": origin.pop("fingerprint"),
+            **origin,
+        }
+
+
+def run_estimate(
+    features: FeatureRun,
+    estimator: Estimator,
+    *,
+    interpolate: bool = False,
+) -> EstimateRun:
+    """Detectability of every pedestrian of a run.
+
+    Parameters
+    ----------
+    estimator
+        Trained on pictures of the same size and angle of view.
+    interpolate
+        Whether to interpolate between the estimators of the periods before and after; else that of
+        the nearest period is taken.
+    """
+    table = features.table
+    period_s = table["period_s"].to_numpy(np.float64)
+    estimates = estimator.estimate(
+        table[list(FEATURE_KEYS)].to_numpy(np.float64), period_s, interpolate=interpolate
+    )
+    is_known = ~np.isnan(estimates.detectability)
+    own = table[list(BOX_COLUMNS)].assign(
+        detectability=estimates.detectability,
+        sd=estimates.sd,
+        is_outside=estimates.is_outside & is_known,
+        period_s=period_s,
+    )
+    return EstimateRun(features, own[list(DETECTABILITY_COLUMNS)], estimator, interpolate)

@@ -1,0 +1,21 @@
+"""Estimators of detectability: one for each adaptation period, and one for all."""
+
+from nvcore.driver.estimators.model import Estimates, Estimator, Origin, Quality, Regression
+from nvcore.driver.estimators.model_file import fingerprint, read_estimator, write_estimator
+from nvcore.driver.estimators.search import QUICK, Search
+from nvcore.driver.estimators.training import Training, train_estimator
+
+__all__ = [
+    "QUICK",
+    "Estimates",
+    "Estimator",
+    "Origin",
+    "Quality",
+    "Regression",
+    "Search",
+    "Training",
+    "fingerprint",
+    "read_estimator",
+    "train_estimator",
+    "write_estimator",
+]

@@ -1,0 +1,300 @@
+"""Estimators of detectability that are ready to use: support vectors, evaluated by numpy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.driver.features import FEATURE_KEYS
+
+Kernel = Literal["linear", "rbf"]
+KERNELS: Final[tuple[Kernel, ...]] = ("linear", "rbf")
+N_FEATURES: Final = len(FEATURE_KEYS)
+_ROWS_AT_ONCE: Final = 1 << 14
+
+
+@dataclass(frozen=True)
+class SvrSettings:
+    """Settings of a support vector regression.
+
+    Attributes
+    ----------
+    kernel
+        ``"linear"`` or ``"rbf"``, exp(-gamma |a - b|^2), of standardised features.
+    cost
+        C: what a residual beyond `epsilon` costs.
+    epsilon
+        Residuals that cost nothing, in units of detectability.
+    gamma
+        Of the kernel ``rbf``, for one feature; of n features it is gamma / n.
+    """
+
+    kernel: Kernel
+    cost: float
+    epsilon: float
+    gamma: float
+
+
+@dataclass(frozen=True)
+class Quality:
+    """How well a regression does on pedestrians that it has not seen.
+
+    Attributes
+    ----------
+    n_rows
+        Rows that it was trained on.
+    error
+        Mean squared error out of fold, features and settings chosen within each fold; 0 is best.
+    constant
+        Mean of the targets that it was trained on.
+    constant_error
+        Mean squared error of that constant, out of fold: what a regression has to beat.
+    """
+
+    n_rows: int
+    error: float
+    constant: float
+    constant_error: float
+
+    @property
+    def sd(self) -> float:
+        """Root mean square of the residuals out of fold: the uncertainty of an estimate."""
+        return float(np.sqrt(self.error))
+
+
+@dataclass(frozen=True)
+class Regression:
+    """A support vector regression on standardised features.
+
+    Attributes
+    ----------
+    columns
+        Which of the eight features it takes, ascending, int64, shape (f,).
+    centre, scale
+        Mean and standard deviation of each in the training, float64, shape (f,).
+    low, high
+        Range of each in the training, float64, shape (f,).
+    vectors
+        Support vectors, standardised, float64, shape (m, f).
+    weights
+        Of the vectors, float64, shape (m,).
+    offset
+        The value without any vector.
+    settings
+        What it was trained with.
+    """
+
+    columns: NDArray[np.int64]
+    centre: NDArray[np.float64]
+    scale: NDArray[np.float64]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    vectors: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    offset: float
+    settings: SvrSettings
+
+    @property
+    def features(self) -> tuple[str, ...]:
+        """Keys of the features that it takes."""
+        return tuple(FEATURE_KEYS[column] for column in self.columns)
+
+    def predict(self, features: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Detectability, 0..1, float64, shape (n,); NaN where a feature that it takes is.
+
+        Parameters
+        ----------
+        features
+            All eight, float64, shape (n, 8).
+        """
+        values = (features[:, self.columns] - self.centre) / self.scale
+        estimate = np.empty(len(values))
+        for start in range(0, len(values), _ROWS_AT_ONCE):  # all kernels at once would not fit
+            rows = values[start : start + _ROWS_AT_ONCE]
+            estimate[start : start + len(rows)] = self._kernel(rows) @ self.weights
+        return np.clip(estimate + self.offset, 0.0, 1.0)
+
+    def is_outside(self, features: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Whether a feature that it takes is outside the range of the training, shape (n,)."""
+        values = features[:, self.columns]
+        beyond = np.maximum(self.low - values, values - self.high)
+        outside: NDArray[np.bool_] = beyond.max(axis=1) > 0
+        return outside
+
+    def _kernel(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        products: NDArray[np.float64] = values @ self.vectors.T
+        if self.settings.kernel == "linear":
+            return products
+        squares = (values**2).sum(axis=1)[:, None] + (self.vectors**2).sum(axis=1)
+        gamma = self.settings.gamma / len(self.columns)
+        kernel: NDArray[np.float64] = np.exp(-gamma * np.maximum(squares - 2 * products, 0.0))
+        return kernel
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """What an estimator says of pedestrians.
+
+    Attributes
+    ----------
+    detectability
+        Share of drivers who would see each, 0..1, float64, shape (n,); NaN where a feature that is
+        needed is undefined.
+    sd
+        Its uncertainty: root mean square of the residuals on unseen pedestrians, float64; NaN
+        likewise.
+    is_outside
+        Whether a feature is outside the range of the training, bool, shape (n,).
+    period_s
+        The adaptation period whose estimator was taken, float64, shape (n,); NaN: the single one,
+        or between two.
+    """
+
+    detectability: NDArray[np.float64]
+    sd: NDArray[np.float64]
+    is_outside: NDArray[np.bool_]
+    period_s: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What an estimator was trained on.
+
+    Attributes
+    ----------
+    n_pedestrians, n_subjects, n_trials
+        How much.
+    simulated
+        ``"no"``, ``"all"`` or ``"some"``: of the trials no person took.
+    square_px, centre_share, display_s
+        How responses were judged (`nvcore.driver.trials.Judging`).
+    seed
+        Of all that was drawn at random.
+    fingerprint
+        sha256 of the training table.
+    """
+
+    n_pedestrians: int
+    n_subjects: int
+    n_trials: int
+    simulated: str
+    square_px: float
+    centre_share: float
+    display_s: float
+    seed: int
+    fingerprint: str
+
+
+@dataclass(frozen=True)
+class Estimator:
+    """Regressions for each adaptation period, and one for all of them.
+
+    Attributes
+    ----------
+    name
+        Of the model.
+    periods_s
+        Adaptation periods, ascending, float64, shape (p,).
+    regressions
+        One for each period, then the single one for all; p + 1.
+    qualities
+        Of each, likewise.
+    origin
+        What they were trained on.
+    """
+
+    name: str
+    periods_s: NDArray[np.float64]
+    regressions: tuple[Regression, ...]
+    qualities: tuple[Quality, ...]
+    origin: Origin
+
+    @property
+    def single(self) -> Regression:
+        """The regression for all periods."""
+        return self.regressions[-1]
+
+    @property
+    def features(self) -> tuple[str, ...]:
+        """Keys of the features that any of the switched regressions takes, in their order."""
+        used = {key for regression in self.regressions[:-1] for key in regression.features}
+        return tuple(key for key in FEATURE_KEYS if key in used)
+
+    def estimate(
+        self,
+        features: NDArray[np.float64],
+        period_s: NDArray[np.float64] | float,
+        *,
+        interpolate: bool = False,
+    ) -> Estimates:
+        """Detectability of pedestrians, by the estimator of the nearest adaptation period.
+
+        Of two periods equally near the shorter is taken. Beyond the longest period that one is
+        taken, as where the period is NaN: no change of light is known, the eye is adapted.
+
+        Parameters
+        ----------
+        features
+            The eight in their order, float64, shape (n, 8); NaN: undefined.
+        period_s
+            Seconds since the last change from bright to dark, shape (n,), or one for all.
+        interpolate
+            Whether the estimates (and uncertainties) of the periods before and after are
+            interpolated linearly.
+        """
+        features = np.asarray(features, dtype=np.float64).reshape(-1, N_FEATURES)
+        period = np.broadcast_to(np.asarray(period_s, np.float64), len(features))
+        period = np.where(np.isnan(period), np.inf, period)
+        below, above, share = self._neighbours(period)
+        if not interpolate:
+            nearest = np.where(share <= 0.5, below, above)
+            below, above, share = nearest, nearest, np.zeros(len(share))
+        parts = [self._of_periods(features, index) for index in (below, above)]
+        (first, sd, outside), (second, second_sd, second_outside) = parts
+        is_between = share > 0
+        detectability = np.where(is_between, (1 - share) * first + share * second, first)
+        taken = self.periods_s[np.where(share == 1, above, below)]
+        return Estimates(
+            detectability,
+            np.where(is_between, (1 - share) * sd + share * second_sd, sd),
+            outside | (is_between & second_outside),
+            np.where(is_between & (share < 1), np.nan, taken),
+        )
+
+    def estimate_single(self, features: NDArray[np.float64]) -> Estimates:
+        """Detectability of pedestrians, float64 features (n, 8), by the one estimator for all."""
+        features = np.asarray(features, dtype=np.float64).reshape(-1, N_FEATURES)
+        last = np.full(len(features), len(self.periods_s))
+        detectability, sd, is_outside = self._of_periods(features, last)
+        return Estimates(detectability, sd, is_outside, np.full(len(features), np.nan))
+
+    def _neighbours(
+        self, period: NDArray[np.float64]
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+        """Rows of the periods before and after, and how far it is from the one to the other."""
+        periods = self.periods_s
+        after = np.searchsorted(periods, period)
+        below = np.clip(after - 1, 0, len(periods) - 1)
+        above = np.clip(after, 0, len(periods) - 1)
+        step = periods[above] - periods[below]
+        share = np.zeros(len(period))
+        inside = step > 0
+        share[inside] = (period[inside] - periods[below[inside]]) / step[inside]
+        return below, above, share
+
+    def _of_periods(
+        self, features: NDArray[np.float64], index: NDArray[np.int64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+        """Detectability, uncertainty and whether outside, by the regression of each row."""
+        detectability = np.full(len(features), np.nan)
+        sd = np.full(len(features), np.nan)
+        is_outside = np.zeros(len(features), dtype=np.bool_)
+        for number in np.unique(index).tolist():  # a handful
+            rows = index == number
+            detectability[rows] = self.regressions[number].predict(features[rows])
+            is_outside[rows] = self.regressions[number].is_outside(features[rows])
+            sd[rows] = self.qualities[number].sd
+        return detectability, np.where(np.isnan(detectability), np.nan, sd), is_outside

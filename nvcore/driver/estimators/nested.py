@@ -1,0 +1,301 @@
+"""Nested cross-validation: how well choosing and training does on pedestrians left out."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from concurrent.futures import CancelledError, ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.driver.estimators.model import Regression
+from nvcore.driver.estimators.search import PAIRS, Check, Choice, Columns, Search, choose, fit
+from nvcore.driver.features import FEATURE_KEYS
+from nvcore.driver.trials.reading import PEDESTRIAN
+from nvcore.driver.trials.table import TrainingTable
+from nvcore.errors import InputError
+from nvcore.progress import Progress, T, run_steps
+from nvcore.wording import count_text, listed
+
+LEAST_PEDESTRIANS: Final = 8
+"""Fewest at each period: with fewer there is nothing to choose by."""
+MOST_LACKING: Final = 0.1
+"""A feature that is undefined for a larger share of the pedestrians is not used."""
+
+
+@dataclass(frozen=True)
+class Samples:
+    """What regressions learn, as arrays.
+
+    Attributes
+    ----------
+    features
+        All eight, float64, shape (n, 8); columns that are not used are NaN as a whole.
+    target
+        Detectability, float64, shape (n,).
+    period
+        Row in `periods_s` of each, int64, shape (n,).
+    group
+        Number of the pedestrian of each, int64, shape (n,).
+    row
+        Row of each in the training table, int64, shape (n,).
+    periods_s
+        Adaptation periods, ascending, float64, shape (p,).
+    notes
+        What was left out, as sentences without a full stop.
+    """
+
+    features: NDArray[np.float64]
+    target: NDArray[np.float64]
+    period: NDArray[np.int64]
+    group: NDArray[np.int64]
+    row: NDArray[np.int64]
+    periods_s: NDArray[np.float64]
+    notes: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.target)
+
+
+def samples_of(table: TrainingTable) -> Samples:
+    """The rows of a training table that can be learned.
+
+    A feature that is undefined for more than a tenth of the pedestrians is not used (grey pictures
+    have no colour); pedestrians that lack one of the others are left out.
+
+    Raises
+    ------
+    InputError
+        If a period has fewer than eight pedestrians, or no feature is left.
+    """
+    features = table.rows[list(FEATURE_KEYS)].to_numpy(dtype=np.float64, copy=True)
+    group = np.asarray(table.rows.groupby([*PEDESTRIAN], sort=False).ngroup(), dtype=np.int64)
+    first = np.unique(group, return_index=True)[1]
+    is_known = np.isnan(features[first]).mean(axis=0) <= MOST_LACKING
+    if not is_known.any():
+        raise InputError("no feature is defined for nine tenths of the pedestrians")
+    is_whole = np.isfinite(features[:, is_known]).all(axis=1)
+    features[:, ~is_known] = np.nan
+    periods_s, period = np.unique(table.rows["period_s"], return_inverse=True)
+    counts = np.bincount(period[is_whole], minlength=len(periods_s))
+    if counts.min() < LEAST_PEDESTRIANS:
+        raise InputError(
+            f"the period of {periods_s[counts.argmin()]:g} s has "
+            f"{count_text(int(counts.min()), 'pedestrian')} with features; "
+            f"{LEAST_PEDESTRIANS} are needed"
+        )
+    return Samples(
+        features=features[is_whole],
+        target=table.rows["detectability"].to_numpy(dtype=np.float64)[is_whole],
+        period=period[is_whole].astype(np.int64),
+        group=group[is_whole],
+        row=np.flatnonzero(is_whole),
+        periods_s=periods_s.astype(np.float64),
+        notes=_notes(is_known, group, is_whole),
+    )
+
+
+def _notes(
+    is_known: NDArray[Any], group: NDArray[np.int64], is_whole: NDArray[Any]
+) -> tuple[str, ...]:
+    unknown = [key for key, known in zip(FEATURE_KEYS, is_known, strict=True) if not known]
+    n_lost = len(np.unique(group[~is_whole]))
+    return (
+        *(
+            [f"not used, being undefined for many pedestrians: {listed(unknown)}"]
+            if unknown
+            else []
+        ),
+        *([f"left out, lacking a feature: {count_text(n_lost, 'pedestrian')}"] if n_lost else []),
+    )
+
+
+@dataclass(frozen=True)
+class OutOfFold:
+    """Estimates of pedestrians by regressions that were chosen and trained without them.
+
+    Attributes
+    ----------
+    switched, single
+        By the regression of the row's period, and by that for all, float64, shape (n,).
+    constant, constant_of_all
+        Means of the training's targets: of the row's period, and of all; float64, shape (n,).
+    pairs
+        By the regression of the row's period on each of the 28 pairs of features
+        (`nvcore.driver.estimators.search.PAIRS`), settings chosen within the fold, float64, shape
+        (n, 28); NaN: a feature is not used.
+    columns
+        Features that were chosen in each fold, by row of the period, then those of the single one.
+    """
+
+    switched: NDArray[np.float64]
+    single: NDArray[np.float64]
+    constant: NDArray[np.float64]
+    constant_of_all: NDArray[np.float64]
+    pairs: NDArray[np.float64]
+    columns: tuple[tuple[Columns, ...], ...]
+
+
+@dataclass(frozen=True)
+class _Part:
+    """One regression that is to be chosen and trained; tested on rows of one fold, or on none."""
+
+    train: NDArray[np.bool_]
+    test: NDArray[np.bool_]
+    has_pairs: bool
+
+
+@dataclass(frozen=True)
+class _Outcome:
+    regression: Regression
+    estimate: NDArray[np.float64]
+    pairs: NDArray[np.float64]
+
+
+def train_final(
+    samples: Samples, search: Search, *, n_threads: int, progress: Progress
+) -> tuple[Regression, ...]:
+    """The regression of each period, then that of all, chosen and trained on all rows.
+
+    Raises
+    ------
+    CancelledError
+        If `progress` raises it.
+    """
+    everything = np.ones(len(samples), dtype=np.bool_)
+    parts = _parts_of(samples, everything, ~everything, has_pairs=False)
+    outcomes = _run(samples, parts, search, n_threads, progress, "training")
+    return tuple(outcome.regression for outcome in outcomes)
+
+
+def out_of_fold(
+    samples: Samples,
+    fold: NDArray[np.int64],
+    search: Search,
+    *,
+    n_threads: int,
+    progress: Progress,
+    has_pairs: bool = False,
+) -> OutOfFold:
+    """Estimates of the rows of each fold, by regressions chosen and trained on the others.
+
+    Parameters
+    ----------
+    fold
+        Number of the fold of each row, shape (n,); a pedestrian is in one.
+    has_pairs
+        Whether each pair of features is evaluated, too.
+
+    Raises
+    ------
+    CancelledError
+        If `progress` raises it.
+    """
+    numbers = np.unique(fold).tolist()
+    by_fold = [
+        _parts_of(samples, fold != number, fold == number, has_pairs=has_pairs)
+        for number in numbers
+    ]
+    parts = [part for parts in by_fold for part in parts]
+    outcomes = _run(samples, parts, search, n_threads, progress, "left-out pedestrians")
+    n_regressions = len(samples.periods_s) + 1
+    empty = np.full((4, len(samples)), np.nan)
+    result = OutOfFold(
+        switched=empty[0],
+        single=empty[1],
+        constant=empty[2],
+        constant_of_all=empty[3],
+        pairs=np.full((len(samples), len(PAIRS)), np.nan),
+        columns=tuple(
+            tuple(
+                tuple(outcome.regression.columns.tolist())
+                for outcome in outcomes[start : start + n_regressions]
+            )
+            for start in range(0, len(outcomes), n_regressions)
+        ),
+    )
+    for i, (part, outcome) in enumerate(zip(parts, outcomes, strict=True)):
+        mean = samples.target[part.train].mean()
+        if i % n_regressions == n_regressions - 1:
+            result.single[part.test] = outcome.estimate
+            result.constant_of_all[part.test] = mean
+        else:
+            result.switched[part.test] = outcome.estimate
+            result.constant[part.test] = mean
+            result.pairs[part.test] = outcome.pairs
+    return result
+
+
+def _parts_of(
+    samples: Samples, train: NDArray[np.bool_], test: NDArray[np.bool_], *, has_pairs: bool
+) -> list[_Part]:
+    """A regression for each period, then the one for all."""
+    parts = []
+    for number in range(len(samples.periods_s)):
+        is_mine = samples.period == number
+        parts.append(_Part(train & is_mine, test & is_mine, has_pairs))
+    return [*parts, _Part(train, test, has_pairs=False)]
+
+
+def _run(
+    samples: Samples,
+    parts: Sequence[_Part],
+    search: Search,
+    n_threads: int,
+    progress: Progress,
+    what: str,
+) -> list[_Outcome]:
+    is_cancelled = threading.Event()
+
+    def check() -> None:
+        if is_cancelled.is_set():
+            raise CancelledError
+
+    jobs = [partial(_regression, samples, part, search, check) for part in parts]
+    with ThreadPoolExecutor(n_threads) as executor:
+        return _until_cancelled(jobs, executor, progress, what, is_cancelled)
+
+
+def _until_cancelled(
+    jobs: Sequence[Callable[[], T]],
+    executor: ThreadPoolExecutor,
+    progress: Progress,
+    what: str,
+    is_cancelled: threading.Event,
+) -> list[T]:
+    """Results of all jobs; those that run when `progress` raises learn of it."""
+    try:
+        return run_steps(jobs, executor, progress, what)
+    finally:
+        is_cancelled.set()
+
+
+def _regression(samples: Samples, part: _Part, search: Search, check: Check) -> _Outcome:
+    """Choose and train one regression, and estimate the rows left out."""
+    features, target = samples.features[part.train], samples.target[part.train]
+    choice = choose(features, target, samples.group[part.train], search, check=check)
+    best = choice.best
+    regression = fit(features, target, choice.sets[best], choice.settings[best])
+    left_out = samples.features[part.test]
+    pairs = np.full((len(left_out), len(PAIRS)), np.nan)
+    if part.has_pairs:
+        _estimate_pairs(pairs, left_out, features, target, choice)
+    return _Outcome(regression, regression.predict(left_out), pairs)
+
+
+def _estimate_pairs(
+    pairs: NDArray[np.float64],
+    left_out: NDArray[np.float64],
+    features: NDArray[np.float64],
+    target: NDArray[np.float64],
+    choice: Choice,
+) -> None:
+    """Fill in the estimates of the rows left out by each pair of features."""
+    for columns, settings in zip(choice.sets, choice.settings, strict=True):
+        if len(columns) == 2:
+            regression = fit(features, target, columns, settings)
+            pairs[:, PAIRS.index(columns)] = regression.predict(left_out)

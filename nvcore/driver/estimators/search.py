@@ -1,0 +1,211 @@
+"""Choosing features and settings of a regression by cross-validation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.driver.estimators.model import KERNELS, N_FEATURES, Regression, SvrSettings
+from nvcore.errors import ParameterError
+from nvcore.extras import needs
+
+COST: Final = (0.03, 3.0)
+EPSILON: Final = (0.01, 0.2)
+GAMMA: Final = (0.05, 2.0)
+"""Ranges from which settings are drawn, evenly on a logarithmic scale; ours. With features of
+spread 1 and targets of 0 to 1 a higher cost changes the fit little, and takes much longer."""
+Columns = tuple[int, ...]
+Check = Callable[[], None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Search:
+    """How features and settings are chosen.
+
+    Attributes
+    ----------
+    n_settings
+        Settings that are drawn at random, and each tried with each choice of features.
+    n_folds
+        Folds of the inner cross-validation, by pedestrian.
+    seed
+        Of all that is drawn.
+
+    Raises
+    ------
+    ParameterError
+        If one is outside its range.
+    """
+
+    n_settings: int = 30
+    n_folds: int = 5
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name, low, high in (
+            ("n_settings", 1, 1000),
+            ("n_folds", 2, 20),
+            ("seed", 0, 2**32 - 1),
+        ):
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise ParameterError(f"{name}: expected {low} to {high}, got {value}")
+
+
+QUICK: Final = Search(n_settings=4, n_folds=3)
+"""For a first look, and for tests: a tenth of the time."""
+
+
+def draw_settings(search: Search) -> tuple[SvrSettings, ...]:
+    """The settings that are tried; both kernels in turn."""
+    rng = np.random.default_rng(search.seed)
+    low, high = np.log([COST, EPSILON, GAMMA]).T
+    drawn = np.exp(rng.uniform(low, high, (search.n_settings, 3)))
+    return tuple(
+        SvrSettings(KERNELS[(i + 1) % 2], *values) for i, values in enumerate(drawn.tolist())
+    )
+
+
+def feature_sets(known: NDArray[Any]) -> tuple[Columns, ...]:
+    """The choices of features that are tried: each alone, each pair, and all.
+
+    Parameters
+    ----------
+    known
+        Which of the features there are, shape (8,).
+    """
+    columns = np.flatnonzero(known).tolist()
+    sets: list[Columns] = [(column,) for column in columns]
+    sets += list(combinations(columns, 2))
+    return tuple(sets + [tuple(columns)] * (len(columns) > 2))
+
+
+PAIRS: Final = tuple(combinations(range(N_FEATURES), 2))
+"""The 28 pairs of features, in the order of their keys."""
+
+
+def fit(
+    features: NDArray[np.float64],
+    target: NDArray[np.float64],
+    columns: Columns,
+    settings: SvrSettings,
+) -> Regression:
+    """A support vector regression.
+
+    Parameters
+    ----------
+    features
+        All eight, float64, shape (n, 8); those of `columns` are finite.
+    target
+        Detectability, float64, shape (n,).
+
+    Raises
+    ------
+    MissingExtraError
+        If the extra ``driver`` is not installed.
+    """
+    with needs("driver", "training an estimator needs"):
+        from sklearn import config_context
+        from sklearn.svm import SVR
+
+    chosen = features[:, columns]
+    centre = chosen.mean(axis=0)
+    scale = chosen.std(axis=0)
+    scale[scale <= 1e-12 * np.maximum(np.abs(centre), 1.0)] = 1.0  # all alike: it says nothing
+    machine = SVR(
+        kernel=settings.kernel,
+        C=settings.cost,
+        epsilon=settings.epsilon,
+        gamma=settings.gamma / len(columns),
+    )
+    with config_context(assume_finite=True, skip_parameter_validation=True):
+        machine.fit((chosen - centre) / scale, target)
+    return Regression(
+        columns=np.array(columns, dtype=np.int64),
+        centre=centre,
+        scale=scale,
+        low=chosen.min(axis=0),
+        high=chosen.max(axis=0),
+        vectors=np.ascontiguousarray(machine.support_vectors_, dtype=np.float64),
+        weights=np.ascontiguousarray(machine.dual_coef_[0], dtype=np.float64),
+        offset=float(machine.intercept_[0]),
+        settings=settings,
+    )
+
+
+def folds_of(groups: NDArray[np.int64], n_folds: int, seed: int) -> NDArray[np.int64]:
+    """The fold of each row, 0 to n_folds - 1, int64, shape (n,); a group is in one fold.
+
+    Parameters
+    ----------
+    groups
+        Number of the pedestrian of each row, shape (n,).
+    """
+    numbers, rows = np.unique(groups, return_inverse=True)
+    order = np.random.default_rng(seed).permutation(len(numbers))
+    return (order % min(n_folds, len(numbers)))[rows]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What the inner cross-validation says of each choice of features.
+
+    Attributes
+    ----------
+    sets
+        Columns of each choice.
+    settings
+        The best settings of each.
+    errors
+        Mean squared error with them out of the inner folds, float64, shape (n sets,).
+    """
+
+    sets: tuple[Columns, ...]
+    settings: tuple[SvrSettings, ...]
+    errors: NDArray[np.float64]
+
+    @property
+    def best(self) -> int:
+        """Number of the choice with the least error."""
+        return int(self.errors.argmin())
+
+
+def choose(
+    features: NDArray[np.float64],
+    target: NDArray[np.float64],
+    groups: NDArray[np.int64],
+    search: Search,
+    *,
+    check: Check,
+) -> Choice:
+    """The best settings for each choice of features, by cross-validation.
+
+    Parameters
+    ----------
+    features
+        Float64, shape (n, 8); a column is finite or NaN as a whole.
+    target, groups
+        Detectability and number of the pedestrian of each row, shape (n,).
+    check
+        Called now and then; it may raise.
+    """
+    sets = feature_sets(np.isfinite(features.sum(axis=0)))
+    drawn = draw_settings(search)
+    fold = folds_of(groups, search.n_folds, search.seed)
+    squares = np.zeros((len(sets), len(drawn)))
+    for number in range(int(fold.max()) + 1):
+        test = fold == number
+        train = ~test
+        for i, columns in enumerate(sets):
+            check()
+            for j, settings in enumerate(drawn):
+                regression = fit(features[train], target[train], columns, settings)
+                residual = regression.predict(features[test]) - target[test]
+                squares[i, j] += residual @ residual
+    best = squares.argmin(axis=1)
+    return Choice(sets, tuple(drawn[j] for j in best), squares.min(axis=1) / len(target))

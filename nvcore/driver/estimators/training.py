@@ -1,0 +1,172 @@
+"""Training of estimators: one for each adaptation period, and one for all as the comparison."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import time
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.driver.estimators.model import Estimator, Origin, Quality
+from nvcore.driver.estimators.nested import OutOfFold, Samples, out_of_fold, samples_of, train_final
+from nvcore.driver.estimators.search import Search, folds_of
+from nvcore.driver.features import FEATURE_KEYS
+from nvcore.driver.trials.table import TrainingTable
+from nvcore.output.csv_text import to_csv_bytes
+from nvcore.progress import Progress, no_progress, part_of, with_time_left
+
+OUTER_FOLDS: Final = 5
+"""Folds of the outer cross-validation, by which the uncertainty of an estimate is told."""
+
+
+@dataclass(frozen=True)
+class Training:
+    """What came out of a training.
+
+    Attributes
+    ----------
+    estimator
+        The model.
+    table
+        What it was trained on.
+    switched_errors, single_errors, constant_errors
+        Mean squared error at each period, on pedestrians left out: of the period's estimator, of
+        the single one, and of the mean of the training's targets; float64, shape (p,), 0 is best.
+    notes
+        What was not learned, as sentences without a full stop.
+    seconds
+        How long it took.
+    """
+
+    estimator: Estimator
+    table: TrainingTable
+    switched_errors: NDArray[np.float64]
+    single_errors: NDArray[np.float64]
+    constant_errors: NDArray[np.float64]
+    notes: tuple[str, ...]
+    seconds: float
+
+
+def train_estimator(
+    table: TrainingTable,
+    *,
+    name: str,
+    search: Search | None = None,
+    n_threads: int | None = None,
+    progress: Progress = no_progress,
+) -> Training:
+    """Train an estimator of detectability.
+
+    Support vector regression on standardised features. The choice of features (each alone, each
+    pair, all), kernel, C, epsilon and gamma are those with the least error in a five-fold
+    cross-validation by pedestrian. All of that is done again without each of five folds of the
+    pedestrians, which gives the uncertainty: no pedestrian is judged by anything that has seen
+    him. The same table, settings and seed give the same model.
+
+    Parameters
+    ----------
+    table
+        Of `nvcore.driver.trials.training_table`.
+    search
+        How features and settings are chosen; None: as by default.
+    n_threads
+        Regressions at a time; None: as many as there are cores.
+    progress
+        Called with the share done, and the time left in words. It may raise `CancelledError`.
+
+    Raises
+    ------
+    InputError
+        If there is too little to learn.
+    MissingExtraError
+        If the extra ``driver`` is not installed.
+    CancelledError
+        If `progress` raises it.
+    """
+    began = time.perf_counter()
+    search = search or Search()
+    samples = samples_of(table)
+    progress = with_time_left(progress)
+    threads = n_threads or os.cpu_count() or 1
+    fold = folds_of(samples.group, OUTER_FOLDS, search.seed + 1)
+    end = OUTER_FOLDS / (OUTER_FOLDS + 1)
+    left_out = out_of_fold(
+        samples, fold, search, n_threads=threads, progress=part_of(progress, 0, end)
+    )
+    regressions = train_final(
+        samples, search, n_threads=threads, progress=part_of(progress, end, 1)
+    )
+    estimator = Estimator(
+        name=name,
+        periods_s=samples.periods_s,
+        regressions=regressions,
+        qualities=_qualities(samples, left_out),
+        origin=origin_of(table, search),
+    )
+    return Training(
+        estimator,
+        table,
+        switched_errors=errors_by_period(samples, left_out.switched),
+        single_errors=errors_by_period(samples, left_out.single),
+        constant_errors=errors_by_period(samples, left_out.constant),
+        notes=samples.notes,
+        seconds=time.perf_counter() - began,
+    )
+
+
+def errors_by_period(samples: Samples, estimate: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Mean squared error at each period, float64, shape (p,); NaN where an estimate is.
+
+    Parameters
+    ----------
+    estimate
+        Of each row, float64, shape (n,).
+    """
+    squares = (estimate - samples.target) ** 2
+    n_periods = len(samples.periods_s)
+    sums = np.bincount(samples.period, squares, minlength=n_periods)
+    errors: NDArray[np.float64] = sums / np.bincount(samples.period, minlength=n_periods)
+    return errors
+
+
+def _qualities(samples: Samples, left_out: OutOfFold) -> tuple[Quality, ...]:
+    """Of each period's regression, then of that for all."""
+    errors = errors_by_period(samples, left_out.switched)
+    constant = errors_by_period(samples, left_out.constant)
+    of_periods = [
+        Quality(
+            n_rows=int(np.count_nonzero(samples.period == number)),
+            error=float(errors[number]),
+            constant=float(samples.target[samples.period == number].mean()),
+            constant_error=float(constant[number]),
+        )
+        for number in range(len(samples.periods_s))
+    ]
+    of_all = Quality(
+        n_rows=len(samples),
+        error=float(((left_out.single - samples.target) ** 2).mean()),
+        constant=float(samples.target.mean()),
+        constant_error=float(((left_out.constant_of_all - samples.target) ** 2).mean()),
+    )
+    return (*of_periods, of_all)
+
+
+def origin_of(table: TrainingTable, search: Search) -> Origin:
+    """What an estimator that is trained on a table notes of it."""
+    columns = ["image", "pedestrian", "period_s", "detectability", "n_subjects", *FEATURE_KEYS]
+    content = to_csv_bytes(table.rows[columns], digits=None)
+    return Origin(
+        n_pedestrians=table.n_pedestrians,
+        n_subjects=table.n_subjects,
+        n_trials=table.n_trials,
+        simulated=table.simulated,
+        square_px=float(table.judging.square_px),
+        centre_share=float(table.judging.centre_share),
+        display_s=float(table.judging.display_s),
+        seed=search.seed,
+        fingerprint=hashlib.sha256(content).hexdigest(),
+    )

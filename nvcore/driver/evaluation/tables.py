@@ -1,0 +1,205 @@
+"""Tables of an evaluation."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Final
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.stats import rankdata, spearmanr
+
+from nvcore.driver.estimators.search import PAIRS
+from nvcore.driver.estimators.training import errors_by_period
+from nvcore.driver.estimators.words import words_of
+from nvcore.driver.evaluation import published
+from nvcore.driver.evaluation.run import Evaluation
+from nvcore.driver.features import FEATURE_KEYS
+
+MOST_BARS: Final = 11
+"""Bars of a histogram."""
+
+
+def evaluation_tables(evaluation: Evaluation) -> dict[str, pd.DataFrame]:
+    """All tables of an evaluation, by the name of their file without its ending."""
+    return {
+        "errors": errors_table(evaluation),
+        "choices": choices_table(evaluation),
+        "pairs": pairs_table(evaluation),
+        "pair_ranks": pair_ranks_table(evaluation),
+        "periods": periods_table(evaluation),
+        "histograms": histograms_table(evaluation),
+        "estimates": estimates_table(evaluation),
+        "subjects": evaluation.table.subjects,
+    }
+
+
+def errors_table(evaluation: Evaluation) -> pd.DataFrame:
+    """Mean squared error at each period on pedestrians left out; 0 is best.
+
+    Returns
+    -------
+    ``period_s`` (NaN: the mean over the periods), ``n`` pedestrians, ``switched`` (the estimator of
+    the period), ``single`` (that for all), ``constant`` (the mean of the training's targets at the
+    period), and the paper's ``published_switched`` and ``published_single`` at its periods, NaN
+    elsewhere; ``published_single_printed`` in the last row is the mean as the paper prints it,
+    which is not the mean of its row (`nvcore.driver.evaluation.PUBLISHED_NOTE`).
+    """
+    samples, estimates = evaluation.samples, evaluation.estimates
+    of_paper = pd.DataFrame(
+        {"published_switched": published.SWITCHED, "published_single": published.SINGLE},
+        index=list(published.PERIODS_S),
+    ).reindex(np.round(samples.periods_s, 6))
+    table = pd.DataFrame(
+        {
+            "period_s": samples.periods_s,
+            "n": np.bincount(samples.period),
+            "switched": errors_by_period(samples, estimates.switched),
+            "single": errors_by_period(samples, estimates.single),
+            "constant": errors_by_period(samples, estimates.constant),
+            **{name: of_paper[name].to_numpy() for name in of_paper},
+        }
+    )
+    is_same = len(table) == len(published.PERIODS_S) and bool(of_paper.notna().all(axis=None))
+    mean = table.drop(columns=["period_s", "n"]).mean(skipna=False).to_dict()
+    last = {"period_s": np.nan, "n": int(table["n"].sum()), **mean}
+    table = pd.concat([table, pd.DataFrame([last])], ignore_index=True)
+    table["published_single_printed"] = np.nan
+    if is_same:
+        table.loc[len(table) - 1, "published_single_printed"] = published.SINGLE_PRINTED
+    return table
+
+
+def choices_table(evaluation: Evaluation) -> pd.DataFrame:
+    """Which features were chosen, and how often.
+
+    Returns
+    -------
+    ``period_s`` (NaN: the single estimator), ``features`` in words, ``n`` of the pedestrians left
+    out for which they were chosen, ``share``; the most frequent first.
+    """
+    by_regression = zip(*evaluation.estimates.columns, strict=True)
+    periods = [*evaluation.periods_s.tolist(), np.nan]
+    rows = []
+    for period_s, choices in zip(periods, by_regression, strict=True):
+        for columns, n in Counter(choices).most_common():
+            words = words_of([FEATURE_KEYS[column] for column in columns])
+            rows.append((period_s, words, n, n / len(choices)))
+    return pd.DataFrame(rows, columns=["period_s", "features", "n", "share"])
+
+
+def pair_errors(evaluation: Evaluation) -> NDArray[np.float64]:
+    """Mean squared error of each pair of features at each period, float64, shape (p, 28).
+
+    Settings are chosen without the pedestrian that is left out. NaN: a feature is not used.
+    """
+    pairs = evaluation.estimates.pairs
+    return np.stack(
+        [errors_by_period(evaluation.samples, pairs[:, number]) for number in range(len(PAIRS))],
+        axis=1,
+    )
+
+
+def pairs_table(evaluation: Evaluation) -> pd.DataFrame:
+    """Ranking of the pairs of features at each period.
+
+    Returns
+    -------
+    ``period_s``, ``rank`` (1 is best), ``feature_1``, ``feature_2``, ``error`` (mean squared), and
+    ``published_error`` where the paper prints it: its three best pairs.
+    """
+    parts = []
+    for period_s, errors in zip(evaluation.periods_s, pair_errors(evaluation), strict=True):
+        of_paper = published.PAIRS.get(round(float(period_s), 6), {})
+        names = [(FEATURE_KEYS[first], FEATURE_KEYS[second]) for first, second in PAIRS]
+        part = pd.DataFrame(names, columns=["feature_1", "feature_2"])
+        part.insert(0, "period_s", float(period_s))
+        part["error"] = errors
+        part["published_error"] = [of_paper.get(pair, np.nan) for pair in names]
+        part = part[part["error"].notna()]
+        part.insert(1, "rank", rankdata(part["error"], method="min").astype(np.int64))
+        parts.append(part.sort_values("rank", kind="stable"))
+    return pd.concat(parts, ignore_index=True)
+
+
+def pair_ranks_table(evaluation: Evaluation) -> pd.DataFrame:
+    """How alike the rankings of the pairs of features are at two periods.
+
+    Returns
+    -------
+    ``period_1_s``, ``period_2_s`` and ``spearman``, the rank correlation of the pairs' errors, -1
+    to 1; NaN: fewer than three pairs, or all alike.
+    """
+    errors = pair_errors(evaluation)
+    errors = errors[:, ~np.isnan(errors).any(axis=0)]
+    periods = evaluation.periods_s.tolist()
+    rows = [
+        (periods[i], periods[j], _spearman(errors[i], errors[j]))
+        for i in range(len(periods))
+        for j in range(i + 1, len(periods))
+    ]
+    return pd.DataFrame(rows, columns=["period_1_s", "period_2_s", "spearman"])
+
+
+def _spearman(first: NDArray[np.float64], second: NDArray[np.float64]) -> float:
+    if len(first) < 3 or np.ptp(first) == 0 or np.ptp(second) == 0:
+        return np.nan
+    return float(spearmanr(first, second).statistic)
+
+
+def periods_table(evaluation: Evaluation) -> pd.DataFrame:
+    """Detectability at each period.
+
+    Returns
+    -------
+    ``period_s``, ``n`` pedestrians, ``mean``, ``sd`` (of the pedestrians, n - 1), ``share_zero``
+    and ``share_one``: pedestrians whom nobody, and whom everybody, saw.
+    """
+    rows = evaluation.rows
+    groups = rows.groupby("period_s")["detectability"]
+    table = pd.DataFrame(
+        {
+            "n": groups.size(),
+            "mean": groups.mean(),
+            "sd": groups.std(),
+            "share_zero": (rows["detectability"] == 0).groupby(rows["period_s"]).mean(),
+            "share_one": (rows["detectability"] == 1).groupby(rows["period_s"]).mean(),
+        }
+    )
+    return table.reset_index()
+
+
+def histograms_table(evaluation: Evaluation) -> pd.DataFrame:
+    """How many pedestrians have which detectability, at each period.
+
+    With up to ten subjects a bar for each value that there can be, else eleven: 0, 0.1 to 1.
+
+    Returns
+    -------
+    ``period_s``, ``detectability`` (the middle of the bar) and ``n``; bars of 0 as well.
+    """
+    rows = evaluation.rows
+    n_bars = min(int(rows["n_subjects"].max()) + 1, MOST_BARS)
+    bar = np.floor(rows["detectability"].to_numpy() * (n_bars - 1) + 0.5).astype(np.int64)
+    parts = []
+    for period_s in evaluation.periods_s.tolist():
+        counts = np.bincount(bar[rows["period_s"].to_numpy() == period_s], minlength=n_bars)
+        middle = np.arange(n_bars) / (n_bars - 1)
+        parts.append(pd.DataFrame({"period_s": period_s, "detectability": middle, "n": counts}))
+    return pd.concat(parts, ignore_index=True)
+
+
+def estimates_table(evaluation: Evaluation) -> pd.DataFrame:
+    """Every pedestrian at every period with what was estimated of him.
+
+    Returns
+    -------
+    ``image``, ``pedestrian``, ``period_s``, ``detectability``, ``low`` and ``high`` (Wilson),
+    ``n_subjects``, and the estimates ``switched``, ``single`` and ``constant``.
+    """
+    columns = ["image", "pedestrian", "period_s", "detectability", "low", "high", "n_subjects"]
+    estimates = evaluation.estimates
+    return evaluation.rows[columns].assign(
+        switched=estimates.switched, single=estimates.single, constant=estimates.constant
+    )

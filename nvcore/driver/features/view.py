@@ -1,0 +1,153 @@
+"""What is seen of the pedestrians of one picture: the means that features are made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.driver.features import colour, kernels
+from nvcore.driver.features.regions import Regions, regions_of
+from nvcore.driver.features.settings import COLOUR_BINS, FeatureSettings
+from nvcore.driver.srgb import LINEAR
+from nvcore.pictures import Picture
+
+_SHIFT: Final = 8 - (COLOUR_BINS - 1).bit_length()
+GREY_LEVELS: Final = 8
+"""Channels that differ by no more are grey: those of grey JPEG pictures differ by 2."""
+_SPARSE: Final = 16
+"""Every so many rows are looked at first to tell a grey picture from a coloured one."""
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """The pedestrians in one picture.
+
+    Arrays have a row for each, and in columns of two the pedestrian comes first, then his surround;
+    NaN where there is no pixel.
+
+    Attributes
+    ----------
+    picture
+        Grey (h, w) or RGB (h, w, 3), uint8.
+    regions
+        Pixels of the pedestrians and of their surrounds.
+    fixation
+        (n, 2): where the driver looked, px; NaN unknown.
+    settings
+        Of the features.
+    """
+
+    picture: Picture
+    regions: Regions
+    fixation: NDArray[np.float64]
+    settings: FeatureSettings
+
+    @cached_property
+    def has_colour(self) -> bool:
+        """Whether the picture has colour."""
+        return has_colour(self.picture)
+
+    @cached_property
+    def _light(self) -> tuple[NDArray[np.float64], ...]:
+        n = len(self.regions)
+        sums = tuple(np.zeros((n, 2)) for _ in range(4))
+        padded = cv2.copyMakeBorder(luminance_of(self.picture), 1, 1, 1, 1, cv2.BORDER_REPLICATE)
+        kernels.light_sums(padded, self.regions.inner, self.regions.outer, *sums)
+        count, *others = sums
+        return count, *(_mean(total, count) for total in others)
+
+    @property
+    def n_pixels(self) -> NDArray[np.float64]:
+        """Pixels of both regions, (n, 2)."""
+        return self._light[0]
+
+    @property
+    def luminance(self) -> NDArray[np.float64]:
+        """Mean 8-bit luminance of both regions, (n, 2)."""
+        return self._light[1]
+
+    @property
+    def luminance_variance(self) -> NDArray[np.float64]:
+        """Variance of the 8-bit luminance in both regions, divided by their pixels, (n, 2)."""
+        variance: NDArray[np.float64] = np.maximum(self._light[2] - self.luminance**2, 0)
+        return variance
+
+    @property
+    def edge_strength(self) -> NDArray[np.float64]:
+        """Mean length of the Sobel gradient (3 x 3, not normalised) in both regions, (n, 2)."""
+        return self._light[3]
+
+    @cached_property
+    def _colour(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        n = len(self.regions)
+        curved = np.zeros((n, 2, 3))
+        histogram = np.zeros((n, 2, 3, COLOUR_BINS), np.int64)
+        if not self.has_colour:
+            return np.full((n, 2, 3), np.nan), np.full(histogram.shape, np.nan)
+        kernels.colour_sums(
+            self.picture,
+            self.regions.inner,
+            self.regions.outer,
+            _SHIFT,
+            LINEAR,
+            colour.TO_PLACE,
+            colour.LINES,
+            curved,
+            histogram,
+        )
+        n_pixels = histogram[:, :, 0].sum(axis=-1, dtype=np.float64)
+        lab = colour.lab_of(_mean(curved, n_pixels[:, :, None]))
+        return lab, _mean(histogram.astype(np.float64), n_pixels[:, :, None, None])
+
+    @property
+    def lab(self) -> NDArray[np.float64]:
+        """Mean CIE L*a*b* of both regions, (n, 2, 3); NaN without colour."""
+        return self._colour[0]
+
+    @property
+    def histogram(self) -> NDArray[np.float64]:
+        """Shares of the pixels in each bin of R, G, B, (n, 2, 3, bins); NaN without colour."""
+        return self._colour[1]
+
+
+def view_of(
+    picture: Picture,
+    boxes: NDArray[np.float64],
+    fixation: NDArray[np.float64] | tuple[float, float] | None,
+    settings: FeatureSettings,
+) -> View:
+    """The view of a picture; see `nvcore.driver.features.features_of`."""
+    height, width = picture.shape[:2]
+    regions = regions_of(boxes, width, height, settings.surround)
+    at = (np.nan, np.nan) if fixation is None else fixation
+    points = np.broadcast_to(np.asarray(at, np.float64), (len(regions), 2))
+    return View(np.ascontiguousarray(picture), regions, points, settings)
+
+
+def luminance_of(picture: Picture) -> NDArray[np.uint8]:
+    """The 8-bit luminance of a picture: 0.299 R + 0.587 G + 0.114 B (ITU-R BT.601), rounded."""
+    if picture.ndim == 2:
+        return np.asarray(picture, np.uint8)
+    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), np.uint8)
+
+
+def has_colour(picture: Picture) -> bool:
+    """Whether two channels of a picture differ anywhere by more than `GREY_LEVELS`."""
+    if picture.ndim == 2:
+        return False
+    return any(
+        int(cv2.absdiff(*(cv2.extractChannel(part, i) for i in pair)).max()) > GREY_LEVELS
+        for part in (np.ascontiguousarray(picture[::_SPARSE]), picture)
+        for pair in ((0, 2), (0, 1))
+    )
+
+
+def _mean(total: NDArray[np.float64], count: NDArray[np.float64]) -> NDArray[np.float64]:
+    with np.errstate(invalid="ignore"):
+        mean: NDArray[np.float64] = total / count
+    return mean

@@ -1,0 +1,106 @@
+"""Where the driver looks: from a gaze file, else a fixed point, which is an assumption.
+
+    frame,x,y
+    212,960.5,540
+
+Pixels are those of the picture of visible light, or of the recording where there is none. A frame
+without a row (a blink, a gap of the tracker) has no fixation, and what depends on it is undefined.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.errors import ParameterError
+from nvcore.inputs.readers.parse.table import read_table
+from nvcore.inputs.readers.parse.text import MAX_INTEGER
+
+GAZE_COLUMNS: Final = ("frame", "x", "y")
+
+
+@dataclass(frozen=True)
+class Gaze:
+    """Where the driver looked in each frame.
+
+    Attributes
+    ----------
+    frame
+        Frame numbers, int64, ascending, shape (n,).
+    point
+        x and y, px, float64, shape (n, 2).
+    """
+
+    frame: NDArray[np.int64]
+    point: NDArray[np.float64]
+
+    def at(self, frames: NDArray[np.int64]) -> NDArray[np.float64]:
+        """X and y in these frames, px, float64, shape (n, 2); NaN where there is no row."""
+        frames = np.asarray(frames, np.int64)
+        points = np.full((len(frames), 2), np.nan)
+        if not len(self.frame):
+            return points
+        place = np.minimum(np.searchsorted(self.frame, frames), len(self.frame) - 1)
+        has_row = self.frame[place] == frames
+        points[has_row] = self.point[place[has_row]]
+        return points
+
+
+def read_gaze(path: Path) -> Gaze:
+    """Where the driver looked, from a CSV file with the columns frame, x and y.
+
+    Points may lie outside the picture: there is no pedestrian then near the fixation.
+
+    Raises
+    ------
+    InputError
+        If it cannot be opened, or, with the line, a field is no number or a frame stands there
+        twice.
+    """
+    table = read_table(path, what="fixations", required=GAZE_COLUMNS)
+    frame = table.whole_numbers("frame", low=-int(MAX_INTEGER))
+    point = np.stack([table.numbers("x"), table.numbers("y")], axis=1)
+    order = np.argsort(frame, kind="stable")
+    again = np.flatnonzero(np.diff(frame[order]) == 0)
+    if len(again):
+        row = int(order[again[0] + 1])
+        raise table.fault(row, f"the frame {frame[row]} has a row already; expected one a frame")
+    return Gaze(frame[order], point[order])
+
+
+@dataclass(frozen=True)
+class FixedPoint:
+    """A point at which the driver is assumed to look all the time.
+
+    Attributes
+    ----------
+    x, y
+        Share of the picture's width and height; (0.5, 0.5) is its middle.
+    """
+
+    x: float = 0.5
+    y: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name in ("x", "y"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and 0 <= value <= 1):
+                raise ParameterError(
+                    f"fixation: expected {name} as a share of the picture, 0 to 1, found {value:g}"
+                )
+
+    def in_picture(self, width: int, height: int) -> tuple[float, float]:
+        """The point in a picture of this size, px."""
+        return self.x * width, self.y * height
+
+    @property
+    def words(self) -> str:
+        """What is assumed."""
+        if (self.x, self.y) == (0.5, 0.5):
+            return "the middle of the picture"
+        return f"{self.x:.0%} across and {self.y:.0%} down the picture"

@@ -1,0 +1,23 @@
+"""How bright it was, when it changed from bright to dark, and the time to adapt since then."""
+
+from nvcore.driver.illumination.changes import NO_CHANGES, Changes, changes_of
+from nvcore.driver.illumination.meter import (
+    LIGHT_UNIT,
+    Light,
+    LightSource,
+    picture_level,
+    read_light,
+)
+from nvcore.driver.illumination.settings import LightSettings
+
+__all__ = [
+    "LIGHT_UNIT",
+    "NO_CHANGES",
+    "Changes",
+    "Light",
+    "LightSettings",
+    "LightSource",
+    "changes_of",
+    "picture_level",
+    "read_light",
+]

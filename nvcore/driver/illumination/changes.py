@@ -1,0 +1,109 @@
+"""Changes from bright to dark, and how long the driver's eyes have had to adapt."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from nvcore.driver.illumination.kernels import find_changes
+from nvcore.driver.illumination.meter import PICTURE_LEAST, Light, LightSource
+from nvcore.driver.illumination.settings import LightSettings
+
+
+@dataclass(frozen=True)
+class Changes:
+    """Changes from bright to dark of a recording.
+
+    Attributes
+    ----------
+    start_s
+        When it had become dark, seconds from frame 0, float64, ascending, shape (n,).
+    end_s
+        When the light was back; NaN: not before the next change, or not at all.
+    """
+
+    start_s: NDArray[np.float64]
+    end_s: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.start_s)
+
+    def period_s(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Seconds since the last change at these times, float64, shape (n,).
+
+        NaN before the first, and from when the light is back until the next: the eyes are then
+        adapted, as far as is known.
+        """
+        time_s = np.asarray(time_s, np.float64)
+        last = np.searchsorted(self.start_s, time_s, side="right") - 1
+        period_s = np.full(len(time_s), np.nan)
+        after = np.flatnonzero(last >= 0)
+        start_s, end_s = self.start_s[last[after]], self.end_s[last[after]]
+        is_over = time_s[after] >= end_s  # never where the end is NaN
+        period_s[after] = np.where(is_over, np.nan, time_s[after] - start_s)
+        return period_s
+
+
+NO_CHANGES = Changes(np.empty(0), np.empty(0))
+"""Where nothing is known of the light."""
+
+
+def changes_of(light: Light, settings: LightSettings) -> Changes:
+    """When it became dark, and when the light was back.
+
+    Readings are smoothed by a running median. It has become dark where the light is below what it
+    was by the factor: the most that it had been for `bright_for_s` without a break, up to
+    `within_s` ago. The light is back where it rises by the factor above the darkest since, and
+    stays so for `bright_for_s`.
+
+    Flicker is taken out by the median, and by the least of `bright_for_s`. A tunnel entered is a
+    change, a tunnel left is none and ends the adaptation. An oncoming lamp neither begins nor ends
+    one, unless it shines for longer than `bright_for_s`. The first `bright_for_s` of the readings
+    are needed to know what the eye is adapted to.
+    """
+    if not len(light.time_s):
+        return NO_CHANGES
+    is_meter = light.source is LightSource.METER
+    level = _smooth(light, settings.smooth_s)
+    level = np.maximum(level, settings.least_lux if is_meter else PICTURE_LEAST)
+    start, end = np.empty((2, len(level)), np.int64)
+    n_changes = find_changes(
+        light.time_s,
+        level,
+        _held(light.time_s, level, settings.bright_for_s),
+        settings.drop_factor if is_meter else settings.picture_drop_factor,
+        settings.within_s,
+        settings.bright_for_s,
+        start,
+        end,
+    )
+    start, end = start[:n_changes], end[:n_changes]
+    return Changes(light.time_s[start], np.where(end >= 0, light.time_s[end], np.nan))
+
+
+def _smooth(light: Light, width_s: float) -> NDArray[np.float64]:
+    """Median of the readings at most half a width away."""
+    if width_s <= 0:
+        return light.level
+    times = pd.to_timedelta(light.time_s - light.time_s[0], unit="s")
+    window = pd.Series(light.level, index=times).rolling(
+        pd.Timedelta(seconds=width_s), center=True, closed="both"
+    )
+    return window.median().to_numpy()
+
+
+def _held(
+    time_s: NDArray[np.float64], level: NDArray[np.float64], width_s: float
+) -> NDArray[np.float64]:
+    """Least level of the last seconds; NaN where the readings began later."""
+    if width_s <= 0:
+        return level
+    passed = time_s - time_s[0]
+    window = pd.Series(level, index=pd.to_timedelta(passed, unit="s")).rolling(
+        pd.Timedelta(seconds=width_s), closed="both"
+    )
+    is_known = passed >= width_s * (1 - 1e-9)
+    return np.where(is_known, window.min().to_numpy(), np.nan)

@@ -1,0 +1,167 @@
+"""Features of the pedestrians of single pictures, such as those of a study.
+
+    image,pedestrian,x,y,w,h,fixation_x,fixation_y
+    park.jpg,1,612,388,31,74,480,270
+
+The fixation may be missing, as columns or as empty cells: a point is assumed then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from nvcore.driver.features import FEATURE_KEYS, features_of
+from nvcore.driver.settings import DriverSettings
+from nvcore.inputs.readers.parse.table import TextTable, read_table
+from nvcore.pictures import Picture, is_below, stretch
+from nvcore.pictures.images import decode_image, file_bytes
+from nvcore.pictures.passes import PictureClock, in_order
+from nvcore.pictures.recordings import STRETCH
+from nvcore.progress import Progress, no_progress
+from nvcore.wording import count_text
+
+BOXES_COLUMNS: Final = ("image", "pedestrian", "x", "y", "w", "h")
+FIXATION_COLUMNS: Final = ("fixation_x", "fixation_y")
+IMAGE_FEATURE_COLUMNS: Final = (*BOXES_COLUMNS, *FEATURE_KEYS)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ImageFeatures:
+    """Features of the pedestrians of pictures; ``print`` says how many.
+
+    Attributes
+    ----------
+    table
+        `IMAGE_FEATURE_COLUMNS`, rows as in the file of the boxes.
+    n_images
+        Pictures.
+    n_assumed
+        Pedestrians whose fixation is assumed.
+    settings
+        What the run was told.
+    """
+
+    table: pd.DataFrame
+    n_images: int
+    n_assumed: int
+    settings: DriverSettings
+
+    def __repr__(self) -> str:
+        return f"<ImageFeatures of {self._words}>"
+
+    def __str__(self) -> str:
+        if not self.n_assumed:
+            return self._words
+        everyone = "" if self.n_assumed == len(self.table) else f" of {self.n_assumed:,}"
+        return f"{self._words}\nFixation{everyone} assumed: {self.settings.fixation.words}."
+
+    @property
+    def _words(self) -> str:
+        pictures = count_text(self.n_images, "picture")
+        return f"{count_text(len(self.table), 'pedestrian')} in {pictures}"
+
+
+def image_features(
+    folder: Path,
+    boxes: Path,
+    settings: DriverSettings | None = None,
+    *,
+    n_threads: int | None = None,
+    progress: Progress = no_progress,
+) -> ImageFeatures:
+    """Features of the pedestrians that a file lists, in the pictures of a folder.
+
+    Parameters
+    ----------
+    folder
+        Holds the pictures.
+    boxes
+        CSV with the columns image (path in the folder), pedestrian, x, y, w, h (px), and where
+        known fixation_x and fixation_y (px).
+    settings, n_threads, progress
+        As of `nvcore.driver.run.run_features`.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used; with the line of the row that names it.
+    """
+    settings = settings or DriverSettings()
+    table = read_table(boxes, what="pedestrians in pictures", required=BOXES_COLUMNS)
+    table.unique(("image", "pedestrian"), "the pedestrian {pedestrian} of {image} is there already")
+    box = np.stack([table.numbers("x"), table.numbers("y"), *_sizes(table)], axis=1)
+    fixation = _fixations(table)
+    images = table.texts("image")
+    names, row_of = np.unique(images.astype(str), return_inverse=True)
+    rows = [np.flatnonzero(row_of == number) for number in range(len(names))]
+    features = np.full((len(table), len(FEATURE_KEYS)), np.nan)
+
+    def look(number: int, picture: Picture) -> None:
+        if picture.dtype != np.uint8:
+            picture = stretch(picture, *STRETCH)
+        own = rows[number]
+        height, width = picture.shape[:2]
+        _check_inside(table, own, box, width, height)
+        assumed = np.array(settings.fixation.in_picture(width, height))
+        points = np.where(np.isnan(fixation[own]), assumed, fixation[own])
+        features[own] = features_of(picture, box[own], points, settings.features)
+
+    clock = PictureClock(len(names), progress)
+    pictures = _read(table, folder, names.tolist(), rows)
+    for _ in in_order(look, pictures, lambda: clock.count(0, folder.name), n_threads=n_threads):
+        clock.count(1, folder.name)
+    columns: dict[str, object] = {"image": images, "pedestrian": table.texts("pedestrian")}
+    columns |= dict(zip("xywh", box.T, strict=True))
+    columns |= dict(zip(FEATURE_KEYS, features.T, strict=True))
+    n_assumed = int(np.count_nonzero(np.isnan(fixation[:, 0])))
+    return ImageFeatures(pd.DataFrame(columns), len(names), n_assumed, settings)
+
+
+def _sizes(table: TextTable) -> list[NDArray[np.float64]]:
+    sizes = [table.numbers(name, low=0) for name in "wh"]
+    for name, values in zip("wh", sizes, strict=True):
+        if (values == 0).any():
+            raise table.fault(int(np.argmin(values)), f"{name}: expected more than 0, found 0")
+    return sizes
+
+
+def _fixations(table: TextTable) -> NDArray[np.float64]:
+    """Where the driver looked, x and y, px, shape (n, 2); NaN: not known."""
+    if not all(name in table for name in FIXATION_COLUMNS):
+        return np.full((len(table), 2), np.nan)
+    columns = [table.numbers(name, may_be_empty=True) for name in FIXATION_COLUMNS]
+    points = np.stack(columns, axis=1)
+    is_half = np.isnan(points).sum(axis=1) == 1
+    if is_half.any():
+        row = int(np.argmax(is_half))
+        raise table.fault(row, "expected both fixation_x and fixation_y, or neither")
+    return points
+
+
+def _check_inside(
+    table: TextTable, rows: NDArray[np.int64], box: NDArray[np.float64], width: int, height: int
+) -> None:
+    x, y, w, h = box[rows].T
+    is_outside = (x >= width) | (y >= height) | (x + w <= 0) | (y + h <= 0)
+    if is_outside.any():
+        row = int(rows[np.argmax(is_outside)])
+        raise table.fault(row, f"the box lies outside the picture of {width} x {height} px")
+
+
+def _read(
+    table: TextTable, folder: Path, names: list[str], rows: list[NDArray[np.int64]]
+) -> Iterator[tuple[int, Picture]]:
+    for number, name in enumerate(names):
+        path, row = folder / name, int(rows[number][0])
+        if not is_below(path, folder):
+            raise table.fault(row, f"image: {name!r} lies outside the folder of the pictures")
+        if not path.is_file():
+            raise table.fault(row, f"image: there is no {name!r} in {folder.name}")
+        yield number, decode_image(file_bytes(path), name)

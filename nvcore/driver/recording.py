@@ -1,0 +1,199 @@
+"""One recording as the driver saw it: its pictures, gaze and light, opened."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.dataset import Dataset
+from nvcore.driver.features.view import has_colour
+from nvcore.driver.fixation import FixedPoint, Gaze, read_gaze
+from nvcore.driver.illumination import Light, read_light
+from nvcore.errors import InputError, MediaError
+from nvcore.inputs.session import RecordingEntry, Session
+from nvcore.pictures import Pictures, RecordingPictures, session_pictures
+from nvcore.wording import one_line
+
+NO_PICTURES: Final = (
+    "no evaluated frame has a picture; name the pictures of each recording in the session file "
+    '(visible = "drive.mp4", or pictures = "drive.mp4", under [[recording]])'
+)
+_LOOKED_AT: Final = (0.5, 0.1, 0.9)
+"""Where in a recording pictures are looked at to tell whether they have colour."""
+
+
+@dataclass(frozen=True, eq=False)
+class DriverRecording:
+    """A recording with what is known of the driver's view.
+
+    Attributes
+    ----------
+    number
+        Row of the dataset's recordings.
+    name
+        As the dataset calls it.
+    name_in_data
+        As the data call it.
+    pictures
+        Of visible light where there are some, else the recording's own; None: there are none.
+    index
+        Picture of each evaluated frame, -1 none, int64.
+    picture_note
+        Which picture shows which frame, or why there is none.
+    is_visible
+        Whether the session calls the pictures those of visible light.
+    has_colour
+        Whether they have colour.
+    to_picture
+        (sx, sy, dx, dy): x of the picture is sx x + dx of the recording.
+    gaze
+        None: a point is assumed.
+    light
+        Of a light meter; None: there is none.
+    """
+
+    number: int
+    name: str
+    name_in_data: str
+    pictures: Pictures | None
+    index: NDArray[np.int64]
+    picture_note: str
+    is_visible: bool
+    has_colour: bool
+    to_picture: tuple[float, float, float, float]
+    gaze: Gaze | None
+    light: Light | None
+
+    @property
+    def needs_light(self) -> bool:
+        """Whether the pictures are to stand in for a light meter: grey ones may be of heat."""
+        return self.light is None and (self.is_visible or self.has_colour)
+
+    def boxes_in_picture(self, boxes: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Boxes (n, 4) x, y, w, h of the recording in px of the picture."""
+        across, down, right, lower = self.to_picture
+        scaled: NDArray[np.float64] = boxes * [across, down, across, down] + [right, lower, 0, 0]
+        return scaled
+
+    def fixations(
+        self, frames: NDArray[np.int64], assumed: FixedPoint, size: tuple[int, int]
+    ) -> NDArray[np.float64]:
+        """Where the driver looks in these frames, px of the picture, float64, shape (n, 2).
+
+        Parameters
+        ----------
+        size
+            Width and height of the picture.
+        """
+        if self.gaze is None:
+            return np.tile(np.array(assumed.in_picture(*size)), (len(frames), 1))
+        points = self.gaze.at(frames)
+        if self.is_visible:
+            return points
+        across, down, right, lower = self.to_picture
+        return points * [across, down] + [right, lower]
+
+
+def open_recordings(session: Session, dataset: Dataset) -> list[DriverRecording]:
+    """The recordings of a dataset; their pictures are to be closed.
+
+    Raises
+    ------
+    InputError
+        If a gaze or light file cannot be used, with file and line; or no evaluated frame has a
+        picture.
+    """
+    names = [str(name) for name in dataset.recordings["name"]]
+    entries = session.entries(names)
+    files = [_read_files(session.folder, entries.get(name)) for name in names]
+    has_visible = {
+        number
+        for number, name in enumerate(names)
+        if name in entries and entries[name].visible is not None
+    }
+    own = {*range(len(names))} - has_visible
+    visible_pictures = session_pictures(session, dataset, has_visible, key="visible")
+    own_pictures = session_pictures(session, dataset, own)
+    recordings = []
+    for number, (name, (gaze, light)) in enumerate(zip(names, files, strict=True)):
+        is_visible = number in has_visible
+        opened = visible_pictures if is_visible else own_pictures
+        entry = entries.get(name, RecordingEntry(name))
+        recordings.append(_recording(number, name, entry, dataset, opened, is_visible, gaze, light))
+    if not any((recording.index >= 0).any() for recording in recordings):
+        visible_pictures.close()
+        own_pictures.close()
+        troubles = {**visible_pictures.troubles, **own_pictures.troubles}
+        raise InputError(" ".join([NO_PICTURES, *map(one_line, troubles.values())]))
+    return recordings
+
+
+def _read_files(folder: Path, entry: RecordingEntry | None) -> tuple[Gaze | None, Light | None]:
+    if entry is None:
+        return None, None
+    gaze = None if entry.gaze is None else read_gaze(folder / entry.gaze)
+    light = None if entry.light is None else read_light(folder / entry.light)
+    return gaze, light
+
+
+def _recording(
+    number: int,
+    name: str,
+    entry: RecordingEntry,
+    dataset: Dataset,
+    opened: RecordingPictures,
+    is_visible: bool,
+    gaze: Gaze | None,
+    light: Light | None,
+) -> DriverRecording:
+    columns = dataset.frame_columns
+    source = opened.sources.get(number)
+    rows = columns.rows_of(number)
+    index = np.full(rows.stop - rows.start, -1) if source is None else opened.indices[number]
+    size = float(columns.width[number]), float(columns.height[number])
+    return DriverRecording(
+        number=number,
+        name=name,
+        name_in_data=entry.name,
+        pictures=source,
+        index=index,
+        picture_note=one_line(_note(opened.notes, number, index)),
+        is_visible=is_visible,
+        has_colour=source is not None and _has_colour(source, index),
+        to_picture=_to_picture(entry, source, size, is_visible),
+        gaze=gaze,
+        light=light,
+    )
+
+
+def _note(notes: Mapping[int, str], number: int, index: NDArray[np.int64]) -> str:
+    """What is to be said of pictures that are missing; empty: none is."""
+    if (index >= 0).all():
+        return ""
+    return notes.get(number, "No pictures are named for it.")
+
+
+def _has_colour(source: Pictures, index: NDArray[np.int64]) -> bool:
+    shown = index[index >= 0]
+    for share in _LOOKED_AT if len(shown) else ():
+        try:
+            if has_colour(source.read(int(shown[int(share * len(shown))]))):
+                return True
+        except MediaError:  # said when it is its turn
+            continue
+    return False
+
+
+def _to_picture(
+    entry: RecordingEntry, source: Pictures | None, size: tuple[float, float], is_visible: bool
+) -> tuple[float, float, float, float]:
+    if is_visible and entry.visible_map is not None:
+        return entry.visible_map
+    if source is None:
+        return 1.0, 1.0, 0.0, 0.0
+    return source.width / size[0], source.height / size[1], 0.0, 0.0

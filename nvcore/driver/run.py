@@ -1,0 +1,289 @@
+"""Features of every pedestrian of recordings, in one pass over the pictures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.dataset import Dataset
+from nvcore.driver.features import FEATURE_KEYS, features_of
+from nvcore.driver.features.view import luminance_of
+from nvcore.driver.illumination import (
+    NO_CHANGES,
+    Changes,
+    Light,
+    LightSource,
+    changes_of,
+    picture_level,
+)
+from nvcore.driver.recording import DriverRecording, open_recordings
+from nvcore.driver.settings import DriverSettings
+from nvcore.inputs.session import Session
+from nvcore.pictures import Picture, stretch
+from nvcore.pictures.passes import PictureClock, in_order, pictures_of
+from nvcore.pictures.recordings import STRETCH
+from nvcore.progress import Progress, no_progress
+from nvcore.schema import NO_TRACK, integers_of
+from nvcore.wording import MOST_NAMED, count_text, duration_text, listed, one_line
+
+BOX_COLUMNS: Final = ("recording", "frame", "track", "x", "y", "w", "h")
+FEATURE_COLUMNS: Final = (
+    *BOX_COLUMNS,
+    *FEATURE_KEYS,
+    *("period_s", "illumination", "illumination_by"),
+)
+"""Columns of a features file: one row for each truth box that is not ignored."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RecordingFeatures:
+    """Features of the pedestrians of one recording.
+
+    Attributes
+    ----------
+    name
+        As the dataset calls it.
+    table
+        `FEATURE_COLUMNS`; features are NaN where the frame has no picture.
+    n_unseen
+        Pedestrians (boxes) in frames without a picture.
+    notes
+        What was taken for what, in sentences.
+    """
+
+    name: str
+    table: pd.DataFrame
+    n_unseen: int
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FeatureRun:
+    """Features of the pedestrians of recordings; ``print`` says what was taken for what.
+
+    Attributes
+    ----------
+    recordings
+        In the order of the dataset.
+    settings
+        What the run was told.
+    n_pictures
+        Pictures that were looked at.
+    seconds
+        How long it took.
+    """
+
+    recordings: tuple[RecordingFeatures, ...]
+    settings: DriverSettings
+    n_pictures: int
+    seconds: float
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """Rows of all recordings, `FEATURE_COLUMNS`."""
+        tables = [recording.table for recording in self.recordings]
+        return pd.concat(tables, ignore_index=True)
+
+    def __repr__(self) -> str:
+        return f"<FeatureRun of {self._boxes}>"
+
+    def __str__(self) -> str:
+        rate = self.n_pictures / self.seconds if self.seconds > 0 else 0.0
+        head = f"{self._boxes}, in {duration_text(self.seconds)} ({rate:.1f} pictures a second)"
+        of_notes: dict[tuple[str, ...], list[str]] = {}
+        for recording in self.recordings:
+            of_notes.setdefault(recording.notes, []).append(one_line(recording.name))
+        parts = [
+            f"{listed(names, most=MOST_NAMED)}: {' '.join(notes)}"
+            for notes, names in of_notes.items()
+        ]
+        return "\n".join([head, *parts])
+
+    @property
+    def _boxes(self) -> str:
+        n_boxes = sum(len(recording.table) for recording in self.recordings)
+        return (
+            f"{count_text(n_boxes, 'pedestrian box', 'pedestrian boxes')} in "
+            f"{count_text(self.n_pictures, 'picture')}"
+        )
+
+
+def run_features(
+    dataset: Dataset,
+    settings: DriverSettings | None = None,
+    *,
+    n_threads: int | None = None,
+    progress: Progress = no_progress,
+) -> FeatureRun:
+    """Features of every pedestrian that is not ignored, in every frame that has a picture.
+
+    The same pictures give the same table, however many threads there are.
+
+    Parameters
+    ----------
+    dataset
+        With the session that it was loaded from as its settings: it names pictures, gaze and light.
+    settings
+        None: our defaults.
+    n_threads
+        Pictures at a time; None: as many as there are cores.
+    progress
+        Called for every picture and now and then between, with the time left in words.
+
+    Raises
+    ------
+    InputError
+        If a gaze or light file cannot be used, or no evaluated frame has a picture.
+    CancelledError
+        If `progress` raises it; nothing is left behind.
+    """
+    session = dataset.settings
+    assert isinstance(session, Session)
+    settings = settings or DriverSettings()
+    recordings = open_recordings(session, dataset)
+    try:
+        passes = [_Pass(recording, dataset, settings) for recording in recordings]
+        clock = PictureClock(sum(len(part.rows) for part in passes), progress)
+        parts = [part.run(clock, n_threads) for part in passes]
+    finally:
+        for recording in recordings:
+            if recording.pictures is not None:
+                recording.pictures.close()
+    progress(1.0, "done")
+    return FeatureRun(tuple(parts), settings, clock.n_done, clock.seconds)
+
+
+class _Pass:
+    """The pass over one recording; frames are counted from its first evaluated one."""
+
+    def __init__(self, recording: DriverRecording, dataset: Dataset, settings: DriverSettings):
+        self.recording, self.settings = recording, settings
+        columns, truth = dataset.frame_columns, dataset.truth
+        rows = columns.rows_of(recording.number)
+        self.frame = columns.frame[rows]
+        self.fps = float(columns.fps[recording.number])
+        boxes = slice(*truth.offsets[[rows.start, rows.stop]].tolist())
+        kept = np.flatnonzero(~truth.ignore[boxes]) + boxes.start
+        self.box = np.stack([truth.x, truth.y, truth.w, truth.h], axis=1)[kept]
+        self.track = truth.track[kept]
+        self.frame_of_box = truth.frame_index[kept] - rows.start
+        self.first = np.searchsorted(self.frame_of_box, np.arange(len(self.frame) + 1))
+        needed = recording.index >= 0
+        if not recording.needs_light:
+            needed = needed & (np.diff(self.first) > 0)
+        self.rows = np.flatnonzero(needed)
+        self.features = np.full((len(self.box), len(FEATURE_KEYS)), np.nan)
+        self.level = np.full(len(self.frame), np.nan)
+        self.is_seen = np.zeros(len(self.frame), bool)
+
+    def run(self, clock: PictureClock, n_threads: int | None) -> RecordingFeatures:
+        """Look at the pictures, then at the course of the light."""
+        recording, faults = self.recording, list[str]()
+        tell = partial(clock.count, name=recording.name)
+        if recording.pictures is not None:
+            indices = zip(self.rows.tolist(), recording.index[self.rows].tolist(), strict=True)
+            pictures = pictures_of(recording.pictures, indices, faults)
+            for row in in_order(self._look, pictures, lambda: tell(0), n_threads=n_threads):
+                self.is_seen[row] = True
+                tell(1)
+            clock.n_pictures -= len(faults)
+        light = self._light()
+        changes = NO_CHANGES if light is None else changes_of(light, self.settings.light)
+        n_unseen = int(np.count_nonzero(~self.is_seen[self.frame_of_box]))
+        notes = [
+            *self._picture_notes(faults, n_unseen),
+            self._fixation_note(),
+            self._light_note(light, len(changes)),
+        ]
+        table = self._table(light, changes)
+        return RecordingFeatures(recording.name, table, n_unseen, tuple(notes))
+
+    def _look(self, row: int, picture: Picture) -> int:
+        """Features and light of one picture; rows of different pictures are never the same."""
+        if picture.dtype != np.uint8:
+            picture = stretch(picture, *STRETCH)
+        recording, boxes = self.recording, slice(*self.first[row : row + 2].tolist())
+        if boxes.stop > boxes.start:
+            size = picture.shape[1], picture.shape[0]
+            point = recording.fixations(self.frame[row : row + 1], self.settings.fixation, size)
+            self.features[boxes] = features_of(
+                picture,
+                recording.boxes_in_picture(self.box[boxes]),
+                point,
+                self.settings.features,
+            )
+        if recording.needs_light:
+            self.level[row] = picture_level(luminance_of(picture))
+        return row
+
+    def _light(self) -> Light | None:
+        """Readings of the light meter, or of the pictures; None: nothing is known."""
+        if self.recording.light is not None:
+            return self.recording.light
+        is_known = ~np.isnan(self.level)
+        if not is_known.any():
+            return None
+        times, level = self.frame[is_known] / self.fps, self.level[is_known]
+        return Light(times, level, LightSource.PICTURE)
+
+    def _table(self, light: Light | None, changes: Changes) -> pd.DataFrame:
+        frame = self.frame[self.frame_of_box]
+        begin_s, end_s = frame / self.fps, (frame + 1) / self.fps
+        period_s = level = np.full(len(frame), np.nan)
+        if light is not None:
+            level = light.at(begin_s)
+            period_s = np.where(begin_s <= light.end_s, changes.period_s(end_s), np.nan)
+        values: dict[str, object] = {
+            "recording": pd.Categorical([self.recording.name_in_data] * len(frame)),
+            "frame": frame,
+            "track": integers_of(self.track, self.track != NO_TRACK),
+            **dict(zip("xywh", self.box.T, strict=True)),
+            **dict(zip(FEATURE_KEYS, self.features.T, strict=True)),
+            "period_s": period_s,
+            "illumination": level,
+            "illumination_by": "" if light is None else light.source.value,
+        }
+        return pd.DataFrame(values, index=pd.RangeIndex(len(frame)))
+
+    def _picture_notes(self, faults: list[str], n_unseen: int) -> list[str]:
+        recording = self.recording
+        notes = []
+        if recording.pictures is not None and not recording.is_visible:
+            notes.append("Features are of its own pictures: none of visible light are named.")
+            if not recording.has_colour:
+                notes.append("They are grey; far-infrared ones say nothing about what eyes see.")
+        if n_unseen:
+            boxes = count_text(n_unseen, "pedestrian box is", "pedestrian boxes are")
+            notes.append(f"{boxes} in frames without a picture. {recording.picture_note}".strip())
+        if faults:
+            cannot = count_text(len(faults), "picture")
+            notes.append(f"{cannot} cannot be read: {faults[0]}.")
+        return notes
+
+    def _fixation_note(self) -> str:
+        gaze = self.recording.gaze
+        if gaze is None:
+            return f"Fixation assumed: {self.settings.fixation.words}."
+        frames = self.frame[np.unique(self.frame_of_box)]
+        n_without = int(np.count_nonzero(np.isnan(gaze.at(frames)[:, 0])))
+        if not n_without:
+            return "Fixation by the gaze file."
+        of_frames = f"{n_without:,} of {len(frames):,} frames with pedestrians"
+        return f"Fixation by the gaze file, which has none in {of_frames}."
+
+    def _light_note(self, light: Light | None, n_changes: int) -> str:
+        if light is None or not len(light.time_s):
+            return "Nothing is known of the light: no adaptation period."
+        changes = count_text(n_changes, "change") + " from bright to dark"
+        if light.source is LightSource.METER:
+            is_short = self.frame.max(initial=0) / self.fps > light.end_s
+            short = f", known until {light.time_s[-1]:.3g} s" if is_short else ""
+            return f"Light by the light meter: {changes}{short}."
+        every_s = float(np.median(np.diff(self.frame))) / self.fps if len(self.frame) > 1 else 0.0
+        is_sparse = every_s > self.settings.light.bright_for_s / 2
+        sparse = f", with one picture in {every_s:.3g} s" if is_sparse else ""
+        return f"No light meter: the pictures' mean luminance stands in for one: {changes}{sparse}."

@@ -1,0 +1,167 @@
+"""Which responses are right: the square around the touch against the pedestrian's centre."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.driver.trials.reading import BOX, PEDESTRIAN
+from nvcore.errors import InputError, ParameterError
+
+DISPLAY_S: Final = 0.5
+"""How long a picture is shown (paper)."""
+LATE_S: Final = 0.05
+"""A trial is marked if its picture came earlier or later than asked by more than this."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judging:
+    """How responses are judged.
+
+    Attributes
+    ----------
+    square_px
+        Side of the square around the touch, pixels of the picture; 200 in the paper, which is
+        about 5 degrees there: see `side_of_angle`.
+    centre_share
+        Width and height of the pedestrian's centre region, as a share of the box's. The paper does
+        not say how large it is: one half is ours.
+    display_s
+        How long the picture is shown; the adaptation period is the time from the change of light
+        to the end of that.
+
+    Raises
+    ------
+    ParameterError
+        If one is outside its range.
+    """
+
+    square_px: float = 200.0
+    centre_share: float = 0.5
+    display_s: float = DISPLAY_S
+
+    def __post_init__(self) -> None:
+        for name, low, high in (
+            ("square_px", 0.0, 1e5),
+            ("centre_share", 0.0, 1.0),
+            ("display_s", 0.0, 60.0),
+        ):
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise ParameterError(f"{name}: expected {low:g} to {high:g}, got {value:g}")
+
+
+def side_of_angle(
+    degrees: float = 5.0, *, distance_mm: float, shown_width_mm: float, picture_width_px: float
+) -> float:
+    """Side of a square that is seen under this angle, in pixels of the picture.
+
+    Parameters
+    ----------
+    degrees
+        The angle, 0 to 90; 5 in the paper.
+    distance_mm
+        From the eye to the screen.
+    shown_width_mm
+        Width of the picture on the screen; see `screen_width_mm`.
+    picture_width_px
+        Width of the picture in its own pixels.
+
+    Raises
+    ------
+    ParameterError
+        If a length is not above 0, or the angle outside its range.
+
+    Examples
+    --------
+    The paper's screen, on which 5 degrees are 200 px at 27 cm:
+
+    >>> width_mm = screen_width_mm(10.5, 2560, 1600)
+    >>> side = side_of_angle(
+    ...     distance_mm=270, shown_width_mm=width_mm, picture_width_px=1920
+    ... )
+    >>> round(side)
+    200
+    """
+    if not 0 < degrees <= 90:
+        raise ParameterError(f"degrees: expected 0 to 90, got {degrees:g}")
+    lengths = {
+        "distance_mm": distance_mm,
+        "shown_width_mm": shown_width_mm,
+        "picture_width_px": picture_width_px,
+    }
+    for name, length in lengths.items():
+        if not 0 < length < math.inf:
+            raise ParameterError(f"{name}: expected a length above 0, got {length:g}")
+    side_mm = 2 * distance_mm * math.tan(math.radians(degrees) / 2)
+    return side_mm * picture_width_px / shown_width_mm
+
+
+def screen_width_mm(diagonal_inch: float, width_px: float, height_px: float) -> float:
+    """Width of a screen from its diagonal, mm."""
+    return 25.4 * diagonal_inch * width_px / math.hypot(width_px, height_px)
+
+
+def judge_trials(
+    trials: pd.DataFrame, boxes: pd.DataFrame, judging: Judging, *, name: str = "trials"
+) -> pd.DataFrame:
+    """Which responses are right, and at which adaptation period.
+
+    A response is right if the square around the touch and the centre region of the pedestrian
+    overlap; touching sides are none. A picture that was not seen is wrong.
+
+    Parameters
+    ----------
+    trials
+        Of `nvcore.driver.trials.reading.read_trials`.
+    boxes
+        ``image,pedestrian,x,y,w,h``, pixels of the picture; one row for each pedestrian.
+    name
+        Of the file of trials, for errors.
+
+    Returns
+    -------
+    The trials with ``period_s`` (float64), ``is_right``, ``is_off_time`` (bool: the picture came
+    more than 50 ms early or late) and the pedestrian's ``x``, ``y``, ``w``, ``h``.
+
+    Raises
+    ------
+    InputError
+        If a trial is of a pedestrian without a box; with the line.
+    """
+    columns = [*PEDESTRIAN, *BOX]
+    judged = trials.merge(boxes[columns], how="left", on=[*PEDESTRIAN], validate="many_to_one")
+    is_lost = judged["x"].isna().to_numpy()
+    if is_lost.any():
+        trial = judged.iloc[int(np.argmax(is_lost))]
+        raise InputError(
+            f"there is no box for the pedestrian {trial['pedestrian']} of the picture "
+            f"{trial['image']}; add it to the boxes, or leave the trial out",
+            file=name,
+            line=int(trial["line"]),
+        )
+    late_s = (judged["adaptation_measured_s"] - judged["adaptation_asked_s"]).abs()
+    return judged.assign(
+        period_s=(judged["adaptation_asked_s"] + judging.display_s).round(6),
+        is_right=is_right(judged, judging).to_numpy(),
+        is_off_time=(late_s > LATE_S + 1e-9).to_numpy(),
+    )
+
+
+def is_right(trials: pd.DataFrame, judging: Judging) -> pd.Series:
+    """Whether the square around each touch overlaps the centre region, bool.
+
+    Parameters
+    ----------
+    trials
+        With ``touch_x``, ``touch_y`` (NaN: not seen) and the pedestrian's ``x, y, w, h``.
+    """
+    across = (trials["touch_x"] - trials["x"] - trials["w"] / 2).abs()
+    down = (trials["touch_y"] - trials["y"] - trials["h"] / 2).abs()
+    half = judging.square_px / 2
+    share = judging.centre_share / 2
+    return (across < half + share * trials["w"]) & (down < half + share * trials["h"])

@@ -1,0 +1,152 @@
+"""Readers of trials, and of what is known of their pictures."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.driver.features import FEATURE_KEYS
+from nvcore.inputs.readers.parse.table import TextTable, parse_table, read_table
+
+TRIAL_COLUMNS: Final = (
+    *("subject", "run", "position", "order", "image", "pedestrian"),
+    *("adaptation_asked_s", "adaptation_measured_s", "touch_x", "touch_y"),
+    *("response_s", "not_seen", "device"),
+)
+PEDESTRIAN: Final = ("image", "pedestrian")
+"""What tells pedestrians apart, in all tables."""
+BOX: Final = ("x", "y", "w", "h")
+SIMULATED: Final = "simulated"
+"""Device of trials that no person took."""
+LONGEST_S: Final = 3600.0
+
+
+def read_trials(path: Path) -> pd.DataFrame:
+    """Trials from a CSV file; see `parse_trials`.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be opened, or is no table of trials; with the line.
+    """
+    return _trials(read_table(path, what="trials", required=TRIAL_COLUMNS))
+
+
+def parse_trials(content: bytes, *, name: str) -> pd.DataFrame:
+    """Trials from CSV text, a row for each picture shown to a subject.
+
+    Parameters
+    ----------
+    content
+        The columns `TRIAL_COLUMNS`, in any order, separated by commas, semicolons or tabs.
+        ``adaptation_asked_s`` is the time from the change of light to the picture's appearance,
+        ``adaptation_measured_s`` what it was by the clock. ``touch_x`` and ``touch_y`` are in
+        pixels of the picture, and empty where ``not_seen`` is 1. ``adaptation_measured_s``,
+        ``response_s`` and ``device`` may be empty.
+    name
+        Of the file, for errors.
+
+    Returns
+    -------
+    The columns in the order of `TRIAL_COLUMNS`, and ``line``: text, whole numbers (int64), seconds
+    and pixels (float64, NaN: empty), ``not_seen`` as bool.
+
+    Raises
+    ------
+    FormatError
+        If a column is missing, a field is not of its kind, a touch stands beside ``not_seen`` or
+        neither is there, or a subject has a picture twice at one time; with the line.
+    """
+    return _trials(parse_table(content, name=name, what="trials", required=TRIAL_COLUMNS))
+
+
+def _trials(table: TextTable) -> pd.DataFrame:
+    seconds = partial(table.numbers, low=0.0, high=LONGEST_S)
+    trials = pd.DataFrame(
+        {
+            "subject": table.texts("subject"),
+            "run": table.whole_numbers("run"),
+            "position": table.whole_numbers("position"),
+            "order": table.whole_numbers("order"),
+            "image": table.texts("image"),
+            "pedestrian": table.texts("pedestrian"),
+            "adaptation_asked_s": seconds("adaptation_asked_s"),
+            "adaptation_measured_s": seconds("adaptation_measured_s", may_be_empty=True),
+            "touch_x": table.numbers("touch_x", may_be_empty=True),
+            "touch_y": table.numbers("touch_y", may_be_empty=True),
+            "response_s": seconds("response_s", may_be_empty=True),
+            "not_seen": table.flags("not_seen"),
+            "device": table.texts("device", may_be_empty=True),
+            "line": table.lines,
+        }
+    )
+    has_touch = trials[["touch_x", "touch_y"]].notna()
+    not_seen = trials["not_seen"].to_numpy()
+    is_wrong = np.where(not_seen, has_touch.any(axis=1), ~has_touch.all(axis=1))
+    if is_wrong.any():
+        row = int(np.argmax(is_wrong))
+        expected = "no touch where not_seen is 1" if not_seen[row] else "touch_x and touch_y"
+        raise table.fault(row, f"expected {expected}; or change not_seen")
+    twice = trials.duplicated(["subject", *PEDESTRIAN, "adaptation_asked_s"]).to_numpy()
+    if twice.any():
+        row = int(np.argmax(twice))
+        trial = trials.iloc[row]
+        raise table.fault(
+            row,
+            f"{trial['subject']} is shown the picture {trial['image']} after "
+            f"{trial['adaptation_asked_s']:g} s a second time",
+        )
+    return trials
+
+
+def read_boxes(path: Path) -> pd.DataFrame:
+    """Where the pedestrians of the pictures are: ``image,pedestrian,x,y,w,h``.
+
+    Returns
+    -------
+    These columns: text, and pixels of the picture (float64).
+
+    Raises
+    ------
+    InputError
+        If the file cannot be opened or is no such table, a box has no size, or a pedestrian stands
+        there twice; with the line.
+    """
+    table = read_table(path, what="boxes", required=(*PEDESTRIAN, *BOX))
+    table.unique(PEDESTRIAN, "the picture {image} has the pedestrian {pedestrian} a second time")
+    return _boxes(table)
+
+
+def _boxes(table: TextTable) -> pd.DataFrame:
+    low = {"w": 1e-6, "h": 1e-6}
+    return pd.DataFrame(
+        {name: table.texts(name) for name in PEDESTRIAN}
+        | {name: table.numbers(name, low=low.get(name, -np.inf)) for name in BOX}
+    )
+
+
+def read_features(path: Path) -> tuple[pd.DataFrame, pd.DataFrame | None]:
+    """Features of the pedestrians in the pictures, as ``nvcore driver features`` writes them.
+
+    Returns
+    -------
+    ``image``, ``pedestrian`` and the features by their keys (float64, NaN: undefined); and the
+    boxes, as of `read_boxes`, if the file has them.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be opened or is no such table, or a pedestrian stands there twice; with
+        the line.
+    """
+    table = read_table(path, what="features", required=(*PEDESTRIAN, *FEATURE_KEYS))
+    table.unique(PEDESTRIAN, "the picture {image} has the pedestrian {pedestrian} a second time")
+    features = pd.DataFrame(
+        {name: table.texts(name) for name in PEDESTRIAN}
+        | {name: table.numbers(name, may_be_empty=True) for name in FEATURE_KEYS}
+    )
+    return features, _boxes(table) if all(name in table for name in BOX) else None

@@ -1,0 +1,126 @@
+"""Subjects whose responses are unlike those of the others, or say nothing."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+from scipy.stats import binomtest
+
+from nvcore.driver.trials.judging import Judging
+from nvcore.driver.trials.reading import PEDESTRIAN
+from nvcore.metrics.shares import share_of
+from nvcore.wording import percent
+
+LEAST_TRIALS: Final = 10
+"""Fewer say nothing about a subject."""
+FAR: Final = 0.25
+"""A share right is far from the others' if it differs by more than this."""
+AT_CHANCE_P: Final = 0.05
+"""Touches are at chance unless they are better with this p-value."""
+SAME_PLACE: Final = 0.5
+"""Touches are always in one place if this share of them lies in one square, and not more than half
+as many of the pedestrians."""
+_MOST: Final = 2000
+"""Touches that are compared with each other; of more, every so many."""
+CELL: Final = [*PEDESTRIAN, "period_s"]
+"""What trials of several subjects are of the same."""
+
+
+def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
+    """How each subject responded, and what is odd about it; none is left out here.
+
+    Odd is who is right in a share that is more than 0.25 from what the others' responses to the
+    same pictures at the same periods let expect (and that lies outside the Wilson interval of his
+    own share); whose touches are not better than the same touches on other pictures (one-sided
+    binomial test, 0.05); who touches one place in half of the cases or more, with less than half
+    as many pedestrians there; and who never touches. All of these limits are ours; they need 10
+    trials.
+
+    Parameters
+    ----------
+    judged
+        Of `nvcore.driver.trials.judging.judge_trials`.
+
+    Returns
+    -------
+    A row for each subject, in the order of the file: ``subject``, ``n``, ``n_right``, ``share``
+    with its interval ``low`` and ``high``, ``share_expected`` (from the others; NaN: there are
+    none), ``n_touches``, ``share_touches_right``, ``share_chance``, ``share_one_place``,
+    ``share_there`` (of the pedestrians in that place; NaN without touches), ``n_off_time``, and
+    ``odd``: why, as text; empty: nothing is.
+    """
+    expected = _expected(judged)
+    rows = []
+    for subject, trials in judged.groupby("subject", sort=False):
+        right = share_of(int(trials["is_right"].sum()), len(trials))
+        row: dict[str, Any] = {
+            "subject": subject,
+            "n": right.n,
+            "n_right": right.n_right,
+            "share": right.share,
+            "low": right.low,
+            "high": right.high,
+            "share_expected": float(expected[trials.index].mean()),
+            **_of_touches(trials[~trials["not_seen"]], judging),
+            "n_off_time": int(trials["is_off_time"].sum()),
+        }
+        rows.append({**row, "odd": _odd(row)})
+    return pd.DataFrame(rows)
+
+
+def _expected(judged: pd.DataFrame) -> pd.Series:
+    """Share of the others who are right in the same trial; NaN: there are none."""
+    groups = judged.groupby(CELL)["is_right"]
+    n_others = groups.transform("size") - 1
+    n_right = groups.transform("sum") - judged["is_right"]
+    return (n_right / n_others.where(n_others > 0)).astype(float)
+
+
+def _of_touches(trials: pd.DataFrame, judging: Judging) -> dict[str, float]:
+    """What the touches of one subject are like."""
+    n = len(trials)
+    if n == 0:
+        unknown = ("share_touches_right", "share_chance", "share_one_place", "share_there")
+        return {"n_touches": 0, **dict.fromkeys(unknown, np.nan)}
+    some = trials.iloc[:: -(-n // _MOST)]
+    touch = some[["touch_x", "touch_y"]].to_numpy()
+    size = some[["w", "h"]].to_numpy()
+    centre = some[["x", "y"]].to_numpy() + size / 2
+    half = judging.square_px / 2
+    reach = half + judging.centre_share * size / 2
+    is_right = (np.abs(touch[:, None] - centre) < reach).all(axis=2)
+    n_pairs = len(some) * (len(some) - 1)
+    chance = (is_right.sum() - np.trace(is_right)) / n_pairs if n_pairs else np.nan
+    is_near = (np.abs(touch[:, None] - touch) <= half).all(axis=2).mean(axis=1)
+    place = touch[int(is_near.argmax())]
+    return {
+        "n_touches": n,
+        "share_touches_right": float(trials["is_right"].mean()),
+        "share_chance": float(chance),
+        "share_one_place": float(is_near.max()),
+        "share_there": float((np.abs(centre - place) <= half).all(axis=1).mean()),
+    }
+
+
+def _odd(row: dict[str, Any]) -> str:
+    """Why the responses of a subject are odd; empty: they are not."""
+    if row["n"] < LEAST_TRIALS:
+        return ""
+    reasons = []
+    expected = row["share_expected"]
+    is_far = abs(row["share"] - expected) > FAR and not row["low"] <= expected <= row["high"]
+    if is_far:
+        reasons.append(f"right in {percent(row['share'])}, the others in {percent(expected)}")
+    if row["n_touches"] == 0:
+        reasons.append("never touches")
+    if row["n_touches"] >= LEAST_TRIALS:
+        n, chance = int(row["n_touches"]), row["share_chance"]
+        n_right = round(row["share_touches_right"] * n)
+        if binomtest(n_right, n, chance, alternative="greater").pvalue > AT_CHANCE_P:
+            reasons.append("touches are at chance")
+        share = row["share_one_place"]
+        if share >= SAME_PLACE and share > 2 * row["share_there"]:
+            reasons.append(f"{percent(share)} of the touches are in one place")
+    return "; ".join(reasons)

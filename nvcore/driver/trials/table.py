@@ -1,0 +1,183 @@
+"""From judged responses to what estimators learn: detectability beside the features."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from nvcore.driver.trials.judging import Judging, judge_trials
+from nvcore.driver.trials.reading import (
+    PEDESTRIAN,
+    SIMULATED,
+    read_boxes,
+    read_features,
+    read_trials,
+)
+from nvcore.driver.trials.subjects import CELL, subjects_table
+from nvcore.errors import InputError
+from nvcore.metrics.shares import share_of
+from nvcore.wording import count_text, did_you_mean, listed
+
+
+@dataclass(frozen=True)
+class TrainingTable:
+    """What estimators learn, and where it is from.
+
+    Attributes
+    ----------
+    rows
+        A row for each pedestrian and period: ``image``, ``pedestrian``, ``period_s``,
+        ``detectability`` (0..1), ``n_right``, ``n_subjects``, ``low``, ``high`` (Wilson), and the
+        features by their keys (float64, NaN: undefined).
+    subjects
+        Of `nvcore.driver.trials.subjects.subjects_table`, those left out as well.
+    left_out
+        Names of subjects whose responses are not in it.
+    n_trials, n_off_time
+        Trials in it, and those of them whose picture came more than 50 ms early or late.
+    simulated
+        ``"no"``, ``"all"`` or ``"some"``: trials that no person took.
+    judging
+        How the responses were judged.
+    """
+
+    rows: pd.DataFrame
+    subjects: pd.DataFrame
+    left_out: tuple[str, ...]
+    n_trials: int
+    n_off_time: int
+    simulated: str
+    judging: Judging
+
+    @property
+    def n_subjects(self) -> int:
+        """Subjects whose responses are in it."""
+        return len(self.subjects) - len(self.left_out)
+
+    @property
+    def n_pedestrians(self) -> int:
+        """Pedestrians, each at one period at least."""
+        return len(self.rows[[*PEDESTRIAN]].drop_duplicates())
+
+    @property
+    def periods_s(self) -> tuple[float, ...]:
+        """The adaptation periods, ascending."""
+        return tuple(sorted(self.rows["period_s"].unique().tolist()))
+
+
+def training_table(
+    trials: Path,
+    features: Path,
+    *,
+    boxes: Path | None = None,
+    judging: Judging | None = None,
+    leave_out: Sequence[str] = (),
+) -> TrainingTable:
+    """Trials from files, judged and joined to the features of their pictures.
+
+    Parameters
+    ----------
+    trials
+        File of `nvcore.driver.trials.reading.TRIAL_COLUMNS`.
+    features
+        File of ``image,pedestrian`` and the eight features.
+    boxes
+        File of ``image,pedestrian,x,y,w,h``; None: the file of features has these columns.
+    judging
+        How responses are judged; None: as by default.
+    leave_out
+        Subjects whose responses are not used.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used, a trial's pedestrian has no box or no features, or there is no
+        such subject.
+    """
+    judging = judging or Judging()
+    table, own_boxes = read_features(features)
+    if boxes is None and own_boxes is None:
+        raise InputError(
+            "to judge the responses the boxes of the pedestrians are needed: columns x,y,w,h "
+            "here, or a file of image,pedestrian,x,y,w,h (--boxes)",
+            file=features,
+        )
+    places = own_boxes if boxes is None else read_boxes(boxes)
+    assert places is not None
+    given = read_trials(trials)
+    if given.empty:
+        raise InputError("there is no trial in it", file=trials)
+    judged = judge_trials(given, places, judging, name=str(trials))
+    subjects = subjects_table(judged, judging)
+    for name in leave_out:
+        if name not in set(subjects["subject"]):
+            known = listed(subjects["subject"].tolist())
+            hint = did_you_mean(name, subjects["subject"], f"there are {known}")
+            raise InputError(f"there is no subject {name!r}; {hint}", file=trials)
+    used = judged[~judged["subject"].isin(list(leave_out))]
+    if used.empty:
+        raise InputError("all subjects are left out: there is nothing to learn", file=trials)
+    rows = detectability_table(used).merge(table, how="left", on=[*PEDESTRIAN], indicator=True)
+    _refuse_without_features(rows, used, trials, features)
+    is_simulated = used["device"].str.casefold() == SIMULATED
+    return TrainingTable(
+        rows=rows.drop(columns="_merge"),
+        subjects=subjects,
+        left_out=tuple(dict.fromkeys(leave_out)),
+        n_trials=len(used),
+        n_off_time=int(used["is_off_time"].sum()),
+        simulated="all" if is_simulated.all() else "some" if is_simulated.any() else "no",
+        judging=judging,
+    )
+
+
+def detectability_table(judged: pd.DataFrame) -> pd.DataFrame:
+    """How many of the subjects saw each pedestrian at each period.
+
+    Parameters
+    ----------
+    judged
+        Of `nvcore.driver.trials.judging.judge_trials`; a subject has each pedestrian once at a
+        period.
+
+    Returns
+    -------
+    ``image``, ``pedestrian``, ``period_s``, ``detectability`` (share of the subjects who are right,
+    0..1), ``n_right``, ``n_subjects``, and the 95 % Wilson interval ``low``, ``high``; by period,
+    then in the order of the trials.
+    """
+    groups = judged.groupby(CELL, sort=False)["is_right"]
+    counts = pd.DataFrame({"n_right": groups.sum(), "n_subjects": groups.size()}).reset_index()
+    counts = counts.sort_values("period_s", kind="stable", ignore_index=True)
+    pairs = counts[["n_right", "n_subjects"]].astype("int64")
+    shares = {pair: share_of(*pair) for pair in set(pairs.itertuples(index=False, name=None))}
+    of_rows = [shares[pair] for pair in pairs.itertuples(index=False, name=None)]
+    return counts[CELL].assign(
+        detectability=np.array([share.share for share in of_rows], dtype=np.float64),
+        n_right=pairs["n_right"],
+        n_subjects=pairs["n_subjects"],
+        low=np.array([share.low for share in of_rows], dtype=np.float64),
+        high=np.array([share.high for share in of_rows], dtype=np.float64),
+    )
+
+
+def _refuse_without_features(
+    rows: pd.DataFrame, used: pd.DataFrame, trials: Path, features: Path
+) -> None:
+    """Refuse pedestrians that the file of features does not have."""
+    lost = rows[rows["_merge"] == "left_only"]
+    if lost.empty:
+        return
+    image, pedestrian = lost.iloc[0][[*PEDESTRIAN]]
+    is_first = (used["image"] == image) & (used["pedestrian"] == pedestrian)
+    n_lost = len(lost[[*PEDESTRIAN]].drop_duplicates())
+    raise InputError(
+        f"{features.name} has no features of the pedestrian {pedestrian} of the picture {image}"
+        + (f", nor of {count_text(n_lost - 1, 'other')}" if n_lost > 1 else ""),
+        file=trials,
+        line=int(used.loc[is_first, "line"].iloc[0]),
+    )

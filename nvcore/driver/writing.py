@@ -1,0 +1,159 @@
+"""A run's features and estimates as files."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+from nvcore import __version__
+from nvcore.dataset import Dataset
+from nvcore.driver.estimate import EstimateRun
+from nvcore.driver.run import FeatureRun
+from nvcore.errors import InputError
+from nvcore.inputs.hashes import source_hashes
+from nvcore.inputs.session import Session
+from nvcore.inputs.session_driver import DriverTable
+from nvcore.inputs.session_toml import write_session
+from nvcore.output.csv_text import to_csv_bytes
+from nvcore.output.files import write_run
+
+FEATURES_FILE: Final = "features.csv"
+DETECTABILITY_FILE: Final = "detectability.csv"
+RECORD_FILE: Final = "driver.json"
+"""How they were made: settings, what was assumed, the estimator."""
+SESSION_FILE: Final = "session.toml"
+FEATURE_OUTPUTS: Final = (FEATURES_FILE, RECORD_FILE)
+ESTIMATE_OUTPUTS: Final = (DETECTABILITY_FILE, FEATURES_FILE, RECORD_FILE, SESSION_FILE)
+
+
+@dataclass(frozen=True)
+class WrittenFeatures:
+    """What `write_features` wrote.
+
+    Attributes
+    ----------
+    features, record
+        The table, and the record of how it was made.
+    run
+        What came out.
+    """
+
+    features: Path
+    record: Path
+    run: FeatureRun
+
+
+@dataclass(frozen=True)
+class WrittenEstimates:
+    """What `write_estimates` wrote.
+
+    Attributes
+    ----------
+    session
+        The session file: that of the dataset, which now names the estimates.
+    detectability, features, record
+        The estimates, what they were made from, and how.
+    run
+        What came out.
+    """
+
+    session: Path
+    detectability: Path
+    features: Path
+    record: Path
+    run: EstimateRun
+
+
+def check_folder(folder: Path) -> None:
+    """Refuse a folder that cannot be written to, before a long run.
+
+    Raises
+    ------
+    InputError
+        If it cannot.
+    """
+    place = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK):
+        raise InputError("cannot be written to; give another folder", file=folder)
+
+
+def write_features(run: FeatureRun, folder: Path) -> WrittenFeatures:
+    """Write the features and the record of how they were made.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written to.
+    """
+    content = to_csv_bytes(run.table)
+    record = _record(run, {FEATURES_FILE: content})
+    write_run(folder, [(FEATURES_FILE, content), (RECORD_FILE, record)], FEATURE_OUTPUTS)
+    return WrittenFeatures(folder / FEATURES_FILE, folder / RECORD_FILE, run)
+
+
+def write_estimates(run: EstimateRun, dataset: Dataset, folder: Path) -> WrittenEstimates:
+    """Write the estimates, their features and record, and a session that names them.
+
+    Parameters
+    ----------
+    dataset
+        What it was run on, with the session that it was loaded from as its settings.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written to.
+    """
+    session = dataset.settings
+    assert isinstance(session, Session)
+    contents = {
+        DETECTABILITY_FILE: to_csv_bytes(run.table),
+        FEATURES_FILE: to_csv_bytes(run.features.table),
+    }
+    systems = tuple(
+        replace(source, name=name)
+        for source, name in zip(session.systems, dataset.systems, strict=True)
+    )
+    named = replace(
+        session,
+        systems=systems,
+        hashes=source_hashes(dataset),
+        driver=DriverTable(
+            detectability=str(folder.absolute() / DETECTABILITY_FILE),
+            provenance=str(folder.absolute() / RECORD_FILE),
+        ),
+    )
+    text = write_session(named, version=__version__, fingerprint=dataset.fingerprint)
+    record = _record(run.features, contents, estimator=run.as_json())
+    files = [*contents.items(), (RECORD_FILE, record), (SESSION_FILE, text.encode())]
+    write_run(folder, files, ESTIMATE_OUTPUTS)
+    return WrittenEstimates(
+        session=folder / SESSION_FILE,
+        detectability=folder / DETECTABILITY_FILE,
+        features=folder / FEATURES_FILE,
+        record=folder / RECORD_FILE,
+        run=run,
+    )
+
+
+def _record(run: FeatureRun, contents: dict[str, bytes], **more: Any) -> bytes:
+    record = {
+        "written_by": f"nvcore {__version__}",
+        **more,
+        "settings": run.settings.as_json(),
+        "recordings": [
+            {
+                "name": recording.name,
+                "n_boxes": len(recording.table),
+                "n_unseen": recording.n_unseen,
+                "notes": list(recording.notes),
+            }
+            for recording in run.recordings
+        ],
+        "files": {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()},
+    }
+    return (json.dumps(record, ensure_ascii=False, indent=1) + "\n").encode()

@@ -1,0 +1,146 @@
+"""Estimators of what the driver sees in words, and the files of their evaluation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import pandas as pd
+
+from nvcore.driver.estimators.model import Estimator
+from nvcore.driver.estimators.training import Training
+from nvcore.driver.estimators.words import words_of
+from nvcore.driver.evaluation import PUBLISHED_NOTE, Evaluation, evaluation_tables
+from nvcore.driver.evaluation.tables import errors_table
+from nvcore.driver.trials import TrainingTable
+from nvcore.output.csv_text import to_csv_bytes
+from nvcore.wording import capitalised, count_text, duration_text, number, one_line
+
+TABLES: Final = (
+    *("errors", "choices", "pairs", "pair_ranks"),
+    *("periods", "histograms", "estimates", "subjects"),
+)
+"""Names of the tables of an evaluation."""
+SUMMARY: Final = "summary.txt"
+EVALUATION_FILES: Final = (*(f"{name}.csv" for name in TABLES), SUMMARY)
+"""What an evaluation writes into its folder."""
+_ERROR: Final = ".4f"
+_OF_TRIALS: Final = {
+    "no": "",
+    "all": " by a simulated observer, not by people",
+    "some": ", some by a simulated observer",
+}
+
+
+def render_table(table: TrainingTable) -> list[str]:
+    """What there is to learn from, and whose responses are odd."""
+    lines = [
+        f"{count_text(table.n_trials, 'trial')}{_OF_TRIALS[table.simulated]}: "
+        f"{count_text(table.n_subjects, 'subject')}, "
+        f"{count_text(table.n_pedestrians, 'pedestrian')}, "
+        f"{count_text(len(table.periods_s), 'adaptation period')}"
+    ]
+    if table.n_off_time:
+        lines.append(
+            f"{count_text(table.n_off_time, 'trial')} came more than 50 ms early or late; they "
+            "count as any other"
+        )
+    for name, odd in table.subjects[["subject", "odd"]].to_numpy().tolist():
+        if odd or name in table.left_out:
+            state = "left out" if name in table.left_out else "odd, not left out (--leave-out)"
+            lines.append(one_line(f"subject {name}, {state}" + (f": {odd}" if odd else "")))
+    return lines
+
+
+def render_training(training: Training) -> str:
+    """What was learned from what, and how well it does on pedestrians left out."""
+    estimator = training.estimator
+    errors = pd.DataFrame(
+        {
+            "period_s": estimator.periods_s,
+            "switched": training.switched_errors,
+            "single": training.single_errors,
+            "constant": training.constant_errors,
+        }
+    )
+    mean = {name: errors[name].mean() for name in ("switched", "single", "constant")}
+    errors = pd.concat([errors, pd.DataFrame([mean])], ignore_index=True)
+    lines = [
+        *render_table(training.table),
+        *map(capitalised, training.notes),
+        "mean squared error on pedestrians left out, in five folds; 0 is best:",
+        *_errors(errors),
+        *_choices(estimator),
+        *_warning(errors),
+        f"trained in {duration_text(training.seconds)}",
+    ]
+    return "\n".join(lines)
+
+
+def _errors(errors: pd.DataFrame) -> list[str]:
+    """A line for each period, the mean last; columns that are all empty are left out."""
+    titles = {
+        "switched": "switched",
+        "single": "single",
+        "constant": "constant",
+        "published_switched": "paper, switched",
+        "published_single": "paper, single",
+    }
+    shown = [name for name in titles if name in errors and errors[name].notna().any()]
+    lines = ["  period   " + "  ".join(f"{titles[name]:>15}" for name in shown)]
+    for row in errors.to_dict("records"):
+        period = "mean  " if pd.isna(row["period_s"]) else f"{row['period_s']:.1f} s "
+        cells = "  ".join(f"{number(row[name], _ERROR):>15}" for name in shown)
+        lines.append(f"  {period:>8} {cells}")
+    return lines
+
+
+def _choices(estimator: Estimator) -> list[str]:
+    """Features and settings of each regression."""
+    lines = ["chosen:"]
+    names = [*(f"{period:.1f} s" for period in estimator.periods_s), "single"]
+    for name, regression in zip(names, estimator.regressions, strict=True):
+        s = regression.settings
+        gamma = f", gamma {s.gamma:.2g}" if s.kernel == "rbf" else ""
+        lines.append(
+            f"  {name:>7}  {words_of(regression.features)} ({s.kernel}, C {s.cost:.2g}, "
+            f"epsilon {s.epsilon:.2g}{gamma})"
+        )
+    return lines
+
+
+def _warning(errors: pd.DataFrame) -> list[str]:
+    """Where nothing was learned: the constant does as well."""
+    of_periods = errors[errors["period_s"].notna()]
+    is_useless = of_periods["switched"] >= of_periods["constant"]
+    if not is_useless.any():
+        return []
+    periods = ", ".join(f"{period:g}" for period in of_periods["period_s"][is_useless])
+    return [
+        f"at {periods} s the estimator is no better than the mean of the others' detectability: "
+        "it has learned nothing there"
+    ]
+
+
+def render_evaluation(evaluation: Evaluation) -> str:
+    """Errors at each period beside those of the paper, and what differs."""
+    errors = errors_table(evaluation)
+    lines = [
+        *render_table(evaluation.table),
+        *map(capitalised, evaluation.samples.notes),
+        "mean squared error, leaving out one pedestrian at a time; 0 is best:",
+        *_errors(errors),
+        *_warning(errors),
+        PUBLISHED_NOTE,
+        f"evaluated in {duration_text(evaluation.seconds)}",
+    ]
+    return "\n".join(lines)
+
+
+def evaluation_files(evaluation: Evaluation) -> Iterator[tuple[str, bytes]]:
+    """Names and contents of `EVALUATION_FILES`."""
+    for name, table in evaluation_tables(evaluation).items():
+        yield f"{name}.csv", to_csv_bytes(table)
+    # without the duration, so that equal data give equal files
+    text = render_evaluation(evaluation).rpartition("\n")[0]
+    yield SUMMARY, f"{text}\n".encode()

@@ -1,0 +1,113 @@
+"""``nvcore driver train`` and ``evaluate``: from files to a model and tables; what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from driver_trials import write_trials
+from inputs import nvcore
+
+import nvcore as nv
+from nvcore.driver.estimators import QUICK, Search, read_estimator
+from nvcore.driver.trials import Judging
+
+SUBJECTS = ("A", "B", "C", "D", "E", "F")
+
+
+@pytest.fixture
+def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]:
+    quick = Search(n_settings=1, n_folds=2)
+    monkeypatch.setattr("nvcore.driver.estimators.QUICK", quick)
+    assert quick != QUICK
+    return write_trials(tmp_path, 8, SUBJECTS)
+
+
+def test_from_trials_to_a_model(files: tuple[Path, Path], tmp_path: Path):
+    trials, features = files
+    out = tmp_path / "driver.npz"
+    ran = nvcore("driver", "train", trials, "--features", features, "--quick", "--out", out)
+    assert ran.exit_code == 0, ran.output
+    lines = ran.stdout.splitlines()
+    assert lines[0] == (
+        "288 trials by a simulated observer, not by people: 6 subjects, 8 pedestrians, "
+        "6 adaptation periods"
+    )
+    titles = next(line for line in lines if "switched" in line)
+    assert titles.split() == ["period", "switched", "single", "constant"]
+    assert [line.split()[0] for line in lines if line.startswith("    ")][:1] == ["0.5"]
+    assert any(line.lstrip().startswith("single  ") for line in lines)
+    assert lines[-1].startswith("trained in ")
+    assert f"nvcore driver estimate SESSION --model {out}" in ran.stderr
+    estimator = read_estimator(out)
+    assert estimator.name == "driver"
+    assert estimator.origin.n_subjects == 6
+
+
+def test_from_trials_to_tables(files: tuple[Path, Path], tmp_path: Path):
+    trials, features = files
+    out = tmp_path / "tables"
+    options = ("--quick", "--threads", "2", "--leave-out", "B", "--out", out)
+    ran = nvcore("driver", "evaluate", trials, "--features", features, *options)
+    assert ran.exit_code == 0, ran.output
+    assert "subject B, left out" in ran.stdout
+    assert "paper, switched" in ran.stdout
+    assert "the mean of that row is 0.1418" in ran.stdout
+    assert (out / "errors.csv").read_text().count("\n") == 8
+    assert {path.name for path in out.glob("*.csv")} == {
+        *("errors.csv", "choices.csv", "pairs.csv", "pair_ranks.csv"),
+        *("periods.csv", "histograms.csv", "estimates.csv", "subjects.csv"),
+    }
+    assert (out / "summary.txt").read_text() in ran.stdout
+
+
+def test_the_square_can_be_an_angle(files: tuple[Path, Path], tmp_path: Path):
+    trials, features = files
+    lengths = ("--distance-mm", "270", "--shown-width-mm", "226", "--picture-width-px", "1920")
+    out = tmp_path / "driver.npz"
+    angle = ("--square-degrees", "5", *lengths, "--quick", "--out", out)
+    ran = nvcore("driver", "train", trials, "--features", features, *angle)
+    assert ran.exit_code == 0, ran.output
+    assert read_estimator(out).origin.square_px == pytest.approx(200.3, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--square-degrees", "5"), "--square-degrees needs --distance-mm, --shown-width-mm"),
+        (
+            ("--square-degrees", "5", "--square-px", "9"),
+            "--square-px or --square-degrees, not both",
+        ),
+        (("--distance-mm", "270"), "belong to --square-degrees"),
+        (("--leave-out", "Z"), "there is no subject 'Z'"),
+        (("--out", "{trials}"), "is an input, and would be replaced"),
+        (("--boxes", "gone.csv"), "gone.csv: cannot be opened"),
+    ],
+)
+def test_what_cannot_be_done_is_said(
+    files: tuple[Path, Path], tmp_path: Path, options: tuple[str, ...], told: str
+):
+    trials, features = files
+    given = [text.format(trials=trials) for text in options]
+    out = () if "--out" in given else ("--out", tmp_path / "driver.npz")
+    ran = nvcore("driver", "train", trials, "--features", features, "--quick", *given, *out)
+    assert ran.exit_code == 2
+    assert told in " ".join(ran.stderr.split())
+    assert not (tmp_path / "driver.npz").exists()
+
+
+def test_python_users_do_the_same(files: tuple[Path, Path], tmp_path: Path):
+    trials, features = files
+    training = nv.train_driver(
+        trials,
+        features,
+        tmp_path / "m.npz",
+        judging=Judging(square_px=150),
+        quick=True,
+        name="mine",
+    )
+    assert training.estimator.name == "mine"
+    assert read_estimator(tmp_path / "m.npz").origin.square_px == 150
+    evaluation = nv.evaluate_driver(trials, features, quick=True)
+    assert len(evaluation.rows) == 48

@@ -1,0 +1,136 @@
+"""Model files: the same again to the byte, and nothing damaged or hostile gets in."""
+
+from __future__ import annotations
+
+import io
+import json
+import pickle
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nvcore.driver.estimators import Training, fingerprint, read_estimator, write_estimator
+from nvcore.driver.estimators.model_file import from_bytes, to_bytes
+from nvcore.errors import EstimatorError
+
+
+def test_an_estimator_is_read_as_it_was_written(training: Training, tmp_path: Path):
+    path = tmp_path / "driver.npz"
+    write_estimator(training.estimator, path)
+    again = read_estimator(path)
+    assert to_bytes(again) == path.read_bytes() == to_bytes(training.estimator)
+    assert fingerprint(again) == fingerprint(training.estimator)
+    assert again.origin == training.estimator.origin
+    assert again.qualities == training.estimator.qualities
+    features = np.random.default_rng(3).uniform(0, 300, (500, 8))
+    period_s = np.random.default_rng(4).uniform(0, 9, 500)
+    for interpolate in (False, True):
+        ours, theirs = (
+            model.estimate(features, period_s, interpolate=interpolate)
+            for model in (training.estimator, again)
+        )
+        np.testing.assert_allclose(ours.detectability, theirs.detectability, atol=1e-12)
+        np.testing.assert_array_equal(ours.is_outside, theirs.is_outside)
+
+
+def test_numpy_opens_it_without_pickle(training: Training):
+    with np.load(io.BytesIO(to_bytes(training.estimator)), allow_pickle=False) as arrays:
+        assert json.loads(arrays["about"].tobytes())["origin"]["simulated"] == "all"
+        np.testing.assert_array_equal(arrays["periods_s"], training.estimator.periods_s)
+
+
+def changed(content: bytes, change: Callable[[dict[str, np.ndarray], dict], None]) -> bytes:
+    with np.load(io.BytesIO(content), allow_pickle=False) as members:
+        arrays = {name: members[name].copy() for name in members}
+    about = json.loads(arrays.pop("about").tobytes())
+    change(arrays, about)
+    arrays = {"about": np.frombuffer(json.dumps(about).encode(), np.uint8), **arrays}
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        for name, array in arrays.items():
+            member = io.BytesIO()
+            np.lib.format.write_array(member, np.ascontiguousarray(array), version=(1, 0))
+            archive.writestr(f"{name}.npy", member.getvalue())
+    return stream.getvalue()
+
+
+def put(name: str, index: object, value: object):
+    def change(arrays: dict[str, np.ndarray], _: dict) -> None:
+        arrays[name][index] = value
+
+    return change
+
+
+def shorter(name: str):
+    def change(arrays: dict[str, np.ndarray], _: dict) -> None:
+        arrays[name] = arrays[name][:-1]
+
+    return change
+
+
+def told(**facts: object):
+    def change(_: dict[str, np.ndarray], about: dict) -> None:
+        about.update(facts)
+
+    return change
+
+
+def of_origin(**facts: object):
+    def change(_: dict[str, np.ndarray], about: dict) -> None:
+        about["origin"].update(facts)
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (told(format="nvcore-icf"), "is not an estimator of nvcore"),
+        (told(version=2), "has version 2; this program reads 1"),
+        (told(name=""), "name: expected 1 to 200 printable"),
+        (told(name=7), "name: expected str, got 7"),
+        (told(features=["width_px"]), "features: expected those of this program"),
+        (of_origin(seed="x"), "seed: expected int, got 'x'"),
+        (of_origin(simulated="perhaps"), "simulated: expected no, all or some"),
+        (of_origin(more=1), "origin: its keys are others"),
+        (put("periods_s", 0, 9.0), "periods_s: expected ascending"),
+        (put("periods_s", 0, -1.0), "periods_s: expected ascending"),
+        (put("weights", 0, np.nan), "weights has values that are no numbers"),
+        (put("scale", slice(None), 0.0), "scale: expected numbers above 0"),
+        (put("is_used", slice(None), 0), "is_used: expected 0 and 1"),
+        (put("is_used", 0, 2), "is_used: expected 0 and 1"),
+        (put("kernel", 0, 2), "kernel: expected 0 or 1"),
+        (put("vector_ends", -1, 10**6), "vector_ends: expected ascending"),
+        (put("vector_ends", 0, -1), "vector_ends: expected ascending"),
+        (put("error", 0, -1.0), "error: expected 0 or more"),
+        (shorter("periods_s"), "expected a regression for each period"),
+        (shorter("cost"), "cost has the shape"),
+    ],
+)
+def test_a_hostile_model_is_refused_with_its_name(training: Training, change, message):
+    content = changed(to_bytes(training.estimator), change)
+    with pytest.raises(EstimatorError, match=f"^bad.npz: {message}"):
+        from_bytes(content, "bad.npz")
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"PK\x03\x04", pickle.dumps([1]), b"\x00" * (1 << 24) + b"\x00"]
+)
+def test_what_is_no_model_is_refused(content: bytes):
+    with pytest.raises(EstimatorError, match=r"^x\.npz: (is not an estimator|a model has at most)"):
+        from_bytes(content, "x.npz")
+
+
+def test_a_cut_model_is_refused(training: Training):
+    content = to_bytes(training.estimator)
+    for length in (50, len(content) // 2, len(content) - 1):
+        with pytest.raises(EstimatorError, match="damaged"):
+            from_bytes(content[:length], "cut.npz")
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path: Path):
+    with pytest.raises(EstimatorError, match=r"gone\.npz: cannot be opened"):
+        read_estimator(tmp_path / "gone.npz")

@@ -1,0 +1,157 @@
+"""Leave-one-pedestrian-out: tables with known answers, and the paper's figures beside them."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pandas as pd
+import pytest
+from driver_trials import CHOSEN, PERIODS_S, made_table
+
+from nvcore.driver.estimators import Search
+from nvcore.driver.estimators.search import PAIRS
+from nvcore.driver.evaluation import (
+    PUBLISHED_NOTE,
+    Evaluation,
+    evaluate_estimators,
+    evaluation_tables,
+    published,
+)
+from nvcore.driver.features import FEATURE_KEYS
+from nvcore.report.driver import EVALUATION_FILES, evaluation_files, render_evaluation
+
+N = 10
+
+
+@pytest.fixture(scope="module")
+def evaluation(tmp_path_factory: pytest.TempPathFactory) -> Evaluation:
+    table = made_table(tmp_path_factory.mktemp("trials"), n=N)
+    return evaluate_estimators(table, search=Search(n_settings=1, n_folds=2), n_threads=2)
+
+
+@pytest.fixture(scope="module")
+def tables(evaluation: Evaluation) -> dict[str, pd.DataFrame]:
+    return evaluation_tables(evaluation)
+
+
+def test_every_pedestrian_is_left_out_once(evaluation: Evaluation):
+    estimates = evaluation.estimates
+    assert len(estimates.columns) == N
+    for values in (estimates.switched, estimates.single, estimates.constant, estimates.pairs):
+        assert np.isfinite(values).all()
+    # the single estimator knows no period
+    of_pedestrian = estimates.single.reshape(6, N)
+    np.testing.assert_allclose(of_pedestrian, np.tile(of_pedestrian[0], (6, 1)), atol=1e-12)
+
+
+def test_errors_are_means_of_squares_by_period(evaluation, tables):
+    errors = tables["errors"]
+    assert errors["period_s"].tolist()[:-1] == list(PERIODS_S)
+    assert np.isnan(errors["period_s"].iloc[-1])
+    target = evaluation.rows["detectability"].to_numpy()
+    of_third = evaluation.samples.period == 2
+    for name in ("switched", "single", "constant"):
+        squares = (getattr(evaluation.estimates, name) - target) ** 2
+        assert errors[name][2] == pytest.approx(squares[of_third].mean())
+        assert errors[name].iloc[-1] == pytest.approx(errors[name][:-1].mean())
+    assert (errors["switched"] < errors["constant"]).all()
+
+
+def test_leaving_out_one_the_constant_errs_by_the_variance_of_the_others(evaluation, tables):
+    """Against the mean of the other n - 1, each residual is n / (n - 1) times that of all."""
+    of_period = evaluation.samples.target[evaluation.samples.period == 0]
+    expected = of_period.var() * (N / (N - 1)) ** 2
+    assert tables["errors"]["constant"][0] == pytest.approx(expected)
+
+
+def test_the_paper_s_errors_stand_beside_ours_with_what_differs(evaluation, tables):
+    errors = tables["errors"]
+    assert errors["published_switched"].tolist()[:-1] == list(published.SWITCHED)
+    assert errors["published_switched"].iloc[-1] == pytest.approx(0.1227, abs=5e-5)
+    assert errors["published_single"].iloc[-1] == pytest.approx(0.1418, abs=5e-5)
+    assert errors["published_single_printed"].iloc[-1] == 0.134
+    assert errors["published_single_printed"][:-1].isna().all()
+    text = render_evaluation(evaluation)
+    assert PUBLISHED_NOTE in text
+    assert "the mean of that row is 0.1418" in text
+    assert "simulated observer, not by people" in text
+
+
+def test_the_gain_that_the_paper_s_own_row_shows():
+    gain = 1 - np.mean(published.SWITCHED) / np.mean(published.SINGLE)
+    assert gain == pytest.approx(0.135, abs=5e-4)
+    best = [min(pairs.values()) for pairs in published.PAIRS.values()]
+    assert np.mean(best) == pytest.approx(0.066, abs=5e-4)
+
+
+def test_all_28_pairs_are_ranked_at_each_period(evaluation, tables):
+    pairs = tables["pairs"]
+    assert len(pairs) == 28 * 6
+    for number, period_s in enumerate(PERIODS_S):
+        rows = pairs[pairs["period_s"] == period_s]
+        assert rows["rank"].iloc[0] == 1
+        assert rows["error"].is_monotonic_increasing
+        best = rows.iloc[0]
+        column = PAIRS.index(
+            tuple(sorted(FEATURE_KEYS.index(best[f"feature_{side}"]) for side in (1, 2)))
+        )
+        mine = evaluation.samples.period == number
+        residual = evaluation.estimates.pairs[mine, column] - evaluation.samples.target[mine]
+        assert best["error"] == pytest.approx((residual**2).mean())
+        assert rows["published_error"].notna().sum() == 3
+    third = pairs[pairs["period_s"] == 3.0].iloc[0]
+    assert {third["feature_1"], third["feature_2"]} == set(CHOSEN)
+
+
+def test_rankings_that_are_the_same_correlate_by_one(tables):
+    ranks = tables["pair_ranks"]
+    assert len(ranks) == 15
+    assert ranks["spearman"].between(-1, 1).all()
+    late = ranks[(ranks["period_1_s"] == 6.0) & (ranks["period_2_s"] == 7.5)]
+    assert late["spearman"].tolist() == pytest.approx([1.0])  # the known answer is the same
+
+
+def test_choices_are_counted(tables):
+    choices = tables["choices"]
+    of_period = choices.groupby("period_s", dropna=False)["n"].sum()
+    assert of_period.tolist() == [N] * 7
+    first = choices[choices["period_s"] == 3.0].iloc[0]
+    assert first["features"] == "Luminance contrast + Distance from fixation"
+    assert first["share"] == first["n"] / N
+
+
+def test_detectability_by_period_is_described(evaluation, tables):
+    periods, rows = tables["periods"], evaluation.rows
+    of_first = rows.loc[rows["period_s"] == 0.5, "detectability"]
+    assert periods["n"].tolist() == [N] * 6
+    assert periods["mean"][0] == pytest.approx(of_first.mean())
+    assert periods["sd"][0] == pytest.approx(of_first.std(ddof=1))
+    assert periods["share_zero"][0] == (of_first == 0).mean()
+
+
+def test_histograms_count_every_pedestrian(tables):
+    histograms = tables["histograms"]
+    assert len(histograms) == 6 * 11  # 20 subjects
+    assert histograms.groupby("period_s")["n"].sum().tolist() == [N] * 6
+    assert histograms["detectability"][:11].tolist() == pytest.approx(np.arange(11) / 10)
+
+
+def test_with_few_subjects_a_bar_is_a_value(evaluation: Evaluation):
+    rows = evaluation.table.rows.assign(
+        n_subjects=4, detectability=list(itertools.islice(itertools.cycle([0, 0.25, 1]), 60))
+    )
+    table = type(evaluation.table)(**{**vars(evaluation.table), "rows": rows})
+    changed = type(evaluation)(**{**vars(evaluation), "table": table})
+    histograms = evaluation_tables(changed)["histograms"]
+    first = histograms[histograms["period_s"] == 0.5]
+    assert first["detectability"].tolist() == [0, 0.25, 0.5, 0.75, 1]
+    assert first["n"].tolist() == [4, 3, 0, 0, 3]
+
+
+def test_equal_data_give_equal_files_without_the_time_taken(evaluation: Evaluation):
+    files = dict(evaluation_files(evaluation))
+    assert tuple(files) == EVALUATION_FILES
+    slower = type(evaluation)(**{**vars(evaluation), "seconds": 1e6})
+    assert dict(evaluation_files(slower)) == files
+    assert files["errors.csv"].startswith(b"period_s,n,switched,single,constant,published_switched")

@@ -1,0 +1,150 @@
+"""Estimates over recordings: by which estimator, for which boxes, and in which files."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from picture_files import write_picture
+
+from nvcore.api.driver_run import estimate_driver
+from nvcore.driver.estimate import DETECTABILITY_COLUMNS, EstimateRun, run_estimate
+from nvcore.driver.estimators import Estimator, Origin, Quality, Regression, write_estimator
+from nvcore.driver.estimators.model import SvrSettings
+from nvcore.driver.run import run_features
+from nvcore.errors import InputError
+from nvcore.inputs.load import load
+from nvcore.inputs.session_toml import read_session
+
+CONTRAST, LAB = 3, 4
+"""Columns of the features."""
+
+
+def by(column: int, share: float) -> Regression:
+    """A regression that gives this share of a hundredth of a feature, trained on 0 to 100."""
+    return Regression(
+        columns=np.array([column]),
+        centre=np.zeros(1),
+        scale=np.full(1, 100.0),
+        low=np.zeros(1),
+        high=np.full(1, 100.0),
+        vectors=np.ones((1, 1)),
+        weights=np.array([share]),
+        offset=0.0,
+        settings=SvrSettings("linear", 1.0, 0.1, 1.0),
+    )
+
+
+def estimator(column: int = CONTRAST, simulated: str = "no") -> Estimator:
+    """Half of the contrast soon after the change, all of it at 4.5 s."""
+    origin = Origin(51, 4, 306, simulated, 200.0, 0.5, 0.5, 0, "ab")
+    return Estimator(
+        "test",
+        np.array([0.5, 4.5]),
+        (by(column, 0.5), by(column, 1.0), by(column, 0.7)),
+        tuple(Quality(51, error, 0.5, 0.1) for error in (0.01, 0.04, 0.09)),
+        origin,
+    )
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Path:
+    """40 frames at 4 a second with a person 60 brighter than his surround; it is dark from 5 s."""
+    rows = [f"drive,{frame},20,10,8,16,5" for frame in range(40)]
+    (tmp_path / "truth.csv").write_text("\n".join(["recording,frame,x,y,w,h,track", *rows]) + "\n")
+    grey = np.full((48, 64), 40, np.uint8)
+    grey[10:26, 20:28] = 100
+    for frame in range(40):
+        write_picture(tmp_path / "drive" / f"{frame:03}.png", grey)
+    readings = [f"{i / 20},{1000 if i < 100 else 10}" for i in range(220)]
+    (tmp_path / "lux.csv").write_text("\n".join(["time_s,lux", *readings]) + "\n")
+    (tmp_path / "session.toml").write_text(
+        '[defaults]\nsize = "64x48"\nfps = 4\n[truth]\npath = "truth.csv"\n'
+        '[[system]]\nname = "FIR"\npath = "truth.csv"\n'
+        '[[recording]]\nname = "drive"\nframes = "0:39"\nvisible = "drive"\nlight = "lux.csv"\n'
+    )
+    return tmp_path
+
+
+def run(place: Path, of: Estimator, **options: bool) -> EstimateRun:
+    dataset = load(read_session(place / "session.toml"))
+    return run_estimate(run_features(dataset), of, **options)
+
+
+def test_each_box_has_the_estimate_of_its_adaptation_period(place: Path):
+    table = run(place, estimator()).table
+    assert tuple(table.columns) == DETECTABILITY_COLUMNS
+    # before the change the eyes are adapted: the longest period; frame 19 ends at the change
+    assert table["period_s"][:19].isna().all()
+    np.testing.assert_allclose(table["detectability"][:19], 0.6)
+    # from 0 s to 2.5 s after it the nearest estimator is that of 0.5 s, then that of 4.5 s
+    assert table["period_s"][[19, 29, 30]].tolist() == pytest.approx([0.0, 2.5, 2.75])
+    np.testing.assert_allclose(table["detectability"][19:30], 0.3)
+    np.testing.assert_allclose(table["detectability"][30:], 0.6)
+    np.testing.assert_allclose(table["sd"][[19, 39]], [0.1, 0.2])
+    assert not table["is_outside"].any()
+
+
+def test_between_two_periods_it_may_be_interpolated(place: Path):
+    table = run(place, estimator(), interpolate=True).table
+    assert table["detectability"][29] == pytest.approx(0.45)  # 2.5 s, in the middle
+
+
+def test_a_feature_that_is_needed_and_missing_leaves_no_estimate(place: Path):
+    result = run(place, estimator(LAB))
+    assert result.table[["detectability", "sd"]].isna().all(axis=None)
+    assert not result.table["is_outside"].any()
+    assert "detectability of 0 of 40 pedestrian boxes: the estimator needs lab_distance" in (
+        str(result)
+    )
+
+
+def test_print_says_what_to_take_with_care(place: Path):
+    text = str(run(place, estimator(simulated="all")))
+    assert "detectability of 40 of 40 pedestrian boxes: 0.52 on average" in text
+    assert "trained on a simulated observer" in text
+    assert "19 of them without a known change of light" in text
+    assert "outside the range" not in text
+    assert "simulated" not in str(run(place, estimator()))
+
+
+def test_files_are_a_session_that_names_the_estimates(place: Path):
+    write_estimator(estimator(), place / "model.npz")
+    written = estimate_driver(place / "session.toml", place / "model.npz", place / "out")
+    session = read_session(written.session)
+    assert session.driver.detectability == str(place / "out" / "detectability.csv")
+    assert session.driver.provenance == str(place / "out" / "driver.json")
+    assert session.recordings[0].light == str(place / "lux.csv")
+    table = pd.read_csv(written.detectability)
+    assert tuple(table.columns) == DETECTABILITY_COLUMNS
+    assert table[["recording", "frame", "track", "x", "y", "w", "h"]].iloc[7].tolist() == [
+        *("drive", 7, 5, 20, 10, 8, 16)
+    ]
+    assert len(pd.read_csv(written.features)) == 40
+    record = json.loads(written.record.read_text())
+    said = record["estimator"]
+    assert (said["name"], said["simulated"], said["n_subjects"]) == ("test", "no", 4)
+    assert said["features"] == ["luminance_contrast"]
+    digest = hashlib.sha256(written.detectability.read_bytes()).hexdigest()
+    assert record["files"]["detectability.csv"] == digest
+
+
+def test_estimates_again_replace_those_before(place: Path):
+    write_estimator(estimator(), place / "model.npz")
+    first = estimate_driver(place / "session.toml", place / "model.npz", place / "out")
+    before = first.detectability.read_bytes()
+    again = estimate_driver(first.session, place / "model.npz", place / "again")
+    assert again.detectability.read_bytes() == before
+    assert read_session(again.session).driver.detectability == str(again.detectability.absolute())
+
+
+def test_what_is_read_is_not_replaced(place: Path):
+    write_estimator(estimator(), place / "model.npz")
+    with pytest.raises(InputError, match="is an input, and would be replaced"):
+        estimate_driver(place / "session.toml", place / "model.npz", place)
+    with pytest.raises(InputError, match=r"session\.toml: is not an estimator"):
+        estimate_driver(place / "session.toml", place / "session.toml", place / "out")

@@ -1,0 +1,86 @@
+"""Features of the pedestrians of single pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from picture_files import write_picture
+
+from nvcore.driver.features import FEATURE_KEYS, features_of
+from nvcore.driver.images import IMAGE_FEATURE_COLUMNS, image_features
+from nvcore.errors import FormatError, InputError
+
+HEAD = "image,pedestrian,x,y,w,h"
+
+
+def scene(seed: int) -> np.ndarray:
+    return np.random.default_rng(seed).integers(0, 256, (60, 80, 3), dtype=np.uint8)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name, seed in (("park.png", 1), ("night/road.png", 2)):
+        write_picture(tmp_path / "study" / name, np.ascontiguousarray(scene(seed)[..., ::-1]))
+    return tmp_path / "study"
+
+
+def boxes(folder: Path, *rows: str, head: str = HEAD) -> Path:
+    path = folder.parent / "boxes.csv"
+    path.write_text("\n".join([head, *rows]) + "\n")
+    return path
+
+
+def test_rows_are_those_of_the_boxes_in_their_order(folder: Path):
+    listed = boxes(folder, "park.png,1,10,10,8,20", "night/road.png,1,5,5,10,20",
+                   "park.png,b,50,20,10,30")  # fmt: skip
+    result = image_features(folder, listed)
+    table = result.table
+    assert tuple(table.columns) == IMAGE_FEATURE_COLUMNS
+    assert table["image"].tolist() == ["park.png", "night/road.png", "park.png"]
+    assert table["pedestrian"].tolist() == ["1", "1", "b"]
+    expected = features_of(scene(1), np.array([[10, 10, 8, 20], [50, 20, 10, 30.0]]), (40.0, 30.0))
+    np.testing.assert_array_equal(table[list(FEATURE_KEYS)].to_numpy()[[0, 2]], expected)
+    assert str(result) == (
+        "3 pedestrians in 2 pictures\nFixation assumed: the middle of the picture."
+    )
+
+
+def test_the_fixation_may_be_given_for_each(folder: Path):
+    head = f"{HEAD},fixation_x,fixation_y"
+    listed = boxes(folder, "park.png,1,10,10,8,20,14,23", "park.png,2,10,10,8,20,,", head=head)
+    result = image_features(folder, listed)
+    assert result.table["fixation_distance_px"].tolist() == [3.0, np.hypot(26, 10)]
+    assert "Fixation of 1 assumed" in str(result)
+
+
+@pytest.mark.parametrize(
+    ("row", "words"),
+    [
+        ("none.png,1,10,10,8,20", "line 2: image: there is no 'none.png' in study"),
+        ("../boxes.csv,1,10,10,8,20", "line 2: image: '../boxes.csv' lies outside the folder"),
+        ("park.png,1,10,10,0,20", "line 2: w: expected more than 0, found 0"),
+        ("park.png,1,10,60,8,20", "line 2: the box lies outside the picture of 80 x 60 px"),
+        ("park.png,1,10,10,8,tall", "line 2: h: expected a number, found 'tall'"),
+        (",1,10,10,8,20", "line 2: image is empty"),
+    ],
+)
+def test_a_wrong_row_is_refused_with_file_and_line(folder: Path, row: str, words: str):
+    with pytest.raises(FormatError, match=rf"boxes\.csv, {words}"):
+        image_features(folder, boxes(folder, row))
+
+
+def test_a_pedestrian_twice_or_half_a_fixation_is_refused(folder: Path):
+    row = "park.png,1,10,10,8,20"
+    with pytest.raises(FormatError, match=r"line 3: the pedestrian 1 of park\.png is there"):
+        image_features(folder, boxes(folder, row, row))
+    half = boxes(folder, f"{row},4,", head=f"{HEAD},fixation_x,fixation_y")
+    with pytest.raises(FormatError, match="line 2: expected both fixation_x and fixation_y"):
+        image_features(folder, half)
+
+
+def test_a_damaged_picture_is_refused_by_its_name(folder: Path):
+    (folder / "bad.png").write_bytes(b"\x89PNG damaged")
+    with pytest.raises(InputError, match=r"bad\.png"):
+        image_features(folder, boxes(folder, "bad.png,1,10,10,8,20"))

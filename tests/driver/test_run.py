@@ -1,0 +1,239 @@
+"""Features over recordings: which pictures, gaze and light they are of, and what is said of it."""
+
+from __future__ import annotations
+
+from concurrent.futures import CancelledError
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from picture_files import write_picture
+
+from nvcore.driver.features import FEATURE_KEYS, features_of
+from nvcore.driver.run import FEATURE_COLUMNS, FeatureRun, run_features
+from nvcore.driver.settings import settings_from
+from nvcore.errors import FormatError, InputError, ParameterError
+from nvcore.inputs.load import load
+from nvcore.inputs.session_toml import read_session
+
+BOX = (20.0, 10.0, 8.0, 16.0)
+FPS = 4
+N_FRAMES = 40
+DARK_FROM = 20
+
+
+def picture(frame: int, *, scale: int = 1) -> np.ndarray:
+    """RGB, 64 x 48: a red person before blue that moves right; a quarter as bright from 20 on."""
+    level = 200 if frame < DARK_FROM else 50
+    rgb = np.zeros((48, 64, 3), np.uint8)
+    rgb[..., 2] = level
+    rgb[10:26, 20 + frame % 4 : 28 + frame % 4] = (level, 10, 10)
+    return np.repeat(np.repeat(rgb, scale, axis=0), scale, axis=1)
+
+
+def write_pictures(folder: Path, *, scale: int = 1, grey: bool = False) -> None:
+    for frame in range(N_FRAMES):
+        rgb = picture(frame, scale=scale)
+        stored = rgb[..., 0] if grey else rgb[..., ::-1]  # OpenCV stores BGR
+        write_picture(folder / f"{frame:03}.png", np.ascontiguousarray(stored))
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Path:
+    """A session of one recording with a person in each frame, and an ignored box in frame 1."""
+    rows = [f"drive,{frame},{20 + frame % 4},10,8,16,5,0" for frame in range(N_FRAMES)]
+    rows.insert(2, "drive,1,40,30,5,9,,1")
+    text = "\n".join(["recording,frame,x,y,w,h,track,ignore", *rows])
+    (tmp_path / "truth.csv").write_text(text + "\n")
+    write_pictures(tmp_path / "drive")
+    return tmp_path
+
+
+def run(place: Path, keys: str = 'pictures = "drive"\n', **options: object) -> FeatureRun:
+    frames = "" if "frames = " in keys.partition("[[")[0] else f'frames = "0:{N_FRAMES - 1}"\n'
+    text = (
+        f'[defaults]\nsize = "64x48"\nfps = {FPS}\n[truth]\npath = "truth.csv"\n'
+        f'[[recording]]\nname = "drive"\n{frames}{keys}'
+    )
+    (place / "session.toml").write_text(text)
+    dataset = load(read_session(place / "session.toml", needs_system=False))
+    return run_features(dataset, **options)  # type: ignore[arg-type]
+
+
+def features(table: pd.DataFrame) -> np.ndarray:
+    return table[list(FEATURE_KEYS)].to_numpy(float)
+
+
+def test_every_box_that_is_not_ignored_has_a_row(place: Path):
+    table = run(place).table
+    assert tuple(table.columns) == FEATURE_COLUMNS
+    assert table["frame"].tolist() == [*range(N_FRAMES)]
+    assert (table["track"] == 5).all()
+    assert table[["recording", "x", "w"]].iloc[3].tolist() == ["drive", 23.0, 8.0]
+
+
+@pytest.mark.parametrize("n_threads", [1, 3])
+def test_features_are_those_of_the_pictures(place: Path, n_threads: int):
+    table = run(place, n_threads=n_threads).table
+    for frame in (0, 7, 30):
+        box = np.array([[20 + frame % 4, 10, 8, 16.0]])
+        expected = features_of(picture(frame), box, (32.0, 24.0))
+        np.testing.assert_array_equal(features(table)[[frame]], expected)
+
+
+def test_pictures_of_visible_light_go_before_the_recording_s_own(place: Path):
+    write_pictures(place / "visible", scale=2)
+    part = run(place, 'pictures = "drive"\nvisible = "visible"\n').recordings[0]
+    assert part.table["x"].iloc[0] == 20.0
+    expected = features_of(picture(0, scale=2), 2 * np.array([BOX]), (64.0, 48.0))
+    np.testing.assert_array_equal(features(part.table)[:1], expected)
+    assert not any("its own pictures" in note for note in part.notes)
+
+
+def test_a_map_says_where_boxes_lie_in_the_visible_picture(place: Path):
+    write_pictures(place / "visible", scale=2)
+    keys = 'visible = "visible"\nvisible_map = [1, 2, 5, -3]\n'
+    expected = features_of(picture(0, scale=2), np.array([[25.0, 17.0, 8.0, 32.0]]), (64.0, 48.0))
+    np.testing.assert_array_equal(features(run(place, keys).table)[:1], expected)
+
+
+def test_own_pictures_that_are_grey_are_said_to_say_nothing_of_eyes(place: Path):
+    write_pictures(place / "thermal", grey=True)
+    part = run(place, 'pictures = "thermal"\n').recordings[0]
+    assert part.table["lab_distance"].isna().all()
+    assert part.table["luminance_contrast"].notna().all()
+    assert part.table["period_s"].isna().all()
+    text = " ".join(part.notes)
+    assert "far-infrared ones say nothing about what eyes see" in text
+    assert "Nothing is known of the light" in text
+
+
+def test_the_fixation_is_that_of_the_gaze_file(place: Path):
+    (place / "gaze.csv").write_text("frame,x,y\n0,24,21\n1,0,18\n")
+    part = run(place, 'pictures = "drive"\ngaze = "gaze.csv"\n').recordings[0]
+    distance = part.table["fixation_distance_px"]
+    assert distance[:2].tolist() == [3.0, 25.0]  # from the middles (24, 18) and (25, 18)
+    assert distance[2:].isna().all()
+    assert "Fixation by the gaze file, which has none in 38 of 40 frames with pedestrians." in (
+        part.notes
+    )
+
+
+def test_without_a_gaze_file_a_point_is_assumed_and_said(place: Path):
+    settings = settings_from({"fixation": (0.375, 0.375)})
+    part = run(place, settings=settings).recordings[0]
+    assert part.table["fixation_distance_px"].iloc[0] == 0.0
+    assert "Fixation assumed: 38% across and 38% down the picture." in part.notes
+
+
+def test_the_adaptation_period_is_that_at_the_end_of_the_frame(place: Path):
+    rows = [f"{i / 20},{1000 if i < 120 else 10}" for i in range(300)]
+    (place / "lux.csv").write_text("\n".join(["time_s,lux", *rows]) + "\n")
+    part = run(place, 'pictures = "drive"\nlight = "lux.csv"\n').recordings[0]
+    table = part.table  # it becomes dark at 6 s; frame 24 begins then
+    assert table["period_s"][:23].isna().all()
+    assert table["period_s"][23:27].tolist() == pytest.approx([0.0, 0.25, 0.5, 0.75])
+    assert table["illumination"][[0, 23, 24]].tolist() == [1000, 1000, 10]
+    assert set(table["illumination_by"]) == {"meter"}
+    assert "Light by the light meter: 1 change from bright to dark." in part.notes
+
+
+def test_where_the_readings_end_nothing_is_known(place: Path):
+    rows = [f"{i / 20},{1000 if i < 80 else 10}" for i in range(101)]
+    (place / "lux.csv").write_text("\n".join(["time_s,lux", *rows]) + "\n")
+    part = run(place, 'pictures = "drive"\nlight = "lux.csv"\n').recordings[0]
+    known = part.table["period_s"].notna()  # from 4 s to 6 s: a second after the last reading
+    assert np.flatnonzero(known).tolist() == [*range(15, 25)]
+    assert part.table["illumination"].notna().tolist() == [True] * 25 + [False] * 15
+    assert any(
+        note.endswith("1 change from bright to dark, known until 5 s.") for note in part.notes
+    )
+
+
+def test_a_light_file_without_readings_tells_nothing(place: Path):
+    (place / "lux.csv").write_text("time_s,lux\n")
+    part = run(place, 'pictures = "drive"\nlight = "lux.csv"\n').recordings[0]
+    assert part.table[["period_s", "illumination"]].isna().all(axis=None)
+    assert "Nothing is known of the light: no adaptation period." in part.notes
+
+
+def test_the_pictures_stand_in_for_a_light_meter(place: Path):
+    part = run(place).recordings[0]
+    period_s = part.table["period_s"]
+    assert period_s[: DARK_FROM - 1].isna().all()
+    assert period_s[DARK_FROM] == pytest.approx(1 / FPS)
+    assert set(part.table["illumination_by"]) == {"picture"}
+    assert any("mean luminance stands in for one: 1 change from" in note for note in part.notes)
+
+
+def test_pictures_far_apart_are_said_to_be(place: Path):
+    every = N_FRAMES // 4
+    (place / "truth.csv").write_text("recording,frame,x,y,w,h\ndrive,0,20,10,8,16\n")
+    text = f'frames = "0:{N_FRAMES - 1}:{every}"\npictures = "drive"\nfirst_picture = 0\n'
+    part = run(place, text).recordings[0]
+    assert any("0 changes from bright to dark, with one picture in 2.5 s" in n for n in part.notes)
+
+
+def test_boxes_in_frames_without_a_picture_have_no_features_and_are_counted(place: Path):
+    (place / "drive" / "003.png").unlink()
+    (place / "drive" / "004.png").write_bytes(b"\x89PNG damaged")
+    part = run(place).recordings[0]
+    assert np.flatnonzero(part.table["width_px"].isna()).tolist() == [3, 4]
+    assert part.n_unseen == 2
+    text = " ".join(part.notes)
+    assert "2 pedestrian boxes are in frames without a picture. The number" in text
+    assert "1 picture cannot be read: 004.png" in text
+
+
+def test_a_recording_without_pictures_is_said_to_have_none(place: Path):
+    rows = (place / "truth.csv").read_text() + "other,0,1,1,5,9,,0\n"
+    (place / "truth.csv").write_text(rows)
+    other = '[[recording]]\nname = "other"\nframes = "0:1"\n'
+    parts = run(place, f'pictures = "drive"\n{other}').recordings
+    assert parts[1].table["width_px"].isna().all()
+    assert "No pictures are named for it." in parts[1].notes[0]
+
+
+def test_without_any_picture_it_is_refused(place: Path):
+    with pytest.raises(InputError, match="no evaluated frame has a picture"):
+        run(place, "")
+
+
+def test_a_wrong_gaze_or_light_file_is_refused_before_pictures_are_read(place: Path):
+    (place / "gaze.csv").write_text("frame,x,y\n0,24,up\n")
+    with pytest.raises(FormatError, match=r"gaze\.csv, line 2: y: expected a number"):
+        run(place, 'pictures = "none"\ngaze = "gaze.csv"\n')
+    (place / "lux.csv").write_text("time_s,lux\n0,1\n0,2\n")
+    with pytest.raises(FormatError, match=r"lux\.csv, line 3: time_s: expected a time after"):
+        run(place, 'pictures = "none"\nlight = "lux.csv"\n')
+
+
+def test_progress_counts_pictures_and_may_cancel(place: Path):
+    shares: list[float] = []
+    run(place, progress=lambda share, _: shares.append(share))
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+
+    def cancel(share: float, _: str) -> None:
+        if share > 0.5:
+            raise CancelledError
+
+    with pytest.raises(CancelledError):
+        run(place, progress=cancel)
+
+
+def test_print_says_once_what_holds_for_several_recordings(place: Path):
+    rows = (place / "truth.csv").read_text()
+    (place / "truth.csv").write_text(rows + rows.replace("drive", "again").partition("\n")[2])
+    again = f'[[recording]]\nname = "again"\nframes = "0:{N_FRAMES - 1}"\npictures = "drive"\n'
+    text = str(run(place, f'pictures = "drive"\n{again}'))
+    assert text.startswith("80 pedestrian boxes in 80 pictures, in ")
+    assert "\ndrive, again: Features are of its own pictures" in text
+
+
+def test_unknown_settings_are_refused_with_the_near_ones():
+    with pytest.raises(ParameterError, match="did you mean 'surround'"):
+        settings_from({"suround": 2})
+    settings = settings_from({"surround": 3.0, "drop_factor": 20.0})
+    assert (settings.features.surround, settings.light.drop_factor) == (3.0, 20.0)

@@ -1,0 +1,121 @@
+"""Figures of an evaluation of what the driver sees, from small tables."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+import pytest
+from figure_parts import trace, words
+
+from nvcore.figures import (
+    detectability_histograms_plot,
+    detectability_plot,
+    estimator_errors_plot,
+    feature_pairs_plot,
+    pair_ranks_plot,
+)
+
+ERRORS = pd.DataFrame(
+    {
+        "period_s": [0.5, 3.0, np.nan],
+        "n": [51, 50, 101],
+        "switched": [0.05, 0.07, 0.06],
+        "single": [0.06, 0.09, 0.075],
+        "constant": [0.1, 0.12, 0.11],
+        "published_switched": [0.069, 0.134, np.nan],
+        "published_single": [np.nan, np.nan, np.nan],
+        "published_single_printed": [np.nan, np.nan, np.nan],
+    }
+)
+PAIRS = pd.DataFrame(
+    [
+        (0.5, 1, "luminance_sd", "edge_contrast", 0.04, 0.047),
+        (0.5, 2, "width_px", "height_px", 0.09, np.nan),
+        (3.0, 1, "luminance_sd", "edge_contrast", 0.05, np.nan),
+        (3.0, 2, "width_px", "height_px", 0.06, np.nan),
+    ],
+    columns=["period_s", "rank", "feature_1", "feature_2", "error", "published_error"],
+)
+RANKS = pd.DataFrame({"period_1_s": [0.5], "period_2_s": [3.0], "spearman": [0.25]})
+PERIODS = pd.DataFrame(
+    {
+        "period_s": [0.5, 3.0],
+        "n": [51, 51],
+        "mean": [0.2, 0.6],
+        "sd": [0.25, 0.3],
+        "share_zero": [0.5, 0.1],
+        "share_one": [0.0, 0.2],
+    }
+)
+HISTOGRAMS = pd.DataFrame(
+    {"period_s": [0.5] * 3 + [3.0] * 3, "detectability": [0, 0.5, 1] * 2, "n": [3, 1, 0, 1, 1, 2]}
+)
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_errors_stand_beside_those_of_a_constant_and_of_the_paper(theme):
+    figure = estimator_errors_plot(ERRORS, theme=theme)
+    names = [part.name for part in figure.data]
+    assert names == [
+        "switched: one for each period",
+        "single: one for all",
+        "constant: mean of the others",
+        "paper, switched",  # that of the single one is not known here
+    ]
+    assert list(trace(figure, "single: one for all").y) == [0.06, 0.09]  # without the mean
+    assert "51 pedestrians at each period" in words(figure)
+    assert figure.layout.xaxis.ticktext == ("0.5", "3")
+    assert len(estimator_errors_plot(ERRORS, theme=theme, has_published=False).data) == 3
+
+
+def test_lines_of_errors_differ_without_colour():
+    figure = estimator_errors_plot(ERRORS, theme="light")
+    assert len({(part.line.dash, part.marker.symbol) for part in figure.data}) == 4
+
+
+def test_pairs_are_ordered_by_their_rank_and_cells_say_it():
+    figure = feature_pairs_plot(PAIRS, theme="light")
+    cells = figure.data[0]
+    assert figure.layout.yaxis.ticktext == ("Luminance SD + Edge contrast", "Width + Height")
+    np.testing.assert_allclose(cells.z, [[0.04, 0.05], [0.09, 0.06]])
+    assert [list(row) for row in cells.text] == [["1", "1"], ["2", "2"]]
+
+
+def test_rank_correlations_fill_both_halves():
+    cells = pair_ranks_plot(RANKS, theme="dark").data[0]
+    assert [list(row) for row in cells.text] == [["–", "0.25"], ["0.25", "–"]]
+
+
+def test_detectability_has_its_spread_as_bars():
+    line = detectability_plot(PERIODS, theme="light").data[0]
+    assert list(line.y) == [0.2, 0.6]
+    assert list(line.error_y.array) == [0.25, 0.3]
+    assert "50 % seen by nobody" in line.text[0].replace("\xa0", " ")
+
+
+def test_each_period_has_its_histogram_beside_the_others():
+    figure = detectability_histograms_plot(HISTOGRAMS, theme="light")
+    assert [list(bars.y) for bars in figure.data] == [[3, 1, 0], [1, 1, 2]]
+    assert [note.text for note in figure.layout.annotations] == ["0.5 s", "3 s"]
+    first, second = figure.layout.xaxis.domain, figure.layout.xaxis2.domain
+    assert first[1] < second[0]
+    assert second[1] == pytest.approx(1)
+    assert "4 pedestrians at each" in words(figure)
+
+
+@pytest.mark.parametrize(
+    ("make", "table"),
+    [
+        (estimator_errors_plot, ERRORS),
+        (feature_pairs_plot, PAIRS),
+        (pair_ranks_plot, RANKS),
+        (detectability_plot, PERIODS),
+        (detectability_histograms_plot, HISTOGRAMS),
+    ],
+)
+def test_without_data_there_is_a_sentence(make, table):
+    figure = make(table.iloc[:0], theme="light")
+    assert isinstance(figure, go.Figure)
+    assert not figure.data
+    assert figure.layout.annotations[0].text.endswith(".")
