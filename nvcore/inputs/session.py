@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
 MAX_OFFSET_FRAMES: Final = 1_000_000
 """Largest correction of frame numbers."""
-
 _MAX_FRAME: Final = 2**53
 """Frame numbers are exact in every table up to here."""
 
@@ -74,7 +73,9 @@ class RecordingEntry:
         check_path("frames", self.frames)
         check_path("pictures", self.pictures)
         if not all(tag.strip() for tag in self.tags) or len(set(self.tags)) < len(self.tags):
-            raise SessionError(f"tags: expected different words, found {list(self.tags)}")
+            raise SessionError(
+                f"tags: expected different words, found {', '.join(map(repr, self.tags))}"
+            )
 
 
 @dataclass(frozen=True)
@@ -388,7 +389,7 @@ def override_recordings(
     frames
         ``first:last[:step]``, or a file with one number a line.
     """
-    values = {
+    values: dict[str, Any] = {
         name: value
         for name, value in (("size", size), ("fps", fps), ("frames", frames))
         if value is not None
@@ -396,5 +397,4 @@ def override_recordings(
     own = [name for name in values if name != "size"] + ["width", "height"] * ("size" in values)
     dropped: dict[str, Any] = dict.fromkeys(own)
     recordings = tuple(replace(facts, **dropped) for facts in session.recordings)
-    changes: dict[str, Any] = {**values, "recordings": recordings}
-    return replace(session, **changes)
+    return replace(session, recordings=recordings, **values)
