@@ -49,7 +49,7 @@ from nvcore.tables.encounters.time_left import urgent_encounters
 from nvcore.tables.encounters.weightings import compare_weightings
 from nvcore.tables.loss_strip import loss_strip
 from nvcore.tables.result import encounters_table, recordings_table
-from nvcore.wording import did_you_mean
+from nvcore.wording import MOST_NAMED, did_you_mean, listed
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -323,5 +323,5 @@ class Figures:
             return int(names.index(recording))
         if isinstance(recording, int) and 0 <= recording < len(names):
             return recording
-        hint = did_you_mean(str(recording), names, f"there are {', '.join(names)}")
+        hint = did_you_mean(str(recording), names, f"there are {listed(names, most=MOST_NAMED)}")
         raise InputError(f"there is no recording {recording!r}; {hint}")

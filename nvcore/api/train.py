@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from nvcore.api.inputs import Part, PathLike, Size, frames_from, keywords_named, load_part
 from nvcore.dataset import Dataset
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from nvcore.detectors.icf import IcfSettings
     from nvcore.detectors.training.gathering import Folders, TrainingData
     from nvcore.detectors.training.run import Training
-    from nvcore.detectors.training.split import Choice
+    from nvcore.detectors.training.split import Choice, SplitBy
 
 
 @pipes_kept()
@@ -41,7 +41,7 @@ def train(
     frames: str | range | None = None,
     every: int | None = None,
     hold_out: str | Sequence[str] = (),
-    split: Literal["auto", "object", "recording", "time"] = "auto",
+    split: SplitBy = "auto",
     share: float = 0.1,
     gap: int = 20,
     least_height: float | None = None,
@@ -115,18 +115,69 @@ def train(
     >>> train("night.toml", "night.npz", only="urban_01")  # doctest: +SKIP
     >>> detect("night.toml", "night.npz", "icf", only="urban_02")  # doctest: +SKIP
     """
+    selection = Selection(
+        frames=frames,
+        every=every,
+        hold_out=hold_out,
+        split=split,
+        share=share,
+        gap=gap,
+        least_height=least_height,
+        crops=crops,
+        crop_share=crop_share,
+        background=background,
+        seed=seed,
+    )
     part = Part(only=only, tags=tags, size=size, fps=fps)
-    options: dict[str, Any] = {"frames": frames, "every": every, "seed": seed}
-    options |= {"crops": crops, "crop_share": crop_share, "background": background}
-    options |= {"hold_out": hold_out, "split": split, "share": share, "gap": gap}
-    options |= {"least_height": least_height}
     with (
         keywords_named(),
         training_job(
-            *(source, out), preset=preset, settings=settings, name=name, part=part, **options
+            *(source, out, selection), preset=preset, settings=settings, name=name, part=part
         ) as job,
     ):
         return job.run(progress)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Selection:
+    """What is learned, and what is held out; see `train`."""
+
+    frames: str | range | None = None
+    every: int | None = None
+    hold_out: str | Sequence[str] = ()
+    split: SplitBy = "auto"
+    share: float = 0.1
+    gap: int = 20
+    least_height: float | None = None
+    crops: PathLike | None = None
+    crop_share: float | None = None
+    background: PathLike | None = None
+    seed: int = 0
+
+    def choice(self) -> Choice:
+        """Of a session, as the library takes it; raises ParameterError."""
+        from nvcore.detectors.training.split import Choice
+
+        return Choice(
+            frames=frames_from(self.frames),
+            every=self.every,
+            hold_out=as_names(self.hold_out),
+            split=self.split,
+            share=self.share,
+            seed=self.seed,
+            gap=self.gap,
+            least_height=self.least_height,
+        )
+
+    def folders(self) -> Folders:
+        """Those that pictures are read from."""
+        from nvcore.detectors.training.gathering import Folders
+
+        return Folders(
+            crops=None if self.crops is None else Path(self.crops),
+            background=None if self.background is None else Path(self.background),
+            crop_share=self.crop_share,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,6 +223,7 @@ class TrainingJob:
 def training_job(
     source: PathLike | Session | Dataset | None,
     out: PathLike,
+    selection: Selection,
     *,
     preset: str | None = None,
     settings: Mapping[str, Setting | Sequence[Setting]] | None = None,
@@ -179,7 +231,6 @@ def training_job(
     part: Part | None = None,
     inputs: Sequence[Path] = (),
     loading: Progress = no_progress,
-    **options: Any,
 ) -> Iterator[TrainingJob]:
     """All that a training needs; what cannot be done is refused before anything is trained.
 
@@ -187,14 +238,14 @@ def training_job(
     ----------
     source, out, preset, settings, name
         See `train`.
+    selection
+        What is learned, and what is held out.
     part
         Of the source; None: all of it.
     inputs
         Further files that are read, and must not be replaced.
     loading
         Progress of the reading.
-    options
-        The others of `train`, by name.
 
     Raises
     ------
@@ -208,7 +259,7 @@ def training_job(
 
     path, settings = Path(out), settings or {}
     preset_settings(preset or preset_for(None), settings)  # what is wrong is said before loading
-    choice, folders = _choice(options)
+    choice, folders = selection.choice(), selection.folders()
     dataset = session = pictures = None
     if source is not None:
         dataset, session = load_part(source, part or Part(), progress=loading)
@@ -233,19 +284,3 @@ def training_job(
     finally:
         if pictures is not None:
             pictures.close()
-
-
-def _choice(options: Mapping[str, Any]) -> tuple[Choice, Folders]:
-    """Options of `train` as the library takes them."""
-    from nvcore.detectors.training.gathering import Folders
-    from nvcore.detectors.training.split import Choice
-
-    rest = dict(options)
-    paths = {key: rest.pop(key, None) for key in ("crops", "background")}
-    folders = Folders(
-        **{key: None if path is None else Path(path) for key, path in paths.items()},
-        crop_share=rest.pop("crop_share", None),
-    )
-    rest["frames"] = frames_from(rest.get("frames"))
-    rest["hold_out"] = as_names(rest.get("hold_out", ()))
-    return Choice(**rest), folders

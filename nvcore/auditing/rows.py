@@ -116,7 +116,7 @@ def _not_listed(dataset: Dataset, subject: str, rows: pd.DataFrame) -> list[Find
                 chosen,
                 f"{count_text(len(chosen), 'row is', 'rows are')} left out, in frames that are not "
                 "among those given (--frames, or frames in the session).",
-                "Nothing to do if so many frames are meant.",
+                "Nothing to do if these frames were left out on purpose.",
                 has_cases=False,
             )
         )

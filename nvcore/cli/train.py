@@ -35,11 +35,11 @@ FOLDERS: Final = "Folders of pictures"
 PRESET_NAMES: Final = ("pedestrians", "signs", "as-in-report")
 SPLITS: Final = ("auto", "object", "recording", "time")
 
-_AS_IN_PYTHON: Final = (
-    *("preset", "name", "frames", "every", "hold_out", "split", "share", "gap", "least_height"),
-    *("seed", "crops", "crop_share", "background"),
+_SELECTION: Final = (
+    *("frames", "every", "hold_out", "split", "share", "gap", "least_height", "seed", "crops"),
+    *("crop_share", "background"),
 )
-"""Options that `nvcore.train` has by the same names."""
+"""Options that say what is learned: fields of `nvcore.api.train.Selection`."""
 _OF_A_SESSION: Final = ("only", "tags", "frames", "size", "fps", "hold_out")
 _SUGGESTED: Final = 3
 """Recordings that the command for a first run names."""
@@ -182,7 +182,7 @@ def train(session_file: Path | None, **options: Any) -> None:
     ends it and leaves nothing behind. nvcore detect then takes the file. Exit code 0: fine, 2: bad
     input.
     """
-    from nvcore.api.train import training_job
+    from nvcore.api.train import Selection, training_job
 
     out: Path = options["out"]
     if session_file is None:
@@ -198,12 +198,13 @@ def train(session_file: Path | None, **options: Any) -> None:
         with TerminalProgress(2 if session is None else 2 + len(session.systems)) as steps:
             job = stack.enter_context(
                 training_job(
-                    *(session, out),
+                    *(session, out, Selection(**{name: options[name] for name in _SELECTION})),
+                    preset=options["preset"],
+                    name=options["name"],
                     settings=dict(pair_of(text, "--set") for text in options["settings"]),
                     part=part_from({**options, "frames": None}),
                     inputs=[] if session_file is None else [session_file],
                     loading=steps,
-                    **{name: options[name] for name in _AS_IN_PYTHON},
                 )
             )
         with ShareProgress() as progress:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import TrainedOn, truth_fingerprint
 from nvcore.errors import InputError
-from nvcore.wording import did_you_mean, listed
+from nvcore.wording import MOST_NAMED, did_you_mean, listed
 
 
 def trained_part(
@@ -32,7 +32,7 @@ def trained_part(
     """
     names = dataset.recordings["name"].tolist()
     if recording not in names:
-        known = f"they are {listed(names)}"
+        known = f"they are {listed(names, most=MOST_NAMED)}"
         raise InputError(
             f"there is no recording {recording!r}; {did_you_mean(recording, names, known)}"
         )

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 MAX_OFFSET_FRAMES: Final = 1_000_000
 """Largest correction of frame numbers."""
-
 _MAX_FRAME: Final = 2**53
 """Frame numbers are exact in every table up to here."""
 
@@ -75,7 +74,9 @@ class RecordingEntry(DriverEntry):
         check_path("frames", self.frames)
         check_path("pictures", self.pictures)
         if not all(tag.strip() for tag in self.tags) or len(set(self.tags)) < len(self.tags):
-            raise SessionError(f"tags: expected different words, found {list(self.tags)}")
+            raise SessionError(
+                f"tags: expected different words, found {', '.join(map(repr, self.tags))}"
+            )
         self.check_driver()
 
 

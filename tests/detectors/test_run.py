@@ -183,6 +183,30 @@ def test_the_expected_time_is_that_of_the_pictures(place: Path):
     assert dataset.systems == ()
 
 
+def test_pictures_are_timed_all_over_the_recordings(place: Path):
+    class Plain:
+        n, width, height, name, is_video, numbers, note = 400, 64, 48, "plain", False, None, ""
+
+        def another(self) -> Plain:
+            return self
+
+        def read(self, index: int) -> np.ndarray:
+            seen.append(index)
+            return numbered(1)
+
+        def close(self) -> None:
+            pass
+
+    seen: list[int] = []
+    indices = {0: np.arange(400), 1: np.arange(400)}
+    pictures = RecordingPictures({0: Plain(), 1: Plain()}, indices)  # type: ignore[dict-item]
+    expected = expect(Numbers(delay_s=0.1), pictures, n_threads=1)
+    assert (expected.n_pictures, expected.n_recordings) == (800, 2)
+    # 800 pictures in thirds: their middles are 133 of the first, 0 and 266 of the second recording
+    assert {133, 0, 266} <= {*seen}
+    assert len(seen) < 60
+
+
 def test_timing_is_cancelled_while_a_slow_picture_is_timed(place: Path):
     began = time.monotonic()
 

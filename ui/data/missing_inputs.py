@@ -11,11 +11,13 @@ from typing import Any, Final
 import streamlit as st
 
 from nvcore.errors import MediaError
+from nvcore.inputs.facts import FRAME_RANGE
 from nvcore.inputs.proposals import USUAL_INPUTS, UsualInputs
 from nvcore.inputs.readers import FORMATS
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session
 from nvcore.settings import MAX_FPS, MIN_FPS
+from nvcore.wording import capitalised
 from ui.data.opening import MISSING_WORDS, trouble_of
 from ui.session import state
 from ui.session.opening import checked_frames
@@ -105,7 +107,7 @@ def ask_for_missing(
             "Evaluated frames",
             placeholder="0:299",
             key=f"frames_{place}",
-            help="FIRST:LAST or FIRST:LAST:STEP, by the frame numbers of the truth.",
+            help=f"{capitalised(FRAME_RANGE)}, by the frame numbers of the truth.",
         )
     return MissingInputs(**values)
 

@@ -60,7 +60,8 @@ def _draw_setting(name: str, facts: SettingFacts, own: Setting, *, key: str) -> 
         kind = type(own)
         low, high = (None if end is None else kind(end) for end in (facts.low, facts.high))
         form = "%d" if kind is int else "%.4g"
-        value = st.number_input(words, low, high, own, format=form, **more)
+        step = facts.multiple_of  # None: as usual
+        value = st.number_input(words, low, high, own, step, form, **more)
     else:
         value = st.text_input(words, str(own or ""), max_chars=2000, **more)
     return value

@@ -19,7 +19,7 @@ from typing import Final, TypeVar
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, SessionError
 from nvcore.findings import Finding
-from nvcore.inputs.facts import is_frame_range
+from nvcore.inputs.facts import FRAME_RANGE, is_frame_range
 from nvcore.inputs.files import NAME_PARTS
 from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session, Source, SystemSource
 from nvcore.inputs.session_driver import DriverTable, without_driver_paths
@@ -52,9 +52,7 @@ def checked_frames(text: str) -> str | None:
     if not text.strip():
         return None
     if not is_frame_range(text):
-        raise SessionError(
-            f"evaluated frames: expected FIRST:LAST or FIRST:LAST:STEP, got {text!r}"
-        )
+        raise SessionError(f"evaluated frames: expected {FRAME_RANGE}, got {text!r}")
     return text.strip()
 
 

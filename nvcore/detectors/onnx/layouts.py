@@ -115,10 +115,15 @@ def recognise(outputs: Outputs, size: Size, name: str) -> str:
             return "yolov8"
         if columns >= 6 and rows > columns:
             return "yolov5"
-    shown = ", ".join(f"{key} {list(array.shape)}" for key, array in outputs.items())
+    shown = ", ".join(f"{key} {shape_text(array)}" for key, array in outputs.items())
     raise DetectorError(
         f"its outputs ({shown}) are of no known layout; name it by the setting layout", file=name
     )
+
+
+def shape_text(array: NDArray[Any]) -> str:
+    """The shape of an output as models' documents write it: (1, 84, 8400)."""
+    return f"({', '.join(map(str, array.shape))})"
 
 
 def cell_count(size: Size, cells: Sequence[int]) -> int:
@@ -132,7 +137,7 @@ def _rows(outputs: Outputs, least: int) -> NDArray[np.float64]:
     array = next(iter(outputs.values()))
     if array.ndim != 3 or array.shape[0] != 1 or array.shape[2] < least:
         raise DetectorError(
-            f"expected an output (1, n, {least} or more), found {list(array.shape)}; is it another "
+            f"expected an output (1, n, {least} or more), found {shape_text(array)}; is it another "
             "layout?"
         )
     return np.asarray(array[0], dtype=np.float64)
@@ -192,7 +197,7 @@ def _ssd(outputs: Outputs, _size: Size) -> Candidates:
         )
     box, score, label = (np.asarray(part) for part in parts)
     if box.shape[-1:] != (4,) or score.size != label.size or box.size != 4 * score.size:
-        shapes = [list(part.shape) for part in (box, score, label)]
+        shapes = ", ".join(map(shape_text, (box, score, label)))
         raise DetectorError(f"expected n boxes, scores and labels, found {shapes}")
     return Candidates(
         box.reshape(-1, 4).astype(np.float64),
@@ -216,7 +221,7 @@ def _detr(outputs: Outputs, _size: Size) -> Candidates:
     logits, box = _named(outputs, "logits"), _named(outputs, "box")
     is_one = logits is not None and logits.ndim == 3 and logits.shape[0] == 1
     if logits is None or box is None or not is_one or box.shape != (*logits.shape[:2], 4):
-        shapes = {key: list(array.shape) for key, array in outputs.items()}
+        shapes = ", ".join(f"{key} {shape_text(array)}" for key, array in outputs.items())
         raise DetectorError(
             f"expected outputs logits (1, n, c) and boxes (1, n, 4), found {shapes}"
         )

@@ -237,5 +237,5 @@ def test_networks_of_the_usual_sizes(shape: tuple[int, ...], layout: str):
 
 def test_an_unknown_output_is_shown(tmp_path: Path):
     path = fixed_model(tmp_path / "model.onnx", {"embedding": np.zeros((1, 512))})
-    with pytest.raises(DetectorError, match=r"outputs \(embedding \[1, 512\]\) are of no known"):
+    with pytest.raises(DetectorError, match=r"outputs \(embedding \(1, 512\)\) are of no known"):
         open_onnx(path, {})

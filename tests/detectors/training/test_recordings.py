@@ -183,6 +183,20 @@ def test_what_is_not_possible_is_said(choice: dict[str, object], words: str):
         shots_of(walkers("a"), **choice)
 
 
+def test_frames_without_a_picture_are_counted():
+    dataset = walkers("a", "b")
+    index = np.arange(N_FRAMES)
+    pictures = RecordingPictures(
+        {0: Still(), 1: Still()},  # type: ignore[dict-item]
+        {0: np.where(index < 5, -1, index), 1: index},
+    )
+    assert session_shots(dataset, pictures, PEDESTRIANS, Choice()).notes == (
+        "5 of 40 frames of a: no picture",
+    )
+    asked = session_shots(dataset, pictures, PEDESTRIANS, Choice(frames="4:"))
+    assert asked.notes == ("1 of 36 frames of a: no picture",)
+
+
 def test_recordings_without_pictures_are_named():
     dataset = walkers("a", "b")
     pictures = RecordingPictures(

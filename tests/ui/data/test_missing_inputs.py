@@ -65,7 +65,7 @@ def test_facts_fill_what_a_session_leaves_open():
 
 def test_frames_added_to_a_session_are_a_range_and_no_file():
     session = Session(Path("/drives"), Source(("t.csv",)), ())
-    with pytest.raises(SessionError, match="expected FIRST:LAST"):
+    with pytest.raises(SessionError, match="expected first:last"):
         MissingInputs(frames="/etc/passwd").added_to(session)
 
 

@@ -103,7 +103,7 @@ def test_settings_are_the_detectors_own_and_a_wrong_one_is_said():
     assert {"Stride", "Scale step", "Upscale", "Padding", "Person box"} <= {*fields}
     assert "Hit threshold" not in fields  # moved beside the picture
     checked(fields["Stride"].set_value(12).run())
-    assert "stride: expected a multiple of 8, found 12" in texts(page)
+    assert "stride: expected one of 8, 16, 24 ... 64, found 12" in texts(page)
     assert not page.metric
     (stride,) = [one for one in page.number_input if one.label == "Stride"]
     checked(stride.set_value(16).run())

@@ -107,7 +107,7 @@ def test_pictures_find_their_recording_by_name(names, sources, expected):
 
 @pytest.mark.parametrize("text", ["/etc/passwd", "frames.txt", "1", "a:b"])
 def test_frames_of_a_form_are_a_range_and_no_file(text: str):
-    with pytest.raises(SessionError, match="expected FIRST:LAST"):
+    with pytest.raises(SessionError, match="expected first:last"):
         checked_frames(text)
 
 
