@@ -7,6 +7,7 @@ import subprocess
 
 import pytest
 from app_server import serving
+from driver_trials import write_trials
 from installed import Installed, install
 from places import ROOT
 
@@ -67,8 +68,12 @@ def test_the_light_core_is_enough_for(arguments: tuple[str, ...], wheel: Install
             f"training a detector needs {MISSING}[detectors]'",
         ),
         (("models",), f"nvcore models needs {MISSING}[detectors]'"),
+        (
+            ("driver", "train", "trials.csv", "--features", "f.csv", "--out", "driver.npz"),
+            f"nvcore driver train needs {MISSING}[driver]'",
+        ),
     ],
-    ids=["report", "sample", "app", "detect", "train", "models"],
+    ids=["report", "sample", "app", "detect", "train", "models", "driver train"],
 )
 def test_the_light_core_names_the_extra_for(
     arguments: tuple[str, ...], told: str, wheel: Installed
@@ -116,6 +121,16 @@ def test_the_extra_for_detectors_is_enough_for_one_but_onnx(wheel: Installed):
     model.write_bytes(b"\x08\x08\x12\x04test")
     done = wheel.run("models", model, extras=("detectors",))
     assert (done.returncode, done.stderr) == (2, f"Error: ONNX models need {MISSING}[onnx]'\n")
+
+
+def test_the_extra_for_the_driver_is_enough_to_train(wheel: Installed):
+    trials, features = write_trials(wheel.folder, 8, ("A", "B"))
+    quick = ("--quick", "--out", "driver.npz")
+    done = wheel.run(
+        *("driver", "train", trials, "--features", features), *quick, extras=("driver",)
+    )
+    assert done.returncode == 0, done.stderr
+    assert (wheel.folder / "driver.npz").is_file()
 
 
 def test_the_dashboard_starts_and_ends_with_control_c(wheel: Installed):

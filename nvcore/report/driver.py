@@ -24,6 +24,10 @@ TABLES: Final = (
 SUMMARY: Final = "summary.txt"
 EVALUATION_FILES: Final = (*(f"{name}.csv" for name in TABLES), SUMMARY)
 """What an evaluation writes into its folder."""
+SAMPLING_NOTE: Final = (
+    "Few subjects: what even the true probabilities would err by, since these subjects stand for "
+    "all. No estimator can do better."
+)
 _ERROR: Final = ".4f"
 _OF_TRIALS: Final = {
     "no": "",
@@ -83,6 +87,7 @@ def _errors(errors: pd.DataFrame) -> list[str]:
         "switched": "switched",
         "single": "single",
         "constant": "constant",
+        "sampling": "few subjects",
         "published_switched": "paper, switched",
         "published_single": "paper, single",
     }
@@ -131,6 +136,7 @@ def render_evaluation(evaluation: Evaluation) -> str:
         "mean squared error, leaving out one pedestrian at a time; 0 is best:",
         *_errors(errors),
         *_warning(errors),
+        SAMPLING_NOTE,
         PUBLISHED_NOTE,
         f"evaluated in {duration_text(evaluation.seconds)}",
     ]

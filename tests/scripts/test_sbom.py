@@ -19,6 +19,7 @@ SECTIONS = {
     "numpy": "## NumPy",
     "scipy": "## NumPy",
     "pillow": "## NumPy",
+    "scikit-learn": "## scikit-learn",
 }
 
 

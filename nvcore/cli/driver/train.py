@@ -32,7 +32,7 @@ _OPTIONS: Final = (
         required=True,
         type=_File,
         metavar="FILE",
-        help="Features of the pictures, as nvcore driver features writes them (CSV).",
+        help="Features of the pictures, as nvcore driver features --images writes them (CSV).",
     ),
     grouped_option(
         INPUTS,
@@ -131,8 +131,7 @@ def _with_options(command: Callable[..., None]) -> Callable[..., None]:
     cls=GroupedCommand,
     short_help="Train an estimator on trials with people.",
     epilog=examples(
-        "nvcore driver train trials.csv --features features.csv --out driver.npz",
-        "nvcore driver train trials.csv --features features.csv --leave-out S07 --out driver.npz",
+        "nvcore driver train trials.csv --features features.csv --boxes boxes.csv --out driver.npz"
     ),
 )
 @click.argument("trials", type=_File)
@@ -169,7 +168,7 @@ def train(trials: Path, out: Path, **options: Any) -> None:
     cls=GroupedCommand,
     short_help="Say how well estimators do on unseen pedestrians.",
     epilog=examples(
-        "nvcore driver evaluate trials.csv --features features.csv --quick --out tables"
+        "nvcore driver evaluate trials.csv --features features.csv --boxes boxes.csv --out tables"
     ),
 )
 @click.argument("trials", type=_File)
@@ -186,7 +185,7 @@ def evaluate(trials: Path, out: Path | None, **options: Any) -> None:
 
     Each pedestrian is estimated by regressions that were chosen and trained without him: one of
     his adaptation period, one for all periods, and the mean of the others; then by each pair of
-    features. With 51 pedestrians and 6 periods that takes up to half an hour on two cores; --quick
+    features. With 51 pedestrians and 6 periods that is half an hour of processor time; with --quick
     a tenth. Exit code 0: fine, 2: bad input.
     """
     with needs("driver", "nvcore driver evaluate needs"):

@@ -42,7 +42,9 @@ def errors_table(evaluation: Evaluation) -> pd.DataFrame:
     -------
     ``period_s`` (NaN: the mean over the periods), ``n`` pedestrians, ``switched`` (the estimator of
     the period), ``single`` (that for all), ``constant`` (the mean of the training's targets at the
-    period), and the paper's ``published_switched`` and ``published_single`` at its periods, NaN
+    period), ``sampling`` (what even the true probabilities would err by, since a few subjects stand
+    for all: the mean of d (1 - d) / (n - 1) with detectability d of n subjects; NaN where there is
+    only one), and the paper's ``published_switched`` and ``published_single`` at its periods, NaN
     elsewhere; ``published_single_printed`` in the last row is the mean as the paper prints it,
     which is not the mean of its row (`nvcore.driver.evaluation.PUBLISHED_NOTE`).
     """
@@ -58,6 +60,7 @@ def errors_table(evaluation: Evaluation) -> pd.DataFrame:
             "switched": errors_by_period(samples, estimates.switched),
             "single": errors_by_period(samples, estimates.single),
             "constant": errors_by_period(samples, estimates.constant),
+            "sampling": _sampling(evaluation),
             **{name: of_paper[name].to_numpy() for name in of_paper},
         }
     )
@@ -69,6 +72,17 @@ def errors_table(evaluation: Evaluation) -> pd.DataFrame:
     if is_same:
         table.loc[len(table) - 1, "published_single_printed"] = published.SINGLE_PRINTED
     return table
+
+
+def _sampling(evaluation: Evaluation) -> NDArray[np.float64]:
+    """Estimated variance of detectability for want of subjects, mean at each period."""
+    rows = evaluation.rows
+    share = rows["detectability"]
+    variance = share * (1 - share) / (rows["n_subjects"] - 1).replace(0, np.nan)
+    of_rows = variance.to_numpy(dtype=np.float64)
+    period = evaluation.samples.period
+    sampling: NDArray[np.float64] = np.bincount(period, of_rows) / np.bincount(period)
+    return sampling
 
 
 def choices_table(evaluation: Evaluation) -> pd.DataFrame:

@@ -23,6 +23,8 @@ BOX: Final = ("x", "y", "w", "h")
 SIMULATED: Final = "simulated"
 """Device of trials that no person took."""
 LONGEST_S: Final = 3600.0
+LARGEST: Final = 1e6
+"""Of pixels and features: what is larger is a mistake, and too much for a regression."""
 
 
 def read_trials(path: Path) -> pd.DataFrame:
@@ -66,6 +68,7 @@ def parse_trials(content: bytes, *, name: str) -> pd.DataFrame:
 
 def _trials(table: TextTable) -> pd.DataFrame:
     seconds = partial(table.numbers, low=0.0, high=LONGEST_S)
+    values = partial(table.numbers, low=-LARGEST, high=LARGEST)
     trials = pd.DataFrame(
         {
             "subject": table.texts("subject"),
@@ -76,8 +79,8 @@ def _trials(table: TextTable) -> pd.DataFrame:
             "pedestrian": table.texts("pedestrian"),
             "adaptation_asked_s": seconds("adaptation_asked_s"),
             "adaptation_measured_s": seconds("adaptation_measured_s", may_be_empty=True),
-            "touch_x": table.numbers("touch_x", may_be_empty=True),
-            "touch_y": table.numbers("touch_y", may_be_empty=True),
+            "touch_x": values("touch_x", may_be_empty=True),
+            "touch_y": values("touch_y", may_be_empty=True),
             "response_s": seconds("response_s", may_be_empty=True),
             "not_seen": table.flags("not_seen"),
             "device": table.texts("device", may_be_empty=True),
@@ -123,9 +126,10 @@ def read_boxes(path: Path) -> pd.DataFrame:
 
 def _boxes(table: TextTable) -> pd.DataFrame:
     low = {"w": 1e-6, "h": 1e-6}
+    values = partial(table.numbers, high=LARGEST)
     return pd.DataFrame(
         {name: table.texts(name) for name in PEDESTRIAN}
-        | {name: table.numbers(name, low=low.get(name, -np.inf)) for name in BOX}
+        | {name: values(name, low=low.get(name, -LARGEST)) for name in BOX}
     )
 
 
@@ -145,8 +149,9 @@ def read_features(path: Path) -> tuple[pd.DataFrame, pd.DataFrame | None]:
     """
     table = read_table(path, what="features", required=(*PEDESTRIAN, *FEATURE_KEYS))
     table.unique(PEDESTRIAN, "the picture {image} has the pedestrian {pedestrian} a second time")
+    values = partial(table.numbers, low=-LARGEST, high=LARGEST, may_be_empty=True)
     features = pd.DataFrame(
         {name: table.texts(name) for name in PEDESTRIAN}
-        | {name: table.numbers(name, may_be_empty=True) for name in FEATURE_KEYS}
+        | {name: values(name) for name in FEATURE_KEYS}
     )
     return features, _boxes(table) if all(name in table for name in BOX) else None

@@ -17,6 +17,10 @@ LEAST_TRIALS: Final = 10
 """Fewer say nothing about a subject."""
 FAR: Final = 0.25
 """A share right is far from the others' if it differs by more than this."""
+EASY: Final = 0.9
+"""A trial is easy if this share of the others or more is right."""
+MOST_EASY: Final = 0.75
+"""Who is right in fewer of the easy trials does not attend."""
 AT_CHANCE_P: Final = 0.05
 """Touches are at chance unless they are better with this p-value."""
 SAME_PLACE: Final = 0.5
@@ -33,10 +37,10 @@ def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
 
     Odd is who is right in a share that is more than 0.25 from what the others' responses to the
     same pictures at the same periods let expect (and that lies outside the Wilson interval of his
-    own share); whose touches are not better than the same touches on other pictures (one-sided
-    binomial test, 0.05); who touches one place in half of the cases or more, with less than half
-    as many pedestrians there; and who never touches. All of these limits are ours; they need 10
-    trials.
+    own share); who misses more than a quarter of what nine tenths of the others see; whose touches
+    are not better than the same touches on other pictures (one-sided binomial test, 0.05); who
+    touches one place in half of the cases or more, with less than half as many pedestrians there;
+    and who never touches. All of these limits are ours; they need 10 trials.
 
     Parameters
     ----------
@@ -47,14 +51,17 @@ def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
     -------
     A row for each subject, in the order of the file: ``subject``, ``n``, ``n_right``, ``share``
     with its interval ``low`` and ``high``, ``share_expected`` (from the others; NaN: there are
-    none), ``n_touches``, ``share_touches_right``, ``share_chance``, ``share_one_place``,
-    ``share_there`` (of the pedestrians in that place; NaN without touches), ``n_off_time``, and
-    ``odd``: why, as text; empty: nothing is.
+    none), ``n_easy`` and ``share_easy`` (trials in which nine tenths of the others are right, and
+    his share of these; NaN without any), ``n_touches``, ``share_touches_right``, ``share_chance``,
+    ``share_one_place``, ``share_there`` (of the pedestrians in that place; NaN without touches),
+    ``n_off_time``, and ``odd``: why, as text; empty: nothing is.
     """
     expected = _expected(judged)
     rows = []
     for subject, trials in judged.groupby("subject", sort=False):
         right = share_of(int(trials["is_right"].sum()), len(trials))
+        is_easy = expected[trials.index] >= EASY
+        easy = share_of(int(trials["is_right"][is_easy].sum()), int(is_easy.sum()))
         row: dict[str, Any] = {
             "subject": subject,
             "n": right.n,
@@ -63,6 +70,8 @@ def subjects_table(judged: pd.DataFrame, judging: Judging) -> pd.DataFrame:
             "low": right.low,
             "high": right.high,
             "share_expected": float(expected[trials.index].mean()),
+            "n_easy": easy.n,
+            "share_easy": easy.share,
             **_of_touches(trials[~trials["not_seen"]], judging),
             "n_off_time": int(trials["is_off_time"].sum()),
         }
@@ -113,6 +122,11 @@ def _odd(row: dict[str, Any]) -> str:
     is_far = abs(row["share"] - expected) > FAR and not row["low"] <= expected <= row["high"]
     if is_far:
         reasons.append(f"right in {percent(row['share'])}, the others in {percent(expected)}")
+    if row["n_easy"] >= LEAST_TRIALS and row["share_easy"] < MOST_EASY:
+        reasons.append(
+            f"misses {percent(1 - row['share_easy'])} of {row['n_easy']:,} trials in which nearly "
+            "all others are right"
+        )
     if row["n_touches"] == 0:
         reasons.append("never touches")
     if row["n_touches"] >= LEAST_TRIALS:

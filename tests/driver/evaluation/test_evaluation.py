@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -63,6 +64,20 @@ def test_leaving_out_one_the_constant_errs_by_the_variance_of_the_others(evaluat
     of_period = evaluation.samples.target[evaluation.samples.period == 0]
     expected = of_period.var() * (N / (N - 1)) ** 2
     assert tables["errors"]["constant"][0] == pytest.approx(expected)
+
+
+def test_no_estimator_does_better_than_few_subjects_allow(evaluation, tables):
+    """Mean of d (1 - d) / (n - 1): 0.25 / 3 if two of four see everybody."""
+    of_first = evaluation.rows[evaluation.rows["period_s"] == 0.5]["detectability"]
+    expected = (of_first * (1 - of_first) / 19).mean()
+    assert tables["errors"]["sampling"][0] == pytest.approx(expected)
+    rows = evaluation.table.rows.assign(n_subjects=4, detectability=0.5)
+    table = replace(evaluation.table, rows=rows)
+    errors = evaluation_tables(replace(evaluation, table=table))["errors"]
+    np.testing.assert_allclose(errors["sampling"], 0.25 / 3)
+    table = replace(evaluation.table, rows=rows.assign(n_subjects=1))
+    errors = evaluation_tables(replace(evaluation, table=table))["errors"]
+    assert errors["sampling"].isna().all()
 
 
 def test_the_paper_s_errors_stand_beside_ours_with_what_differs(evaluation, tables):
@@ -141,8 +156,7 @@ def test_with_few_subjects_a_bar_is_a_value(evaluation: Evaluation):
     rows = evaluation.table.rows.assign(
         n_subjects=4, detectability=list(itertools.islice(itertools.cycle([0, 0.25, 1]), 60))
     )
-    table = type(evaluation.table)(**{**vars(evaluation.table), "rows": rows})
-    changed = type(evaluation)(**{**vars(evaluation), "table": table})
+    changed = replace(evaluation, table=replace(evaluation.table, rows=rows))
     histograms = evaluation_tables(changed)["histograms"]
     first = histograms[histograms["period_s"] == 0.5]
     assert first["detectability"].tolist() == [0, 0.25, 0.5, 0.75, 1]
@@ -152,6 +166,6 @@ def test_with_few_subjects_a_bar_is_a_value(evaluation: Evaluation):
 def test_equal_data_give_equal_files_without_the_time_taken(evaluation: Evaluation):
     files = dict(evaluation_files(evaluation))
     assert tuple(files) == EVALUATION_FILES
-    slower = type(evaluation)(**{**vars(evaluation), "seconds": 1e6})
+    slower = replace(evaluation, seconds=1e6)
     assert dict(evaluation_files(slower)) == files
-    assert files["errors.csv"].startswith(b"period_s,n,switched,single,constant,published_switched")
+    assert files["errors.csv"].startswith(b"period_s,n,switched,single,constant,sampling,published")

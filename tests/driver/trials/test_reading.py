@@ -61,6 +61,7 @@ def test_columns_may_stand_in_any_order_beside_others_with_semicolons_and_decima
         (SEEN.replace("S1", ""), 3, "subject is empty"),
         (SEEN.replace("640.5", "left"), 3, "touch_x: expected a number, found 'left'"),
         (SEEN.replace("640.5", "inf"), 3, "touch_x: expected a number"),
+        (SEEN.replace("640.5", "1e9"), 3, r"touch_x: expected -1e\+06 to 1e\+06, found 1e9"),
         (SEEN.replace("640.5", ""), 3, "expected touch_x and touch_y"),
         (NOT_SEEN.replace("5.5,,,", "5.5,,1,2"), 3, "expected no touch where not_seen is 1"),
         (SEEN.replace("0,tablet", "maybe,tablet"), 3, "not_seen: expected 1 or 0, found 'maybe'"),

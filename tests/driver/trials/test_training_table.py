@@ -99,7 +99,7 @@ def test_what_lacks_boxes_or_features_is_refused(tmp_path: Path):
 
 
 def subject_rows(tmp_path: Path, change) -> pd.Series:
-    """What is said of subject A after a change of his trials."""
+    """What is said of the first subject after a change of his trials."""
     features = made_features(12)
     trials = made_trials(features)
     mine = trials["subject"] == "S0"
@@ -122,6 +122,27 @@ def test_a_subject_who_never_sees_anything_is_odd(tmp_path: Path):
     odd = subject_rows(tmp_path, blind)["odd"]
     assert "right in 0 %" in odd
     assert "never touches" in odd
+
+
+@pytest.mark.parametrize(("n_missed", "is_odd"), [(6, False), (7, True)])
+def test_who_misses_more_than_a_quarter_of_what_all_others_see_is_odd(
+    tmp_path: Path, n_missed: int, is_odd: bool
+):
+    features = made_features(4)
+    trials = made_trials(features, FEW)
+    place = features.set_index("image")
+    trials["touch_x"] = trials["image"].map(place["x"] + place["w"] / 2)
+    trials["touch_y"] = trials["image"].map(place["y"] + place["h"] / 2)
+    trials["not_seen"] = 0
+    mine = trials.index[trials["subject"] == "B"]
+    assert len(mine) == 24
+    trials.loc[mine[:n_missed], "not_seen"] = 1
+    trials.loc[mine[:n_missed], ["touch_x", "touch_y"]] = np.nan
+    row = training_table(*written(tmp_path, trials, features)).subjects.iloc[1]
+    assert row["n_easy"] == 24
+    assert row["share_easy"] == pytest.approx(1 - n_missed / 24)
+    reason = "misses 29 % of 24 trials in which nearly all others are right"
+    assert (reason in row["odd"].replace("\xa0", " ")) == is_odd
 
 
 def test_touches_at_random_are_at_chance(tmp_path: Path):

@@ -1,0 +1,63 @@
+"""Trials, trainings and evaluations in words."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from driver_trials import made_table
+
+from nvcore.driver.estimators import Search, Training, train_estimator
+from nvcore.report.driver import render_table, render_training
+
+
+@pytest.fixture(scope="module")
+def training(tmp_path_factory: pytest.TempPathFactory) -> Training:
+    table = made_table(tmp_path_factory.mktemp("trials"), n=8)
+    return train_estimator(table, name="a", search=Search(n_settings=1, n_folds=2))
+
+
+def test_trials_say_who_took_them_and_what_is_odd(training: Training):
+    table = replace(training.table, simulated="no", n_off_time=3, left_out=("S1",))
+    table.subjects.loc[table.subjects["subject"] == "S2", "odd"] = "never touches"
+    lines = render_table(table)
+    assert lines[0].replace("\xa0", " ") == (
+        "960 trials: 19 subjects, 8 pedestrians, 6 adaptation periods"
+    )
+    assert lines[1].replace("\xa0", " ").startswith("3 trials came more than 50 ms early or late")
+    assert lines[2:] == [
+        "subject S1, left out",
+        "subject S2, odd, not left out (--leave-out): never touches",
+    ]
+    assert (
+        render_table(replace(table, simulated="some"))[0]
+        .split(":")[0]
+        .endswith(", some by a simulated observer")
+    )
+
+
+def test_where_nothing_was_learned_it_is_said(training: Training):
+    useless = replace(
+        training,
+        switched_errors=np.array([0.1, 0.3, 0.1, 0.2, 0.1, 0.1]),
+        constant_errors=np.full(6, 0.2),
+    )
+    assert "at 1.5, 4.5 s the estimator is no better than the mean" in render_training(useless)
+    good = replace(useless, switched_errors=np.full(6, 0.1))
+    assert "no better" not in render_training(good)
+    assert "mean" in render_training(good)
+
+
+def test_what_was_left_out_is_said(training: Training):
+    noted = replace(training, notes=("left out, lacking a feature: 1 pedestrian",))
+    assert "\nLeft out, lacking a feature: 1 pedestrian\n" in render_training(noted)
+
+
+def test_a_choice_of_features_has_its_settings(training: Training, tmp_path: Path):
+    lines = render_training(training).splitlines()
+    chosen = lines[lines.index("chosen:") + 1 :]
+    assert chosen[0].startswith("    0.5 s  ")
+    assert chosen[6].startswith("   single  ")
+    assert all("(rbf, C " in line or "(linear, C " in line for line in chosen[:7])
