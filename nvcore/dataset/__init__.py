@@ -12,12 +12,25 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from nvcore.columns import BOX_COLUMNS, BoxColumns, FrameColumns, frame_gaps, offsets_of
+from nvcore.columns import (
+    BOX_COLUMNS,
+    BoxColumns,
+    Detectability,
+    FrameColumns,
+    frame_gaps,
+    offsets_of,
+)
 from nvcore.dataset.provenance import Provenance
 from nvcore.errors import InputError
 from nvcore.findings import Finding
 from nvcore.params import Params
-from nvcore.schema import ATTRIBUTE_DTYPES, LEFT_OUT_DTYPES, TRUTH, conform
+from nvcore.schema import (
+    ATTRIBUTE_DTYPES,
+    DETECTABILITY_COLUMNS,
+    LEFT_OUT_DTYPES,
+    TRUTH,
+    conform,
+)
 from nvcore.settings import Settings
 from nvcore.wording import did_you_mean, listed
 from nvcore.wording.objects import Objects, names_at_risk
@@ -155,6 +168,19 @@ class Dataset:
     def sources(self) -> tuple[BoxColumns, ...]:
         """Boxes of the ground truth and of every system, in the order of `systems`."""
         return self._by_source
+
+    @cached_property
+    def detectability(self) -> Detectability:
+        """What is known of the driver's view of every truth box, ignored ones included."""
+        n_truth = len(self.truth)
+        return Detectability(
+            *(self.boxes[name].to_numpy()[:n_truth] for name in DETECTABILITY_COLUMNS)
+        )
+
+    @cached_property
+    def has_detectability(self) -> bool:
+        """Whether the detectability of any pedestrian is known."""
+        return bool((~np.isnan(self.detectability.value) & ~self.truth.ignore).any())
 
     def system(self, name: str) -> BoxColumns:
         """Detections of one system, all scores.

@@ -2,7 +2,7 @@
 
 The command line makes its flags from `Params`, the dashboard its sliders, `compare` the keys of
 what it need not repeat. A new setting is a field of the topic that it belongs to (`similarity`,
-`judging`, `saliency`, `time_left`); that is all it takes, but for its use, test and docs.
+`judging`, `saliency`, `time_left`, `driver`); that is all it takes, but for its use, test and docs.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from functools import cache
 from typing import Any, Final
 
 from nvcore.errors import ParameterError
+from nvcore.params.driver import NEEDS_DETECTABILITY, DriverSettings, DriverWeighting
 from nvcore.params.judging import JudgingSettings, Match, MatchClass
 from nvcore.params.metadata import Setting, Stage
 from nvcore.params.saliency import (
@@ -37,10 +38,12 @@ from nvcore.wording import did_you_mean
 
 __all__ = [
     "MIDPOINT_SHARE",
+    "NEEDS_DETECTABILITY",
     "SETTINGS",
     "SPREAD_SHARE",
     "Aggregate",
     "Distance",
+    "DriverWeighting",
     "Match",
     "MatchClass",
     "MissingDistance",
@@ -58,7 +61,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Params(
-    TimeLeftSettings, SaliencySettings, JudgingSettings, SimilaritySettings
+    DriverSettings, TimeLeftSettings, SaliencySettings, JudgingSettings, SimilaritySettings
 ):  # the last one's fields first
     """Settings of one comparison, checked when made.
 

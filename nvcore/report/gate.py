@@ -175,14 +175,15 @@ def gate_measures(
     for letter, system in result.sides:
         for name, value in _numbers(system_summary(result, system)):
             values[f"{name}_{letter}"] = value
-    values |= {name: math.nan for name in _lacking(result, "{}_x", "{}_y") if name in values}
+    known = {f"{name}_{letter}" for name in _numeric(SYSTEM_KEYS) for letter in "xy"}
+    values |= {name: math.nan for name in _lacking(result, "{}_x", "{}_y") if name in known}
     if any(name.rsplit("_", 1)[0] in _OF_CURVE for name in needed):
         values |= _of_curves(result, protocol)
     for name in [key.removesuffix("_x") for key in values if key.endswith("_x")]:
         values[f"{name}_difference"] = values[f"{name}_x"] - values[f"{name}_y"]
     if not needed.isdisjoint(SUMMARY_NAMES):
         of_all = dict(_numbers(summary(result)))
-        values |= {name: of_all[name] for name in SUMMARY_NAMES}
+        values |= {name: of_all.get(name, math.nan) for name in SUMMARY_NAMES}
         of_fusion = _lacking(result, "fusion.x_or_y.{}", "fusion.x_and_y.{}")
         values |= {name: math.nan for name in of_fusion if name in values}
     evidence = None

@@ -42,6 +42,7 @@ SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
     "ignore": ("ignore", "ignored", "is_ignore", "dontcare", "dont_care", "iscrowd"),
     "distance_m": ("distance_m", "distance", "range_m", "range", "dist_m", "dist", "depth_m"),
     "occlusion": ("occlusion", "occ", "occluded", "occlusion_level"),
+    "detectability": ("detectability",),
     "recording": (
         *("recording", "recording_id"),
         *("sequence", "sequence_name", "sequence_id", "seq"),
@@ -56,7 +57,10 @@ SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
 }
 """Names that a column may have, the plainest first; case and punctuation do not matter."""
 
-NUMBERS = ("frame", "x", "y", "w", "h", "right", "bottom", "score", "distance_m", "occlusion")
+NUMBERS = (
+    *("frame", "x", "y", "w", "h", "right", "bottom"),
+    *("score", "distance_m", "occlusion", "detectability"),
+)
 _TEXT = pa.dictionary(pa.int32(), pa.string())
 MISSING = ["", "nan", "NaN", "NA", "N/A", "null", "None"]
 TRUE = ["1", "true", "True", "TRUE", "1.0"]
