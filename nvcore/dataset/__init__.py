@@ -20,6 +20,7 @@ from nvcore.columns import (
     frame_gaps,
     offsets_of,
 )
+from nvcore.dataset.estimates import EstimateRecord
 from nvcore.dataset.provenance import Provenance
 from nvcore.errors import InputError
 from nvcore.findings import Finding
@@ -78,6 +79,8 @@ class Dataset:
     provenance
         How the detections of systems were made, by their names; one of which nothing is known is
         absent.
+    estimate
+        How the detectability of `boxes` was estimated; None: the truth states it, or nobody does.
     labels
         What the column `label` of `boxes` counts: classes in the words of the objects ("70"), where
         boxes of several count.
@@ -95,6 +98,7 @@ class Dataset:
     attributes: pd.DataFrame = field(default_factory=lambda: empty_attributes(), repr=False)
     settings: Settings = field(default_factory=Settings, repr=False)
     provenance: Mapping[str, Provenance] = field(default_factory=dict, repr=False)
+    estimate: EstimateRecord | None = None
     labels: tuple[str, ...] = ()
 
     @cached_property

@@ -238,6 +238,7 @@ class Session(Settings):
         others = [recording.pictures for recording in self.recordings]
         others += [path for recording in self.recordings for path in recording.driver_paths()]
         others += [*(system.provenance for system in self.systems), self.driver.detectability]
+        others.append(self.driver.provenance)
         yield from (path for path in others if path is not None)
 
     @property
@@ -339,7 +340,7 @@ class Session(Settings):
             truth=replace(self.truth, path=tuple(map(rename, self.truth.path))),
             systems=tuple(map(of_system, self.systems)),
             recordings=tuple(map(of_entry, self.recordings)),
-            driver=DriverTable(optional(self.driver.detectability)),
+            driver=DriverTable(*map(optional, vars(self.driver).values())),
             recordings_file=None if table is None else RecordingsFile(rename(table.path)),
             frames=of_frames(self.frames),
         )

@@ -8,6 +8,7 @@ gaze = "gaze.csv"                 frame,x,y of where the driver looked
 
 [driver]
 detectability = "detectability.csv"  what nvcore driver estimate wrote
+provenance = "detectability.json"    a record of how
 """
 
 from __future__ import annotations
@@ -88,11 +89,16 @@ class DriverTable:
     detectability
         CSV of how likely the driver sees each pedestrian by himself, 0 to 1, in each frame
         (docs/driver.md); None: nothing is known.
+
+    provenance
+        A record of how it was estimated (`nvcore.dataset.estimates`); None: nothing is known.
     """
 
     detectability: str | None = None
+    provenance: str | None = None
 
     def __post_init__(self) -> None:
-        check_path("detectability", self.detectability)
-        if self.detectability == "":
-            raise SessionError("detectability: expected a file, found nothing")
+        for name in ("detectability", "provenance"):
+            check_path(name, getattr(self, name))
+            if getattr(self, name) == "":
+                raise SessionError(f"{name}: expected a file, found nothing")

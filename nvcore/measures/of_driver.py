@@ -151,7 +151,7 @@ DRIVER_MEASURES: Final[tuple[Measure, ...]] = (
             scale=_SHARE,
             parts=_useful_parts,
             per="n_unseen",
-            noun="useful alerts",
+            noun="useful alerts (by the given detectability)",
         ),
     ),
     _count(

@@ -91,6 +91,16 @@ class Params(
         """Settings by name, those that are None left out (for TOML and JSON)."""
         return {name: value for name, value in asdict(self).items() if value is not None}
 
+    def stated(self, *, has_detectability: bool) -> dict[str, float | str | None]:
+        """All settings by name; those of the driver only if they matter or were changed."""
+        return {
+            name: value
+            for name, value in asdict(self).items()
+            if has_detectability
+            or name not in NEEDS_DETECTABILITY
+            or value != SETTINGS[name].default
+        }
+
     @property
     def without_effect(self) -> tuple[str, ...]:
         """Settings that are not at their default, and that the others leave without effect."""

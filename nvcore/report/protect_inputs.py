@@ -56,8 +56,9 @@ def files_read(session: Session) -> Iterator[Path]:
         if facts.pictures is not None:
             yield session.folder / facts.pictures
         yield from (session.folder / path for path in facts.driver_paths())
-    if session.driver.detectability is not None:
-        yield session.folder / session.driver.detectability
+    for path in (session.driver.detectability, session.driver.provenance):
+        if path is not None:
+            yield session.folder / path
 
 
 def input_folder_around(folder: Path, session: Session) -> Path | None:

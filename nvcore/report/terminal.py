@@ -14,6 +14,7 @@ from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
 from nvcore.metrics.proximity.horizon import estimate_horizons
 from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.report.driver import describe_source, regions_text, weighting
 from nvcore.report.equal_alarms import (
     detected_text,
     equal_alarms_of,
@@ -231,7 +232,7 @@ def _notes(result: Result) -> list[str]:
     """What to know of the rates, and of measures that need encounters of several frames."""
     notes = [SHORT_ROWS] if result.is_short else []
     sampling = sampling_note(result.dataset.frame_columns)
-    return [*notes, sampling] if sampling else notes
+    return [*notes, *filter(None, (sampling, weighting(result)))]
 
 
 def _head(letter: str, system: SystemResult) -> str:
@@ -247,6 +248,10 @@ def _venn(result: Result) -> str:
     ]
     lines.append(describe_exclusivity(result))
     lines.append(_lead(result))
+    if result.driver.has_any:
+        source = describe_source(result)
+        lines.append(f"encounters seen by: {regions_text(result)}")
+        lines.append(f"the driver: {source[0].lower()}{source[1:-1]}")
     urgency = describe_urgency(result)
     lines += [f"time left: {urgency[0].lower()}{urgency[1:-1]}"] if urgency else []
     boxes = result.boxes

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import partial
 from operator import attrgetter
 from typing import Any, Final
@@ -155,9 +155,13 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
     ),
     Entry(
         Column(
-            "parameters", Kind.TABLE, "", "Every parameter by name; null where it has no value."
+            "parameters",
+            Kind.TABLE,
+            "",
+            "Every parameter by name, those of the driver where detectability is known or they "
+            "were changed; null where it has no value.",
         ),
-        lambda result: asdict(result.params),
+        lambda result: result.params.stated(has_detectability=result.dataset.has_detectability),
     ),
     Entry(
         Column("recordings", _INTEGER, "recordings", "Recordings compared."),

@@ -127,7 +127,7 @@ def uploaded_session(content: bytes, folder: Path, files: Sequence[str], picture
             for entry in session.recordings
         ),
         frames=frames,
-        driver=DriverTable(sent.optional(session.driver.detectability)),
+        driver=DriverTable(*map(sent.optional, vars(session.driver).values())),
     )
 
 

@@ -12,6 +12,7 @@ from nvcore.figures.over_time.strip import loss_strip_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.saliency import plane_plot
 from nvcore.measures import MeasureTable
+from nvcore.report.driver import weighting
 from nvcore.report.equal_alarms import (
     detected_text,
     equal_alarms_of,
@@ -64,7 +65,9 @@ def scorecard_section(result: Result, companions: Companions) -> Section:
         rows = scorecard_cells(equal, indent=PART, mark=_mark(equal))
         title = equal_alarms_title(companions)
         blocks.append(table(title, MEASURES_HEAD, rows, right=(1, 2, 3), note=note))
-    return Section("scorecard", "Scorecard", words.scorecard(result.params), tuple(blocks))
+    note = weighting(result)
+    notes = [Sentences((note,))] if note else []
+    return Section("scorecard", "Scorecard", words.scorecard(result.params), (*notes, *blocks))
 
 
 def _mark(result: Result) -> str:
