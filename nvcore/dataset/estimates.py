@@ -1,26 +1,32 @@
 """How the detectability of a dataset was estimated, as the record beside the file says.
 
-    {"written_by": "nvcore 0.1.0", "model": "driver.npz", "fingerprint": "5f1c...",
-     "simulated": "all", "n_subjects": 12}
+    {"written_by": "nvcore 0.1.0",
+     "estimator": {"name": "driver", "fingerprint": "5f1c...", "simulated": "all",
+                   "n_subjects": 12},
+     "files": {"detectability.csv": "9e07..."}}
 
-Every entry may be missing: it is not known then.
+Every entry may be missing: it is not known then. Others are not read.
 """
 
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
 from nvcore.errors import FormatError, InputError
 from nvcore.wording import one_line, shortened
 
-MAX_BYTES: Final = 1 << 20
+MAX_BYTES: Final = 16 << 20
+"""With notes on a hundred thousand recordings."""
 SIMULATED: Final = ("no", "some", "all", "")
 """Of how many subjects the answers were simulated; empty: not known."""
 _EXPECTED: Final = "expected the record that nvcore driver estimate writes (docs/driver.md)"
 _SHOWN_NAME: Final = 40
+_OF_ESTIMATOR: Final = {"name": str, "fingerprint": str, "simulated": str, "n_subjects": int}
+_WORDS: Final = {dict: "an object", str: "a text", int: "a whole number"}
 
 
 @dataclass(frozen=True)
@@ -29,23 +35,26 @@ class EstimateRecord:
 
     Attributes
     ----------
-    model
-        Name of the estimator's model; empty: not known.
+    name
+        Of the estimator; empty: not known.
     fingerprint
-        sha256 of the model; empty: not known.
+        Of what it was trained on, or of the model; empty: not known.
     simulated
         Whether the subjects from whose answers it was learnt were simulated: ``no``, ``some``,
         ``all``; empty: not known.
     n_subjects
         How many subjects; 0: not known.
+    files
+        sha256 of each file that it is about, by name.
     written_by
         Program and version.
     """
 
-    model: str = ""
+    name: str = ""
     fingerprint: str = ""
     simulated: str = ""
     n_subjects: int = 0
+    files: Mapping[str, str] = field(default_factory=dict)
     written_by: str = ""
 
     def __post_init__(self) -> None:
@@ -57,9 +66,9 @@ class EstimateRecord:
     @property
     def made_by(self) -> str:
         """The estimator in a few words; empty: not known."""
-        if not self.model:
+        if not self.name:
             return ""
-        name = shortened(one_line(self.model), _SHOWN_NAME)
+        name = shortened(one_line(self.name), _SHOWN_NAME)
         known = one_line(self.fingerprint[:12])
         return f"estimated by {name}" + (f" (fingerprint {known})" if known else "")
 
@@ -73,7 +82,12 @@ class EstimateRecord:
 
 def estimate_json(record: EstimateRecord) -> bytes:
     """The record as JSON; the same record gives the same bytes."""
-    return (json.dumps(asdict(record), indent=1) + "\n").encode()
+    content = {
+        "written_by": record.written_by,
+        "estimator": {name: getattr(record, name) for name in _OF_ESTIMATOR},
+        "files": dict(record.files),
+    }
+    return (json.dumps(content, indent=1) + "\n").encode()
 
 
 def read_estimate_record(path: Path, name: str) -> EstimateRecord:
@@ -87,7 +101,7 @@ def read_estimate_record(path: Path, name: str) -> EstimateRecord:
     Raises
     ------
     InputError
-        If it cannot be opened, or is no such record.
+        If it cannot be opened, or is no such record; it is never half believed.
     """
     try:
         if path.stat().st_size > MAX_BYTES:
@@ -97,21 +111,29 @@ def read_estimate_record(path: Path, name: str) -> EstimateRecord:
         raise InputError(f"cannot be opened ({error.strerror})", file=name) from error
     except (ValueError, RecursionError) as error:
         raise FormatError(f"is not JSON: {error}; {_EXPECTED}", file=name) from error
-    if not isinstance(content, dict):
-        raise FormatError(f"expected an object; {_EXPECTED}", file=name)
     try:
-        return EstimateRecord(**_fields(content))
+        return _record(content)
     except ValueError as error:
         raise FormatError(f"{error}; {_EXPECTED}", file=name) from error
 
 
-def _fields(content: dict[str, Any]) -> dict[str, Any]:
-    """Those of its entries that a record has; ValueError for one of another type."""
-    values = {}
-    for key, default in asdict(EstimateRecord()).items():
-        value = content.get(key, default)
-        if not isinstance(value, type(default)) or isinstance(value, bool):
-            kind = "a whole number" if isinstance(default, int) else "a text"
-            raise ValueError(f"{key}: expected {kind}, found {str(value)[:30]!r}")
-        values[key] = value
-    return values
+def _record(content: object) -> EstimateRecord:
+    record = _typed(content, dict, "the record")
+    estimator = _value(record, "estimator", dict)
+    files = _value(record, "files", dict)
+    return EstimateRecord(
+        **{key: _value(estimator, key, kind) for key, kind in _OF_ESTIMATOR.items()},
+        files={name: _typed(digest, str, "files") for name, digest in files.items()},
+        written_by=_value(record, "written_by", str),
+    )
+
+
+def _value(table: dict[str, Any], key: str, kind: type) -> Any:
+    """What a JSON object has under a key, of this type; empty where it has nothing."""
+    return _typed(table[key], kind, key) if key in table else kind()
+
+
+def _typed(value: object, kind: type, where: str) -> Any:
+    if not isinstance(value, kind) or isinstance(value, bool):
+        raise ValueError(f"{where}: expected {_WORDS[kind]}, found {str(value)[:30]!r}")
+    return value

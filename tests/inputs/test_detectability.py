@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import replace
 from pathlib import Path
 
@@ -242,24 +243,32 @@ def test_file_and_record_are_part_of_the_fingerprint(tmp_path):
     plain = load(session_of(drive(tmp_path))).fingerprint
     one, other = (load(estimated(tmp_path, row("urban", 0, v))).fingerprint for v in (0.5, 0.6))
     session = estimated(tmp_path, row("urban", 0, 0.6), provenance="d.json")
-    (tmp_path / "d.json").write_bytes(estimate_json(EstimateRecord("m.npz", "ab", "all", 4)))
+    (tmp_path / "d.json").write_bytes(estimate_json(EstimateRecord("m", "ab", "all", 4)))
     assert len({plain, one, other, load(session).fingerprint}) == 4
 
 
 def test_the_record_says_who_estimated_and_whether_subjects_were_simulated(tmp_path):
     session = estimated(tmp_path, row("urban", 0, 0.5), provenance="d.json")
-    record = EstimateRecord("driver.npz", "5f1c00112233445566", "all", 12, "nvcore 0.1.0")
+    record = EstimateRecord("driver", "5f1c00112233445566", "all", 12, {}, "nvcore 0.1.0")
     (tmp_path / "d.json").write_bytes(estimate_json(record))
     dataset = load(session)
     assert dataset.estimate == record
     conversion = dataset.inputs["conversion"].iloc[-1]
     assert "1 of 1 rows joined" in conversion
-    assert "estimated by driver.npz (fingerprint 5f1c00112233)" in conversion
+    assert "estimated by driver (fingerprint 5f1c00112233)" in conversion
     assert "learnt from simulated subjects" in conversion
 
 
 @pytest.mark.parametrize(
-    "text", ["[]", "{", '{"simulated": "perhaps"}', '{"n_subjects": "four"}', "1" * 9]
+    "text",
+    [
+        "[]",
+        "{",
+        '{"estimator": {"simulated": "perhaps"}}',
+        '{"estimator": {"n_subjects": "four"}}',
+        '{"files": []}',
+        "1" * 9,
+    ],
 )
 def test_what_is_no_record_is_refused(tmp_path, text: str):
     path = write(tmp_path / "d.json", text)
@@ -299,3 +308,12 @@ def test_a_fusion_keeps_what_is_known_of_the_truth(tmp_path):
     dataset = load(estimated(tmp_path, *(row("urban", i, 0.9) for i in range(20))))
     result = compare(dataset, Params())
     assert result.fusion.driver.is_seen.tolist() == result.driver.is_seen.tolist() == [True, False]
+
+
+@pytest.mark.parametrize("is_own", [True, False])
+def test_a_record_about_another_file_is_a_warning(tmp_path, is_own: bool):
+    session = estimated(tmp_path, row("urban", 0, 0.5), provenance="d.json")
+    content = (tmp_path / "detectability.csv").read_bytes() + b" " * (not is_own)
+    files = {"detectability.csv": hashlib.sha256(content).hexdigest()}
+    (tmp_path / "d.json").write_bytes(estimate_json(EstimateRecord("m", files=files)))
+    assert ("detectability-other-record" in codes(load(session))) is not is_own

@@ -73,9 +73,9 @@ def test_the_verdict_says_whom_each_system_warns_of_and_where_that_comes_from():
 
 
 def test_estimated_and_simulated_are_said():
-    result = with_estimate(eight(unknown=0), EstimateRecord("m.npz", "ab12", "all", 12))
+    result = with_estimate(eight(unknown=0), EstimateRecord("m", "ab12", "all", 12))
     assert describe_source(result) == (
-        "Detectability is estimated by m.npz (fingerprint ab12), learnt from simulated subjects; "
+        "Detectability is estimated by m (fingerprint ab12), learnt from simulated subjects; "
         "he sees from 0.5 on."
     )
     plain = with_estimate(eight(unknown=0), EstimateRecord())

@@ -14,6 +14,7 @@ import pandas as pd
 from nvcore.columns import offsets_of
 from nvcore.dataset import Dataset
 from nvcore.dataset.estimates import EstimateRecord, estimate_json, read_estimate_record
+from nvcore.findings import Finding
 from nvcore.inputs.driver.reading import read_detectability
 from nvcore.inputs.files import digest
 from nvcore.inputs.hashes import changed_input
@@ -144,6 +145,7 @@ def _joined(
             *dataset.findings,
             *changed_input(DETECTABILITY, name, [estimates.digest], session.hashes),
             *_twice(dataset, columns["detectability"], name),
+            *_of_other_file(estimates),
         ),
         fingerprint=hashlib.sha256(text).hexdigest(),
         estimate=record or EstimateRecord(),
@@ -162,7 +164,24 @@ def _input_row(name: str, sha256: str, conversion: str) -> pd.DataFrame:
     )
 
 
-def _twice(dataset: Dataset, detectability: np.ndarray, name: str) -> list[Any]:
+def _of_other_file(estimates: _Estimates) -> list[Finding]:
+    """A warning where the record is about another file."""
+    record = estimates.record
+    if record is None or not record.files or estimates.digest in record.files.values():
+        return []
+    return [
+        warning(
+            "detectability-other-record",
+            1,
+            "The record of how detectability was estimated is about another file.",
+            "Correct the path, or estimate anew: until then nobody knows how these came to be.",
+            role=DETECTABILITY,
+            file=estimates.file.name,
+        )
+    ]
+
+
+def _twice(dataset: Dataset, detectability: np.ndarray, name: str) -> list[Finding]:
     """A warning where the truth says something else of a box than the file."""
     stated = dataset.detectability.value
     differs = ~np.isnan(stated) & (stated != detectability[: len(stated)])
