@@ -237,8 +237,7 @@ class Session(Settings):
                 yield frames
         others = [recording.pictures for recording in self.recordings]
         others += [path for recording in self.recordings for path in recording.driver_paths()]
-        others += [*(system.provenance for system in self.systems), self.driver.detectability]
-        others.append(self.driver.provenance)
+        others += [*(system.provenance for system in self.systems), *vars(self.driver).values()]
         yield from (path for path in others if path is not None)
 
     @property
