@@ -23,16 +23,24 @@ def describe_driver(result: Result) -> tuple[str, ...]:
 def _alerts(result: Result) -> str:
     venn = result.driver.venn
     count, n_unseen = venn.counts, venn.n_unseen
-    of = f"Of {count_text(venn.n_known, 'encounter')} of which it is known, the driver sees"
+    of = f"{_by(result)}, the driver sees {venn.n_seen} of {count_text(venn.n_known, 'encounter')}"
     if not n_unseen:
-        return f"{of} all by himself: every alert is redundant."
+        return f"{of} by himself: every alert is redundant."
     useful_x = count[DriverRegion.X_Y] + count[DriverRegion.X]
     useful_y = count[DriverRegion.X_Y] + count[DriverRegion.Y]
     return (
-        f"{of} {venn.n_seen} by himself; of the {n_unseen} that he does not see, X detects "
-        f"{useful_x} and Y {useful_y}: {count[DriverRegion.X]} X alone, {count[DriverRegion.Y]} Y "
-        f"alone, {count[DriverRegion.NOBODY]} neither."
+        f"{of} by himself; of the {n_unseen} that he does not see, X detects {useful_x} and Y "
+        f"{useful_y} (X alone {count[DriverRegion.X]}, Y alone {count[DriverRegion.Y]}, neither "
+        f"{count[DriverRegion.NOBODY]})."
     )
+
+
+def _by(result: Result) -> str:
+    """On whose word it rests what the driver sees."""
+    estimate = result.dataset.estimate
+    if estimate is None:
+        return "By the ground truth"
+    return "By the estimates" + (f" ({estimate.caution})" if estimate.caution else "")
 
 
 def _in_time(result: Result) -> str:
@@ -43,15 +51,15 @@ def _in_time(result: Result) -> str:
     n_driver = int(np.count_nonzero(is_driver_in_time(result)))
     x, y = (int(np.count_nonzero(is_in_time_alone(result, system))) for _, system in result.sides)
     return (
-        f"Of {count_text(n, 'urgent encounter')} of which it is known, the driver is in time by "
-        f"himself in {n_driver}; X alone, and neither he nor Y, in {x}, and Y alone in {y}."
+        f"Of the {count_text(n, 'urgent one')} among them he is in time by himself in {n_driver}; "
+        f"neither he nor Y but X is in {x}, neither he nor X but Y in {y}."
     )
 
 
 def describe_source(result: Result) -> str:
     """Where detectability comes from, and how far it can be trusted."""
     estimate, venn = result.dataset.estimate, result.driver.venn
-    threshold = f"he sees from {result.params.driver_threshold:g} on"
+    threshold = f"he is taken to see from {result.params.driver_threshold:g} on"
     if estimate is None:
         text = f"Detectability is as the ground truth states it; {threshold}"
     else:

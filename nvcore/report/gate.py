@@ -79,9 +79,26 @@ SUMMARY_NAMES: Final = (
 
 def measure_names() -> list[str]:
     """Names of all measures that a rule may name."""
-    of_systems = [*_numeric(SYSTEM_KEYS), *_OF_CURVE]
-    with_endings = [f"{name}_{end}" for name in of_systems for end in ("x", "y", "difference")]
-    return [*with_endings, *_WORSE, *_OTHER_NAMES, *SUMMARY_NAMES]
+    of_systems = _with_endings([*_numeric(SYSTEM_KEYS), *_OF_CURVE])
+    return [*of_systems, *_WORSE, *_OTHER_NAMES, *SUMMARY_NAMES]
+
+
+def _with_endings(names: Iterable[str]) -> list[str]:
+    return [f"{name}_{end}" for name in names for end in ("x", "y", "difference")]
+
+
+def listed_names(result: Result, values: Mapping[str, float]) -> list[str]:
+    """Names of these measures, sorted; those of the driver only where detectability is known."""
+    if result.driver.has_any:
+        return sorted(values)
+    of_system = [column.name for column in SYSTEM_KEYS if column.is_optional]
+    left_out = {
+        *_with_endings(of_system),
+        *(name for name, (key, _) in _WORSE.items() if measure_of(key).is_optional),
+        *(column.name for column in SUMMARY_KEYS if column.is_optional),
+        *(f"fusion.{kind}.{name}" for kind in ("x_or_y", "x_and_y") for name in of_system),
+    }
+    return sorted(values.keys() - left_out)
 
 
 def value_text(value: float) -> str:

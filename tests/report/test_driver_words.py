@@ -16,7 +16,7 @@ from nvcore.dataset.estimates import EstimateRecord
 from nvcore.evidence.measures import significance_table
 from nvcore.params import Params
 from nvcore.report.driver import describe_driver, describe_source, regions_text, weighting
-from nvcore.report.gate import gate_measures, measure_names, run_gate
+from nvcore.report.gate import gate_measures, listed_names, measure_names, run_gate
 from nvcore.report.html.driver_section import driver_section
 from nvcore.report.rules import parse_rule
 from nvcore.report.terminal import render_scorecard
@@ -65,9 +65,10 @@ def test_alerts_are_counted_by_recording():
 def test_the_verdict_says_whom_each_system_warns_of_and_where_that_comes_from():
     text = " ".join(describe_driver(eight()))
     assert text == (
-        "Of 8 encounters of which it is known, the driver sees 4 by himself; of the 4 that he does "
-        "not see, X detects 2 and Y 2: 1 X alone, 1 Y alone, 1 neither. Detectability is as the "
-        "ground truth states it; he sees from 0.5 on; 1 encounter unknown, not counted here."
+        "By the ground truth, the driver sees 4 of 8 encounters by himself; of the 4 that he does "
+        "not see, X detects 2 and Y 2 (X alone 1, Y alone 1, neither 1). Detectability is as the "
+        "ground truth states it; he is taken to see from 0.5 on; 1 encounter unknown, not counted "
+        "here."
     )
     assert text in [point.text for point in verdict(eight()).points]
 
@@ -76,10 +77,13 @@ def test_estimated_and_simulated_are_said():
     result = with_estimate(eight(unknown=0), EstimateRecord("m", "ab12", "all", 12))
     assert describe_source(result) == (
         "Detectability is estimated by m (fingerprint ab12), learnt from simulated subjects; "
-        "he sees from 0.5 on."
+        "he is taken to see from 0.5 on."
+    )
+    assert describe_driver(result)[0].startswith(
+        "By the estimates (learnt from simulated subjects), the driver sees 4 of 8 encounters"
     )
     plain = with_estimate(eight(unknown=0), EstimateRecord())
-    assert describe_source(plain) == "Detectability is estimated; he sees from 0.5 on."
+    assert describe_source(plain) == ("Detectability is estimated; he is taken to see from 0.5 on.")
 
 
 def test_the_regions_stand_in_the_terminal_and_the_unknown_only_where_there_are_some():
@@ -116,7 +120,7 @@ def test_the_table_of_regions_has_a_row_for_each_with_words():
     table = driver_venn_table(eight()).set_index("region")
     assert table["encounters"].tolist() == [1] * 9
     assert table.loc[DriverRegion.Y, "meaning"] == (
-        "Neither the driver nor X, but Y: where Y saves lives."
+        "Neither the driver nor X, but Y: where Y can save lives."
     )
     # Y alone stands at 70 of 100 px, k = 1, for 0.1 s
     assert table.loc[DriverRegion.Y, "severity_x"] == pytest.approx(0.1 * 30 / 50)
@@ -144,8 +148,8 @@ def test_neither_the_driver_nor_x_but_y_is_counted_listed_and_said():
     assert saved[["recording", "system", "impact_kmh_y"]].to_numpy().tolist() == [["r1", "y", 0.0]]
     text = " ".join(describe_driver(result))
     assert (
-        "Of 3 urgent encounters of which it is known, the driver is in time by himself in 1; X "
-        "alone, and neither he nor Y, in 0, and Y alone in 1."
+        "Of the 3 urgent ones among them he is in time by himself in 1; neither he nor Y but X is "
+        "in 0, neither he nor X but Y in 1."
     ) in text
     assert encounters_table(result)["driver_in_time"].tolist()[:3] == [False, False, True]
     assert encounters_table(result)["driver_in_time"].isna().tolist() == [False] * 3 + [True]
@@ -184,6 +188,9 @@ def test_every_name_of_a_rule_has_a_value_with_and_without_a_driver():
     for result in (eight(), result_of(make_dataset([at(0, 50, track=1)]))):
         measures = gate_measures(result, (), result.dataset.settings.protocol, measure_names())
         assert set(measure_names()) <= set(measures)
+        listed = listed_names(result, measures)
+        assert (listed == sorted(measures)) is result.driver.has_any
+        assert ("useful_alerts_worse_y" in listed) is result.driver.has_any
 
 
 def test_useful_alerts_are_tested_by_mcnemar_and_by_recordings():
@@ -197,7 +204,9 @@ def test_useful_alerts_are_tested_by_mcnemar_and_by_recordings():
 def test_if_he_sees_everybody_shares_of_the_others_are_undefined_not_an_error():
     truth = [at(0, 50, track=1, detectability=1.0)]
     result = result_of(make_dataset(truth, [at(0, 50, score=1.0)]))
-    assert "sees all by himself: every alert is redundant." in describe_driver(result)[0]
+    assert (
+        "sees 1 of 1 encounter by himself: every alert is redundant." in describe_driver(result)[0]
+    )
     table = significance_table(result).set_index("figure")
     assert np.isnan(table.loc["useful_alerts", "x"])
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 import streamlit as st
 
 from nvcore.figures.inputs import proximity_plot
-from nvcore.params import NEEDS_DETECTABILITY, SETTINGS, settings_for
+from nvcore.params import SETTINGS, settings_for
 from nvcore.params.metadata import MATCH, PROXIMITY, THRESHOLD, Setting, Stage
 from nvcore.params.traffic import count_contexts
 from ui.session import state
@@ -192,17 +192,14 @@ def _advanced() -> None:
     """The parameters that are rarely moved; folded, they cost neither server nor browser time."""
     place = st.expander("Advanced", key="advanced", on_change="rerun")
     names_of: dict[str, list[str]] = {}
-    has_detectability = state.opened().dataset.has_detectability
     for name, setting in SETTINGS.items():
-        if name in NEEDS_DETECTABILITY and not has_detectability:
-            live_params.keep_hidden(name)
-        elif setting.is_advanced and setting.stage not in st.session_state[_OWN]:
+        if setting.is_advanced and setting.stage not in st.session_state[_OWN]:
             names_of.setdefault(setting.stage.group, []).append(name)
     quiet = _quiet_settings()
     if place.open and quiet and all(setting.is_advanced for setting in quiet):
         place.caption(GREY)
     for group, names in names_of.items():
-        if place.open:
+        if place.open and any(live_params.is_used(SETTINGS[name]) for name in names):
             with place:
                 st.markdown(f"**{SHORT_GROUPS.get(group, group)}**")
                 for name in names:
