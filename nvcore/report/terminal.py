@@ -14,7 +14,6 @@ from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
 from nvcore.metrics.proximity.horizon import estimate_horizons
 from nvcore.protocols import PROTOCOLS, Protocol
-from nvcore.report.driver import describe_source, regions_text, weighting
 from nvcore.report.equal_alarms import (
     detected_text,
     equal_alarms_of,
@@ -24,6 +23,7 @@ from nvcore.report.equal_alarms import (
 )
 from nvcore.report.plan import verdict_plan
 from nvcore.report.verdict import Verdict, verdict
+from nvcore.report.verdict.driver import describe_source, regions_text, weighting
 from nvcore.report.words import (
     FUSION_RULE,
     count_leads,

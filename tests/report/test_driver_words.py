@@ -15,12 +15,12 @@ from nvcore.comparison import Result, compare
 from nvcore.dataset.estimates import EstimateRecord
 from nvcore.evidence.measures import significance_table
 from nvcore.params import Params
-from nvcore.report.driver import describe_driver, describe_source, regions_text, weighting
 from nvcore.report.gate import gate_measures, listed_names, measure_names, run_gate
 from nvcore.report.html.driver_section import driver_section
 from nvcore.report.rules import parse_rule
 from nvcore.report.terminal import render_scorecard
 from nvcore.report.verdict import verdict
+from nvcore.report.verdict.driver import describe_driver, describe_source, regions_text, weighting
 from nvcore.schema import DriverRegion
 from nvcore.tables.encounters.driver import (
     detectability_course,

@@ -12,7 +12,6 @@ from nvcore.figures.over_time.strip import loss_strip_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.saliency import plane_plot
 from nvcore.measures import MeasureTable
-from nvcore.report.driver import weighting
 from nvcore.report.equal_alarms import (
     detected_text,
     equal_alarms_of,
@@ -23,6 +22,7 @@ from nvcore.report.html import words
 from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table, table
 from nvcore.report.html.input_sections import span_in_use
 from nvcore.report.terminal import SHORT_ROWS
+from nvcore.report.verdict.driver import weighting
 from nvcore.report.words import (
     describe_saliency,
     score_cells,

@@ -12,8 +12,8 @@ from nvcore.comparison import Result
 from nvcore.evidence.claims import Basis, Claim, find_claims
 from nvcore.evidence.companions import Companions
 from nvcore.findings import Finding, Severity
-from nvcore.report.driver import describe_driver
 from nvcore.report.shown import comparison_shown
+from nvcore.report.verdict.driver import describe_driver
 from nvcore.report.verdict.headline import headline
 from nvcore.report.verdict.words import (
     describe_chance,
