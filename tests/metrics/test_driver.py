@@ -17,6 +17,7 @@ from nvcore.measures.of_driver import is_driver_in_time, is_in_time_alone
 from nvcore.metrics.driver import count_driver_regions, driver_regions, split_unseen
 from nvcore.params import Params
 from nvcore.schema import Category, DriverRegion
+from nvcore.stability.scores import score_setting
 
 NEAR, FAR = 40.0, 4.0
 """Heights with k above and below 0.5 in a picture of 100 px."""
@@ -232,3 +233,21 @@ def test_what_both_systems_confirm_in_time_belongs_to_neither_alone():
 def test_the_threshold_is_more_than_zero():
     with pytest.raises(Exception, match="driver_threshold: expected more than 0 to 1"):
         Params(driver_threshold=0.0)
+
+
+@pytest.mark.parametrize("saliency_of", ["most_salient", "each"])
+def test_on_a_map_of_settings_weighs_as_the_comparison_does(saliency_of: str):
+    heights = [(12.0, 0.9), (20.0, 0.1), (30.0, 0.6), (40.0, 0.2)]
+    truth = [*walk(*heights), *walk(*heights[::-1], track=2, centre=30)]
+    dataset = make_dataset(truth, [at(1, 40)])
+    same = {"proximity": "height", "driver_weighting": "on", "saliency_of": saliency_of}
+    start, moved = result_of(dataset, **same), result_of(dataset, midpoint=25.0, **same)
+    key = (("midpoint", 25.0),)
+    similarity = score_setting(start, "similarity", key, ("x",), {})["x"]
+    alpha = start.params.alpha
+    assert (1 - alpha) * similarity.at_0 + alpha * similarity.at_1 == pytest.approx(
+        moved.x.summary.mean
+    )
+    saliency = score_setting(start, "saliency", key, ("x",), {})["x"]
+    assert saliency.at_1 == pytest.approx(moved.x.saliency_s)
+    assert moved.x.saliency_s != pytest.approx(result_of(dataset, midpoint=25.0).x.saliency_s)
