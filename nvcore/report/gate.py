@@ -27,7 +27,7 @@ from nvcore.protocols import Protocol
 from nvcore.report.plan import evidence_of
 from nvcore.report.rules import COMPARISONS, OF_CLASSES, Rule, check_name, class_in, parse_rule
 from nvcore.report.verdict import verdict
-from nvcore.schema import Category
+from nvcore.schema import Category, DriverRegion
 from nvcore.tables.column import Column, Kind
 from nvcore.tables.summary import SUMMARY_KEYS, SYSTEM_KEYS, summary, system_summary
 
@@ -50,6 +50,12 @@ COUNTED_ENCOUNTERS: Final = {
     "venn.neither": Category.NEITHER,
 }
 """Measures that count encounters; a failed rule lists them."""
+COUNTED_REGIONS: Final = {
+    **{f"driver_venn.{region.value}": (region,) for region in DriverRegion},
+    "unprotected_x": (DriverRegion.Y, DriverRegion.NOBODY),
+    "unprotected_y": (DriverRegion.X, DriverRegion.NOBODY),
+}
+"""The same of those that the driver's view counts among."""
 COUNTED_FINDINGS: Final = {"audit_errors": Severity.ERROR, "audit_warnings": Severity.WARNING}
 """Measures that count findings of the audit; a failed rule lists them, too."""
 COUNTED_CLAIMS: Final = {"claims_x": "x", "claims_y": "y"}
@@ -356,6 +362,8 @@ def _details(outcome: Outcome, result: Result, findings: Sequence[Finding]) -> t
     if counted in COUNTED_ENCOUNTERS:
         category = COUNTED_ENCOUNTERS[counted]
         return tuple(encounters_of(result, category, _members(result, name)))
+    if name in COUNTED_REGIONS:
+        return tuple(_listed(result, np.isin(result.driver.region, COUNTED_REGIONS[name])))
     return tuple(
         f"{finding.subject}: {finding.message}"
         for finding in findings
@@ -374,7 +382,11 @@ def encounters_of(
         Encounters that may be listed, bool; None: all.
     """
     is_listed = result.category == category.value
-    rows = np.flatnonzero(is_listed if is_member is None else is_listed & is_member)
+    return _listed(result, is_listed if is_member is None else is_listed & is_member)
+
+
+def _listed(result: Result, is_listed: np.ndarray) -> list[str]:
+    rows = np.flatnonzero(is_listed)
     encounters, frame = result.encounters, result.dataset.frames["frame"].to_numpy()
     recordings = result.dataset.recordings["name"].to_numpy()
     lines = []

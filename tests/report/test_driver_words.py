@@ -177,6 +177,10 @@ def test_a_rule_of_the_gate_is_judged_and_undefined_where_nothing_is_known():
     rules = [parse_rule("unprotected_y <= 2"), parse_rule("driver_venn.nobody == 1")]
     outcomes, _ = run_gate(rules, eight(), (), strict=False)
     assert [outcome.is_passed for outcome in outcomes[:2]] == [True, True]
+    (failed, *_), _ = run_gate([parse_rule("unprotected_y == 0")], eight(), (), strict=False)
+    assert failed.details == ("r0, track 6, frame 0", "r0, track 8, frame 0")
+    (failed, *_), _ = run_gate([parse_rule("driver_venn.y == 0")], eight(), (), strict=False)
+    assert failed.details == ("r0, track 7, frame 0",)
     bare = result_of(make_dataset([at(0, 50, track=1)]))
     outcomes, measures = run_gate(rules, bare, (), strict=False)
     assert [outcome.is_passed for outcome in outcomes[:2]] == [False, False]
