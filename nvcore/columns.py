@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -79,6 +80,24 @@ class BoxColumns:
 
 BOX_COLUMNS = tuple(spec.name for spec in fields(BoxColumns))[:-2]
 """Columns of the boxes table that `BoxColumns` holds."""
+
+
+class Detectability(NamedTuple):
+    """Would the driver see each truth box by himself.
+
+    Attributes
+    ----------
+    value
+        0..1, 1 is surely seen; float64, shape (n_truth,); NaN where unknown.
+    sd
+        Standard deviation of the estimate; float64, shape (n_truth,); NaN where unknown.
+    is_outside
+        Whether it was estimated outside the range of the training; bool, shape (n_truth,).
+    """
+
+    value: np.ndarray
+    sd: np.ndarray
+    is_outside: np.ndarray
 
 
 @dataclass(frozen=True)

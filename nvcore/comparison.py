@@ -14,6 +14,7 @@ import pandas as pd
 from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
+from nvcore.metrics.driver import DriverView, judge_driver, weigh_unseen
 from nvcore.metrics.encounters import Encounters, encounters_of, mostly_one_frame
 from nvcore.metrics.fusion import fuse
 from nvcore.metrics.linking import TruthTracks
@@ -40,7 +41,16 @@ from nvcore.metrics.venn import (
 )
 from nvcore.palette import Scheme, Shade, scheme_for
 from nvcore.params import Params
-from nvcore.params.metadata import CONTACT, COST, ENCOUNTERS, MATCH, PROXIMITY, URGENCY
+from nvcore.params.metadata import (
+    CONTACT,
+    COST,
+    DRIVER,
+    ENCOUNTERS,
+    MATCH,
+    PROXIMITY,
+    UNSEEN,
+    URGENCY,
+)
 from nvcore.schema import Category, DetectionState, Urgency
 from nvcore.scoring import Memo, SystemResult, score_system
 
@@ -64,12 +74,17 @@ class Result:
         The encounters of the ground truth.
     k_truth
         Proximity weight of every truth box.
+    k_miss
+        What missing each truth box weighs: its proximity weight, less where the driver sees it by
+        himself if `driver_weighting` says so (`nvcore.metrics.driver.weigh_unseen`).
     cost
         What missing each truth box would cost (`nvcore.metrics.severity.cost_of_miss`).
     contact
         Time to contact of every truth box (`nvcore.metrics.time_left.measure_contact`).
     urgency
         Whether and when each encounter becomes urgent (`nvcore.metrics.time_left.find_urgent`).
+    detectable
+        How detectable each encounter is to the driver (`nvcore.metrics.driver.judge_driver`).
     category
         Venn category of every encounter; object, shape (n_encounters,).
     venn, exclusivity, boxes
@@ -87,9 +102,11 @@ class Result:
     tracks: TruthTracks
     encounters: Encounters
     k_truth: Weights
+    k_miss: np.ndarray
     cost: np.ndarray
     contact: Contact
     urgency: pd.DataFrame
+    detectable: pd.DataFrame
     n_truth: np.ndarray
     category: np.ndarray
     venn: Venn
@@ -166,6 +183,13 @@ class Result:
     def count_urgency(self) -> dict[Urgency, int]:
         """Encounters of each urgency."""
         return {kind: int((self.urgency["urgency"] == kind.value).sum()) for kind in Urgency}
+
+    @cached_property
+    def driver(self) -> DriverView:
+        """Whom the driver sees by himself, beside X and Y."""
+        is_near = self.category != Category.DISTANT.value
+        detected = (system.encounters["is_detected"].to_numpy() for _, system in self.sides)
+        return DriverView(self.detectable, is_near, *detected)
 
     @property
     def has_assumed_speed(self) -> np.ndarray:
@@ -250,10 +274,18 @@ def compare(
         lambda: weigh_proximity(weighing_truth(dataset, params), ~truth.ignore, frames, params),
         PROXIMITY,
     )
+    k_miss = memo.get(
+        "k_miss", lambda: weigh_unseen(k_truth.k, dataset.detectability, params), UNSEEN
+    )
     cost = memo.get(
         "cost",
-        lambda: cost_of_miss(truth, k_truth.k, frames, in_use(params, "edge_weight", frames)),
+        lambda: cost_of_miss(truth, k_miss, frames, in_use(params, "edge_weight", frames)),
         COST,
+    )
+    detectable = memo.get(
+        "detectable",
+        lambda: judge_driver(dataset.detectability, encounters, k_truth.k, params),
+        DRIVER,
     )
     contact = memo.get(
         "contact",
@@ -267,7 +299,7 @@ def compare(
     urgency = memo.get(
         "urgency", lambda: find_urgent(contact, truth, encounters, frames, params), URGENCY
     )
-    shared = (dataset, params, tracks, encounters, k_truth, cost, contact, urgency)
+    shared = (dataset, params, tracks, encounters, k_truth, k_miss, cost, contact, urgency)
     pairs = list(zip(names, (params.threshold_x, params.threshold_y), strict=True))
 
     def score(pair: tuple[str, float | None]) -> SystemResult:
@@ -306,9 +338,11 @@ def compare(
         tracks=tracks,
         encounters=encounters,
         k_truth=k_truth,
+        k_miss=k_miss,
         cost=cost,
         contact=contact,
         urgency=urgency,
+        detectable=detectable,
         n_truth=n_truth,
         category=category,
         venn=venn,

@@ -42,6 +42,7 @@ BOX_DTYPES: Final[dict[str, str]] = {
     "distance_m": "float64",  # metres from the camera; NaN: unknown
     "occlusion": "int8",  # 0 none, 1 partial, 2 heavy; UNKNOWN_OCCLUSION
     "label": "int32",  # place among the labels of the reading or the dataset; NO_LABEL
+    "detectability": "float64",  # truth only: 0..1, would the driver see it; NaN: unknown
     "file": "int32",  # index into the files of the reading or the dataset
     "line": "int32",  # 1-based line (or 1-based record) in that file
 }
@@ -54,8 +55,17 @@ DATASET_BOX_DTYPES: Final[dict[str, str]] = {
     "frame_index": "int64",  # row of the frames table
     "source": "int16",  # TRUTH or system number + 1
     **BOX_DTYPES,
+    "detectability_sd": "float64",  # standard deviation of the estimate; NaN: unknown
+    "is_outside": "bool",  # whether it was estimated outside the range of the training
 }
 """Boxes of a `Dataset`, sorted by source, then frame_index, then file order."""
+
+DETECTABILITY: Final = "detectability"
+"""Subject of findings about a file of estimates of it, among truth and systems."""
+
+DETECTABILITY_COLUMNS: Final = ("detectability", "detectability_sd", "is_outside")
+"""What is known of the driver's view of each box. Where it is unknown throughout, these columns
+take no memory: no kernel reads them then."""
 
 FRAME_DTYPES: Final[dict[str, str]] = {
     "recording": "int32",  # row of the recordings table
@@ -167,6 +177,35 @@ TIME_LEFT_TEXT: Final[dict[TimeLeft, str]] = {
 }
 
 
+class DriverRegion(StrEnum):
+    """Who sees an encounter: the driver by himself, X, Y; the three-way Venn diagram."""
+
+    DRIVER_X_Y = "driver_x_y"
+    DRIVER_X = "driver_x"
+    DRIVER_Y = "driver_y"
+    DRIVER = "driver"
+    X_Y = "x_y"
+    X = "x"
+    Y = "y"
+    NOBODY = "nobody"
+    UNKNOWN = "unknown"
+    DISTANT = "distant"
+
+
+DRIVER_REGION_TEXT: Final[dict[DriverRegion, str]] = {
+    DriverRegion.DRIVER_X_Y: "The driver and both systems: both warnings are redundant.",
+    DriverRegion.DRIVER_X: "The driver and X, not Y: the warning of X is redundant.",
+    DriverRegion.DRIVER_Y: "The driver and Y, not X: the warning of Y is redundant.",
+    DriverRegion.DRIVER: "The driver, but neither X nor Y: he needs no warning.",
+    DriverRegion.X_Y: "Not the driver, but both X and Y: either can warn him.",
+    DriverRegion.X: "Neither the driver nor Y, but X: where X can save lives.",
+    DriverRegion.Y: "Neither the driver nor X, but Y: where Y can save lives.",
+    DriverRegion.NOBODY: "Neither the driver nor X nor Y: nobody protects the pedestrian.",
+    DriverRegion.UNKNOWN: "It is not known whether the driver sees the pedestrian.",
+    DriverRegion.DISTANT: "The pedestrian never came near enough to count.",
+}
+
+
 class TruthState(IntEnum):
     """How a system did with a truth box."""
 
@@ -252,6 +291,7 @@ def conform(
         "occlusion": UNKNOWN_OCCLUSION,
         "label": NO_LABEL,
         "ignore": False,
+        "is_outside": False,
     }
     table: dict[str, Any] = {}
     for name, dtype in dtypes.items():
@@ -262,6 +302,7 @@ def conform(
             continue
         if np.ndim(value) == 0:  # type: ignore[arg-type]
             scalar = np.asarray(value).astype(dtype)
-            value = np.full(n_rows, scalar) if repeat is None else repeat(scalar, n_rows)
+            fill = np.broadcast_to if name in DETECTABILITY_COLUMNS else repeat
+            value = np.full(n_rows, scalar) if fill is None else fill(scalar, n_rows)
         table[name] = np.asarray(value).astype(dtype, copy=False)
     return pd.DataFrame(table, copy=False)

@@ -22,6 +22,7 @@ from nvcore.params.metadata import (
     CONTACT,
     COST,
     DISTANCES,
+    DRIVER,
     ENCOUNTERS,
     EVENTS,
     LOW,
@@ -34,6 +35,7 @@ from nvcore.params.metadata import (
     SIMILARITY,
     THRESHOLD,
     TIME_LEFT,
+    UNSEEN,
     URGENCY,
     Stage,
 )
@@ -70,6 +72,8 @@ MADE_BY: dict[Stage, set[str]] = {
     CONTACT: {"ttc_s"},
     URGENCY: {"urgency"},
     CONFIRMED: {"x confirmed"},
+    UNSEEN: {"k_miss"},
+    DRIVER: {"detectable"},
 }
 """What a setting of a stage changes first: one of these at least."""
 
@@ -92,6 +96,7 @@ def busy() -> Dataset:
         places.append(PLACE)
     for source, target in enumerate(boxes):  # of two classes, and now and then of none
         target[:] = [b._replace(label=(i + source) % 3 - 1) for i, b in enumerate(target)]
+    boxes[0][:] = [b._replace(detectability=i % 11 / 10) for i, b in enumerate(boxes[0])]
     return make_dataset(*boxes, places=places, labels=("30", "50"))
 
 
@@ -100,6 +105,7 @@ def figures(result: Result) -> dict[str, Any]:
     found: dict[str, Any] = {
         "venn": result.venn, "exclusivity": result.exclusivity, "boxes": result.boxes,
         "category": result.category, "k_truth": result.k_truth.k, "n_truth": result.n_truth,
+        "k_miss": result.k_miss, "detectable": result.detectable,
         "cost": result.cost, "ttc_s": result.contact.ttc_s, "urgency": result.urgency,
         "track": result.tracks.track, "lead": result.lead_time_s, "duration": result.duration_s,
         "without_distance": result.k_truth.n_without_distance,

@@ -25,6 +25,7 @@ from nvcore.extras import needs
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
 from nvcore.measures import MeasureTable
+from nvcore.metrics.driver import DriverView
 from nvcore.metrics.venn import BoxVenn, Exclusivity, Venn
 from nvcore.params import Params
 from nvcore.protocols import Protocol
@@ -111,6 +112,11 @@ class Comparison:
     def boxes(self) -> BoxVenn:
         """Boxes of the truth by who matches them."""
         return self.result.boxes
+
+    @property
+    def driver(self) -> DriverView:
+        """Whom the driver sees by himself, beside X and Y, where detectability is known."""
+        return self.result.driver
 
     @property
     def duration_s(self) -> float:

@@ -23,6 +23,7 @@ from nvcore.auditing.comparability import (
     audit_weighting,
 )
 from nvcore.auditing.coverage import audit_system_coverage, audit_truth_coverage
+from nvcore.auditing.detectability import audit_detectability
 from nvcore.auditing.offsets import find_offsets
 from nvcore.auditing.overlaps import above_threshold
 from nvcore.auditing.perspective import audit_foot_spread
@@ -103,7 +104,7 @@ def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
     for system in (system_source(dataset, name) for name in dataset.systems):
         findings += [*audit_system_coverage(system), *_audit_boxes(system), *audit_scores(system)]
         findings += audit_same_as_truth(system)
-    findings += audit_provenance(dataset)
+    findings += [*audit_provenance(dataset), *audit_detectability(dataset)]
     return *dataset.findings, *_worded(dataset, findings)  # readers quote files, and say it so
 
 

@@ -16,6 +16,7 @@ from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import is_in_ranges
 from nvcore.findings import Cases, Finding, Severity
 from nvcore.inputs.session import Session
+from nvcore.schema import DETECTABILITY
 from nvcore.wording import count_text
 
 
@@ -26,6 +27,7 @@ def audit_left_out(dataset: Dataset) -> list[Finding]:
     frames give a note.
     """
     lost = dataset.left_out.reset_index(drop=True)
+    lost = lost[lost["subject"] != DETECTABILITY]  # see nvcore.auditing.detectability
     findings: list[Finding] = []
     for subject, group in lost.groupby("subject", sort=False):
         name = str(subject)

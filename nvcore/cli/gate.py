@@ -152,7 +152,7 @@ def gate(
     rules hold, 1: one does not, or the audit found errors (with --strict: or warnings), 2: bad
     input or no such measure.
     """
-    from nvcore.report.gate import measure_names, run_gate, value_text
+    from nvcore.report.gate import listed_names, measure_names, run_gate, value_text
     from nvcore.report.gate_results import junit_xml, markdown, terminal_lines
     from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
     from nvcore.report.terminal import render_findings
@@ -183,8 +183,9 @@ def gate(
     findings_shown = findings_at_paths(findings, path)
     click.echo(render_findings(findings_shown), err=is_machine_read)
     if lists:
-        width = max(map(len, values))
-        for name in sorted(values):
+        listed = listed_names(result, values)
+        width = max(map(len, listed))
+        for name in listed:
             click.echo(f"{name:<{width}}  {value_text(values[name])}")
     click.echo("\n".join(["", *terminal_lines(outcomes)]), err=is_machine_read)
     title = f"{result.x.name} (X) and {result.y.name} (Y)"

@@ -49,8 +49,8 @@ STUDY = "Study"
     default="encounters_detected",
     show_default=True,
     help="What to compare by: severity_s_per_encounter, encounters_detected, mean_similarity, "
-    "share_low, lost_s_per_min, saliency, in_time, mean_impact_kmh, false_alert_episodes_per_hour "
-    "or log_average_miss_rate.",
+    "share_low, lost_s_per_min, saliency, in_time, mean_impact_kmh, useful_alerts, "
+    "false_alert_episodes_per_hour or log_average_miss_rate.",
 )
 @grouped_option(
     STUDY,

@@ -12,12 +12,26 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from nvcore.columns import BOX_COLUMNS, BoxColumns, FrameColumns, frame_gaps, offsets_of
+from nvcore.columns import (
+    BOX_COLUMNS,
+    BoxColumns,
+    Detectability,
+    FrameColumns,
+    frame_gaps,
+    offsets_of,
+)
+from nvcore.dataset.estimates import EstimateRecord
 from nvcore.dataset.provenance import Provenance
 from nvcore.errors import InputError
 from nvcore.findings import Finding
 from nvcore.params import Params
-from nvcore.schema import ATTRIBUTE_DTYPES, LEFT_OUT_DTYPES, TRUTH, conform
+from nvcore.schema import (
+    ATTRIBUTE_DTYPES,
+    DETECTABILITY_COLUMNS,
+    LEFT_OUT_DTYPES,
+    TRUTH,
+    conform,
+)
 from nvcore.settings import Settings, as_names
 from nvcore.wording import MOST_NAMED, did_you_mean, listed
 from nvcore.wording.objects import Objects, names_at_risk
@@ -63,6 +77,8 @@ class Dataset:
     provenance
         How the detections of systems were made, by their names; one of which nothing is known is
         absent.
+    estimate
+        How the detectability of `boxes` was estimated; None: the truth states it, or nobody does.
     labels
         What the column `label` of `boxes` counts: classes in the words of the objects ("70"), where
         boxes of several count.
@@ -80,6 +96,7 @@ class Dataset:
     attributes: pd.DataFrame = field(default_factory=lambda: empty_attributes(), repr=False)
     settings: Settings = field(default_factory=Settings, repr=False)
     provenance: Mapping[str, Provenance] = field(default_factory=dict, repr=False)
+    estimate: EstimateRecord | None = None
     labels: tuple[str, ...] = ()
 
     @cached_property
@@ -153,6 +170,19 @@ class Dataset:
     def sources(self) -> tuple[BoxColumns, ...]:
         """Boxes of the ground truth and of every system, in the order of `systems`."""
         return self._by_source
+
+    @cached_property
+    def detectability(self) -> Detectability:
+        """What is known of the driver's view of every truth box, ignored ones included."""
+        n_truth = len(self.truth)
+        return Detectability(
+            *(self.boxes[name].to_numpy()[:n_truth] for name in DETECTABILITY_COLUMNS)
+        )
+
+    @cached_property
+    def has_detectability(self) -> bool:
+        """Whether the detectability of any pedestrian is known."""
+        return bool((~np.isnan(self.detectability.value) & ~self.truth.ignore).any())
 
     def system(self, name: str) -> BoxColumns:
         """Detections of one system, all scores.

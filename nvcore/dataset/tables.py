@@ -11,7 +11,13 @@ import pandas as pd
 from nvcore.columns import frame_gaps
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
-from nvcore.schema import DATASET_BOX_DTYPES, FRAME_DTYPES, RECORDING_DTYPES, conform
+from nvcore.schema import (
+    DATASET_BOX_DTYPES,
+    DETECTABILITY_COLUMNS,
+    FRAME_DTYPES,
+    RECORDING_DTYPES,
+    conform,
+)
 from nvcore.settings import MAX_FPS, MIN_FPS
 
 
@@ -102,8 +108,8 @@ def dataset_from_tables(
         key = source.astype(np.int64) * max(len(frames), 1) + frame_index
         table = table.iloc[np.argsort(key, kind="stable")].reset_index(drop=True)
     if fingerprint is None:
-        stated = table if table["label"].ge(0).any() else table.drop(columns="label")
-        fingerprint = tables_fingerprint([what_is_stated(recordings), frames, stated], systems)
+        tables = [what_is_stated(recordings), frames, _boxes_stated(table)]
+        fingerprint = tables_fingerprint(tables, systems)
     return Dataset(recordings, frames, table, tuple(systems), fingerprint, **other_fields)  # type: ignore[arg-type]
 
 
@@ -118,6 +124,17 @@ def what_is_stated(recordings: pd.DataFrame) -> pd.DataFrame:
         "speed_kmh": recordings["speed_kmh"].isna().all(),
     }
     return recordings.drop(columns=[name for name, empty in is_empty.items() if empty])
+
+
+def _boxes_stated(boxes: pd.DataFrame) -> pd.DataFrame:
+    """The boxes as a fingerprint includes them: without labels and detectability if none has any.
+
+    As of `what_is_stated`.
+    """
+    unknown = [] if boxes["label"].ge(0).any() else ["label"]
+    if boxes["detectability"].isna().all():
+        unknown += DETECTABILITY_COLUMNS
+    return boxes.drop(columns=unknown)
 
 
 def tables_fingerprint(tables: Iterable[pd.DataFrame], systems: Sequence[str]) -> str:

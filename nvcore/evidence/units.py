@@ -131,10 +131,10 @@ def sum_units(result: Result, units: Units) -> pd.DataFrame:
     Returns
     -------
     One row per unit: recording (row of the recordings), n_frames, duration_s, share_of_recording
-    (1, or a block's part of it), n_encounters (not distant), n_urgent; and, for each measure that
-    is judged by units, the sums of its parts: its key with ``_x`` and ``_y`` (NaN where it cannot
-    be shared out to blocks of time). Encounters, episodes and events belong to the unit in which
-    they begin.
+    (1, or a block's part of it), n_encounters (not distant), n_urgent, n_unseen (by the driver);
+    and, for each measure that is judged by units, the sums of its parts: its key with ``_x`` and
+    ``_y`` (NaN where it cannot be shared out to blocks of time). Encounters, episodes and events
+    belong to the unit in which they begin.
     """
     n, unit = len(units), units.unit_of_frame
     frames, encounters = result.dataset.frame_columns, result.encounters
@@ -153,6 +153,7 @@ def sum_units(result: Result, units: Units) -> pd.DataFrame:
         "share_of_recording": 1 / per_recording[units.recording],
         "n_encounters": total(begin[is_near]),
         "n_urgent": total(begin[result.is_urgent]),
+        "n_unseen": total(begin[result.driver.is_unseen]),
     }
     for letter, system in result.sides:
         columns |= {

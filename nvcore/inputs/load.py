@@ -17,6 +17,7 @@ from nvcore.dataset import Dataset, refuse_doubles
 from nvcore.dataset.provenance import read_provenance
 from nvcore.dataset.tables import tables_fingerprint
 from nvcore.errors import InputError
+from nvcore.inputs.driver.joining import with_detectability
 from nvcore.inputs.files import digest, find_files, located, system_names
 from nvcore.inputs.placing import LoadedSource, place_sources
 from nvcore.inputs.readers.base import Reading, ReadOptions, Role, joined_findings, warning
@@ -26,6 +27,7 @@ from nvcore.inputs.recordings import check_names
 from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.progress import Progress, no_progress
+from nvcore.schema import DETECTABILITY
 from nvcore.wording.objects import PEDESTRIAN, Objects
 
 
@@ -64,10 +66,11 @@ def load(
     truth = _read(session, session.truth, "truth", "truth", None, tables.get(session.truth))
     names = truth.reading.recordings["name"].tolist()
     loaded = [truth]
+    reserved = [] if session.driver.detectability is None else [DETECTABILITY]
     path_names = system_names(session.systems, names)
     for source, by_path in zip(session.systems, path_names, strict=True):
         name = source.name or by_path
-        while name in {other.subject for other in loaded}:
+        while name in {*(other.subject for other in loaded), *reserved}:
             name += " (2)"
         progress(len(loaded) / n_steps, f"reading {name}")
         table = tables.get(source)
@@ -82,6 +85,7 @@ def load(
 
     dataset = place_sources(session.of_all.as_titled, loaded, max_frames, is_compared)
     session = session.choosing_from(dataset.recordings["name"].tolist())
+    dataset = with_detectability(dataset, session)
     return dataset.with_settings(session).only(session.only_tags, session.only)
 
 

@@ -29,7 +29,7 @@ from nvcore.inputs.recordings import (
 )
 from nvcore.inputs.session import Session, Source
 from nvcore.memory import check_room
-from nvcore.schema import BOX_DTYPES
+from nvcore.schema import BOX_DTYPES, TRUTH
 from nvcore.wording import listed
 
 REASONS: Final = (
@@ -178,10 +178,7 @@ def place_sources(
     return dataset_from_tables(
         recordings,
         frames,
-        pd.DataFrame(
-            {name: np.concatenate([table[name] for table in tables]) for name in tables[0]},
-            copy=False,
-        ),
+        pd.DataFrame(_joined(tables), copy=False),
         [source.subject for source in loaded[1:]],
         fingerprint=_fingerprint(session, loaded, recordings, frames),
         inputs=pd.concat([_input_rows(source) for source in loaded], ignore_index=True),
@@ -195,6 +192,20 @@ def place_sources(
         labels=labels,
         **({} if truth.attributes is None else {"attributes": truth.attributes}),
     )
+
+
+def _joined(tables: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
+    """The columns of all sources, one after the other; what some lack is unknown there."""
+    n_rows = [len(table["x"]) for table in tables]
+    return {
+        name: np.concatenate(
+            [
+                table[name] if name in table else np.full(n, np.nan)
+                for table, n in zip(tables, n_rows, strict=True)
+            ]
+        )
+        for name in tables[0]
+    }
 
 
 def _placed(
@@ -213,6 +224,8 @@ def _placed(
     file = boxes["file"].to_numpy() + np.int32(n_files)
     position, fault = places.of(boxes)
     columns = {name: boxes[name].to_numpy() for name in BOX_DTYPES}
+    if number != TRUTH or boxes["detectability"].isna().all():
+        del columns["detectability"]
     columns |= {
         "file": file,
         "frame_index": position,

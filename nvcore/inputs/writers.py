@@ -186,6 +186,8 @@ def _table(reading: Reading, role: Role) -> pd.DataFrame:
         track=table["track"].astype("Int64").mask(table["track"] == NO_TRACK),
         occlusion=table["occlusion"].astype("Int64").mask(table["occlusion"] == UNKNOWN_OCCLUSION),
     )
+    if role == "truth" and reading.boxes["detectability"].notna().any():
+        table = table.assign(detectability=reading.boxes["detectability"])
     if reading.attributes is None:
         return table
     return table.assign(attributes=_attribute_texts(reading))
@@ -238,7 +240,7 @@ def _coco_truth(reading: Reading, sides: np.ndarray) -> dict[str, object]:
     ids = _ids(boxes, images)
     rows = []
     # one object a box is what JSON wants: a loop
-    for number, (image_id, box, ignore, track, distance, occlusion, attributes) in enumerate(
+    for number, (image_id, box, ignore, track, distance, occlusion, seen, attributes) in enumerate(
         zip(
             ids,
             sides.tolist(),
@@ -246,6 +248,7 @@ def _coco_truth(reading: Reading, sides: np.ndarray) -> dict[str, object]:
             boxes["track"].tolist(),
             boxes["distance_m"].tolist(),
             boxes["occlusion"].tolist(),
+            boxes["detectability"].tolist(),
             _attribute_texts(reading),
             strict=True,
         ),
@@ -266,6 +269,8 @@ def _coco_truth(reading: Reading, sides: np.ndarray) -> dict[str, object]:
             row["distance_m"] = distance
         if occlusion != UNKNOWN_OCCLUSION:
             row["occlusion"] = occlusion
+        if np.isfinite(seen):
+            row["detectability"] = seen
         if isinstance(attributes, str):
             row["attributes"] = attributes
         rows.append(row)

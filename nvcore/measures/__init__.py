@@ -88,6 +88,8 @@ def label_words(result: Result, units: str = "") -> dict[str, Any]:
         "n_near": result.venn.n_near,
         "n_boxes": int(result.n_truth.sum()),
         "n_urgent": int(result.is_urgent.sum()),
+        "n_unseen": int(result.driver.is_unseen.sum()),
+        "n_seen": int(result.driver.is_seen.sum()),
         "units": units,
     }
 

@@ -107,9 +107,15 @@ class Inference:
     form: str = ""
     parts: Callable[[Result, SystemResult], Parts | None] | None = None
     split: Callable[[Result], Venn] | None = None
-    per: Literal["n_encounters", "n_urgent", "n_frames", "duration_s", "share_of_recording", ""] = (
-        ""
-    )
+    per: Literal[
+        "n_encounters",
+        "n_urgent",
+        "n_unseen",
+        "n_frames",
+        "duration_s",
+        "share_of_recording",
+        "",
+    ] = ""
     factor: float = 1.0
     not_in_blocks: str = ""
     not_of_pedestrians: str = ""
@@ -152,6 +158,8 @@ class Measure:
     applies
         Whether a comparison has what it measures; without it no table shows the measure, and a rule
         of the gate finds it undefined. None: always.
+    is_optional
+        Whether files lack it where no detectability is known.
     rule
         Its name in rules of the gate, for detection curves; others go by their key.
     inference
@@ -172,5 +180,6 @@ class Measure:
     tables: tuple[MeasureTable, ...] = ()
     part: str = ""
     applies: Callable[[Result], bool] | None = None
+    is_optional: bool = False
     rule: str = ""
     inference: Inference | None = None

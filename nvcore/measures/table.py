@@ -7,6 +7,7 @@ from typing import Final
 from nvcore.measures.entry import Measure
 from nvcore.measures.of_alarms import ALARM_MEASURES
 from nvcore.measures.of_curves import CURVE_MEASURES
+from nvcore.measures.of_driver import DRIVER_MEASURES
 from nvcore.measures.of_encounters import ENCOUNTER_MEASURES
 from nvcore.measures.of_frames import FRAME_MEASURES
 from nvcore.measures.of_time_left import TIME_LEFT_MEASURES
@@ -15,6 +16,7 @@ MEASURES: Final[tuple[Measure, ...]] = (
     *FRAME_MEASURES,
     *ENCOUNTER_MEASURES,
     *TIME_LEFT_MEASURES,
+    *DRIVER_MEASURES,
     *ALARM_MEASURES,
     *CURVE_MEASURES,
 )

@@ -1,6 +1,7 @@
 """The metrics of paper 11-0360: pure functions over columns."""
 
 from nvcore.metrics.cost_map import CostMap, map_cost
+from nvcore.metrics.driver import DriverVenn, DriverView, driver_regions, judge_driver, weigh_unseen
 from nvcore.metrics.encounters import RELEVANT_K, Encounters, find_encounters, judge_encounters
 from nvcore.metrics.false_alarms import FalseAlarmSummary, find_episodes, summarise_false_alarms
 from nvcore.metrics.fusion import fuse, pair_detections
@@ -60,6 +61,8 @@ __all__ = [
     "BoxVenn",
     "Contact",
     "CostMap",
+    "DriverVenn",
+    "DriverView",
     "Encounters",
     "Exclusivity",
     "FalseAlarmSummary",
@@ -80,6 +83,7 @@ __all__ = [
     "count_categories",
     "count_per_frame",
     "curve_over_speed",
+    "driver_regions",
     "estimate_horizon",
     "estimate_horizons",
     "find_encounters",
@@ -89,6 +93,7 @@ __all__ = [
     "find_nearest",
     "find_urgent",
     "fuse",
+    "judge_driver",
     "judge_encounters",
     "judge_time_left",
     "link_boxes",
@@ -116,4 +121,5 @@ __all__ = [
     "turning_speeds",
     "weigh_failures",
     "weigh_proximity",
+    "weigh_unseen",
 ]

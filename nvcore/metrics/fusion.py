@@ -12,7 +12,7 @@ from nvcore.dataset import Dataset
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.kernels.pairs import pair_frames
 from nvcore.metrics.proximity.borrowing import share_borrowed
-from nvcore.schema import DATASET_BOX_DTYPES, TRUTH, conform
+from nvcore.schema import DATASET_BOX_DTYPES, DETECTABILITY_COLUMNS, TRUTH, conform
 from nvcore.settings import Settings
 
 
@@ -71,8 +71,11 @@ def fuse(
     n_truth = len(dataset.truth)
     rows = np.concatenate([np.arange(n_truth), either, both])
     # column by column: every box is copied once
+    unknown = () if dataset.has_detectability else DETECTABILITY_COLUMNS
     columns: dict[str, Any] = {
-        str(name): dataset.boxes[name].to_numpy()[rows] for name in dataset.boxes
+        str(name): dataset.boxes[name].to_numpy()[rows]
+        for name in dataset.boxes
+        if name not in unknown
     }
     columns["source"] = np.repeat([TRUTH, 1, 2], [n_truth, len(either), len(both)])
     columns["score"][n_truth:] = np.nan

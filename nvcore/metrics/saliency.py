@@ -99,6 +99,8 @@ def find_events(
     frames: FrameColumns,
     edge_weight: np.ndarray,
     params: Params,
+    *,
+    k_miss: np.ndarray | None = None,
 ) -> pd.DataFrame:
     """Saliency events: maximal runs of listed frames in which one pedestrian qualifies.
 
@@ -116,6 +118,8 @@ def find_events(
         D(G, S) of each frame, px, and who qualifies (`qualify`); shape (n_frames,).
     edge_weight
         Of each recording; float64, shape (n_recordings,).
+    k_miss
+        What missing each truth row weighs, shape (n_truth,); None: `k_truth`.
 
     Returns
     -------
@@ -129,7 +133,8 @@ def find_events(
     Paper 11-0360, metric of saliency.
     """
     if params.saliency_of == "each":
-        terms = miss_terms(truth, k_truth, nearest_truth, frames, edge_weight)
+        weights = k_truth if k_miss is None else k_miss
+        terms = miss_terms(truth, weights, nearest_truth, frames, edge_weight)
         boxes = qualify_each(truth, terms, encounters, frames, tolerance=params.tolerance)
         rows, effect = truth.frame_index[boxes], terms[boxes]
     else:

@@ -114,6 +114,7 @@ class _Frame:
         self.is_salient = {"x": gathered.is_salient_x, "y": gathered.is_salient_y}
         self.truth_state = {"x": gathered.state_x, "y": gathered.state_y}
         self.k = result.k_truth.k[self.rows["truth"]]
+        self.k_miss = result.k_miss[self.rows["truth"]]
         edge_weight = in_use(result.params, "edge_weight", frames)
         self.border = border_of(self.truth, frames, edge_weight)
         self.boxes: dict[str, BoxColumns] = {}
@@ -124,7 +125,7 @@ class _Frame:
             boxes = self.boxes[letter] = detections.of_frames(row, row + 1)
             self.state[letter] = system.matches.state[rows]
             nearest = system.nearest.truth[self.rows["truth"]]
-            self.terms[letter] = miss_terms(self.truth, self.k, nearest, frames, edge_weight)
+            self.terms[letter] = miss_terms(self.truth, self.k_miss, nearest, frames, edge_weight)
             self.det_border[letter] = border_of(boxes, frames, edge_weight)
 
     @property
@@ -225,7 +226,9 @@ def _cost(frame: _Frame, letter: str, i: int) -> str:
         return ""
     px = min(frame.border[i], nearest)
     share = f"{px:.0f} of {frame.half_width:.0f} px"
-    how = f"alpha {params.alpha:g} × weight {frame.k[i]:.2f} × {share}"
+    unseen = float(frame.k_miss[i] / frame.k[i])
+    of_driver = f" × (1 - detectability) {unseen:.2f}" if unseen != 1 else ""
+    how = f"alpha {params.alpha:g} × weight {frame.k[i]:.2f}{of_driver} × {share}"
     if worst in (i, NOBODY):
         return f". Takes {loss:.3f} of {letter.upper()}'s similarity: {how}"
     if frame.is_matched(letter, i):

@@ -2,7 +2,7 @@
 
 The command line makes its flags from `Params`, the dashboard its sliders, `compare` the keys of
 what it need not repeat. A new setting is a field of the topic that it belongs to (`similarity`,
-`judging`, `saliency`, `time_left`); that is all it takes, but for its use, test and docs.
+`judging`, `saliency`, `time_left`, `driver`); that is all it takes, but for its use, test and docs.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from functools import cache
 from typing import Any, Final
 
 from nvcore.errors import ParameterError
+from nvcore.params.driver import NEEDS_DETECTABILITY, DriverSettings, DriverWeighting
 from nvcore.params.judging import JudgingSettings, Match, MatchClass
 from nvcore.params.metadata import Setting, Stage
 from nvcore.params.saliency import (
@@ -37,10 +38,12 @@ from nvcore.wording import did_you_mean
 
 __all__ = [
     "MIDPOINT_SHARE",
+    "NEEDS_DETECTABILITY",
     "SETTINGS",
     "SPREAD_SHARE",
     "Aggregate",
     "Distance",
+    "DriverWeighting",
     "Match",
     "MatchClass",
     "MissingDistance",
@@ -58,7 +61,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Params(
-    TimeLeftSettings, SaliencySettings, JudgingSettings, SimilaritySettings
+    DriverSettings, TimeLeftSettings, SaliencySettings, JudgingSettings, SimilaritySettings
 ):  # the last one's fields first
     """Settings of one comparison, checked when made.
 
@@ -87,6 +90,16 @@ class Params(
     def given(self) -> dict[str, float | str]:
         """Settings by name, those that are None left out (for TOML and JSON)."""
         return {name: value for name, value in asdict(self).items() if value is not None}
+
+    def stated(self, *, has_detectability: bool) -> dict[str, float | str | None]:
+        """All settings by name; those of the driver only if they matter or were changed."""
+        return {
+            name: value
+            for name, value in asdict(self).items()
+            if has_detectability
+            or name not in NEEDS_DETECTABILITY
+            or value != SETTINGS[name].default
+        }
 
     @property
     def without_effect(self) -> tuple[str, ...]:

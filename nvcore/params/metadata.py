@@ -42,7 +42,8 @@ THRESHOLD: Final = Stage("detections that count", "Thresholds and matching")
 MATCH: Final = Stage("matches", "Thresholds and matching", result="matches and false alarms")
 PROXIMITY: Final = Stage("weights of nearness", "Proximity")
 NEAREST: Final = Stage("nearest of the other set", "Similarity", (MATCH,))
-COST: Final = Stage("cost of a missed pedestrian", "Similarity", (PROXIMITY,))
+UNSEEN: Final = Stage("weights of a miss", "The driver", (PROXIMITY,))
+COST: Final = Stage("cost of a missed pedestrian", "Similarity", (UNSEEN,))
 DISTANCES: Final = Stage("distances of the sets", "Similarity", (NEAREST, COST))
 SIMILARITY: Final = Stage("similarity of frames", "Similarity", (DISTANCES,), "similarity")
 LOW: Final = Stage("low frames and moving mean", "Similarity", (SIMILARITY,), "low similarity")
@@ -55,8 +56,11 @@ CONTACT: Final = Stage("time to contact", "Time left")
 URGENCY: Final = Stage("urgent encounters", "Time left", (CONTACT,))
 CONFIRMED: Final = Stage("pedestrians confirmed", "Time left", (MATCH,))
 TIME_LEFT: Final = Stage("time left", "Time left", (URGENCY, CONFIRMED), "time left")
+DRIVER: Final = Stage(
+    "whom the driver sees", "The driver", (PROXIMITY,), "what the driver sees by himself"
+)
 
-RESULTS: Final = (MATCH, SIMILARITY, LOW, ENCOUNTERS, SEVERITY, SALIENCY, TIME_LEFT)
+RESULTS: Final = (MATCH, SIMILARITY, LOW, ENCOUNTERS, SEVERITY, SALIENCY, TIME_LEFT, DRIVER)
 """The stages whose results are shown, in the order in which they are named."""
 
 

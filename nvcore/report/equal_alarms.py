@@ -24,6 +24,8 @@ SHORT_KEYS: Final = (
     "worst_severity_s",
     "in_time",
     "mean_impact_kmh",
+    "useful_alerts",
+    "unprotected",
     "false_alarms_per_frame",
     "false_alert_episodes",
 )

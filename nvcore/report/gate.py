@@ -27,7 +27,7 @@ from nvcore.protocols import Protocol
 from nvcore.report.plan import evidence_of
 from nvcore.report.rules import COMPARISONS, OF_CLASSES, Rule, check_name, class_in, parse_rule
 from nvcore.report.verdict import verdict
-from nvcore.schema import Category
+from nvcore.schema import Category, DriverRegion
 from nvcore.tables.column import Column, Kind
 from nvcore.tables.summary import SUMMARY_KEYS, SYSTEM_KEYS, summary, system_summary
 
@@ -50,6 +50,12 @@ COUNTED_ENCOUNTERS: Final = {
     "venn.neither": Category.NEITHER,
 }
 """Measures that count encounters; a failed rule lists them."""
+COUNTED_REGIONS: Final = {
+    **{f"driver_venn.{region.value}": (region,) for region in DriverRegion},
+    "unprotected_x": (DriverRegion.Y, DriverRegion.NOBODY),
+    "unprotected_y": (DriverRegion.X, DriverRegion.NOBODY),
+}
+"""The same of those that the driver's view counts among."""
 COUNTED_FINDINGS: Final = {"audit_errors": Severity.ERROR, "audit_warnings": Severity.WARNING}
 """Measures that count findings of the audit; a failed rule lists them, too."""
 COUNTED_CLAIMS: Final = {"claims_x": "x", "claims_y": "y"}
@@ -79,9 +85,26 @@ SUMMARY_NAMES: Final = (
 
 def measure_names() -> list[str]:
     """Names of all measures that a rule may name."""
-    of_systems = [*_numeric(SYSTEM_KEYS), *_OF_CURVE]
-    with_endings = [f"{name}_{end}" for name in of_systems for end in ("x", "y", "difference")]
-    return [*with_endings, *_WORSE, *_OTHER_NAMES, *SUMMARY_NAMES]
+    of_systems = _with_endings([*_numeric(SYSTEM_KEYS), *_OF_CURVE])
+    return [*of_systems, *_WORSE, *_OTHER_NAMES, *SUMMARY_NAMES]
+
+
+def _with_endings(names: Iterable[str]) -> list[str]:
+    return [f"{name}_{end}" for name in names for end in ("x", "y", "difference")]
+
+
+def listed_names(result: Result, values: Mapping[str, float]) -> list[str]:
+    """Names of these measures, sorted; those of the driver only where detectability is known."""
+    if result.driver.has_any:
+        return sorted(values)
+    of_system = [column.name for column in SYSTEM_KEYS if column.is_optional]
+    left_out = {
+        *_with_endings(of_system),
+        *(name for name, (key, _) in _WORSE.items() if measure_of(key).is_optional),
+        *(column.name for column in SUMMARY_KEYS if column.is_optional),
+        *(f"fusion.{kind}.{name}" for kind in ("x_or_y", "x_and_y") for name in of_system),
+    }
+    return sorted(values.keys() - left_out)
 
 
 def value_text(value: float) -> str:
@@ -175,14 +198,15 @@ def gate_measures(
     for letter, system in result.sides:
         for name, value in _numbers(system_summary(result, system)):
             values[f"{name}_{letter}"] = value
-    values |= {name: math.nan for name in _lacking(result, "{}_x", "{}_y") if name in values}
+    known = {f"{name}_{letter}" for name in _numeric(SYSTEM_KEYS) for letter in "xy"}
+    values |= {name: math.nan for name in _lacking(result, "{}_x", "{}_y") if name in known}
     if any(name.rsplit("_", 1)[0] in _OF_CURVE for name in needed):
         values |= _of_curves(result, protocol)
     for name in [key.removesuffix("_x") for key in values if key.endswith("_x")]:
         values[f"{name}_difference"] = values[f"{name}_x"] - values[f"{name}_y"]
     if not needed.isdisjoint(SUMMARY_NAMES):
         of_all = dict(_numbers(summary(result)))
-        values |= {name: of_all[name] for name in SUMMARY_NAMES}
+        values |= {name: of_all.get(name, math.nan) for name in SUMMARY_NAMES}
         of_fusion = _lacking(result, "fusion.x_or_y.{}", "fusion.x_and_y.{}")
         values |= {name: math.nan for name in of_fusion if name in values}
     evidence = None
@@ -338,6 +362,8 @@ def _details(outcome: Outcome, result: Result, findings: Sequence[Finding]) -> t
     if counted in COUNTED_ENCOUNTERS:
         category = COUNTED_ENCOUNTERS[counted]
         return tuple(encounters_of(result, category, _members(result, name)))
+    if name in COUNTED_REGIONS:
+        return tuple(_listed(result, np.isin(result.driver.region, COUNTED_REGIONS[name])))
     return tuple(
         f"{finding.subject}: {finding.message}"
         for finding in findings
@@ -356,7 +382,11 @@ def encounters_of(
         Encounters that may be listed, bool; None: all.
     """
     is_listed = result.category == category.value
-    rows = np.flatnonzero(is_listed if is_member is None else is_listed & is_member)
+    return _listed(result, is_listed if is_member is None else is_listed & is_member)
+
+
+def _listed(result: Result, is_listed: np.ndarray) -> list[str]:
+    rows = np.flatnonzero(is_listed)
     encounters, frame = result.encounters, result.dataset.frames["frame"].to_numpy()
     recordings = result.dataset.recordings["name"].to_numpy()
     lines = []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -201,7 +201,9 @@ def matrix_json(dataset: Dataset, params: Params, table: pd.DataFrame) -> str:
     content = {
         "version": __version__,
         "fingerprint": dataset.fingerprint,
-        "parameters": asdict(replace(params, threshold_x=None, threshold_y=None)),
+        "parameters": replace(params, threshold_x=None, threshold_y=None).stated(
+            has_detectability=dataset.has_detectability
+        ),
         "systems": _records(systems_of(table)),
         "pairs": [
             {**values, "text": pair_text(pair)}

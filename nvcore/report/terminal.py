@@ -23,6 +23,7 @@ from nvcore.report.equal_alarms import (
 )
 from nvcore.report.plan import verdict_plan
 from nvcore.report.verdict import Verdict, verdict
+from nvcore.report.verdict.driver import describe_source, regions_text, weighting
 from nvcore.report.words import (
     FUSION_RULE,
     count_leads,
@@ -231,7 +232,7 @@ def _notes(result: Result) -> list[str]:
     """What to know of the rates, and of measures that need encounters of several frames."""
     notes = [SHORT_ROWS] if result.is_short else []
     sampling = sampling_note(result.dataset.frame_columns)
-    return [*notes, sampling] if sampling else notes
+    return [*notes, *filter(None, (sampling, weighting(result)))]
 
 
 def _head(letter: str, system: SystemResult) -> str:
@@ -247,6 +248,10 @@ def _venn(result: Result) -> str:
     ]
     lines.append(describe_exclusivity(result))
     lines.append(_lead(result))
+    if result.driver.has_any:
+        source = describe_source(result)
+        lines.append(f"encounters seen by: {regions_text(result)}")
+        lines.append(f"the driver: {source[0].lower()}{source[1:-1]}")
     urgency = describe_urgency(result)
     lines += [f"time left: {urgency[0].lower()}{urgency[1:-1]}"] if urgency else []
     boxes = result.boxes

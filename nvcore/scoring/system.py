@@ -66,6 +66,7 @@ def score_system(
     tracks: TruthTracks,
     encounters: Encounters,
     k_truth: Weights,
+    k_miss: np.ndarray,
     cost: np.ndarray,
     contact: Contact,
     urgency: pd.DataFrame,
@@ -73,7 +74,7 @@ def score_system(
 ) -> SystemResult:
     """Everything about one system, without reference to the other."""
     scoring = _Scoring(
-        *(name, threshold, dataset, params, tracks, encounters, k_truth, cost),
+        *(name, threshold, dataset, params, tracks, encounters, k_truth, k_miss, cost),
         *(contact, urgency, memo),
     )
     frames = dataset.frame_columns
@@ -135,6 +136,7 @@ class _Scoring:
     tracks: TruthTracks
     encounters: Encounters
     k_truth: Weights
+    k_miss: np.ndarray
     cost: np.ndarray
     contact: Contact
     urgency: pd.DataFrame
@@ -195,7 +197,7 @@ class _Scoring:
             "distances",
             lambda: measure_sets(
                 dataset.truth,
-                self.k_truth.k,
+                self.k_miss,
                 detections,
                 weights.k,
                 is_counted,
@@ -220,6 +222,7 @@ class _Scoring:
             lambda: find_events(
                 *(truth, self.k_truth.k, nearest.truth, distances.d_miss, salient_row),
                 *(self.tracks.track, self.encounters, frames, edge_weight, params),
+                k_miss=self.k_miss,
             ),
             EVENTS,
         )

@@ -10,6 +10,7 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from nvcore.comparison import Result
+from nvcore.metrics.driver import weigh_unseen
 from nvcore.metrics.encounters import judge_encounters
 from nvcore.metrics.matching import Matches, match_system
 from nvcore.metrics.proximity import in_use, weigh_proximity
@@ -131,10 +132,11 @@ def score_setting(
     dataset = result.dataset
     frames = dataset.frame_columns
     has_new_weights = _is_changed(PROXIMITY, changes)
-    k_truth = result.k_truth.k
+    k_truth, k_miss = result.k_truth.k, result.k_miss
     if has_new_weights:
         truth = weighing_truth(dataset, params)
         k_truth = weigh_proximity(truth, ~truth.ignore, frames, params).k
+        k_miss = weigh_unseen(k_truth, dataset.detectability, params)
     scores: dict[Letter, Score] = {}
     for letter in letters:
         matches = _matches(result, letter, params, changes, full)
@@ -144,12 +146,12 @@ def score_setting(
             value = _count_detected(result, k_truth, matches, params)
         else:
             nearest, distances = _distances(
-                result, letter, params, changes, matches, k_truth, criterion
+                result, letter, params, changes, matches, k_miss, criterion
             )
             if criterion == "similarity":
                 scores[letter] = _similarity(distances, result)
                 continue
-            value = _saliency(k_truth, nearest, distances, result, params)
+            value = _saliency(k_truth, k_miss, nearest, distances, result, params)
         scores[letter] = Score(value, value)
     return scores
 
@@ -194,7 +196,7 @@ def _distances(
     params: Params,
     changes: Mapping[str, Any],
     matches: Matches,
-    k_truth: np.ndarray,
+    k_miss: np.ndarray,
     criterion: Criterion,
 ) -> tuple[Nearest, SetDistances]:
     system, dataset = result.system(letter), result.dataset
@@ -210,7 +212,7 @@ def _distances(
         k = weigh_proximity(detections, is_counted, frames, params).k
     edge_weight = in_use(params, "edge_weight", frames)
     return nearest, measure_sets(
-        *(truth, k_truth, detections, k, is_counted, nearest, frames),
+        *(truth, k_miss, detections, k, is_counted, nearest, frames),
         edge_weight=edge_weight,
         track=result.tracks.track,
     )
@@ -236,6 +238,7 @@ def _count_detected(result: Result, k_truth: np.ndarray, matches: Matches, param
 
 def _saliency(
     k_truth: np.ndarray,
+    k_miss: np.ndarray,
     nearest: Nearest,
     distances: SetDistances,
     result: Result,
@@ -247,5 +250,6 @@ def _saliency(
         *(result.dataset.truth, k_truth, nearest.truth, distances.d_miss, salient_row),
         *(result.tracks.track, result.encounters, frames),
         *(in_use(params, "edge_weight", frames), params),
+        k_miss=k_miss,
     )
     return mean_saliency(events, frames, aggregate=params.saliency_aggregate)

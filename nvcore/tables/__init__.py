@@ -3,6 +3,11 @@
 from nvcore.tables.boxes.states import FrameBoxes, gather_boxes
 from nvcore.tables.classes import classes_table, has_classes
 from nvcore.tables.columns import REPORT_COLUMNS, column_names
+from nvcore.tables.encounters.driver import (
+    detectability_course,
+    driver_venn_table,
+    saved_encounters,
+)
 from nvcore.tables.encounters.miss_classes import fusion_table, miss_class_counts, miss_class_totals
 from nvcore.tables.encounters.severity import weighed_encounters
 from nvcore.tables.encounters.weightings import Weightings, compare_weightings
@@ -40,6 +45,8 @@ __all__ = [
     "classes_table",
     "column_names",
     "compare_weightings",
+    "detectability_course",
+    "driver_venn_table",
     "encounter_moments",
     "encounters_table",
     "entries_as_cvat",
@@ -61,6 +68,7 @@ __all__ = [
     "miss_class_totals",
     "next_misses",
     "recordings_table",
+    "saved_encounters",
     "score_rows",
     "summary",
     "system_summary",

@@ -37,6 +37,8 @@ class Column:
         ``"high"`` or ``"low"`` where one is better; empty: neither.
     empty
         When the cell is empty (in JSON: null); empty: never.
+    is_optional
+        Whether files lack it where no detectability is known.
     """
 
     name: str
@@ -45,6 +47,7 @@ class Column:
     meaning: str
     better: str = ""
     empty: str = ""
+    is_optional: bool = False
 
 
 def measure_column(measure: Measure) -> Column:
@@ -56,6 +59,7 @@ def measure_column(measure: Measure) -> Column:
         measure.meaning,
         measure.better.removesuffix("er"),
         measure.empty,
+        measure.is_optional,
     )
 
 

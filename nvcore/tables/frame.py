@@ -178,7 +178,7 @@ def _pedestrians(result: Result, row: int) -> pd.DataFrame:
     half_width = frames.half_width[row]
     nearest = {letter: system.nearest.truth[rows] for letter, system in result.sides}
     terms = {
-        letter: miss_terms(truth, k, nearest_px, frames, edge_weight) / half_width
+        letter: miss_terms(truth, result.k_miss[rows], nearest_px, frames, edge_weight) / half_width
         for letter, nearest_px in nearest.items()
     }
     is_matched_x, is_matched_y = (

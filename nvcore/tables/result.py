@@ -10,6 +10,7 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.findings import Finding
 from nvcore.measures import MEASURES, duration_of_recordings, per_recording
+from nvcore.measures.of_driver import is_driver_in_time, is_judged_in_time
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.saliency import EVENT_COLUMNS
 from nvcore.schema import NO_TRACK, Category, integers_of
@@ -105,6 +106,7 @@ def encounters_table(result: Result) -> pd.DataFrame:
             f"margin_s_{letter}": system.time_left["margin_s"],
             f"impact_kmh_{letter}": system.time_left["impact_kmh"],
         }
+    columns |= _driver_columns(result) if result.driver.has_any else {}
     columns |= {
         "lead_time_s": result.lead_time_s,
         "min_ttc_s": urgency["min_ttc_s"],
@@ -122,6 +124,21 @@ def encounters_table(result: Result) -> pd.DataFrame:
         "classes": classes.texts,
     }
     return pd.DataFrame(columns)
+
+
+def _driver_columns(result: Result) -> dict[str, Any]:
+    """What is known of the driver's own view of each encounter."""
+    table, is_known = result.driver.table, result.driver.is_known
+    return {
+        "detectability": table["detectability"],
+        "detectability_sd": table["sd"],
+        "detectability_frames": table["n_known"],
+        "outside_training": _booleans(table["is_outside"].to_numpy(), is_known),
+        "driver_sees": _booleans(result.driver.is_seen, is_known),
+        "driver_frame": _frame_numbers(result, result.driver.seen_row),
+        "driver_in_time": _booleans(is_driver_in_time(result), is_judged_in_time(result)),
+        "driver_region": result.driver.region,
+    }
 
 
 def _spans(result: Result, spans: pd.DataFrame, letter: str) -> dict[str, Any]:
@@ -217,6 +234,7 @@ def recordings_table(result: Result) -> pd.DataFrame:
             f"{measure.key}_{letter}": measure.by_recording(result, system)
             for measure in MEASURES
             if measure.by_recording is not None
+            and (result.driver.has_any or not measure.is_optional)
         }
     return pd.DataFrame(columns)
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from operator import attrgetter
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 
@@ -17,13 +17,13 @@ from nvcore.schema import Category, Urgency
 from nvcore.scoring import SystemResult
 from nvcore.tables.column import Column, Kind, measure_column
 from nvcore.tables.columns import VENN_COLUMNS
+from nvcore.tables.driver_keys import DRIVER_ENTRIES
+from nvcore.tables.summary_entry import Entry
 
 _TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
 _NO_LEAD: Final = "no such encounter"
 
-_OF_SYSTEM: Final = {
-    measure.key: measure.of for measure in MEASURES if measure.meaning and measure.of
-}
+_OF_SYSTEM: Final = {measure.key: measure for measure in MEASURES if measure.meaning and measure.of}
 """Measures of each system, by key."""
 
 SYSTEM_KEYS: Final[tuple[Column, ...]] = (
@@ -38,19 +38,6 @@ SYSTEM_KEYS: Final[tuple[Column, ...]] = (
     *(measure_column(measure) for measure in MEASURES if measure.key in _OF_SYSTEM),
 )
 """Keys of each system: below `x` and `y`, and below `fusion` for their combinations."""
-
-
-class _Entry(NamedTuple):
-    """A key and its value, by default the result's attribute of that name.
-
-    None or NaN where it is undefined.
-    """
-
-    column: Column
-    of: Callable[[Result], Any] | None = None
-
-    def value(self, result: Result) -> Any:
-        return attrgetter(self.column.name)(result) if self.of is None else self.of(result)
 
 
 def _lead_s(result: Result) -> np.ndarray:
@@ -70,7 +57,7 @@ def _count_urgency(result: Result, *, kind: Urgency) -> int:
 
 _URGENCY: Final = (
     *(
-        _Entry(Column(key, _INTEGER, "encounters", meaning), partial(_count_urgency, kind=kind))
+        Entry(Column(key, _INTEGER, "encounters", meaning), partial(_count_urgency, kind=kind))
         for key, kind, meaning in (
             (
                 "urgent",
@@ -97,7 +84,7 @@ _URGENCY: Final = (
             ),
         )
     ),
-    _Entry(
+    Entry(
         Column(
             "recordings_with_assumed_speed",
             _INTEGER,
@@ -110,7 +97,7 @@ _URGENCY: Final = (
 
 _NOT_BORROWED: Final = "`missing_distance` is not `borrow`, or `proximity` not `distance`"
 _BORROWED: Final = (
-    _Entry(
+    Entry(
         Column(
             "truth.boxes_reported_distance",
             _INTEGER,
@@ -120,7 +107,7 @@ _BORROWED: Final = (
         ),
         lambda result: result.borrowed and result.borrowed.n_reported,
     ),
-    _Entry(
+    Entry(
         Column(
             "truth.boxes_between_distances",
             _INTEGER,
@@ -130,7 +117,7 @@ _BORROWED: Final = (
         ),
         lambda result: result.borrowed and result.borrowed.n_between,
     ),
-    _Entry(
+    Entry(
         Column(
             "truth.distances_lent",
             Kind.TABLE,
@@ -141,7 +128,7 @@ _BORROWED: Final = (
         ),
         lambda result: result.borrowed and result.borrowed.lent,
     ),
-    _Entry(
+    Entry(
         Column(
             "truth.distance_spread",
             _NUMBER,
@@ -154,9 +141,9 @@ _BORROWED: Final = (
     ),
 )
 
-_ENTRIES: Final[tuple[_Entry, ...]] = (
-    _Entry(Column("version", _TEXT, "", "Version of nvcore."), lambda _: __version__),
-    _Entry(
+_ENTRIES: Final[tuple[Entry, ...]] = (
+    Entry(Column("version", _TEXT, "", "Version of nvcore."), lambda _: __version__),
+    Entry(
         Column(
             "fingerprint",
             _TEXT,
@@ -166,30 +153,34 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
         ),
         lambda result: result.dataset.fingerprint,
     ),
-    _Entry(
+    Entry(
         Column(
-            "parameters", Kind.TABLE, "", "Every parameter by name; null where it has no value."
+            "parameters",
+            Kind.TABLE,
+            "",
+            "Every parameter by name, those of the driver where detectability is known or they "
+            "were changed; null where it has no value.",
         ),
-        lambda result: asdict(result.params),
+        lambda result: result.params.stated(has_detectability=result.dataset.has_detectability),
     ),
-    _Entry(
+    Entry(
         Column("recordings", _INTEGER, "recordings", "Recordings compared."),
         lambda result: len(result.dataset.recordings),
     ),
-    _Entry(
+    Entry(
         Column("frames", _INTEGER, "frames", "Evaluated frames."),
         lambda result: len(result.dataset.frames),
     ),
-    _Entry(Column("duration_s", _NUMBER, "s", "Sum of their time steps.")),
-    _Entry(
+    Entry(Column("duration_s", _NUMBER, "s", "Sum of their time steps.")),
+    Entry(
         Column("truth.boxes", _INTEGER, "boxes", "Annotated pedestrians, ignore regions left out."),
         lambda result: int(result.n_truth.sum()),
     ),
-    _Entry(
+    Entry(
         Column("truth.boxes_ignored", _INTEGER, "boxes", "Ignore regions."),
         lambda result: int(np.count_nonzero(result.dataset.truth.ignore)),
     ),
-    _Entry(
+    Entry(
         Column(
             "truth.encounters",
             _INTEGER,
@@ -198,7 +189,7 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
         ),
         lambda result: len(result.encounters),
     ),
-    _Entry(
+    Entry(
         Column(
             "truth.recordings_with_linked_tracks",
             _INTEGER,
@@ -208,7 +199,7 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
         ),
         lambda result: len(result.tracks.linked_recordings),
     ),
-    _Entry(
+    Entry(
         Column(
             "truth.boxes_without_distance",
             _INTEGER,
@@ -219,17 +210,17 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
     ),
     *_BORROWED,
     *_URGENCY,
-    _Entry(
+    Entry(
         Column("x", Kind.TABLE, "", "System X; the keys are those of each system, below."),
         lambda result: system_summary(result, result.x),
     ),
-    _Entry(
+    Entry(
         Column("y", Kind.TABLE, "", "System Y; the same keys."),
         lambda result: system_summary(result, result.y),
     ),
-    *(_Entry(replace(column, name=f"venn.{column.name}")) for column in VENN_COLUMNS),
+    *(Entry(replace(column, name=f"venn.{column.name}")) for column in VENN_COLUMNS),
     *(
-        _Entry(
+        Entry(
             Column(
                 f"venn_severity_s.{kind.value}_{letter}",
                 _NUMBER,
@@ -243,7 +234,7 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
         if kind is not Category.DISTANT
         for letter in "xy"
     ),
-    _Entry(
+    Entry(
         Column(
             "dominant",
             _TEXT,
@@ -253,22 +244,22 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
         ),
         lambda result: result.venn.dominant,
     ),
-    _Entry(
+    Entry(
         Column(
             "exclusivity.missed_by_x", _INTEGER, "encounters", "Encounters that X missed.", "low"
         )
     ),
-    _Entry(
+    Entry(
         Column(
             "exclusivity.missed_by_y", _INTEGER, "encounters", "Encounters that Y missed.", "low"
         )
     ),
-    _Entry(
+    Entry(
         Column(
             "exclusivity.missed_by_both", _INTEGER, "encounters", "Those that both missed.", "low"
         )
     ),
-    _Entry(
+    Entry(
         Column(
             "exclusivity.jaccard",
             _NUMBER,
@@ -277,7 +268,7 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
             empty="no misses",
         )
     ),
-    _Entry(
+    Entry(
         Column(
             "exclusivity.phi",
             _NUMBER,
@@ -286,7 +277,7 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
             empty="a system misses none or all",
         )
     ),
-    _Entry(
+    Entry(
         Column(
             "exclusivity.mcnemar_p",
             _NUMBER,
@@ -297,13 +288,13 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
         ),
         attrgetter("mcnemar_p"),
     ),
-    _Entry(Column("boxes.both", _INTEGER, "boxes", "Pedestrian boxes that both systems matched.")),
-    _Entry(Column("boxes.x_only", _INTEGER, "boxes", "Pedestrian boxes that only X matched.")),
-    _Entry(Column("boxes.y_only", _INTEGER, "boxes", "Pedestrian boxes that only Y matched.")),
-    _Entry(
+    Entry(Column("boxes.both", _INTEGER, "boxes", "Pedestrian boxes that both systems matched.")),
+    Entry(Column("boxes.x_only", _INTEGER, "boxes", "Pedestrian boxes that only X matched.")),
+    Entry(Column("boxes.y_only", _INTEGER, "boxes", "Pedestrian boxes that only Y matched.")),
+    Entry(
         Column("boxes.neither", _INTEGER, "boxes", "Pedestrian boxes that neither system matched.")
     ),
-    _Entry(
+    Entry(
         Column(
             "lead_time_s.encounters",
             _INTEGER,
@@ -312,7 +303,7 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
         ),
         lambda result: len(_lead_s(result)),
     ),
-    _Entry(
+    Entry(
         Column(
             "lead_time_s.mean",
             _NUMBER,
@@ -322,19 +313,20 @@ _ENTRIES: Final[tuple[_Entry, ...]] = (
         ),
         lambda result: float(lead_s.mean()) if len(lead_s := _lead_s(result)) else None,
     ),
-    _Entry(
+    Entry(
         Column("lead_time_s.median", _NUMBER, "s", "Its median.", empty=_NO_LEAD),
         lambda result: float(np.median(lead_s)) if len(lead_s := _lead_s(result)) else None,
     ),
-    _Entry(
+    Entry(
         Column("fusion.x_or_y", Kind.TABLE, "", "What `X or Y` would do; the same keys."),
         lambda result: system_summary(result.fusion, result.fusion.x),
     ),
-    _Entry(
+    Entry(
         Column("fusion.x_and_y", Kind.TABLE, "", "What `X and Y` would do; the same keys."),
         lambda result: system_summary(result.fusion, result.fusion.y),
     ),
-    _Entry(
+    *DRIVER_ENTRIES,
+    Entry(
         Column(
             "at_equal_false_alarms",
             Kind.TABLE,
@@ -352,22 +344,32 @@ SUMMARY_KEYS: Final[tuple[Column, ...]] = tuple(entry.column for entry in _ENTRI
 
 
 def summary(result: Result, at_equal: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """All aggregates, ready for JSON; None is undefined.
+    """All aggregates, ready for JSON; None is undefined. Optional keys only with detectability.
 
     Parameters
     ----------
     at_equal
         `nvcore.report.equal_alarms.at_equal_alarms`; None: not known, or there is none.
     """
-    content = _nest({entry.column.name: entry.value(result) for entry in _ENTRIES})
+    content = _nest(
+        {
+            entry.column.name: entry.value(result)
+            for entry in _ENTRIES
+            if result.driver.has_any or not entry.column.is_optional
+        }
+    )
     content["at_equal_false_alarms"] = None if at_equal is None else dict(at_equal)
     aggregates: dict[str, Any] = _without_nan(content)
     return aggregates
 
 
 def system_summary(result: Result, system: SystemResult) -> dict[str, Any]:
-    """Aggregates of one system over all recordings."""
-    measures = {key: of(result, system) for key, of in _OF_SYSTEM.items()}
+    """Aggregates of one system over all recordings; optional ones where detectability is known."""
+    measures = {
+        key: measure.of(result, system)
+        for key, measure in _OF_SYSTEM.items()
+        if measure.of is not None and (result.driver.has_any or not measure.is_optional)
+    }
     return _nest({"name": system.name, "threshold": system.threshold, **measures})
 
 

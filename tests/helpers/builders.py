@@ -32,6 +32,7 @@ class Box(NamedTuple):
     distance_m: float = NAN
     occlusion: int = UNKNOWN_OCCLUSION
     label: int = NO_LABEL
+    detectability: float = NAN
     recording: int = 0
 
     @property

@@ -23,7 +23,7 @@ from nvcore.findings import Cases, Finding, Severity
 from nvcore.inputs.load import load
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.report.files import export_files
-from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT
+from nvcore.schema import CATEGORY_TEXT, DRIVER_REGION_TEXT, MISS_CLASS_TEXT
 from nvcore.tables.boxes.matches import MATCH_COLUMNS, MATCHES
 from nvcore.tables.classes import classes_table
 from nvcore.tables.column import Column, Kind
@@ -37,7 +37,11 @@ TABLE = re.compile(r"(?:^\|.*\n)+", re.MULTILINE)
 MATRIX = "matrix.csv"
 TABLES = {**REPORT_COLUMNS, MATCHES: MATCH_COLUMNS, MATRIX: MATRIX_COLUMNS}
 COLUMNS = {**TABLES, "summary.json": SUMMARY_KEYS, "Each system": SYSTEM_KEYS}
-VALUES = {"The column category": CATEGORY_TEXT, "The column miss_class": MISS_CLASS_TEXT}
+VALUES = {
+    "The column category": CATEGORY_TEXT,
+    "The column miss_class": MISS_CLASS_TEXT,
+    "The column driver_region": DRIVER_REGION_TEXT,
+}
 SYSTEMS = ("x", "y", "fusion.x_or_y", "fusion.x_and_y")
 FINDINGS = (
     Finding(
@@ -60,8 +64,10 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     """The files of a small comparison: FIR sees both pedestrians, NIR only one."""
     session = session_of(drive(tmp_path_factory.mktemp("drive")))
     truth = session.folder / "truth.csv"
-    # a box of 2 px: a distant pedestrian
-    truth.write_text(truth.read_text(encoding="utf-8") + "rural,3,50,200,1,2,9\n", encoding="utf-8")
+    # a box of 2 px: a distant pedestrian; and the driver sees every second one
+    head, *lines = [*truth.read_text(encoding="utf-8").splitlines(), "rural,3,50,200,1,2,9"]
+    seen = [f"{line},0.{i % 2}5" for i, line in enumerate(lines)]
+    truth.write_text("\n".join([f"{head},detectability", *seen, ""]), encoding="utf-8")
     dataset = load(session)
     files = {
         name: make()
@@ -91,7 +97,7 @@ def shown(column: Column, *, name: str = "") -> str:
         column.kind.value,
         column.better or "–",
         column.meaning,
-        column.empty or "never",
+        (column.empty or "never") + ("; left out without detectability" * column.is_optional),
     )
     return "| " + " | ".join(cells) + " |\n"
 
@@ -185,6 +191,18 @@ def test_each_system_of_the_summary_has_exactly_the_documented_keys(report, plac
     for key in place.split("."):
         system = system[key]
     assert flat(system) == [key.name for key in SYSTEM_KEYS]
+
+
+def test_without_detectability_files_are_as_if_there_were_no_driver(tmp_path):
+    session = session_of(drive(tmp_path))
+    files = export_files(compare(load(session)), session)
+    for file, columns in REPORT_COLUMNS.items():
+        if file in files:
+            names = [column.name for column in columns if not column.is_optional]
+            assert list(table_of({file: files[file]()}, file)) == names
+    content = json.loads(files["summary.json"]())
+    assert flat(content) == [key.name for key in SUMMARY_KEYS if not key.is_optional]
+    assert flat(content["x"]) == [key.name for key in SYSTEM_KEYS if not key.is_optional]
 
 
 def test_only_keys_documented_so_are_null(report):

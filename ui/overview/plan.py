@@ -88,10 +88,13 @@ def _ask(evidence: pd.DataFrame) -> _Asked | None:
     labels = dict(zip(evidence["figure"], evidence["label"], strict=True))
     question = choose_side_by_side("Question", QUESTIONS, "plan_question", default=DIFFERENCE)
     left, right = st.columns(2, vertical_alignment="bottom")
+    names = [name for name, key in PLAN_KEYS.items() if key in labels]
+    if st.session_state.get("plan_measure") not in names:  # of data that had another one
+        st.session_state.pop("plan_measure", None)
     measure = left.selectbox(
         "Measure",
-        list(PLAN_KEYS),
-        index=list(PLAN_KEYS).index(DEFAULT_KEY),
+        names,
+        index=names.index(DEFAULT_KEY),
         format_func=lambda name: capitalised(labels[PLAN_KEYS[name]]),
         key="plan_measure",
         persist_state="session",

@@ -11,7 +11,7 @@ import streamlit as st
 from nvcore.errors import ParameterError
 from nvcore.metrics.proximity import in_use
 from nvcore.params import SETTINGS, Params
-from nvcore.params.metadata import THRESHOLD, Setting
+from nvcore.params.metadata import DRIVER, THRESHOLD, UNSEEN, Setting
 from nvcore.params.presets import Preset
 from ui.session import state
 from ui.shell.tab import dragging
@@ -77,7 +77,9 @@ def value_when_set(name: str) -> float:
 
 
 def is_used(setting: Setting) -> bool:
-    """Whether the setting has a meaning with the choices that are made."""
+    """Whether the setting has a meaning with the data and the choices that are made."""
+    if setting.stage in (DRIVER, UNSEEN) and not state.opened().dataset.has_detectability:
+        return False
     if setting.used_with is None:
         return True
     name, values = setting.used_with

@@ -10,6 +10,7 @@ from streamlit.navigation.page import StreamlitPage
 from nvcore.params.metadata import (
     CONFIRMED,
     CONTACT,
+    DRIVER,
     ENCOUNTERS,
     EVENTS,
     LOW,
@@ -50,7 +51,7 @@ START: Final = "overview"
 SHOWN: Final[dict[str, tuple[Stage, ...]]] = {
     "data": (MATCH, PROXIMITY),
     "timeline": (SIMILARITY, LOW, ENCOUNTERS, SEVERITY, EVENTS, TIME_LEFT),
-    "encounters": (SIMILARITY, ENCOUNTERS, SEVERITY, TIME_LEFT),
+    "encounters": (SIMILARITY, ENCOUNTERS, SEVERITY, TIME_LEFT, DRIVER),
     "time_left": (TIME_LEFT,),
     "saliency": (SALIENCY,),
     "systems": (SIMILARITY, ENCOUNTERS),

@@ -199,7 +199,7 @@ def _advanced() -> None:
     if place.open and quiet and all(setting.is_advanced for setting in quiet):
         place.caption(GREY)
     for group, names in names_of.items():
-        if place.open:
+        if place.open and any(live_params.is_used(SETTINGS[name]) for name in names):
             with place:
                 st.markdown(f"**{SHORT_GROUPS.get(group, group)}**")
                 for name in names:

@@ -36,6 +36,7 @@ from nvcore.inputs.readers.csv_columns import (
 )
 from nvcore.inputs.readers.meaning.attributes import attributes_of_boxes, joined_attributes
 from nvcore.inputs.readers.meaning.categories import CategoryChoice, choose_categories
+from nvcore.inputs.readers.meaning.detectability import checked_detectability
 from nvcore.inputs.readers.meaning.distance import known_distances, odd_distances
 from nvcore.inputs.readers.meaning.labels import codes_of, labels_of
 from nvcore.inputs.readers.meaning.names import recordings_of
@@ -57,7 +58,9 @@ class NamedColumns:
     parse: ParseColumns
 
 
-EXPECTED = "frame,x,y,w,h[,score,track,ignore,distance_m,occlusion,attributes,recording]"
+EXPECTED = (
+    "frame,x,y,w,h[,score,track,ignore,distance_m,occlusion,detectability,attributes,recording]"
+)
 
 
 def recognise(name: str, head: str, role: Role) -> bool:
@@ -197,10 +200,12 @@ def _read_one(
     x, y = columns["x"].to_numpy(), columns["y"].to_numpy()
     values: dict[str, Any] = {
         name: columns[name].to_numpy()
-        for name in ("score", "distance_m", "ignore")
+        for name in ("score", "distance_m", "ignore", "detectability")
         if name in columns
     }
     findings: list[Finding] = []
+    if "detectability" in values:
+        checked_detectability(values["detectability"], lines)
     if "distance_m" in values:
         findings += odd_distances(values["distance_m"], lines, options.role)
         values["distance_m"] = known_distances(values["distance_m"])
@@ -269,7 +274,7 @@ def _sorted_by_class(
 
 def _columns_to_read(header: Header, role: Role) -> list[str]:
     """Columns that are read: of two ways to say one thing, the clearer."""
-    left_aside = {"score"} if role == "truth" else {"ignore", "attributes"}
+    left_aside = {"score"} if role == "truth" else {"ignore", "attributes", "detectability"}
     left_aside |= {"picture"} if "frame" in header.place else set()
     # beside corners, width and height are often those of the picture
     has_corners = {"right", "bottom"} <= header.place.keys()

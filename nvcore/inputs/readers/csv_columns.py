@@ -42,6 +42,7 @@ SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
     "ignore": ("ignore", "ignored", "is_ignore", "dontcare", "dont_care", "iscrowd"),
     "distance_m": ("distance_m", "distance", "range_m", "range", "dist_m", "dist", "depth_m"),
     "occlusion": ("occlusion", "occ", "occluded", "occlusion_level"),
+    "detectability": ("detectability",),
     "recording": (
         *("recording", "recording_id"),
         *("sequence", "sequence_name", "sequence_id", "seq"),
@@ -56,7 +57,11 @@ SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
 }
 """Names that a column may have, the plainest first; case and punctuation do not matter."""
 
-NUMBERS = ("frame", "x", "y", "w", "h", "right", "bottom", "score", "distance_m", "occlusion")
+NUMBERS = (
+    *("frame", "x", "y", "w", "h", "right", "bottom"),
+    *("score", "distance_m", "occlusion", "detectability", "detectability_sd"),
+)
+CLAIMS = ("ignore", "is_outside")
 _TEXT = pa.dictionary(pa.int32(), pa.string())
 MISSING = ["", "nan", "NaN", "NA", "N/A", "null", "None"]
 TRUE = ["1", "true", "True", "TRUE", "1.0"]
@@ -118,7 +123,7 @@ def header_of(names: Sequence[str], delimiter: str = ",") -> Header:
 def read_columns(
     file: SourceFile, header: Header, content: bytes, to_read: Sequence[str]
 ) -> tuple[pd.DataFrame, np.ndarray, bool]:
-    """The wanted columns: numbers as float64, ignore as bool, the rest as text.
+    """The wanted columns: numbers as float64, `CLAIMS` as bool, the rest as text.
 
     Parameters
     ----------
@@ -162,7 +167,7 @@ def _kind(name: str) -> pa.DataType:
     """Type that the values of a column are read as."""
     if name in (*NUMBERS, "track"):
         return pa.float64()
-    return pa.bool_() if name == "ignore" else _TEXT
+    return pa.bool_() if name in CLAIMS else _TEXT
 
 
 def _parse(
@@ -265,7 +270,7 @@ def _fault(row: list[str], header: Header, to_read: Sequence[str], layout: str) 
     for name in to_read:
         value = row[header.place[name]].strip()
         title = header.names[header.place[name]]
-        if name == "ignore" and value not in MISSING + TRUE + FALSE:
+        if name in CLAIMS and value not in MISSING + TRUE + FALSE:
             return f"expected 0, 1, true or false as {title}, found {shortened(value, 60)!r}"
         if name in NUMBERS and value not in MISSING:
             try:

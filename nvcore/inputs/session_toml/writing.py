@@ -45,7 +45,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
                 "objects": session.objects.given(),
             }
         ),
-        "parameters": session.params.given(),
+        "parameters": _given(session.params.stated(has_detectability=False)),
         "protocol": session.protocol.given(),
         "recordings": {} if table is None else {"path": table.path},
         "defaults": _given(defaults),

@@ -19,6 +19,7 @@ from nvcore.report.html import words
 from nvcore.report.html.blocks import Section, Sentences
 from nvcore.report.html.classes_section import classes_section
 from nvcore.report.html.cover import Cover, Inscription, cover_of
+from nvcore.report.html.driver_section import driver_section
 from nvcore.report.html.encounter_sections import encounters_section, only_one_section
 from nvcore.report.html.evidence_sections import (
     detection_section,
@@ -53,7 +54,8 @@ CAUTION = {
 """First sentences of these sections, by their anchors."""
 
 AS_SET_SECTIONS = (
-    *("scorecard", "encounters", "time-left", "similarity", "saliency", "false-alerts"),
+    *("scorecard", "encounters", "time-left", "driver", "similarity", "saliency"),
+    "false-alerts",
     *("significance", "subgroups", "only-one"),
 )
 """Sections with numbers of X and Y as set, by their anchors."""
@@ -118,6 +120,7 @@ def report_content(
         scorecard_section(result, companions),
         encounters_section(result),
         *([time_left_section(result)] if result.dataset.objects.is_on_road else []),
+        *([driver_section(result)] if result.driver.has_any else []),
         similarity_section(result),
         saliency_section(result),
         false_alerts_section(result),

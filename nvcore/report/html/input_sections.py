@@ -155,8 +155,11 @@ def _recordings(result: Result) -> Table:
 
 def parameters_section(result: Result) -> Section:
     """Every setting with its meaning, and the constants."""
+    stated = result.params.stated(has_detectability=result.dataset.has_detectability)
     rows = []
     for name, setting in SETTINGS.items():
+        if name not in stated:
+            continue
         value = getattr(result.params, name)
         shown = _value(value) if value is not None else _fallback(result, name)
         in_unit = f"{shown} {setting.unit}" if setting.unit and shown != NOT_SET else shown

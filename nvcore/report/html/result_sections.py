@@ -22,6 +22,7 @@ from nvcore.report.html import words
 from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table, table
 from nvcore.report.html.input_sections import span_in_use
 from nvcore.report.terminal import SHORT_ROWS
+from nvcore.report.verdict.driver import weighting
 from nvcore.report.words import (
     describe_saliency,
     score_cells,
@@ -64,7 +65,9 @@ def scorecard_section(result: Result, companions: Companions) -> Section:
         rows = scorecard_cells(equal, indent=PART, mark=_mark(equal))
         title = equal_alarms_title(companions)
         blocks.append(table(title, MEASURES_HEAD, rows, right=(1, 2, 3), note=note))
-    return Section("scorecard", "Scorecard", words.scorecard(result.params), tuple(blocks))
+    note = weighting(result)
+    notes = [Sentences((note,))] if note else []
+    return Section("scorecard", "Scorecard", words.scorecard(result.params), (*notes, *blocks))
 
 
 def _mark(result: Result) -> str:

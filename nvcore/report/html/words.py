@@ -156,6 +156,23 @@ def classes() -> Intro:
     )
 
 
+def driver(params: Params) -> Intro:
+    """Introduction of the driver."""
+    return Intro(
+        what="Whom the driver sees by himself, and which system warns him of the others.",
+        how="Detectability is the share of drivers who would see the pedestrian of a frame by "
+        f"themselves. The driver sees an encounter if it is at least {params.driver_threshold:g} "
+        "in a frame up to the first in which the pedestrian counts; that frame is his "
+        "confirmation. A useful alert is an encounter that a system detects and he does not see, a "
+        "redundant one he sees anyway, an unprotected one neither sees. Encounters in which "
+        "detectability is unknown until then are counted apart.",
+        best="Many useful alerts, nobody unprotected.",
+        limits="It rests on the detectability that was given: an estimate speaks of people like "
+        "those from whose answers it was learnt, who looked for a pedestrian. Nobody knows where "
+        "this driver looked, nor whether he would have heeded the warning.",
+    )
+
+
 def similarity(params: Params, midpoint: str, spread: str) -> Intro:
     """Introduction of similarity.
 

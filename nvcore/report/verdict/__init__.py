@@ -13,6 +13,7 @@ from nvcore.evidence.claims import Basis, Claim, find_claims
 from nvcore.evidence.companions import Companions
 from nvcore.findings import Finding, Severity
 from nvcore.report.shown import comparison_shown
+from nvcore.report.verdict.driver import describe_driver
 from nvcore.report.verdict.headline import headline
 from nvcore.report.verdict.words import (
     describe_chance,
@@ -50,6 +51,10 @@ CAVEATS: Final = {
 LESSER: Final = {
     "trained-beside-tested": "a system was trained on other frames of the same recordings",
     "frames-not-run": "a system was not run on all evaluated frames",
+    "detectability-without-box": "estimates of detectability are of no box of the ground truth",
+    "detectability-other-record": "the record of how detectability was estimated is about another "
+    "file",
+    "detectability-twice": "ground truth and estimates state different detectabilities",
     "missing-provenance": "a system's record of its training is not there",
     "other-provenance": "a system's record of its training is about other files",
     "kitti-size": "the truth contradicts the picture size of some recordings",
@@ -139,10 +144,10 @@ def verdict(
 
     Where X and Y are set to different operating points the headline says so, and the points are
     about both at equal false alarms, if a threshold gives these. They tell who detects more
-    encounters, what the failures weigh, who leaves time to stop, who is better in the other
-    measures, which of the differences are more than chance, where strict pairing disagrees, and how
-    many recordings would show more. X and Y are called ``X`` and ``Y``; the worst failure is named
-    by its recording and track.
+    encounters, what the failures weigh, who leaves time to stop, who warns of whom the driver does
+    not see, who is better in the other measures, which of the differences are more than chance,
+    where strict pairing disagrees, and how many recordings would show more. X and Y are called
+    ``X`` and ``Y``; the worst failure is named by its recording and track.
 
     Parameters
     ----------
@@ -178,6 +183,7 @@ def verdict(
         Point("Encounters", describe_encounters(shown, of_shown, support)),
         Point("Severity", describe_weights(shown)),
         Point("Time left", describe_time_left(shown)),
+        Point("The driver", describe_driver(shown)),
         Point("Other measures", describe_measures(shown, of_shown)),
         Point("Chance", describe_chance(of_shown, support, is_short=result.is_short)),
         Point(

@@ -211,7 +211,8 @@ def _truth_rows(result: Result, start: int, stop: int) -> dict[str, np.ndarray]:
     columns = _common(result, truth, 0, rows.start)
     for side, system in result.sides:
         partner, nearest = system.matches.truth_det[rows], system.nearest.truth[rows]
-        term = miss_terms(truth, k, nearest, frames, _edge_weight(result)) / half_width
+        weights = result.k_miss[rows]
+        term = miss_terms(truth, weights, nearest, frames, _edge_weight(result)) / half_width
         state = np.where(partner >= 0, TruthState.MATCHED, TruthState.MISSED)
         state = np.where(truth.ignore, TruthState.NOT_JUDGED, state)
         columns |= {

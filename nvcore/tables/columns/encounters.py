@@ -13,6 +13,76 @@ _DISTANT = "too far to count"
 _NOT_URGENT = "`urgency` is not `urgent`"
 _UNMATCHED = "too far to count, or matched in no frame that counts"
 
+_UNKNOWN = "too far to count, or known in no frame up to then"
+
+_DRIVER: Final = (
+    Column(
+        "detectability",
+        _NUMBER,
+        _SHARE,
+        "Largest detectability up to the first frame that counts: the share of drivers who would "
+        "see the pedestrian by themselves.",
+        empty=_UNKNOWN,
+        is_optional=True,
+    ),
+    Column(
+        "detectability_sd",
+        _NUMBER,
+        _SHARE,
+        "Standard deviation of that estimate.",
+        empty=f"{_UNKNOWN}, or not given",
+        is_optional=True,
+    ),
+    Column(
+        "detectability_frames",
+        _INTEGER,
+        "frames",
+        "Frames up to the first that counts in which detectability is known.",
+        is_optional=True,
+    ),
+    Column(
+        "outside_training",
+        Kind.TRUTH_VALUE,
+        "",
+        "Whether that largest one was estimated outside the range of the training.",
+        empty=_UNKNOWN,
+        is_optional=True,
+    ),
+    Column(
+        "driver_sees",
+        Kind.TRUTH_VALUE,
+        "",
+        "Whether the driver sees him by himself: detectability reaches the parameter "
+        "`driver_threshold` in a frame up to the first that counts.",
+        empty=_UNKNOWN,
+        is_optional=True,
+    ),
+    Column(
+        "driver_frame",
+        _INTEGER,
+        "",
+        "The first such frame: when the driver confirms.",
+        empty="he does not see him, or it is unknown",
+        is_optional=True,
+    ),
+    Column(
+        "driver_in_time",
+        Kind.TRUTH_VALUE,
+        "",
+        "Whether `driver_frame` is before `urgent_frame`.",
+        empty=f"{_NOT_URGENT}, or it is unknown whether the driver sees him",
+        is_optional=True,
+    ),
+    Column(
+        "driver_region",
+        _TEXT,
+        "",
+        "Who sees him, of driver, X and Y: `driver_x_y`, `driver_x`, `driver_y`, `driver`, `x_y`, "
+        "`x`, `y`, `nobody`, `unknown`, `distant`.",
+        is_optional=True,
+    ),
+)
+
 ENCOUNTER_COLUMNS: Final[tuple[Column, ...]] = (
     RECORDING,
     Column(
@@ -123,6 +193,7 @@ ENCOUNTER_COLUMNS: Final[tuple[Column, ...]] = (
             _NOT_URGENT,
         ),
     ),
+    *_DRIVER,
     Column(
         "lead_time_s",
         _NUMBER,

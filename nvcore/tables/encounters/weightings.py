@@ -8,7 +8,9 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
+from nvcore.columns import Detectability
 from nvcore.comparison import Result
+from nvcore.metrics.driver import weigh_unseen
 from nvcore.metrics.encounters import RELEVANT_K, find_encounters, judge_encounters
 from nvcore.metrics.proximity import in_use, weigh_proximity
 from nvcore.metrics.proximity.borrowing import weighing_truth
@@ -96,7 +98,9 @@ def _judge(
     if not has_own_kind.any():
         return np.zeros(len(rows)), has_own_kind, {"is_known": False}
     k = weigh_proximity(truth, ~truth.ignore, frames, params).k
-    cost = cost_of_miss(truth, k, frames, in_use(params, "edge_weight", frames))
+    known = Detectability(*(values[rows] for values in dataset.detectability))
+    k_miss = weigh_unseen(k, known, params)
+    cost = cost_of_miss(truth, k_miss, frames, in_use(params, "edge_weight", frames))
     occlusion = dataset.boxes["occlusion"].to_numpy()[rows]
     alone = find_encounters(truth, result.tracks.track[rows], occlusion, frames)
     relevant = truth.frame_index[k >= RELEVANT_K]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from inputs import drive, session_of
 from streamlit.testing.v1 import AppTest
 from streamlit.testing.v1.element_tree import NumberInput
 
@@ -164,3 +165,22 @@ def test_what_was_moved_is_told_against_the_preset_that_was_chosen_last():
     press(page, "reset_midpoint")
     assert page.slider(key="midpoint").value == pytest.approx(28.8)
     assert page.button_group(key="preset").value == "Rural"
+
+
+@pytest.mark.usefixtures("every_setting_acts")
+@pytest.mark.parametrize("is_known", [True, False])
+def test_settings_of_the_driver_are_there_where_detectability_is_known(
+    is_known: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    truth = drive(tmp_path) / "truth.csv"
+    lines = truth.read_text(encoding="utf-8").splitlines()
+    stated = [lines[0] + ",detectability", *(f"{line},0.5" for line in lines[1:])]
+    if is_known:
+        truth.write_text("\n".join(stated), encoding="utf-8")
+    begin_with(session_of(tmp_path), monkeypatch)
+    page = opened(QUICK)
+    page.session_state["advanced"] = True
+    page = checked(page.run())
+    assert ("**The driver**" in [one.value for one in page.markdown]) is is_known
+    assert ("driver_threshold" in keys(page)) is is_known
+    assert ("driver_weighting" in keys(page)) is is_known

@@ -37,6 +37,7 @@ from nvcore.inputs.readers.meaning.attributes import (
     joined_classes,
 )
 from nvcore.inputs.readers.meaning.categories import CategoryChoice, choose_categories
+from nvcore.inputs.readers.meaning.detectability import checked_detectability
 from nvcore.inputs.readers.meaning.distance import known_distances, odd_distances
 from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.occlusion import (
@@ -161,6 +162,9 @@ def _read_annotations(
     if distance is not None:
         findings += odd_distances(distance, lines, "truth")
         columns["distance_m"] = known_distances(distance)
+    detectability = records.numbers("detectability")
+    if detectability is not None:
+        columns["detectability"] = checked_detectability(detectability, lines)
     keep = is_known & ~is_left_out
     boxes = lines.boxes(
         box.T,

@@ -22,6 +22,7 @@ NO_CLASSES: Final = frozenset(
         *("don't care", "score", "confidence", "conf", "occluded", "occlusion", "truncated"),
         *("visibility", "vis_ratio", "rotation", "keyframe", "outside", "source", "id"),
         *("track_id", "target_id", "instance_id", "tracking_id", "distance", "distance_m"),
+        "detectability",
     }
 )
 """Attributes that are about the box, and what readers use otherwise."""

@@ -1,0 +1,87 @@
+"""Estimates of detectability: rows of no box, and boxes without one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from nvcore.auditing.cases import file_name, place, place_of_frame
+from nvcore.dataset import Dataset
+from nvcore.findings import Cases, Finding, Severity
+from nvcore.schema import DETECTABILITY
+from nvcore.wording import count_text
+
+OTHER_FRAMES = "frame not listed"
+
+
+def audit_detectability(dataset: Dataset) -> list[Finding]:
+    """Findings on a file of estimates; none where the session names none."""
+    if dataset.estimate is None:
+        return []
+    lost = dataset.left_out.reset_index(drop=True)
+    lost = lost[lost["subject"] == DETECTABILITY]
+    is_other = lost["reason"] == OTHER_FRAMES
+    findings = []
+    for code, rows, message, advice in (
+        (
+            "detectability-without-box",
+            lost[~is_other],
+            "of no box of the ground truth",
+            "Estimate detectability for this ground truth, or correct recording, frame, box or "
+            "track of these rows.",
+        ),
+        (
+            "detectability-of-other-frames",
+            lost[is_other],
+            "of frames that are not evaluated",
+            "Nothing to do if only some frames are evaluated; else check the frame numbers.",
+        ),
+    ):
+        if len(rows):
+            text = f"{count_text(len(rows), 'row is', 'rows are')} left out: {message}."
+            severity = Severity.WARNING if code.endswith("box") else Severity.NOTE
+            findings.append(_finding(dataset, severity, code, rows, text, advice))
+    return [*findings, *_boxes_without(dataset)]
+
+
+def _finding(
+    dataset: Dataset, severity: Severity, code: str, rows: pd.DataFrame, message: str, advice: str
+) -> Finding:
+    first = rows.iloc[0]
+    line = int(first["line"])
+    name = file_name(dataset, int(first["file"]), line)
+    return Finding(
+        severity=severity,
+        code=code,
+        subject=DETECTABILITY,
+        count=len(rows),
+        message=message,
+        advice=advice,
+        file=name,
+        example=place(first["recording"], int(first["frame"]), line=line, file=name),
+        cases=Cases("left_out", rows.index.to_numpy()),
+    )
+
+
+def _boxes_without(dataset: Dataset) -> list[Finding]:
+    """A note on pedestrians of whom the estimates say nothing."""
+    truth = dataset.truth
+    is_unknown = np.isnan(dataset.detectability.value) & ~truth.ignore
+    n = int(np.count_nonzero(is_unknown))
+    if not n:
+        return []
+    row = int(np.argmax(is_unknown))
+    return [
+        Finding(
+            severity=Severity.NOTE,
+            code="boxes-without-detectability",
+            subject=DETECTABILITY,
+            count=n,
+            message=f"{count_text(n, 'pedestrian box has', 'pedestrian boxes have')} no "
+            f"detectability, of {int(np.count_nonzero(~truth.ignore)):,}.",
+            advice="Encounters in which it is unknown until the pedestrian is near enough to count "
+            "are counted apart.",
+            example=place_of_frame(dataset, int(truth.frame_index[row])),
+            cases=Cases("boxes", np.flatnonzero(is_unknown) + truth.first_row),
+        )
+    ]

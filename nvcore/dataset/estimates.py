@@ -1,0 +1,139 @@
+"""How the detectability of a dataset was estimated, as the record beside the file says.
+
+    {"written_by": "nvcore 0.1.0",
+     "estimator": {"name": "driver", "fingerprint": "5f1c...", "simulated": "all",
+                   "n_subjects": 12},
+     "files": {"detectability.csv": "9e07..."}}
+
+Every entry may be missing: it is not known then. Others are not read.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+from nvcore.errors import FormatError, InputError
+from nvcore.wording import one_line, shortened
+
+MAX_BYTES: Final = 16 << 20
+"""With notes on a hundred thousand recordings."""
+SIMULATED: Final = ("no", "some", "all", "")
+"""Of how many subjects the answers were simulated; empty: not known."""
+_EXPECTED: Final = "expected the record that nvcore driver estimate writes (docs/driver.md)"
+_SHOWN_NAME: Final = 40
+_OF_ESTIMATOR: Final = {"name": str, "fingerprint": str, "simulated": str, "n_subjects": int}
+_WORDS: Final = {dict: "an object", str: "a text", int: "a whole number"}
+
+
+@dataclass(frozen=True)
+class EstimateRecord:
+    """How detectability was estimated.
+
+    Attributes
+    ----------
+    name
+        Of the estimator; empty: not known.
+    fingerprint
+        Of what it was trained on, or of the model; empty: not known.
+    simulated
+        Whether the subjects from whose answers it was learnt were simulated: ``no``, ``some``,
+        ``all``; empty: not known.
+    n_subjects
+        How many subjects; 0: not known.
+    files
+        sha256 of each file that it is about, by name.
+    written_by
+        Program and version.
+    """
+
+    name: str = ""
+    fingerprint: str = ""
+    simulated: str = ""
+    n_subjects: int = 0
+    files: Mapping[str, str] = field(default_factory=dict)
+    written_by: str = ""
+
+    def __post_init__(self) -> None:
+        if self.simulated not in SIMULATED:
+            raise ValueError(f"simulated: expected no, some or all, found {self.simulated!r}")
+        if self.n_subjects < 0:
+            raise ValueError(f"n_subjects: expected 0 or more, found {self.n_subjects}")
+
+    @property
+    def made_by(self) -> str:
+        """The estimator in a few words; empty: not known."""
+        if not self.name:
+            return ""
+        name = shortened(one_line(self.name), _SHOWN_NAME)
+        known = one_line(self.fingerprint[:12])
+        return f"estimated by {name}" + (f" (fingerprint {known})" if known else "")
+
+    @property
+    def caution(self) -> str:
+        """Whose answers it rests on, where some were simulated; empty: none were, or unknown."""
+        if self.simulated == "all":
+            return "learnt from simulated subjects"
+        return "learnt in part from simulated subjects" if self.simulated == "some" else ""
+
+
+def estimate_json(record: EstimateRecord) -> bytes:
+    """The record as JSON; the same record gives the same bytes."""
+    content = {
+        "written_by": record.written_by,
+        "estimator": {name: getattr(record, name) for name in _OF_ESTIMATOR},
+        "files": dict(record.files),
+    }
+    return (json.dumps(content, indent=1) + "\n").encode()
+
+
+def read_estimate_record(path: Path, name: str) -> EstimateRecord:
+    """Read a record.
+
+    Parameters
+    ----------
+    name
+        Of the file, as the user gave it.
+
+    Raises
+    ------
+    InputError
+        If it cannot be opened, or is no such record; it is never half believed.
+    """
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise FormatError(f"is larger than {MAX_BYTES >> 20} MiB; {_EXPECTED}", file=name)
+        content = json.loads(path.read_bytes())
+    except OSError as error:
+        raise InputError(f"cannot be opened ({error.strerror})", file=name) from error
+    except (ValueError, RecursionError) as error:
+        raise FormatError(f"is not JSON: {error}; {_EXPECTED}", file=name) from error
+    try:
+        return _record(content)
+    except ValueError as error:
+        raise FormatError(f"{error}; {_EXPECTED}", file=name) from error
+
+
+def _record(content: object) -> EstimateRecord:
+    record = _typed(content, dict, "the record")
+    estimator = _value(record, "estimator", dict)
+    files = _value(record, "files", dict)
+    return EstimateRecord(
+        **{key: _value(estimator, key, kind) for key, kind in _OF_ESTIMATOR.items()},
+        files={name: _typed(digest, str, "files") for name, digest in files.items()},
+        written_by=_value(record, "written_by", str),
+    )
+
+
+def _value(table: dict[str, Any], key: str, kind: type) -> Any:
+    """What a JSON object has under a key, of this type; empty where it has nothing."""
+    return _typed(table[key], kind, key) if key in table else kind()
+
+
+def _typed(value: object, kind: type, where: str) -> Any:
+    if not isinstance(value, kind) or isinstance(value, bool):
+        raise ValueError(f"{where}: expected {_WORDS[kind]}, found {str(value)[:30]!r}")
+    return value

@@ -1,0 +1,1 @@
+"""From a file of estimates to the detectability of the truth's boxes."""

@@ -1,0 +1,200 @@
+"""Estimates put to the truth's boxes that they are about."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.columns import offsets_of
+from nvcore.dataset import Dataset
+from nvcore.dataset.estimates import EstimateRecord, estimate_json, read_estimate_record
+from nvcore.findings import Finding
+from nvcore.inputs.driver.reading import read_detectability
+from nvcore.inputs.files import digest
+from nvcore.inputs.hashes import changed_input
+from nvcore.inputs.placing import REASONS, Places
+from nvcore.inputs.readers.base import SourceFile, warning
+from nvcore.inputs.session import Session
+from nvcore.metrics.kernels import over_ranges
+from nvcore.metrics.kernels.joining import join_frames
+from nvcore.schema import DETECTABILITY, DETECTABILITY_COLUMNS, categories_of
+
+TOLERANCE_PX: Final = 1e-3 * (1 + 1e-6)
+"""Largest difference of a coordinate of an estimate and of its box."""
+NO_SUCH_BOX: Final = "no such box"
+"""Why a row of estimates is left out, beside `nvcore.inputs.placing.REASONS`."""
+
+
+@dataclass(frozen=True)
+class _Estimates:
+    """A file of estimates, read."""
+
+    file: SourceFile
+    digest: str
+    table: pd.DataFrame
+    record: EstimateRecord | None
+
+
+def with_detectability(dataset: Dataset, session: Session) -> Dataset:
+    """The dataset with the detectability that its session names a file of; else itself.
+
+    Each row is joined to the truth's box of the same recording and frame whose four coordinates
+    differ by no more than a thousandth of a pixel, and whose track is the same where both have one.
+    Rows without such a box are left out, and reported. A file goes before what the truth itself
+    says of the same box.
+
+    Raises
+    ------
+    InputError
+        If the file, or the record of how it came to be, cannot be used; with file and line.
+    """
+    name = session.driver.detectability
+    if name is None:
+        return dataset
+    file = SourceFile(session.folder / name, name)
+    provenance = session.driver.provenance
+    record = None
+    if provenance is not None:
+        record = read_estimate_record(session.folder / provenance, provenance)
+    estimates = _Estimates(file, digest([file])[0], read_detectability(file), record)
+    titles = {entry.name: entry.title for entry in session.recordings if entry.title is not None}
+    row_of, reason = _join(
+        dataset, _called(estimates.table["recording"], dataset, titles), estimates
+    )
+    return _joined(dataset, session, estimates, row_of, reason)
+
+
+def _called(recording: pd.Series[str], dataset: Dataset, titles: Mapping[str, str]) -> Any:
+    """The recordings as the dataset calls them: by title, else by their names in the data."""
+    known = set(dataset.recordings["name"])
+    texts = [name if name in known else titles.get(name, name) for name in recording.cat.categories]
+    unique = list(dict.fromkeys(texts))
+    place = np.array([unique.index(text) for text in texts], dtype=np.int64)
+    return categories_of(place[recording.cat.codes.to_numpy()], unique)
+
+
+def _join(dataset: Dataset, recording: Any, estimates: _Estimates) -> tuple[np.ndarray, np.ndarray]:
+    """Truth row of each estimate, -1 none, and why it has none; int64 and object, shape (n,)."""
+    table = estimates.table.assign(recording=recording)
+    frames, truth = dataset.frame_columns, dataset.truth
+    listed = [frames.frame[start:stop] for start, stop in pairwise(frames.first)]
+    frame_row, fault = Places(dataset.recordings["name"], listed).of(table)
+    placed = np.flatnonzero(fault == 0)
+    placed = placed[np.argsort(frame_row[placed], kind="stable")]
+    row = np.full(len(placed), -1)
+    sides = [np.ascontiguousarray(table[name].to_numpy()[placed]) for name in ("x", "y", "w", "h")]
+    over_ranges(
+        join_frames,
+        len(frames),
+        *(truth.offsets, *truth.xywh, truth.track),
+        *(offsets_of(frame_row[placed], len(frames)), *sides, table["track"].to_numpy()[placed]),
+        *(TOLERANCE_PX, row),
+    )
+    row_of = np.full(len(table), -1)
+    row_of[placed] = row
+    reason = np.array(REASONS, dtype=object)[fault]
+    reason[placed[row < 0]] = NO_SUCH_BOX
+    return row_of, reason
+
+
+def _joined(
+    dataset: Dataset,
+    session: Session,
+    estimates: _Estimates,
+    row_of: np.ndarray,
+    reason: np.ndarray,
+) -> Dataset:
+    table, name = estimates.table, estimates.file.name
+    is_joined = row_of >= 0
+    columns: dict[str, Any] = {}
+    for column in DETECTABILITY_COLUMNS:
+        columns[column] = dataset.boxes[column].to_numpy(copy=True)
+        columns[column][row_of[is_joined]] = table[column].to_numpy()[is_joined]
+    lost = table[~is_joined]
+    left_out = pd.DataFrame(
+        {
+            "subject": DETECTABILITY,
+            "recording": lost["recording"].astype(object),
+            "frame": lost["frame"],
+            "file": np.int32(len(dataset.inputs)),
+            "line": lost["line"].astype(np.int32),
+            "reason": reason[~is_joined],
+        }
+    )
+    text = f"{dataset.fingerprint}\n{DETECTABILITY} {estimates.digest}\n".encode()
+    record = estimates.record
+    conversion = f"{int(is_joined.sum()):,} of {len(table):,} rows joined to boxes of the truth"
+    if record is not None:
+        text += estimate_json(record)
+        facts = (conversion, record.made_by, record.caution)
+        conversion = "; ".join(filter(None, facts))
+    given = [dataset.inputs, _input_row(name, estimates.digest, conversion)]
+    rows = [part for part in (dataset.left_out, left_out) if len(part)] or [dataset.left_out]
+    return replace(
+        dataset,
+        boxes=dataset.boxes.assign(**columns),
+        inputs=pd.concat(given, ignore_index=True),
+        left_out=pd.concat(rows, ignore_index=True)[list(dataset.left_out)],
+        findings=(
+            *dataset.findings,
+            *changed_input(DETECTABILITY, name, [estimates.digest], session.hashes),
+            *_twice(dataset, columns["detectability"], name),
+            *_of_other_file(estimates),
+        ),
+        fingerprint=hashlib.sha256(text).hexdigest(),
+        estimate=record or EstimateRecord(),
+    )
+
+
+def _input_row(name: str, sha256: str, conversion: str) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "subject": [DETECTABILITY],
+            "file": [name],
+            "sha256": [sha256],
+            "format": ["csv"],
+            "conversion": [conversion],
+        }
+    )
+
+
+def _of_other_file(estimates: _Estimates) -> list[Finding]:
+    """A warning where the record is about another file."""
+    record = estimates.record
+    if record is None or not record.files or estimates.digest in record.files.values():
+        return []
+    return [
+        warning(
+            "detectability-other-record",
+            1,
+            "The record of how detectability was estimated is about another file.",
+            "Correct the path, or estimate anew: until then nobody knows how these came to be.",
+            role=DETECTABILITY,
+            file=estimates.file.name,
+        )
+    ]
+
+
+def _twice(dataset: Dataset, detectability: np.ndarray, name: str) -> list[Finding]:
+    """A warning where the truth says something else of a box than the file."""
+    stated = dataset.detectability.value
+    differs = ~np.isnan(stated) & (stated != detectability[: len(stated)])
+    if not differs.any():
+        return []
+    return [
+        warning(
+            "detectability-twice",
+            int(differs.sum()),
+            "The ground truth states another detectability of these boxes than the file of "
+            "estimates; the file's is taken.",
+            "Leave one of the two out.",
+            role=DETECTABILITY,
+            file=name,
+        )
+    ]

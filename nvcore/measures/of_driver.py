@@ -1,0 +1,184 @@
+"""Measures of the driver's own view: whom a system warns him of, and whom nobody sees."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+from nvcore.comparison import Result
+from nvcore.measures.entry import (
+    HIGHER,
+    LOWER,
+    AxisScale,
+    Better,
+    Inference,
+    Measure,
+    MeasureTable,
+    Parts,
+)
+from nvcore.measures.values import is_in_time, per_recording
+from nvcore.metrics.driver import split_unseen
+from nvcore.scoring import SystemResult
+
+Members = Callable[[Result, SystemResult], np.ndarray]
+"""Encounters of a kind; bool, shape (n_encounters,)."""
+
+
+def has_driver(result: Result) -> bool:
+    """Whether it is known of any near encounter if the driver sees the pedestrian himself."""
+    return result.driver.has_any
+
+
+def is_judged_in_time(result: Result) -> np.ndarray:
+    """Urgent encounters of which it is known; bool, shape (n_encounters,)."""
+    is_judged: np.ndarray = result.is_urgent & result.driver.is_known
+    return is_judged
+
+
+def has_driver_in_time(result: Result) -> bool:
+    """Whether it is known of any urgent encounter."""
+    return bool(is_judged_in_time(result).any())
+
+
+def is_driver_in_time(result: Result) -> np.ndarray:
+    """Urgent encounters that the driver sees by himself while the car can still stop.
+
+    He confirms in the first frame in which detectability reaches `driver_threshold`, if that is
+    not after the first relevant one.
+
+    Returns
+    -------
+    bool, shape (n_encounters,); False, too, where it is not known (`is_judged_in_time`).
+    """
+    seen_row = result.driver.seen_row
+    is_before = seen_row < result.urgency["urgent_row"].to_numpy()
+    in_time: np.ndarray = is_before & result.is_urgent & result.driver.is_seen
+    return in_time
+
+
+def is_in_time_alone(result: Result, system: SystemResult) -> np.ndarray:
+    """Urgent encounters in time by a system, and by neither the driver nor the other system.
+
+    Returns
+    -------
+    bool, shape (n_encounters,); False where it is not known of the driver.
+    """
+    (other,) = (side for _, side in result.sides if side is not system)
+    by_others = is_driver_in_time(result) | is_in_time(other)
+    is_alone: np.ndarray = is_judged_in_time(result) & is_in_time(system) & ~by_others
+    return is_alone
+
+
+def _is_detected(system: SystemResult) -> np.ndarray:
+    is_detected: np.ndarray = system.encounters["is_detected"].to_numpy(dtype=bool)
+    return is_detected
+
+
+def _useful(result: Result, system: SystemResult) -> np.ndarray:
+    useful: np.ndarray = result.driver.is_unseen & _is_detected(system)
+    return useful
+
+
+def _useful_parts(result: Result, system: SystemResult) -> Parts:
+    """The useful alerts."""
+    return Parts(result.encounters.first_row[_useful(result, system)], None)
+
+
+def _count(
+    key: str,
+    members: Members,
+    label: str,
+    better: Better,
+    meaning: str,
+    *,
+    part: str = "",
+    applies: Callable[[Result], bool] = has_driver,
+    inference: Inference | None = None,
+) -> Measure:
+    """Number of encounters of a kind."""
+
+    def by_recording(result: Result, system: SystemResult) -> np.ndarray:
+        is_member = members(result, system)
+        return per_recording(result, is_member, result.encounters.recording).astype(np.int64)
+
+    return Measure(
+        key=key,
+        label=label,
+        part=part,
+        form="d",
+        better=better,
+        of=lambda result, system: int(np.count_nonzero(members(result, system))),
+        unit="encounters",
+        meaning=meaning,
+        by_recording=by_recording,
+        tables=(MeasureTable.SCORECARD,),
+        applies=applies,
+        is_optional=True,
+        inference=inference,
+    )
+
+
+_SHARE: Final = AxisScale(".0%", least=1.0, least_reach=1.0)
+
+DRIVER_MEASURES: Final[tuple[Measure, ...]] = (
+    _count(
+        "useful_alerts",
+        _useful,
+        "useful alerts: detected, of {n_unseen:,} that the driver does not see",
+        HIGHER,
+        "Encounters that the system detects and the driver does not see by himself.",
+        inference=Inference(
+            test="encounters",
+            scale=_SHARE,
+            label="share detected of whom the driver does not see, within these recordings",
+            form=".1%",
+            split=lambda result: split_unseen(result.driver.venn),
+            per="n_unseen",
+            repeats="useful_alerts_by_unit",
+        ),
+    ),
+    Measure(
+        key="useful_alerts_by_unit",
+        label="share detected of whom the driver does not see, by {units}",
+        form=".1%",
+        better=HIGHER,
+        applies=has_driver,
+        is_optional=True,
+        inference=Inference(
+            test="units",
+            scale=_SHARE,
+            parts=_useful_parts,
+            per="n_unseen",
+            noun="useful alerts (by the given detectability)",
+        ),
+    ),
+    _count(
+        "unprotected",
+        lambda result, system: result.driver.is_unseen & ~_is_detected(system),
+        "unprotected: seen by neither the driver nor the system",
+        LOWER,
+        "Encounters that neither the driver sees by himself nor the system detects.",
+        part="unprotected: seen by neither him nor the system",
+    ),
+    _count(
+        "redundant_alerts",
+        lambda result, system: result.driver.is_seen & _is_detected(system),
+        "redundant alerts: detected, of {n_seen:,} that the driver sees",
+        "",
+        "Encounters that the system detects and the driver sees by himself: a warning of these "
+        "tells him nothing. How many there are depends on whom he sees, too.",
+        part="redundant alerts: detected, seen by him anyway",
+    ),
+    _count(
+        "in_time_alone",
+        is_in_time_alone,
+        "urgent, in time by it alone (not by driver or other system)",
+        HIGHER,
+        "Urgent encounters that the system confirmed in time, and neither the driver by himself "
+        "nor the other system.",
+        part="urgent, in time by it alone",
+        applies=has_driver_in_time,
+    ),
+)

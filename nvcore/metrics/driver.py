@@ -1,0 +1,241 @@
+"""The driver: whom he sees by himself, and who of driver, X and Y sees whom.
+
+Detectability is the share of drivers, 0 to 1, who would see the pedestrian of a truth box by
+themselves. It is stated by the ground truth, or estimated from pictures.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.columns import Detectability
+from nvcore.dataset import Dataset
+from nvcore.metrics.encounters import Encounters
+from nvcore.metrics.kernels import over_ranges
+from nvcore.metrics.kernels.driver import driver_frames
+from nvcore.metrics.venn import Venn
+from nvcore.params import Params
+from nvcore.schema import DriverRegion
+
+_KNOWN: Final = (
+    DriverRegion.DRIVER_X_Y,
+    DriverRegion.DRIVER_X,
+    DriverRegion.DRIVER_Y,
+    DriverRegion.DRIVER,
+    DriverRegion.X_Y,
+    DriverRegion.X,
+    DriverRegion.Y,
+    DriverRegion.NOBODY,
+)
+"""The eight regions: the driver in the first four, X in the first two of each four, Y in each
+first of two."""
+
+
+def judge_driver(
+    detectability: Detectability, encounters: Encounters, k_truth: np.ndarray, params: Params
+) -> pd.DataFrame:
+    """Whether the driver sees each pedestrian by himself before the pedestrian counts.
+
+    He does if detectability reaches `driver_threshold` in a frame up to the first relevant one
+    (``k >= 0.5``). That frame is his confirmation. Frames in which it is unknown are passed over.
+
+    Parameters
+    ----------
+    k_truth
+        Proximity weight of each truth box; float64, shape (n_truth,).
+
+    Returns
+    -------
+    One row per encounter: detectability (the largest up to the first relevant frame, 0..1; NaN: the
+    encounter is distant, or it is known in none of these frames), sd, is_outside (of that largest
+    one), n_known (frames among these in which it is known), seen_row (frame row of his
+    confirmation, -1: he does not see, or it is unknown).
+
+    References
+    ----------
+    ``docs/driver.md``, in the comparison; ``docs/decisions/050-driver-in-the-comparison.md``.
+    """
+    n = len(encounters)
+    place, n_known = np.full(n, -1), np.zeros(n, np.int64)
+    seen_row = np.full(n, -1)
+    if not np.isnan(detectability.value).all():
+        over_ranges(
+            driver_frames,
+            n,
+            *(encounters.offsets, encounters.order, encounters.frame_index),
+            *(k_truth, detectability.value, float(params.driver_threshold)),
+            *(place, n_known, seen_row),
+        )
+    is_known = place >= 0
+    row = encounters.order[place[is_known]]
+    highest, sd, is_outside = np.full(n, np.nan), np.full(n, np.nan), np.zeros(n, bool)
+    highest[is_known], sd[is_known] = detectability.value[row], detectability.sd[row]
+    is_outside[is_known] = detectability.is_outside[row]
+    return pd.DataFrame(
+        {
+            "detectability": highest,
+            "sd": sd,
+            "is_outside": is_outside,
+            "n_known": n_known,
+            "seen_row": seen_row,
+        }
+    )
+
+
+def weigh_unseen(k_truth: np.ndarray, detectability: Detectability, params: Params) -> np.ndarray:
+    """What missing each pedestrian weighs in similarity, saliency and severity, 0 to 1.
+
+    ``k``; with `driver_weighting` ``k * (1 - detectability)``, and ``k`` where it is unknown. Which
+    frames count (``k >= 0.5``) goes by ``k`` alone.
+
+    Returns
+    -------
+    float64, shape (n_truth,).
+    """
+    if params.driver_weighting == "off" or np.isnan(detectability.value).all():
+        return k_truth
+    weights: np.ndarray = k_truth * (1 - np.nan_to_num(detectability.value, nan=0.0))
+    return weights
+
+
+def count_unknown(dataset: Dataset) -> int:
+    """Pedestrian boxes of unknown detectability: with `driver_weighting` they weigh in full."""
+    is_unknown = np.isnan(dataset.detectability.value) & ~dataset.truth.ignore
+    return int(np.count_nonzero(is_unknown))
+
+
+@dataclass(frozen=True)
+class DriverVenn:
+    """Near encounters by who sees them: the driver by himself, X, Y.
+
+    Attributes
+    ----------
+    counts
+        Encounters of each region, unknown and distant ones too.
+    """
+
+    counts: dict[DriverRegion, int]
+
+    @property
+    def n_known(self) -> int:
+        """Near encounters of which it is known whether the driver sees them."""
+        return sum(self.counts[region] for region in _KNOWN)
+
+    @property
+    def n_seen(self) -> int:
+        """Of these, the ones that the driver sees by himself."""
+        return sum(self.counts[region] for region in _KNOWN[:4])
+
+    @property
+    def n_unseen(self) -> int:
+        """The others of these: whom a system can warn him of."""
+        return self.n_known - self.n_seen
+
+
+def driver_regions(
+    is_near: np.ndarray,
+    is_known: np.ndarray,
+    by_driver: np.ndarray,
+    by_x: np.ndarray,
+    by_y: np.ndarray,
+) -> np.ndarray:
+    """Region of every encounter in the three-way Venn diagram.
+
+    All arguments bool, shape (n,). Encounters that are not near are `distant`, others of which it
+    is not known whether the driver sees them `unknown`.
+
+    Returns
+    -------
+    Values of `DriverRegion`, object, shape (n,).
+    """
+    code = 4 * ~by_driver + 2 * ~by_x + ~by_y
+    code = np.select([~is_near, ~is_known], [9, 8], default=code)
+    names = np.array([region.value for region in DriverRegion], dtype=object)
+    regions: np.ndarray = names[code]
+    return regions
+
+
+def count_driver_regions(region: np.ndarray) -> DriverVenn:
+    """Number of encounters of each region, of `driver_regions`."""
+    counts = Counter(region.tolist())
+    return DriverVenn({kind: counts[kind.value] for kind in DriverRegion})
+
+
+def split_unseen(venn: DriverVenn) -> Venn:
+    """The encounters that the driver does not see, by who detects them.
+
+    All others count as distant.
+    """
+    of = venn.counts
+    both, x_only = of[DriverRegion.X_Y], of[DriverRegion.X]
+    y_only, neither = of[DriverRegion.Y], of[DriverRegion.NOBODY]
+    return Venn(both, x_only, y_only, neither, sum(of.values()) - venn.n_unseen)
+
+
+@dataclass(frozen=True, eq=False)
+class DriverView:
+    """Whom the driver sees by himself, beside X and Y.
+
+    Attributes
+    ----------
+    table
+        Of `judge_driver`.
+    is_near, by_x, by_y
+        Encounters that count, and those that X and Y detect; bool, shape (n_encounters,).
+    """
+
+    table: pd.DataFrame
+    is_near: np.ndarray
+    by_x: np.ndarray
+    by_y: np.ndarray
+
+    @property
+    def seen_row(self) -> np.ndarray:
+        """Frame row of his confirmation, -1 where he does not see; int64, (n_encounters,)."""
+        row: np.ndarray = self.table["seen_row"].to_numpy()
+        return row
+
+    @cached_property
+    def is_known(self) -> np.ndarray:
+        """Near encounters of which it is known whether he sees them; bool, (n_encounters,)."""
+        is_known: np.ndarray = self.is_near & ~np.isnan(self.table["detectability"].to_numpy())
+        return is_known
+
+    @cached_property
+    def has_any(self) -> bool:
+        """Whether it is known of any near encounter."""
+        return bool(self.is_known.any())
+
+    @property
+    def is_seen(self) -> np.ndarray:
+        """Near encounters that he sees by himself; bool, shape (n_encounters,)."""
+        is_seen: np.ndarray = self.is_known & (self.seen_row >= 0)
+        return is_seen
+
+    @property
+    def is_unseen(self) -> np.ndarray:
+        """Near encounters that he is known not to see; bool, shape (n_encounters,)."""
+        is_unseen: np.ndarray = self.is_known & (self.seen_row < 0)
+        return is_unseen
+
+    @cached_property
+    def region(self) -> np.ndarray:
+        """Who sees each encounter (`driver_regions`); object, shape (n_encounters,)."""
+        seen = self.is_seen, self.by_x, self.by_y
+        return driver_regions(self.is_near, self.is_known, *seen)
+
+    @cached_property
+    def venn(self) -> DriverVenn:
+        """Encounters by who sees them: the driver by himself, X, Y."""
+        return count_driver_regions(self.region)
+
+    @property
+    def n_outside(self) -> int:
+        """Near encounters whose detectability was estimated outside the range of the training."""
+        return int(np.count_nonzero(self.table["is_outside"].to_numpy() & self.is_known))

@@ -1,0 +1,45 @@
+"""Loop over the frames of encounters: how detectable the pedestrian is before he counts."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nvcore.metrics.kernels import compiled
+
+
+@compiled
+def driver_frames(
+    lo, hi, offsets, order, frame_index, k, detectability, threshold, highest, known, seen
+):
+    """How detectable each encounter is up to its first relevant frame.
+
+    ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e by frame, and
+    `frame_index` has the frames of these rows in the same order. Writes the place in `order` of the
+    first largest detectability (-1: none is known), in how many frames one is known, and the row of
+    the first frame with at least `threshold` (-1: in none). Encounters without a relevant frame
+    have -1, 0 and -1. Of the boxes of one frame (a track id given twice) the largest counts.
+    """
+    for e in range(lo, hi):
+        highest[e], known[e], seen[e] = -1, 0, -1
+        first, last = offsets[e], offsets[e + 1]
+        relevant = -1
+        for i in range(first, last):
+            if k[order[i]] >= 0.5:
+                relevant = frame_index[i]
+                break
+        if relevant < 0:
+            continue
+        before = -1
+        for i in range(first, last):
+            if frame_index[i] > relevant:
+                break
+            value = detectability[order[i]]
+            if np.isnan(value):
+                continue
+            if frame_index[i] != before:
+                known[e] += 1
+                before = frame_index[i]
+            if highest[e] < 0 or value > detectability[order[highest[e]]]:
+                highest[e] = i
+            if seen[e] < 0 and value >= threshold:
+                seen[e] = frame_index[i]

@@ -1,0 +1,100 @@
+"""The driver in words: whom he sees by himself, who warns him, and how far the data say so."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nvcore.comparison import Result
+from nvcore.measures.of_driver import is_driver_in_time, is_in_time_alone, is_judged_in_time
+from nvcore.metrics.driver import count_unknown
+from nvcore.schema import DriverRegion
+from nvcore.tables.encounters.driver import REGION_NAMES
+from nvcore.wording import count_text
+
+
+def describe_driver(result: Result) -> tuple[str, ...]:
+    """Whom the driver sees and whom each system warns him of; empty: nothing is known of him."""
+    if not result.driver.has_any:
+        return ()
+    sentences = (_alerts(result), _in_time(result), describe_source(result), weighting(result))
+    return tuple(filter(None, sentences))
+
+
+def _alerts(result: Result) -> str:
+    venn = result.driver.venn
+    count, n_unseen = venn.counts, venn.n_unseen
+    of = f"{_by(result)}, the driver sees {venn.n_seen} of {count_text(venn.n_known, 'encounter')}"
+    if not n_unseen:
+        return f"{of} by himself: every alert is redundant."
+    useful_x = count[DriverRegion.X_Y] + count[DriverRegion.X]
+    useful_y = count[DriverRegion.X_Y] + count[DriverRegion.Y]
+    return (
+        f"{of} by himself; of the {n_unseen} that he does not see, X detects {useful_x} and Y "
+        f"{useful_y} (X alone {count[DriverRegion.X]}, Y alone {count[DriverRegion.Y]}, neither "
+        f"{count[DriverRegion.NOBODY]})."
+    )
+
+
+def _by(result: Result) -> str:
+    """On whose word it rests what the driver sees."""
+    estimate = result.dataset.estimate
+    if estimate is None:
+        return "By the ground truth"
+    return "By the estimates" + (f" ({estimate.caution})" if estimate.caution else "")
+
+
+def _in_time(result: Result) -> str:
+    """Of the urgent encounters, who alone was in time; empty: it is known of none."""
+    n = int(np.count_nonzero(is_judged_in_time(result)))
+    if not n:
+        return ""
+    n_driver = int(np.count_nonzero(is_driver_in_time(result)))
+    x, y = (int(np.count_nonzero(is_in_time_alone(result, system))) for _, system in result.sides)
+    return (
+        f"Of the {count_text(n, 'urgent one')} among them he is in time by himself in {n_driver}; "
+        f"neither he nor Y but X is in {x}, neither he nor X but Y in {y}."
+    )
+
+
+def describe_source(result: Result) -> str:
+    """Where detectability comes from, and how far it can be trusted."""
+    estimate, venn = result.dataset.estimate, result.driver.venn
+    threshold = f"he is taken to see from {result.params.driver_threshold:g} on"
+    if estimate is None:
+        text = f"Detectability is as the ground truth states it; {threshold}"
+    else:
+        by = estimate.made_by or "estimated"
+        cautions = filter(None, (by, estimate.caution))
+        text = f"Detectability is {', '.join(cautions)}; {threshold}"
+    parts = []
+    if result.driver.n_outside:
+        parts.append(f"{result.driver.n_outside} outside the range of the training")
+    if n_unknown := venn.counts[DriverRegion.UNKNOWN]:
+        parts.append(f"{count_text(n_unknown, 'encounter')} unknown, not counted here")
+    return f"{text}{''.join(f'; {part}' for part in parts)}."
+
+
+def weighting(result: Result) -> str:
+    """That misses weigh by what the driver does not see; empty: they weigh in full."""
+    if result.params.driver_weighting == "off":
+        return ""
+    if not result.dataset.has_detectability:
+        return "driver_weighting has no effect: no detectability is known."
+    text = (
+        "Similarity, saliency and severity are weighted by (1 - detectability): this weighting is "
+        "ours, not the papers'"
+    )
+    n = count_unknown(result.dataset)
+    verb = "has none and weighs" if n == 1 else "have none and weigh"
+    boxes = count_text(n, "pedestrian box", "pedestrian boxes")
+    return f"{text}; {boxes} {verb} in full." if n else f"{text}."
+
+
+def regions_text(result: Result) -> str:
+    """Encounters of each region, in one line: "driver, X and Y 3, driver and X 1, ..."."""
+    counts = result.driver.venn.counts
+    return ", ".join(
+        f"{who} {counts[region]:,}"
+        for region, who in REGION_NAMES.items()
+        if counts[region] or region is not DriverRegion.UNKNOWN
+    )

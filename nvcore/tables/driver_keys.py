@@ -1,0 +1,69 @@
+"""What ``summary.json`` says of the driver, where detectability is known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Final
+
+import numpy as np
+
+from nvcore.comparison import Result
+from nvcore.measures.of_driver import is_driver_in_time, is_judged_in_time
+from nvcore.metrics.driver import count_unknown
+from nvcore.schema import DRIVER_REGION_TEXT, DriverRegion
+from nvcore.tables.column import Column, Kind
+from nvcore.tables.summary_entry import Entry
+
+
+def _count_region(result: Result, *, region: DriverRegion) -> int:
+    return result.driver.venn.counts[region]
+
+
+def _entry(key: str, meaning: str, of: Callable[[Result], int]) -> Entry:
+    column = Column(key, Kind.INTEGER, "encounters", meaning, is_optional=True)
+    return Entry(column, of)
+
+
+DRIVER_ENTRIES: Final[tuple[Entry, ...]] = (
+    _entry(
+        "driver.seen",
+        "Encounters that the driver sees by himself.",
+        lambda result: result.driver.venn.n_seen,
+    ),
+    _entry(
+        "driver.unseen",
+        "Encounters that he is known not to see.",
+        lambda result: result.driver.venn.n_unseen,
+    ),
+    _entry(
+        "driver.outside_training",
+        "Of both, those whose detectability was estimated outside the range of the training.",
+        lambda result: result.driver.n_outside,
+    ),
+    _entry(
+        "driver.urgent",
+        "Urgent encounters of which it is known whether the driver sees them.",
+        lambda result: int(np.count_nonzero(is_judged_in_time(result))),
+    ),
+    _entry(
+        "driver.in_time",
+        "Of these, the ones that the driver sees while the car can still stop.",
+        lambda result: int(np.count_nonzero(is_driver_in_time(result))),
+    ),
+    _entry(
+        "driver.boxes_without_detectability",
+        "Pedestrian boxes of unknown detectability; with `driver_weighting` they weigh in full.",
+        lambda result: count_unknown(result.dataset),
+    ),
+    *(
+        _entry(
+            f"driver_venn.{region.value}",
+            DRIVER_REGION_TEXT[region],
+            partial(_count_region, region=region),
+        )
+        for region in DriverRegion
+        if region is not DriverRegion.DISTANT
+    ),
+)
+"""Keys and values, all optional."""

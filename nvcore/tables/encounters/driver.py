@@ -1,0 +1,103 @@
+"""The driver's own view of encounters: how detectable they are, and who sees whom."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.measures.of_driver import is_in_time_alone
+from nvcore.metrics.encounters import RELEVANT_K
+from nvcore.schema import DRIVER_REGION_TEXT, DriverRegion
+from nvcore.tables.result import encounters_table
+
+REGION_NAMES: Final[dict[DriverRegion, str]] = {
+    DriverRegion.DRIVER_X_Y: "driver, X and Y",
+    DriverRegion.DRIVER_X: "driver and X",
+    DriverRegion.DRIVER_Y: "driver and Y",
+    DriverRegion.DRIVER: "driver alone",
+    DriverRegion.X_Y: "X and Y",
+    DriverRegion.X: "X alone",
+    DriverRegion.Y: "Y alone",
+    DriverRegion.NOBODY: "nobody",
+    DriverRegion.UNKNOWN: "unknown of the driver",
+}
+"""Who sees the encounters of a region, in short."""
+
+
+def driver_venn_table(result: Result) -> pd.DataFrame:
+    """The eight regions of driver, X and Y, and the encounters of which the driver's is unknown.
+
+    Returns
+    -------
+    Columns region (`nvcore.schema.DriverRegion`), who (in short), encounters, severity_x,
+    severity_y (what the systems' failures weigh there, s), meaning (a sentence).
+    """
+    severity_s = [system.failures["severity_s"].to_numpy() for _, system in result.sides]
+    rows = []
+    for region, who in REGION_NAMES.items():
+        is_here = result.driver.region == region.value
+        of_x, of_y = (float(values[is_here].sum()) for values in severity_s)
+        n = result.driver.venn.counts[region]
+        rows.append((region.value, who, n, of_x, of_y, DRIVER_REGION_TEXT[region]))
+    names = ["region", "who", "encounters", "severity_x", "severity_y", "meaning"]
+    return pd.DataFrame(rows, columns=names)
+
+
+def detectability_course(result: Result, encounter: int) -> pd.DataFrame:
+    """How detectable the pedestrian of an encounter is from frame to frame.
+
+    Parameters
+    ----------
+    encounter
+        Row of ``result.encounters``.
+
+    Returns
+    -------
+    One row per annotated frame: row (of the frames table), time_s, detectability, sd (0..1, NaN
+    unknown), is_outside (estimated outside the range of the training), is_up_to_relevant (up to the
+    first relevant frame, by which the driver has to see him; False throughout for a distant one).
+    Of a track id given twice in a frame, the box of the larger detectability.
+    """
+    encounters, known = result.encounters, result.dataset.detectability
+    places = slice(int(encounters.offsets[encounter]), int(encounters.offsets[encounter + 1]))
+    truth_row, row = encounters.order[places], encounters.frame_index[places]
+    value = known.value[truth_row]
+    order = np.lexsort((-np.nan_to_num(value, nan=-1.0), row))
+    truth_row, row = truth_row[order], row[order]
+    row, first = np.unique(row, return_index=True)
+    truth_row = truth_row[first]
+    is_near = result.k_truth.k[encounters.order[places]] >= RELEVANT_K
+    relevant = encounters.frame_index[places][is_near]
+    last = int(relevant[0]) if len(relevant) else -1
+    return pd.DataFrame(
+        {
+            "row": row,
+            "time_s": result.dataset.frames["time_s"].to_numpy()[row],
+            "detectability": known.value[truth_row],
+            "sd": known.sd[truth_row],
+            "is_outside": known.is_outside[truth_row],
+            "is_up_to_relevant": row <= last,
+        }
+    )
+
+
+def saved_encounters(result: Result) -> pd.DataFrame:
+    """Urgent encounters that one system alone confirms in time: neither driver nor the other does.
+
+    Returns
+    -------
+    Rows of `nvcore.tables.result.encounters_table`, the index being the row in
+    ``result.encounters``, with the column system: ``x`` or ``y``. The fastest impact that the
+    system avoids first.
+    """
+    table = encounters_table(result)
+    is_alone = {letter: is_in_time_alone(result, system) for letter, system in result.sides}
+    saved = table[is_alone["x"] | is_alone["y"]].copy()
+    is_x = is_alone["x"][saved.index.to_numpy()]
+    saved["system"] = np.where(is_x, "x", "y").astype(object)
+    impact_kmh = np.where(is_x, saved["impact_kmh_y"], saved["impact_kmh_x"])
+    ranked: pd.DataFrame = saved.iloc[np.argsort(-impact_kmh, kind="stable")]
+    return ranked

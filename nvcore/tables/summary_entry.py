@@ -1,0 +1,24 @@
+"""A key of ``summary.json`` and its value."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from operator import attrgetter
+from typing import Any, NamedTuple
+
+from nvcore.comparison import Result
+from nvcore.tables.column import Column
+
+
+class Entry(NamedTuple):
+    """A key and its value, by default the result's attribute of that name.
+
+    None or NaN where it is undefined.
+    """
+
+    column: Column
+    of: Callable[[Result], Any] | None = None
+
+    def value(self, result: Result) -> Any:
+        """The key's value in a comparison."""
+        return attrgetter(self.column.name)(result) if self.of is None else self.of(result)

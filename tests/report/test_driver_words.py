@@ -1,0 +1,223 @@
+"""The driver in words: terminal, verdict, HTML report, gate; and silence where nothing is known."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pytest
+from approach import approach, only
+from builders import NAN, Place, at, make_dataset, result_of
+
+from nvcore.comparison import Result, compare
+from nvcore.dataset.estimates import EstimateRecord
+from nvcore.evidence.measures import significance_table
+from nvcore.params import Params
+from nvcore.report.gate import gate_measures, listed_names, measure_names, run_gate
+from nvcore.report.html.driver_section import driver_section
+from nvcore.report.rules import parse_rule
+from nvcore.report.terminal import render_scorecard
+from nvcore.report.verdict import verdict
+from nvcore.report.verdict.driver import describe_driver, describe_source, regions_text, weighting
+from nvcore.schema import DriverRegion
+from nvcore.tables.encounters.driver import (
+    detectability_course,
+    driver_venn_table,
+    saved_encounters,
+)
+from nvcore.tables.result import encounters_table, recordings_table
+from nvcore.tables.scorecard import score_rows
+from nvcore.tables.summary import summary
+
+
+def eight(n_recordings: int = 1, *, unknown: int = 1, **params: str) -> Result:
+    """An encounter of each region of driver, X and Y in each recording, and unknown ones."""
+    truth, x, y = [], [], []
+    for recording in range(n_recordings):
+        for number, (driver, by_x, by_y) in enumerate(product([True, False], repeat=3)):
+            person = at(0, 10 + 10 * number, track=number + 1, recording=recording)
+            truth.append(person._replace(detectability=0.9 if driver else 0.1))
+            x += [person._replace(score=1.0)] if by_x else []
+            y += [person._replace(score=1.0)] if by_y else []
+        truth += [at(0, 95, track=9 + i, recording=recording) for i in range(unknown)]
+    return result_of(make_dataset(truth, x, y, places=[Place(range(3))] * n_recordings), **params)
+
+
+def with_estimate(result: Result, record: EstimateRecord) -> Result:
+    return replace(result, dataset=replace(result.dataset, estimate=record))
+
+
+def test_the_alerts_of_each_system_are_counted_in_the_scorecard():
+    rows = {row.key: (row.x, row.y) for row in score_rows(eight())}
+    assert rows["useful_alerts"] == (2, 2)
+    assert rows["unprotected"] == (2, 2)
+    assert rows["redundant_alerts"] == (2, 2)
+
+
+def test_alerts_are_counted_by_recording():
+    table = recordings_table(eight(3))
+    assert table["useful_alerts_x"].tolist() == [2, 2, 2]
+    assert table["redundant_alerts_y"].tolist() == [2, 2, 2]
+
+
+def test_the_verdict_says_whom_each_system_warns_of_and_where_that_comes_from():
+    text = " ".join(describe_driver(eight()))
+    assert text == (
+        "By the ground truth, the driver sees 4 of 8 encounters by himself; of the 4 that he does "
+        "not see, X detects 2 and Y 2 (X alone 1, Y alone 1, neither 1). Detectability is as the "
+        "ground truth states it; he is taken to see from 0.5 on; 1 encounter unknown, not counted "
+        "here."
+    )
+    assert text in [point.text for point in verdict(eight()).points]
+
+
+def test_estimated_and_simulated_are_said():
+    result = with_estimate(eight(unknown=0), EstimateRecord("m", "ab12", "all", 12))
+    assert describe_source(result) == (
+        "Detectability is estimated by m (fingerprint ab12), learnt from simulated subjects; "
+        "he is taken to see from 0.5 on."
+    )
+    assert describe_driver(result)[0].startswith(
+        "By the estimates (learnt from simulated subjects), the driver sees 4 of 8 encounters"
+    )
+    plain = with_estimate(eight(unknown=0), EstimateRecord())
+    assert describe_source(plain) == ("Detectability is estimated; he is taken to see from 0.5 on.")
+
+
+def test_the_regions_stand_in_the_terminal_and_the_unknown_only_where_there_are_some():
+    assert regions_text(eight()) == (
+        "driver, X and Y 1, driver and X 1, driver and Y 1, driver alone 1, X and Y 1, X alone 1, "
+        "Y alone 1, nobody 1, unknown of the driver 1"
+    )
+    assert regions_text(eight(unknown=0)).endswith("nobody 1")
+    assert f"encounters seen by: {regions_text(eight())}" in render_scorecard(eight())
+
+
+def test_where_nothing_is_known_nothing_is_said():
+    result = result_of(make_dataset([at(0, 50, track=1)]))
+    assert describe_driver(result) == ()
+    assert "driver" not in render_scorecard(result)
+    assert "driver" not in str(summary(result))
+    assert not any("driver" in name for name in encounters_table(result))
+    assert "detectability" not in encounters_table(result)
+    assert "useful_alerts" not in significance_table(result)["figure"].tolist()
+
+
+def test_weighting_is_said_to_be_ours_and_of_how_many_boxes_it_is_not():
+    assert weighting(eight()) == ""
+    assert weighting(eight(driver_weighting="on")) == (
+        "Similarity, saliency and severity are weighted by (1 - detectability): this weighting is "
+        "ours, not the papers'; 1 pedestrian box has none and weighs in full."
+    )
+    assert "weighted by (1 - detectability)" in render_scorecard(eight(driver_weighting="on"))
+    bare = result_of(make_dataset([at(0, 50, track=1)]), driver_weighting="on")
+    assert weighting(bare) == "driver_weighting has no effect: no detectability is known."
+
+
+def test_the_table_of_regions_has_a_row_for_each_with_words():
+    table = driver_venn_table(eight()).set_index("region")
+    assert table["encounters"].tolist() == [1] * 9
+    assert table.loc[DriverRegion.Y, "meaning"] == (
+        "Neither the driver nor X, but Y: where Y can save lives."
+    )
+    # Y alone stands at 70 of 100 px, k = 1, for 0.1 s
+    assert table.loc[DriverRegion.Y, "severity_x"] == pytest.approx(0.1 * 30 / 50)
+    assert table.loc[DriverRegion.Y, "severity_y"] == 0
+
+
+def urgent(**params: float) -> Result:
+    """Four who are driven up to: by nobody, by Y alone, by the driver too, unknown of him."""
+    late, all_ = range(30, 40), range(40)
+    truth, x, y = [], [], []
+    for recording, (seen, by_y) in enumerate([(0.1, late), (0.1, all_), (0.9, all_), (NAN, all_)]):
+        boxes = approach(range(40), 5, recording=recording)
+        truth += [b._replace(detectability=seen) for b in boxes]
+        x += only(boxes, late)
+        y += only(boxes, by_y)
+    dataset = make_dataset(truth, x, y, places=[Place(range(40))] * 4)
+    return result_of(dataset, proximity="height", **params)
+
+
+def test_neither_the_driver_nor_x_but_y_is_counted_listed_and_said():
+    result = urgent()
+    rows = {row.key: (row.x, row.y) for row in score_rows(result)}
+    assert rows["in_time_alone"] == (0, 1)
+    saved = saved_encounters(result)
+    assert saved[["recording", "system", "impact_kmh_y"]].to_numpy().tolist() == [["r1", "y", 0.0]]
+    text = " ".join(describe_driver(result))
+    assert (
+        "Of the 3 urgent ones among them he is in time by himself in 1; neither he nor Y but X is "
+        "in 0, neither he nor X but Y in 1."
+    ) in text
+    assert encounters_table(result)["driver_in_time"].tolist()[:3] == [False, False, True]
+    assert encounters_table(result)["driver_in_time"].isna().tolist() == [False] * 3 + [True]
+
+
+def test_the_section_of_the_report_lists_regions_and_the_saved():
+    section = driver_section(urgent())
+    _, regions, saved = section.blocks
+    assert len(regions.rows) == 9
+    assert saved.rows[0][:3] == ("r1", "1", "Y")
+    assert len(driver_section(eight(unknown=0)).blocks) == 2
+
+
+def test_the_course_of_an_encounter_is_given_from_frame_to_frame():
+    truth = [
+        at(f, 50, h=h, track=1, detectability=d)
+        for f, (h, d) in enumerate([(4, 0.1), (4, NAN), (40, 0.3), (40, 0.8)])
+    ]
+    course = detectability_course(result_of(make_dataset(truth), proximity="height"), 0)
+    assert course["detectability"].tolist() == pytest.approx([0.1, NAN, 0.3, 0.8], nan_ok=True)
+    assert course["is_up_to_relevant"].tolist() == [True, True, True, False]
+
+
+def test_a_rule_of_the_gate_is_judged_and_undefined_where_nothing_is_known():
+    rules = [parse_rule("unprotected_y <= 2"), parse_rule("driver_venn.nobody == 1")]
+    outcomes, _ = run_gate(rules, eight(), (), strict=False)
+    assert [outcome.is_passed for outcome in outcomes[:2]] == [True, True]
+    (failed, *_), _ = run_gate([parse_rule("unprotected_y == 0")], eight(), (), strict=False)
+    assert failed.details == ("r0, track 6, frame 0", "r0, track 8, frame 0")
+    (failed, *_), _ = run_gate([parse_rule("driver_venn.y == 0")], eight(), (), strict=False)
+    assert failed.details == ("r0, track 7, frame 0",)
+    bare = result_of(make_dataset([at(0, 50, track=1)]))
+    outcomes, measures = run_gate(rules, bare, (), strict=False)
+    assert [outcome.is_passed for outcome in outcomes[:2]] == [False, False]
+    assert math.isnan(measures["unprotected_y"])
+    assert math.isnan(measures["driver_venn.nobody"])
+
+
+def test_every_name_of_a_rule_has_a_value_with_and_without_a_driver():
+    for result in (eight(), result_of(make_dataset([at(0, 50, track=1)]))):
+        measures = gate_measures(result, (), result.dataset.settings.protocol, measure_names())
+        assert set(measure_names()) <= set(measures)
+        listed = listed_names(result, measures)
+        assert (listed == sorted(measures)) is result.driver.has_any
+        assert ("useful_alerts_worse_y" in listed) is result.driver.has_any
+
+
+def test_useful_alerts_are_tested_by_mcnemar_and_by_recordings():
+    table = significance_table(eight(8)).set_index("figure")
+    row = table.loc["useful_alerts"]
+    assert (row["x"], row["y"], row["n"]) == (0.5, 0.5, 32)
+    by_unit = table.loc["useful_alerts_by_unit"]
+    assert (by_unit["x"], by_unit["n"], by_unit["unit"]) == (0.5, 8, "recordings")
+
+
+def test_if_he_sees_everybody_shares_of_the_others_are_undefined_not_an_error():
+    truth = [at(0, 50, track=1, detectability=1.0)]
+    result = result_of(make_dataset(truth, [at(0, 50, score=1.0)]))
+    assert (
+        "sees 1 of 1 encounter by himself: every alert is redundant." in describe_driver(result)[0]
+    )
+    table = significance_table(result).set_index("figure")
+    assert np.isnan(table.loc["useful_alerts", "x"])
+
+
+def test_estimates_outside_the_training_are_counted():
+    result = eight(unknown=0)
+    boxes = result.dataset.boxes.assign(is_outside=np.arange(len(result.dataset.boxes)) < 3)
+    outside = compare(replace(result.dataset, boxes=boxes), Params(proximity="none"))
+    assert "3 outside the range of the training" in describe_source(outside)
+    assert encounters_table(outside)["outside_training"].sum() == 3
