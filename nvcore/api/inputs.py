@@ -14,6 +14,7 @@ from nvcore.dataset import Dataset
 from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.facts import is_frame_range, parse_size
 from nvcore.inputs.load import load as load_session
+from nvcore.inputs.overriding import override_recordings
 from nvcore.inputs.pipes import pipes_kept
 from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import (
@@ -21,7 +22,6 @@ from nvcore.inputs.session import (
     Session,
     Source,
     SystemSource,
-    override_recordings,
 )
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import params_from

@@ -11,12 +11,12 @@ import click
 from nvcore.cli.options import flag_of
 from nvcore.errors import SessionError
 from nvcore.inputs.facts import is_frame_range, parse_size
+from nvcore.inputs.overriding import override_recordings
 from nvcore.inputs.session import (
     RecordingsFile,
     Session,
     Source,
     SystemSource,
-    override_recordings,
 )
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import SETTINGS, Params, params_from

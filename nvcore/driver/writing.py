@@ -14,12 +14,13 @@ from nvcore.dataset import Dataset
 from nvcore.driver.estimate import EstimateRun
 from nvcore.driver.run import FeatureRun
 from nvcore.errors import InputError
+from nvcore.inputs.driver.session import DriverTable
 from nvcore.inputs.hashes import source_hashes
 from nvcore.inputs.session import Session
-from nvcore.inputs.session_driver import DriverTable
 from nvcore.inputs.session_toml import write_session
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_run
+from nvcore.schema import DETECTABILITY
 
 FEATURES_FILE: Final = "features.csv"
 DETECTABILITY_FILE: Final = "detectability.csv"
@@ -121,7 +122,7 @@ def write_estimates(run: EstimateRun, dataset: Dataset, folder: Path) -> Written
     named = replace(
         session,
         systems=systems,
-        hashes=source_hashes(dataset),
+        hashes={of: digest for of, digest in source_hashes(dataset).items() if of != DETECTABILITY},
         driver=DriverTable(
             detectability=str(folder.absolute() / DETECTABILITY_FILE),
             provenance=str(folder.absolute() / RECORD_FILE),

@@ -6,9 +6,10 @@ import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from nvcore.errors import SessionError
+from nvcore.inputs.driver.session import DriverEntry, DriverTable, with_driver_paths
 from nvcore.inputs.facts import (
     check_finite,
     check_path,
@@ -16,7 +17,6 @@ from nvcore.inputs.facts import (
     check_rate,
     is_frame_range,
 )
-from nvcore.inputs.session_driver import DriverEntry, DriverTable, with_driver_paths
 from nvcore.params.traffic import parse_context
 from nvcore.settings import Settings, as_names, new_names
 
@@ -377,29 +377,3 @@ class Session(Settings):
             return None
         width, height = sizes.pop()
         return None if width is None or height is None else (int(width), int(height))
-
-
-def override_recordings(
-    session: Session,
-    *,
-    size: tuple[int, int] | None = None,
-    fps: float | None = None,
-    frames: str | None = None,
-) -> Session:
-    """The session with these values for all recordings; None keeps what the session says.
-
-    Parameters
-    ----------
-    size
-        (width, height), px.
-    fps
-        Frames per second.
-    frames
-        ``first:last[:step]``, or a file with one number a line.
-    """
-    given: dict[str, Any] = {"size": size, "fps": fps, "frames": frames}
-    values = {name: value for name, value in given.items() if value is not None}
-    own = [name for name in values if name != "size"] + ["width", "height"] * ("size" in values)
-    dropped: dict[str, Any] = dict.fromkeys(own)
-    recordings = tuple(replace(facts, **dropped) for facts in session.recordings)
-    return replace(session, recordings=recordings, **values)

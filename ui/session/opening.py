@@ -19,10 +19,10 @@ from typing import Final, TypeVar
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, SessionError
 from nvcore.findings import Finding
+from nvcore.inputs.driver.session import DriverTable, without_driver_paths
 from nvcore.inputs.facts import FRAME_RANGE, is_frame_range
 from nvcore.inputs.files import NAME_PARTS
 from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session, Source, SystemSource
-from nvcore.inputs.session_driver import DriverTable, without_driver_paths
 from nvcore.params import Params
 from nvcore.pictures.open import is_below
 from ui.confined.reading import (

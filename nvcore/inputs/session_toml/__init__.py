@@ -13,7 +13,7 @@
     first_picture = 0        number of the frame that the first picture shows
     tags = ["night", "rain"] words by which recordings can be chosen
     title = "Night drive 1"  what it is called, in place of its name in the data
-    visible = "visible.mp4"  and what else is known of the driver: nvcore.inputs.session_driver
+    visible = "visible.mp4"  and what else is known of the driver: nvcore.inputs.driver.session
 
     [recordings]             the same as a table (see nvcore.inputs.recordings_file)
     path = "recordings.csv"

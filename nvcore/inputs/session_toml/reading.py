@@ -19,6 +19,7 @@ from types import UnionType
 from typing import Any, Final, TypeVar, get_args, get_origin, get_type_hints
 
 from nvcore.errors import ParameterError, SessionError
+from nvcore.inputs.driver.session import DriverTable
 from nvcore.inputs.facts import parse_size
 from nvcore.inputs.session import (
     RecordingEntry,
@@ -27,7 +28,6 @@ from nvcore.inputs.session import (
     Source,
     SystemSource,
 )
-from nvcore.inputs.session_driver import DriverTable
 from nvcore.params import params_from
 from nvcore.params.traffic import parse_context
 from nvcore.protocols import protocol_from

@@ -16,9 +16,9 @@ from nvcore.comparison import compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.estimates import EstimateRecord, estimate_json, read_estimate_record
 from nvcore.errors import FormatError, InputError
+from nvcore.inputs.driver.session import DriverTable
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session
-from nvcore.inputs.session_driver import DriverTable
 from nvcore.inputs.session_toml import read_session, write_session
 from nvcore.params import Params
 from nvcore.tables.inputs import finding_entries
