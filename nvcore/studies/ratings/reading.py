@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-from io import StringIO
 from pathlib import Path
 from typing import Final
 
@@ -11,15 +9,13 @@ import numpy as np
 import pandas as pd
 
 from nvcore.errors import FormatError
+from nvcore.inputs.readers.parse.table import read_rows
 from nvcore.output.csv_text import without_safeguard
 
 REQUIRED: Final = ("participant", "clip", "rating")
 SYSTEM: Final = "system"
 DELAY: Final = "delay_s"
 """Column with the seconds from a clip's end to its rating."""
-MOST_ROWS: Final = 1_000_000
-MOST_COLUMNS: Final = 100
-SEPARATORS: Final = ",;\t"
 MISSING: Final = frozenset({"", "na", "nan", "-", "\u2013"})
 
 
@@ -56,50 +52,9 @@ def parse_ratings(content: bytes, *, name: str) -> pd.DataFrame:
         If a column or a field is missing, a rating is no number, a delay is none or below 0, the
         system is given for some clips only, or a participant rates a clip twice.
     """
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise FormatError(f"this is no CSV table of ratings ({error})", file=name) from error
-    separator = max(SEPARATORS, key=text.partition("\n")[0].count)
-    rows, lines = _rows(text, separator, name)
-    if not rows:
-        raise FormatError("this is no CSV table of ratings (it is empty)", file=name)
+    rows, lines, separator = read_rows(content, name=name, what="ratings")
     table = pd.DataFrame(rows[1:], columns=rows[0], dtype=object)
     return check_ratings(table, name=name, lines=lines[1:], has_decimal_comma=separator == ";")
-
-
-def _rows(text: str, separator: str, name: str) -> tuple[list[list[str]], np.ndarray]:
-    """Fields of each line that is not blank, as many as in the first, and the lines' numbers."""
-    reader = csv.reader(
-        StringIO(text, newline=""), delimiter=separator, skipinitialspace=True, strict=True
-    )
-    rows: list[list[str]] = []
-    lines: list[int] = []
-    try:
-        for row in reader:
-            if not any(field.strip() for field in row):
-                continue
-            if len(row) > MOST_COLUMNS:
-                raise FormatError(
-                    f"expected {MOST_COLUMNS} columns at the most, found {len(row):,}",
-                    file=name,
-                    line=reader.line_num,
-                )
-            if rows and len(row) != len(rows[0]):
-                raise FormatError(
-                    f"expected {len(rows[0])} fields, as in the first line; found {len(row)}",
-                    file=name,
-                    line=reader.line_num,
-                )
-            if len(rows) > MOST_ROWS:
-                raise FormatError(f"more than {MOST_ROWS:,} ratings", file=name)
-            rows.append(row)
-            lines.append(reader.line_num)
-    except csv.Error as error:
-        raise FormatError(
-            f"this is no CSV table of ratings ({error})", file=name, line=reader.line_num
-        ) from error
-    return rows, np.array(lines, dtype=np.int64)
 
 
 def check_ratings(

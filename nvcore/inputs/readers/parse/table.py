@@ -1,0 +1,253 @@
+"""Small CSV tables with a header, whose fields are read by the names of their columns."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
+from io import StringIO
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.errors import FormatError, InputError
+from nvcore.inputs.readers.parse.text import MAX_INTEGER, number_of
+from nvcore.output.csv_text import without_safeguard
+from nvcore.wording import listed, shortened
+
+MOST_ROWS: Final = 1_000_000
+MOST_COLUMNS: Final = 100
+MOST_BYTES: Final = 1 << 28
+SEPARATORS: Final = ",;\t"
+_FLAGS: Final = {"1": True, "true": True, "yes": True, "0": False, "false": False, "no": False}
+
+
+def read_rows(
+    content: bytes, *, name: str, what: str
+) -> tuple[list[list[str]], NDArray[np.int64], str]:
+    """Fields of each line that is not blank, as many as in the first.
+
+    Fields are separated by comma, semicolon or tab, whichever is commonest in the first line.
+
+    Parameters
+    ----------
+    name
+        Of the file, for errors.
+    what
+        What the rows are, as in "this is no CSV table of ratings".
+
+    Returns
+    -------
+    Rows with the header first, the 1-based line of each, and the separator.
+
+    Raises
+    ------
+    FormatError
+        If it is no such text, is empty, or too large.
+    """
+    no_table = f"this is no CSV table of {what}"
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FormatError(f"{no_table} ({error})", file=name) from error
+    separator = max(SEPARATORS, key=text.partition("\n")[0].count)
+    reader = csv.reader(
+        StringIO(text, newline=""), delimiter=separator, skipinitialspace=True, strict=True
+    )
+    rows: list[list[str]] = []
+    lines: list[int] = []
+    try:
+        for row in reader:
+            if not any(field.strip() for field in row):
+                continue
+            if len(row) > MOST_COLUMNS:
+                text = f"expected {MOST_COLUMNS} columns at the most, found {len(row):,}"
+                raise FormatError(text, file=name, line=reader.line_num)
+            if rows and len(row) != len(rows[0]):
+                text = f"expected {len(rows[0])} fields, as in the first line; found {len(row)}"
+                raise FormatError(text, file=name, line=reader.line_num)
+            if len(rows) > MOST_ROWS:
+                raise FormatError(f"more than {MOST_ROWS:,} {what}", file=name)
+            rows.append(row)
+            lines.append(reader.line_num)
+    except csv.Error as error:
+        raise FormatError(f"{no_table} ({error})", file=name, line=reader.line_num) from error
+    if not rows:
+        raise FormatError(f"{no_table} (it is empty)", file=name)
+    return rows, np.array(lines, dtype=np.int64), separator
+
+
+@dataclass(frozen=True)
+class TextTable:
+    """A table of text, whose columns are checked as they are read.
+
+    Attributes
+    ----------
+    name
+        Of the file, for errors.
+    fields
+        Stripped text of each column, object, shape (n,), by the column's name in lower case.
+    lines
+        1-based line of each row, int64, shape (n,).
+    has_decimal_comma
+        Whether numbers may have a comma: fields are separated by semicolons.
+    """
+
+    name: str
+    fields: dict[str, NDArray[np.object_]]
+    lines: NDArray[np.int64]
+    has_decimal_comma: bool
+
+    def __len__(self) -> int:
+        return len(self.lines)
+
+    def __contains__(self, column: str) -> bool:
+        return column in self.fields
+
+    def fault(self, row: int, message: str) -> FormatError:
+        """An error that names the line of a row, for the caller to raise."""
+        return FormatError(message, file=self.name, line=int(self.lines[row]))
+
+    def texts(self, column: str, *, may_be_empty: bool = False) -> NDArray[np.object_]:
+        """The column as text, without the apostrophe that keeps spreadsheets from running it.
+
+        Raises
+        ------
+        FormatError
+            With the first line where it is empty.
+        """
+        texts = self.fields[column]
+        is_empty = texts == ""
+        if not may_be_empty and is_empty.any():
+            raise self.fault(int(np.argmax(is_empty)), f"{column} is empty")
+        return texts
+
+    def numbers(
+        self,
+        column: str,
+        *,
+        low: float = -np.inf,
+        high: float = np.inf,
+        may_be_empty: bool = False,
+    ) -> NDArray[np.float64]:
+        """The column as numbers, float64, shape (n,); an empty field is NaN where it may be empty.
+
+        Raises
+        ------
+        FormatError
+            With the first line of what is no finite number, or outside the range.
+        """
+        texts = self.fields[column]
+        values = np.full(len(texts), np.nan)
+        for row, text in enumerate(texts):  # small tables: every field may be wrong by itself
+            if text == "" and may_be_empty:
+                continue
+            number = number_of(text.replace(",", ".") if self.has_decimal_comma else text)
+            if number is None or not np.isfinite(number):
+                raise self.fault(row, f"{column}: expected a number, found {shortened(text, 40)!r}")
+            if not low <= number <= high:
+                limits = f"{low:g} or more" if high == np.inf else f"{low:g} to {high:g}"
+                raise self.fault(row, f"{column}: expected {limits}, found {text}")
+            values[row] = number
+        return values
+
+    def whole_numbers(self, column: str, *, low: int = 0) -> NDArray[np.int64]:
+        """The column as whole numbers of at least `low`, int64, shape (n,).
+
+        Raises
+        ------
+        FormatError
+            With the first line of another field.
+        """
+        numbers = self.numbers(column, low=low, high=MAX_INTEGER)
+        is_broken = numbers != np.floor(numbers)
+        if is_broken.any():
+            row = int(np.argmax(is_broken))
+            text = f"{column}: expected a whole number, found {self.fields[column][row]}"
+            raise self.fault(row, text)
+        return numbers.astype(np.int64)
+
+    def flags(self, column: str) -> NDArray[np.bool_]:
+        """The column of 1 and 0 (or true and false, yes and no), bool, shape (n,).
+
+        Raises
+        ------
+        FormatError
+            With the first line of another field.
+        """
+        texts = [text.lower() for text in self.fields[column]]
+        for row, text in enumerate(texts):
+            if text not in _FLAGS:
+                raise self.fault(row, f"{column}: expected 1 or 0, found {shortened(text, 40)!r}")
+        return np.array([_FLAGS[text] for text in texts], dtype=np.bool_)
+
+    def unique(self, columns: Sequence[str], message: str) -> None:
+        """Refuse a row that has the fields of an earlier one in these columns.
+
+        Raises
+        ------
+        FormatError
+            With the line of the later row; `message` may name columns as ``{subject}``.
+        """
+        seen: set[tuple[str, ...]] = set()
+        for row, key in enumerate(zip(*(self.fields[column] for column in columns), strict=True)):
+            if key in seen:
+                raise self.fault(row, message.format(**dict(zip(columns, key, strict=True))))
+            seen.add(key)
+
+
+def parse_table(content: bytes, *, name: str, what: str, required: Sequence[str]) -> TextTable:
+    """A table from CSV text with a header; columns may stand in any order.
+
+    Parameters
+    ----------
+    name, what
+        As of `read_rows`.
+    required
+        Columns that must be there.
+
+    Raises
+    ------
+    FormatError
+        If it is no such table, or a column is missing or there twice.
+    """
+    rows, lines, separator = read_rows(content, name=name, what=what)
+    header = [field.strip().lower() for field in rows[0]]
+    line = int(lines[0])
+    absent = [column for column in required if column not in header]
+    if absent:
+        raise FormatError(
+            f"a table of {what} has the columns {', '.join(required)}; {listed(absent)} "
+            f"{'is' if len(absent) == 1 else 'are'} missing, found "
+            f"{shortened(', '.join(header), 120)}",
+            file=name,
+            line=line,
+        )
+    for column in header:
+        if column and header.count(column) > 1:
+            raise FormatError(f"there are several columns {column}", file=name, line=line)
+    fields = {
+        column: np.array([without_safeguard(row[i].strip()) for row in rows[1:]], dtype=object)
+        for i, column in enumerate(header)
+    }
+    return TextTable(name, fields, lines[1:], separator == ";")
+
+
+def read_table(path: Path, *, what: str, required: Sequence[str]) -> TextTable:
+    """A table from a CSV file; see `parse_table`.
+
+    Raises
+    ------
+    InputError
+        If it cannot be opened, or is no such table.
+    """
+    try:
+        with path.open("rb") as stream:
+            content = stream.read(MOST_BYTES + 1)
+    except OSError as error:
+        raise InputError(f"cannot be opened ({error.strerror})", file=path) from error
+    if len(content) > MOST_BYTES:
+        raise FormatError(f"a table of {what} has {MOST_BYTES >> 20} MiB at most", file=path)
+    return parse_table(content, name=str(path), what=what, required=required)
