@@ -3,6 +3,7 @@
 A run: bright light, a coarse picture in which the pedestrian cannot be seen, a cross, dark at
 once, after some seconds the picture for half a second, an answer, and a second picture without a
 new change of light. `settings`: what the conductor decides. `plan`: which picture after how many
-seconds. `pictures`: the folder, and coarse pictures. `store`: participants and trials in one file.
-`tables`: trials as the CSV that the driver's estimators are trained on.
+seconds. `pictures`: the folder, and coarse pictures. `records`: a study, its
+participants, their answers. `store`: the file that keeps them. `tables`: trials as the CSV that the
+driver's estimators are trained on.
 """

@@ -28,10 +28,10 @@ You look at pictures of roads at dusk, for half a second each, and touch the pla
 a pedestrian. Before each picture the screen is bright, then dark at once. This may be unpleasant \
 for eyes that are sensitive to light: do not take part if flashes of light make you ill.
 
-We keep your answers with their times, what you enter about yourself on this page, and the \
-size of your browser's window. We keep no name: you get a code, and only who has the code can say \
-which answers are yours. You may stop at any time, without a reason. Tell the person who conducts \
-the study your code, and you get a copy of your answers, or they are deleted.
+We keep your answers with their times, what you enter about yourself on this page, and how large \
+the pictures are on your screen. We keep no name: you get a code, and only who has the code can \
+say which answers are yours. You may stop at any time, without a reason. Tell the person who \
+conducts the study your code, and you get a copy of your answers, or they are deleted.
 """
 FORM: Final = {
     "age": "Age in years",

@@ -6,7 +6,7 @@ import json
 import math
 import sqlite3
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any, Final
@@ -14,13 +14,17 @@ from typing import Any, Final
 from nvcore.errors import InputError
 from nvcore.studies.detectability.pictures import StudyPicture
 from nvcore.studies.detectability.plan import Trial, plan_trials
-from nvcore.studies.detectability.settings import LONGEST_S, MOST_QUESTION, StudySettings
+from nvcore.studies.detectability.records import Answer, DetectabilityStudy, Participant
+from nvcore.studies.detectability.settings import MOST_QUESTION, StudySettings
 from nvcore.studies.participants import PARTICIPANTS, join, known_name, new_code, remove
 from nvcore.studies.store import AnswerFile, new_names
 
 MOST_DEVICE: Final = 200
 MOST_ANSWER: Final = 2000
 """Characters of a field of the form."""
+MOST_STUDIES: Final = 1000
+MOST_PARTICIPANTS: Final = 2000
+"""Of a study; on a server that is open to all somebody may try how many there can be."""
 TABLES: Final = f"""
 CREATE TABLE IF NOT EXISTS study (
     token TEXT PRIMARY KEY, conductor TEXT NOT NULL UNIQUE, settings TEXT NOT NULL,
@@ -32,7 +36,8 @@ CREATE TABLE IF NOT EXISTS form (
     PRIMARY KEY (study, participant),
     FOREIGN KEY (study, participant) REFERENCES participant (study, name));
 CREATE TABLE IF NOT EXISTS showing (
-    study TEXT NOT NULL, participant TEXT NOT NULL, place INTEGER NOT NULL, shown_at TEXT NOT NULL,
+    study TEXT NOT NULL, participant TEXT NOT NULL, place INTEGER NOT NULL, n INTEGER NOT NULL,
+    shown_at TEXT NOT NULL, PRIMARY KEY (study, participant, place),
     FOREIGN KEY (study, participant) REFERENCES participant (study, name));
 CREATE TABLE IF NOT EXISTS trial (
     study TEXT NOT NULL, participant TEXT NOT NULL, place INTEGER NOT NULL,
@@ -44,114 +49,6 @@ CREATE TABLE IF NOT EXISTS trial (
 """
 OF_PARTICIPANT: Final = ("trial", "showing", "form")
 """Tables with what a participant left."""
-
-
-@dataclass(frozen=True)
-class DetectabilityStudy:
-    """A study, as it was begun.
-
-    Attributes
-    ----------
-    token
-        Name of the study for participants; cannot be guessed.
-    conductor
-        Its name for whoever conducts it; cannot be derived from `token`.
-    settings
-        What the conductor decided.
-    pictures
-        What is shown.
-    folder
-        Where the pictures are, as whoever began the study names it.
-    begun_at, ends_at
-        Beginning, and when it is deleted with all answers; UTC.
-    """
-
-    token: str
-    conductor: str
-    settings: StudySettings
-    pictures: tuple[StudyPicture, ...]
-    folder: str
-    begun_at: datetime
-    ends_at: datetime
-
-
-@dataclass(frozen=True, kw_only=True)
-class Answer:
-    """What a participant answered to a picture, and when it was shown.
-
-    Attributes
-    ----------
-    measured_s
-        From the change of light to the picture's appearance, by the clock of the animation.
-    shown_s
-        How long the picture was to be seen, by the same clock.
-    touch_x, touch_y
-        Where the pedestrian was, px of the picture; NaN: not seen, or no answer.
-    response_s
-        From the picture's appearance to the answer; NaN: there is none.
-    is_answered
-        Whether there is an answer: a touch, or that nobody was seen.
-    device
-        What it was answered with, in words.
-
-    Raises
-    ------
-    InputError
-        If a number is none, or one of the two places is missing.
-    """
-
-    measured_s: float
-    shown_s: float
-    touch_x: float = math.nan
-    touch_y: float = math.nan
-    response_s: float = math.nan
-    is_answered: bool = True
-    device: str = ""
-
-    def __post_init__(self) -> None:
-        for name in ("measured_s", "shown_s"):
-            if not 0 <= getattr(self, name) <= 10 * LONGEST_S:
-                raise InputError(f"{name}: expected seconds, got {getattr(self, name):g}")
-        if not (math.isnan(self.response_s) or 0 <= self.response_s < math.inf):
-            raise InputError(f"response_s: expected seconds, got {self.response_s:g}")
-        place = (self.touch_x, self.touch_y)
-        if not all(map(math.isnan, place)) and not all(abs(value) < 1e6 for value in place):
-            raise InputError("a touch has two places, px of the picture")
-        if self.is_seen and not self.is_answered:
-            raise InputError("a touch is an answer")
-
-    @property
-    def is_seen(self) -> bool:
-        """Whether the participant says where the pedestrian was."""
-        return not math.isnan(self.touch_x)
-
-
-@dataclass(frozen=True)
-class Participant:
-    """Somebody who takes part.
-
-    Attributes
-    ----------
-    code
-        Pseudonym; the subject of the trials.
-    number
-        0-based, the row of the design.
-    consented_at
-        When they agreed, UTC.
-    form
-        What they entered, by the field.
-    plan
-        Their trials.
-    has_practised
-        Whether the practice is over.
-    """
-
-    code: str
-    number: int
-    consented_at: datetime
-    form: Mapping[str, str]
-    plan: tuple[Trial, ...]
-    has_practised: bool
 
 
 class DetectabilityStore(AnswerFile):
@@ -189,7 +86,7 @@ class DetectabilityStore(AnswerFile):
         Raises
         ------
         InputError
-            If there are too few pictures for the design.
+            If there are too few pictures for the design, or too many studies.
         """
         plan_trials(len(pictures), 0, design=settings.design, timing=settings.timing)
         begun_at = now or datetime.now(UTC)
@@ -203,6 +100,7 @@ class DetectabilityStore(AnswerFile):
             *(folder, begun_at.isoformat(), ends_at.isoformat()),
         )
         with self.connect() as base:
+            _check_room(base, "SELECT COUNT(*) FROM study", (), MOST_STUDIES, "studies")
             base.execute("INSERT INTO study VALUES (?, ?, ?, ?, ?, ?, ?)", row)
         return study
 
@@ -240,7 +138,7 @@ class DetectabilityStore(AnswerFile):
         Raises
         ------
         InputError
-            If the study's form has no such field, or an answer is too long.
+            If the study's form has no such field, an answer is too long, or the study is full.
         """
         unknown = [field for field in form if field not in study.settings.form]
         if unknown:
@@ -250,6 +148,8 @@ class DetectabilityStore(AnswerFile):
         code, consented_at = new_code(), now or datetime.now(UTC)
         with self.connect() as base:
             number = join(base, study.token, code)
+            query = "SELECT COUNT(*) - 1 FROM participant WHERE study = ?"
+            _check_room(base, query, (study.token,), MOST_PARTICIPANTS, "participants")
             plan = plan_trials(
                 len(study.pictures),
                 number,
@@ -315,8 +215,11 @@ class DetectabilityStore(AnswerFile):
         with self.connect() as base:
             _check_place(base, study, code, place)
             now = datetime.now(UTC).isoformat()
-            row = (study.token, code, place, now)
-            base.execute("INSERT INTO showing VALUES (?, ?, ?, ?)", row)
+            base.execute(
+                "INSERT INTO showing VALUES (?, ?, ?, 1, ?) ON CONFLICT DO UPDATE SET n = n + 1, "
+                "shown_at = excluded.shown_at",
+                (study.token, code, place, now),
+            )
 
     def answer(self, study: DetectabilityStudy, code: str, place: int, answer: Answer) -> None:
         """Keep an answer; another one to the same picture changes nothing.
@@ -333,8 +236,8 @@ class DetectabilityStore(AnswerFile):
         """
         with self.connect() as base:
             _check_place(base, study, code, place)
-            (n_shown,) = base.execute(
-                "SELECT COUNT(*) FROM showing WHERE study = ? AND participant = ? AND place = ?",
+            shown = base.execute(
+                "SELECT n FROM showing WHERE study = ? AND participant = ? AND place = ?",
                 (study.token, code, place),
             ).fetchone()
             base.execute(
@@ -343,7 +246,11 @@ class DetectabilityStore(AnswerFile):
                 (
                     *(study.token, code, place, answer.measured_s, answer.shown_s),
                     *(_none_for_nan(answer.touch_x), _none_for_nan(answer.touch_y)),
-                    *(_none_for_nan(answer.response_s), answer.is_answered, max(n_shown, 1)),
+                    *(
+                        _none_for_nan(answer.response_s),
+                        answer.is_answered,
+                        shown[0] if shown else 1,
+                    ),
                     *(answer.device[:MOST_DEVICE], datetime.now(UTC).isoformat()),
                 ),
             )
@@ -424,6 +331,13 @@ class DetectabilityStore(AnswerFile):
                 for table in (*OF_PARTICIPANT, "participant"):
                     base.execute(f"DELETE FROM {table} WHERE study = ?", (token,))  # noqa: S608  # our own names
                 base.execute("DELETE FROM study WHERE token = ?", (token,))
+
+
+def _check_room(
+    base: sqlite3.Connection, query: str, values: tuple[str, ...], most: int, what: str
+) -> None:
+    if base.execute(query, values).fetchone()[0] >= most:
+        raise InputError(f"there are {most:,} {what} already, which is all that there may be")
 
 
 def _check_place(

@@ -9,8 +9,9 @@ import pandas as pd
 
 from nvcore.studies.detectability.pictures import COLUMNS
 from nvcore.studies.detectability.plan import Trial
+from nvcore.studies.detectability.records import Answer, DetectabilityStudy
 from nvcore.studies.detectability.settings import LATE_S, Timing
-from nvcore.studies.detectability.store import Answer, DetectabilityStore, DetectabilityStudy
+from nvcore.studies.detectability.store import DetectabilityStore
 
 TRIAL_COLUMNS: Final = (
     *("subject", "run", "position", "order", "image", "pedestrian"),

@@ -13,8 +13,9 @@ import pytest
 from nvcore.errors import InputError
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.studies.detectability.pictures import StudyPicture
+from nvcore.studies.detectability.records import Answer
 from nvcore.studies.detectability.settings import Facts, StudySettings
-from nvcore.studies.detectability.store import Answer, DetectabilityStore
+from nvcore.studies.detectability.store import DetectabilityStore
 from nvcore.studies.detectability.tables import (
     TRIAL_COLUMNS,
     about,
@@ -75,8 +76,9 @@ def test_an_answer_is_there_after_the_program_is_killed(tmp_path):
 import os, signal
 from pathlib import Path
 from nvcore.studies.detectability.pictures import StudyPicture
+from nvcore.studies.detectability.records import Answer
 from nvcore.studies.detectability.settings import StudySettings
-from nvcore.studies.detectability.store import Answer, DetectabilityStore
+from nvcore.studies.detectability.store import DetectabilityStore
 store = DetectabilityStore(Path({str(path)!r}))
 study = store.begin(StudySettings(), {PICTURES!r}, folder="sample")
 person = store.join(study, {{}})
@@ -144,7 +146,7 @@ def test_a_participants_record_is_exported_and_deleted_and_nobody_elses(store, s
     assert record["code"] == ann.code
     assert record["form"][0]["answers"] == {"vision": "the eyes of Ann"}
     assert [trial["touch_x"] for trial in record["trial"]] == [12.5]
-    assert len(record["showing"]) == 1
+    assert [showing["n"] for showing in record["showing"]] == [1]
     assert "Bob" not in str(record)
     assert store.delete(study, ann.code.lower())
     assert not store.delete(study, ann.code)
@@ -218,6 +220,19 @@ def test_many_join_at_once_and_all_rows_of_the_design_are_taken(store, study):
     with ThreadPoolExecutor(8) as pool:
         people = list(pool.map(lambda _: store.join(study, {}), range(12)))
     assert sorted(person.number for person in people) == list(range(12))
+
+
+def test_there_is_room_for_so_many_and_no_more(store, study, monkeypatch):
+    monkeypatch.setattr("nvcore.studies.detectability.store.MOST_PARTICIPANTS", 2)
+    monkeypatch.setattr("nvcore.studies.detectability.store.MOST_STUDIES", 2)
+    for _ in range(2):
+        store.join(study, {})
+    with pytest.raises(InputError, match="2 participants already"):
+        store.join(study, {})
+    assert len(store.participants(study)) == 2
+    store.begin(StudySettings(), PICTURES, folder="sample")
+    with pytest.raises(InputError, match="2 studies already"):
+        store.begin(StudySettings(), PICTURES, folder="sample")
 
 
 def test_how_a_study_was_done_is_told_without_anybody(store, study):
