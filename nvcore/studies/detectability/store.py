@@ -170,17 +170,21 @@ class DetectabilityStore(AnswerFile):
         """The participant with this code, however it is typed; None: there is none."""
         with self.connect() as base:
             name = known_name(base, study.token, code)
-        return next((one for one in self.participants(study) if one.code == name), None)
+        people = [] if name is None else self._people(study, "AND participant.name = ?", name)
+        return people[0] if people else None
 
     def participants(self, study: DetectabilityStudy) -> list[Participant]:
         """All who take part, by their number."""
+        return self._people(study)
+
+    def _people(self, study: DetectabilityStudy, only: str = "", *values: str) -> list[Participant]:
         with self.connect() as base:
             rows = base.execute(
-                "SELECT name, number, consented_at, answers, plan, has_practised "
+                "SELECT name, number, consented_at, answers, plan, has_practised "  # noqa: S608  # our own words
                 "FROM participant JOIN form ON form.study = participant.study "
                 "AND form.participant = participant.name "
-                "WHERE participant.study = ? ORDER BY number",
-                (study.token,),
+                f"WHERE participant.study = ? {only} ORDER BY number",
+                (study.token, *values),
             ).fetchall()
         return [
             Participant(
@@ -293,7 +297,12 @@ class DetectabilityStore(AnswerFile):
 
     def left(self, study: DetectabilityStudy, participant: Participant) -> list[Trial]:
         """Trials without an answer, in their order."""
-        answered = self.answers(study).get(participant.code, {})
+        with self.connect() as base:
+            rows = base.execute(
+                "SELECT place FROM trial WHERE study = ? AND participant = ?",
+                (study.token, participant.code),
+            ).fetchall()
+        answered = {place for (place,) in rows}
         return [trial for trial in participant.plan if trial.order not in answered]
 
     def record(self, study: DetectabilityStudy, code: str) -> dict[str, Any] | None:

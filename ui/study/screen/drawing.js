@@ -51,18 +51,41 @@ class Drawing {
     pen.stroke();
   }
 
-  picture(image, trial, ground, { isSmooth = true, alpha = 1 } = {}) {
-    this.ground(ground);
+  // Makes what is shown of these pictures at the size of the canvas: then to show it is to copy it.
+  prepare(trials) {
+    for (const trial of trials) {
+      trial.screens = {
+        preview: this.screen(trial.coarse, trial, BRIGHT, 1),
+        picture: this.screen(trial.full, trial, DARK, 1),
+        answer: this.screen(trial.coarse, trial, DARK, DIMMED),
+      };
+      for (const screen of Object.values(trial.screens)) this.whole(screen);
+    }
+    this.context.getImageData(0, 0, 1, 1); // what takes longer the first time has been done
+    this.ground(BRIGHT);
+  }
+
+  screen(image, trial, ground, alpha) {
+    const canvas = document.createElement("canvas");
+    canvas.width = this.canvas.width;
+    canvas.height = this.canvas.height;
+    const pen = canvas.getContext("2d");
+    pen.fillStyle = ground;
+    pen.fillRect(0, 0, canvas.width, canvas.height);
     const at = this.place(trial.width, trial.height);
-    this.context.imageSmoothingEnabled = isSmooth;
-    this.context.globalAlpha = alpha;
-    this.context.drawImage(image, at.left, at.top, at.width, at.height);
-    this.context.globalAlpha = 1;
+    pen.globalAlpha = alpha;
+    pen.imageSmoothingQuality = "high";
+    pen.drawImage(image, at.left, at.top, at.width, at.height);
+    return canvas;
+  }
+
+  whole(screen) {
+    this.context.drawImage(screen, 0, 0, this.canvas.width, this.canvas.height);
   }
 
   // The coarse picture to touch, and the place that the arrow keys have reached.
   answer(trial, pointer) {
-    this.picture(trial.coarse, trial, DARK, { alpha: DIMMED });
+    this.whole(trial.screens.answer);
     if (!pointer) return;
     const at = this.place(trial.width, trial.height);
     const [x, y] = [at.left + pointer.x * at.scale, at.top + pointer.y * at.scale];
@@ -74,21 +97,12 @@ class Drawing {
   pixelAt(event, trial) {
     const area = this.canvas.getBoundingClientRect();
     const at = this.place(trial.width, trial.height);
-    const x = ((event.clientX - area.left) * this.ratio - at.left) / at.scale;
-    const y = ((event.clientY - area.top) * this.ratio - at.top) / at.scale;
+    // the window may have been resized since `fit`
+    const [across, down] = [this.canvas.width / area.width, this.canvas.height / area.height];
+    const x = ((event.clientX - area.left) * across - at.left) / at.scale;
+    const y = ((event.clientY - area.top) * down - at.top) / at.scale;
     const isInside = x >= 0 && y >= 0 && x < trial.width && y < trial.height;
     return isInside ? { x, y } : null;
-  }
-
-  // Draws the pictures once, unseen, so that the first time that counts takes no longer than others.
-  prepare(trials) {
-    for (const trial of trials) {
-      for (const image of [trial.full, trial.coarse]) {
-        this.picture(image, trial, BRIGHT);
-        this.context.getImageData(0, 0, 1, 1);
-      }
-    }
-    this.ground(BRIGHT);
   }
 
   shownWidth(trial) {

@@ -56,6 +56,8 @@ class Screen {
       event.preventDefault();
       this.stop();
     });
+    // a browser closes it at the second Esc, whatever we say
+    this.dialog.addEventListener("close", () => this.stop());
     this.dialog.addEventListener("keydown", (event) => this.key(event));
     window.addEventListener("resize", () => {
       if (this.phase === "ready") this.rest();
@@ -153,7 +155,7 @@ class Screen {
     drawing.prepare(this.trials);
     for (const trial of this.trials) {
       this.enter("preview");
-      since = await clock.show(() => drawing.picture(trial.coarse, trial, BRIGHT));
+      since = await clock.show(() => drawing.whole(trial.screens.preview));
       await this.until(since + 1000 * timing.preview_s);
     }
     this.enter("cross");
@@ -178,7 +180,7 @@ class Screen {
     }
     if (dark !== null) await this.until(dark + 1000 * trial.adaptation_s);
     this.enter("picture");
-    const seen = await clock.show(() => drawing.picture(trial.full, trial, DARK));
+    const seen = await clock.show(() => drawing.whole(trial.screens.picture));
     dark = dark === null ? seen : dark;
     if (trial.place) this.send(trial, "shown", {});
     await this.until(seen + 1000 * timing.show_s);
@@ -255,8 +257,8 @@ class Screen {
   }
 
   stop() {
-    if (["ready", "loading", "failed"].includes(this.phase)) this.end(null);
-    else this.isStopped = true;
+    if (!["ready", "loading", "failed"].includes(this.phase)) this.isStopped = true;
+    else if (this.dialog.open) this.end(null);
   }
 
   // Back to the page; what was answered is kept.
