@@ -13,7 +13,7 @@ from app_server import ROOT, serve
 from app_visit import Visit
 from playwright.sync_api import BrowserContext, Locator, expect
 
-N_PICTURES = 4
+N_PICTURES = 6  # so that every participant has three runs of two pictures
 SHORT = {
     "Bright screen, s": "0.1",
     "Coarse picture, s": "0.1",
@@ -51,7 +51,7 @@ def links(person: BrowserContext, app: str) -> tuple[str, str]:
         field.fill(value)
         field.press("Enter")
         one.wait_until_drawn()
-    expect(one.page.get_by_text("4 pictures in 2 runs")).to_be_visible()
+    expect(one.page.get_by_text("6 pictures in 3 runs")).to_be_visible()
     one.keyed("study_start").get_by_role("button").click()
     expect(one.heading("The study")).to_be_visible()
     codes = one.page.get_by_test_id("stCode").locator("code")
@@ -87,6 +87,19 @@ def begins(one: Visit, name: str) -> None:
     one.page.get_by_role("button", name=name, exact=True).last.click()
 
 
+def practise(one: Visit) -> None:
+    begins(one, "Begin the practice")
+    answer_both(one)
+
+
+def answer_both(one: Visit) -> None:
+    """Answer that nobody was seen, by keyboard."""
+    for _ in range(2):
+        expect(phase(one, "answer")).to_have_count(1)
+        one.page.keyboard.press("n")
+        expect(phase(one, "answer")).to_have_count(0)
+
+
 def phase(one: Visit, name: str) -> Locator:
     return one.page.locator(f'.nv-study[data-phase="{name}"]')
 
@@ -111,28 +124,24 @@ def test_a_participant_answers_by_mouse_keys_and_touch_and_a_reload_goes_on(
     one = visit(study)
     expect(one.keyed("navigation")).to_have_count(0)
     code = join(one)
-    begins(one, "Begin the practice")
-    for _ in range(2):
-        expect(phase(one, "answer")).to_have_count(1)
-        one.page.keyboard.press("n")
-        expect(phase(one, "answer")).to_have_count(0)
+    practise(one)
 
     # the first picture, by mouse; the second is seen, and the page loaded again
-    begins(one, "Begin run 1 of 2")
+    begins(one, "Begin run 1 of 3")
     expect(phase(one, "answer")).to_have_count(1)
     with one.page.expect_response(kept(1, "answer")), one.page.expect_response(kept(2, "shown")):
         one.page.mouse.click(*place_on_screen(one, 100, 90))
     expect(phase(one, "answer")).to_have_count(1)
     one.page.reload()
     one.wait_until_drawn()
-    expect(one.heading("Run 1 of 2")).to_be_visible()
-    begins(one, "Begin run 1 of 2")
+    expect(one.heading("Run 1 of 3")).to_be_visible()
+    begins(one, "Begin run 1 of 3")
     expect(phase(one, "answer")).to_have_count(1)
     for key in ("ArrowLeft", "Shift+ArrowUp", "Enter"):  # from the middle
         one.page.keyboard.press(key)
 
     # by touch, then not seen; all that without leaving the dark
-    begins(one, "Begin run 2 of 2")
+    begins(one, "Begin run 2 of 3")
     expect(phase(one, "answer")).to_have_count(1)
     x, y = place_on_screen(one, 300, 20)
     touch = {"pointerType": "touch", "clientX": x, "clientY": y}
@@ -140,6 +149,8 @@ def test_a_participant_answers_by_mouse_keys_and_touch_and_a_reload_goes_on(
         one.page.locator(".nv-study canvas").dispatch_event("pointerdown", touch)
     expect(phase(one, "answer")).to_have_count(1)
     one.page.get_by_role("button", name="Not seen").click()
+    begins(one, "Begin run 3 of 3")
+    answer_both(one)
     expect(one.heading("Thank you")).to_be_visible()
     expect(one.page.get_by_text(code).first).to_be_visible()
 
@@ -154,19 +165,41 @@ def test_a_participant_answers_by_mouse_keys_and_touch_and_a_reload_goes_on(
     expect(metrics.filter(has_text="have seen all pictures")).to_contain_text("1")
 
 
+def test_a_run_that_is_stopped_goes_on_with_what_was_not_answered(visit, links):
+    one = visit(links[0])
+    join(one)
+    practise(one)
+    begins(one, "Begin run 1 of 3")
+    expect(phase(one, "answer")).to_have_count(1)
+    with one.page.expect_response(kept(1, "answer")), one.page.expect_response(kept(2, "shown")):
+        one.page.keyboard.press("n")
+    expect(phase(one, "answer")).to_have_count(1)
+    one.page.keyboard.press("Escape")
+    expect(one.page.locator(".nv-study dialog")).not_to_be_visible()
+    expect(one.page.locator('.nv-study[data-run^="2 of"]')).to_have_count(1)
+    begins(one, "Begin run 1 of 3")
+    expect(phase(one, "answer")).to_have_count(1)
+    with one.page.expect_response(kept(2, "answer")):
+        one.page.get_by_role("button", name="Not seen").click()
+    expect(one.page.locator('.nv-study[data-run^="3 of"]')).to_have_count(1)
+
+
 def check_trials(rows: list[dict[str, str]], code: str) -> None:
     assert {row["subject"] for row in rows} == {code}
     assert [(row["run"], row["position"], row["order"]) for row in rows] == [
         ("1", "1", "1"), ("1", "2", "2"), ("2", "1", "3"), ("2", "2", "4"),
+        ("3", "1", "5"), ("3", "2", "6"),
     ]  # fmt: skip
     assert sorted(row["image"] for row in rows) == [f"scene_{i}.png" for i in range(N_PICTURES)]
-    assert [row["not_seen"] for row in rows] == ["0", "0", "0", "1"]
+    assert [row["not_seen"] for row in rows] == ["0", "0", "0", "1", "1", "1"]
     assert rows[3]["touch_x"] == rows[3]["touch_y"] == ""
     expected = [(100, 90), (160 - 64 / 6, 90 - 8 / 6), (300, 20)]
     for row, place in zip(rows, expected, strict=False):
         touch = (float(row["touch_x"]), float(row["touch_y"]))
         assert touch == pytest.approx(place, abs=0.5)
-    assert [row["device"].split(",")[0] for row in rows] == ["mouse", "keyboard", "touch", "mouse"]
+    assert [row["device"].split(",")[0] for row in rows] == [
+        "mouse", "keyboard", "touch", "mouse", "keyboard", "keyboard",
+    ]  # fmt: skip
     assert "shown 2 times" in rows[1]["device"]
     for row in rows:
         asked, measured = (

@@ -54,7 +54,7 @@ def folders() -> dict[str, str]:
     """
     names: dict[str, str] = {}
     if (sample_folder() / BOXES_FILE).is_file():
-        names[SAMPLE] = "Sample pictures"
+        names[SAMPLE] = "Sample pictures (rendered)"
     root = local_root()
     if root is not None:
         names |= {f"{LOCAL}{path}": path or "(top folder)" for path in _with_boxes(root)}

@@ -170,21 +170,23 @@ class DetectabilityStore(AnswerFile):
         """The participant with this code, however it is typed; None: there is none."""
         with self.connect() as base:
             name = known_name(base, study.token, code)
-        people = [] if name is None else self._people(study, "AND participant.name = ?", name)
+        people = [] if name is None else self._people(study, name)
         return people[0] if people else None
 
     def participants(self, study: DetectabilityStudy) -> list[Participant]:
         """All who take part, by their number."""
         return self._people(study)
 
-    def _people(self, study: DetectabilityStudy, only: str = "", *values: str) -> list[Participant]:
+    def _people(self, study: DetectabilityStudy, name: str | None = None) -> list[Participant]:
+        """All who take part, or the one of this name."""
         with self.connect() as base:
             rows = base.execute(
-                "SELECT name, number, consented_at, answers, plan, has_practised "  # noqa: S608  # our own words
+                "SELECT name, number, consented_at, answers, plan, has_practised "
                 "FROM participant JOIN form ON form.study = participant.study "
                 "AND form.participant = participant.name "
-                f"WHERE participant.study = ? {only} ORDER BY number",
-                (study.token, *values),
+                "WHERE participant.study = ?1 AND (?2 IS NULL OR participant.name = ?2) "
+                "ORDER BY number",
+                (study.token, name),
             ).fetchall()
         return [
             Participant(
@@ -244,19 +246,17 @@ class DetectabilityStore(AnswerFile):
                 "SELECT n FROM showing WHERE study = ? AND participant = ? AND place = ?",
                 (study.token, code, place),
             ).fetchone()
+            touch = (_none_for_nan(answer.touch_x), _none_for_nan(answer.touch_y))
+            n_shown = shown[0] if shown else 1
+            row = (
+                *(study.token, code, place, answer.measured_s, answer.shown_s, *touch),
+                *(_none_for_nan(answer.response_s), answer.is_answered, n_shown),
+                *(answer.device[:MOST_DEVICE], datetime.now(UTC).isoformat()),
+            )
             base.execute(
                 "INSERT INTO trial VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) "
                 "ON CONFLICT DO NOTHING",
-                (
-                    *(study.token, code, place, answer.measured_s, answer.shown_s),
-                    *(_none_for_nan(answer.touch_x), _none_for_nan(answer.touch_y)),
-                    *(
-                        _none_for_nan(answer.response_s),
-                        answer.is_answered,
-                        shown[0] if shown else 1,
-                    ),
-                    *(answer.device[:MOST_DEVICE], datetime.now(UTC).isoformat()),
-                ),
+                row,
             )
 
     def answers(self, study: DetectabilityStudy) -> dict[str, dict[int, tuple[Answer, int]]]:

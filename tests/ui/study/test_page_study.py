@@ -22,7 +22,8 @@ Run = Callable[[], None]
 
 @pytest.fixture(autouse=True)
 def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> DetectabilityStore:
-    """A folder with six pictures, and the file of answers."""
+    """A folder with six pictures, and the file of answers; the sample's pictures are not there."""
+    monkeypatch.setattr(links, "sample_folder", lambda: tmp_path / "sample" / "study")
     study_pictures.write(tmp_path / "root" / "dusk", 6)
     monkeypatch.setenv("NVCORE_LOCAL_ROOT", str(tmp_path / "root"))
     monkeypatch.setenv("NVCORE_STUDIES", str(tmp_path / "kept" / "studies.sqlite"))
@@ -123,10 +124,19 @@ def test_what_cannot_be_is_told_and_not_begun(key: str, value: str, words: str):
 
 def test_without_a_folder_the_page_says_who_can_name_one(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.delenv("NVCORE_LOCAL_ROOT")
-    monkeypatch.setattr(links, "sample_folder", lambda: Path("/nowhere"))
     page = opened()
     assert "nvcore app --local-root DIR" in texts(page)
     assert "study_start" not in keys(page)
+
+
+def test_the_samples_pictures_need_no_folder_of_ones_own(
+    store: DetectabilityStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.delenv("NVCORE_LOCAL_ROOT")
+    study_pictures.write(tmp_path / "sample" / "study", 3)
+    study = begun(store)
+    assert (study.folder, len(study.pictures)) == ("sample", 3)
+    assert links.folder_of(study.folder) == tmp_path / "sample" / "study"
 
 
 def test_a_table_with_a_wrong_line_is_told_without_paths(tmp_path: Path):
@@ -142,9 +152,7 @@ def test_folders_below_the_root_are_offered_and_none_outside(tmp_path: Path):
     study_pictures.write(root / "a" / "b", 1)
     study_pictures.write(tmp_path / "outside", 1)
     (root / "way_out").symlink_to(tmp_path / "outside")
-    assert [name for name in links.folders() if name != links.SAMPLE] == [
-        "local:dusk", "local:a/b",
-    ]  # fmt: skip
+    assert list(links.folders()) == ["local:dusk", "local:a/b"]
     for path in ("local:../outside", "local:way_out", "/etc", "local:gone"):
         with pytest.raises(Exception, match=r"no such file|started with"):
             links.folder_of(path)
