@@ -3,7 +3,8 @@
 import streamlit as st
 
 from nvcore.comparison import Result
-from ui.ratings import conduct, links, participant, results
+from ui.ratings import conduct, participant, results
+from ui.session.studies import links
 from ui.shell.messages import needs_comparison
 from ui.widgets.text import docs_link
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import streamlit as st
 
 from nvcore.errors import NvcoreError
-from ui.ratings import links
 from ui.session import state
+from ui.session.studies import links
 from ui.shell import (
     account,
     live_params,

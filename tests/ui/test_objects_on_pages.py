@@ -13,7 +13,9 @@ from streamlit.testing.v1.element_tree import Block
 from pages import begin_with, checked, opened, texts, to_page
 from ui.shell.pages import SECTIONS
 
-PAGES = [name for section in SECTIONS.values() for name in section if name != "metrics"]
+OF_ITSELF = ("metrics", "study")
+"""Pages that are not about what is compared."""
+PAGES = [name for section in SECTIONS.values() for name in section if name not in OF_ITSELF]
 OF_PEDESTRIANS = re.compile(
     r"\b(pedestrians?|persons?|nobody(?! else)|him|his|whom|feet|ped)\b", re.IGNORECASE
 )

@@ -18,6 +18,7 @@ PAGES: Final = {
     "significance": "Significance",
     "validation": "Validation",
     "ratings": "Ratings",
+    "study": "Study",
     "report": "Report files",
     "formats": "Formats",
     "detectors": "Detectors",

@@ -11,8 +11,8 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.params import Params
+from nvcore.studies.participants import fold_name
 from nvcore.studies.ratings.fit import Fit
-from nvcore.studies.ratings.reading import fold_name
 from ui.ratings.source import RatingSource
 from ui.session import state
 from ui.shell import live_params

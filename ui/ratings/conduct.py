@@ -11,9 +11,10 @@ from nvcore.errors import InputError
 from nvcore.studies.ratings.store import Study
 from nvcore.wording import count_text
 from ui.ratings import links, participant
-from ui.ratings.links import CONDUCT
 from ui.ratings.participant import ENDS
 from ui.session import state
+from ui.session.studies.links import CONDUCT
+from ui.widgets.addresses import draw_addresses
 from ui.widgets.choices import choose_side_by_side, download_csv
 from ui.widgets.text import plain
 
@@ -83,18 +84,7 @@ def _begin(result: Result) -> None:
 def _conduct(study: Study) -> None:
     st.header("The rating session")
     for_participants, for_conductor = links.links(study)
-    st.markdown("Participants open this address on their screen:")
-    st.code(for_participants, language=None, wrap_lines=True)
-    if links.is_local(for_participants):
-        st.warning(
-            "This address works **on this computer only**. For other screens ask whoever runs the "
-            "app to open it to the network; then open it by this computer's name or IP address "
-            "instead of localhost, and come back with the second address below: both then begin "
-            "with that name.",
-            icon=":material/wifi_off:",
-        )
-    st.markdown("With this one **you** come back to progress and results. Keep it to yourself:")
-    st.code(for_conductor, language=None, wrap_lines=True)
+    draw_addresses(for_participants, for_conductor)
     start = state.shared_start().opened
     if state.opened().dataset.fingerprint != start.dataset.fingerprint:
         st.caption(

@@ -1,31 +1,15 @@
-"""Rating sessions in addresses and on disk: who takes part, who conducts, where ratings are kept.
-
-A participant's address is ``ratings?study=TOKEN&participant=NAME``, the conductor's
-``ratings?conduct=SECRET``; neither follows from the other.
-"""
+"""Rating sessions in addresses and on disk; whether clips show what is compared."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Final
-from urllib.parse import quote, urlsplit
 
-import click
-import streamlit as st
-
-from nvcore.errors import InputError
 from nvcore.studies.ratings.store import RatingStore, Study
 from ui.session import state
+from ui.session.studies.links import StudyLinks, answer_file
 
 VARIABLE: Final = "NVCORE_RATINGS"
-STUDY: Final = "study"
-PARTICIPANT: Final = "participant"
-CONDUCT: Final = "conduct"
-OWN: Final = "rating_studies"
-OPEN: Final = "rating_open"
-LOCAL: Final = ("localhost", "127.0.0.1", "::1")
 
 
 def store() -> RatingStore:
@@ -36,74 +20,17 @@ def store() -> RatingStore:
     InputError
         If it cannot be used.
     """
-    return RatingStore(_file())
+    return RatingStore(answer_file(VARIABLE, "ratings.sqlite"))
 
 
-def _file() -> Path:
-    folder = os.environ.get(VARIABLE)
-    return Path(folder) if folder else Path(click.get_app_dir("nvcore")) / "ratings.sqlite"
-
-
-def is_participant() -> bool:
-    """Whether the address is a participant's: then nothing but the clips is shown."""
-    return STUDY in st.query_params
-
-
-def conducted() -> Study | None:
-    """The rating session that this person conducts, from the address or this session.
-
-    Raises
-    ------
-    InputError
-        If the address names none that there is.
-    """
-    key = st.query_params.get(CONDUCT)
-    secret: str | None = key or st.session_state.get(OPEN)
-    if secret is None:
-        return None
-    study = store().study_of_conductor(secret)
-    if study is None:
-        st.session_state.pop(OPEN, None)
-        st.query_params.pop(CONDUCT, None)
-        raise InputError("there is no rating session of the name in the address")
-    conduct(study)
-    return study
-
-
-def conduct(study: Study) -> None:
-    """Make this the rating session that is conducted, in the address as well."""
-    st.session_state.setdefault(OWN, set()).add(study.token)
-    st.session_state[OPEN] = study.conductor
-    if st.query_params.get(CONDUCT) != study.conductor:
-        st.query_params[CONDUCT] = study.conductor
-
-
-def is_own(study: Study) -> bool:
-    """Whether this browser session conducts it."""
-    return study.token in st.session_state.get(OWN, set())
-
-
-def close() -> None:
-    """Conduct none; the link of the one that was open opens it again."""
-    st.session_state.pop(OPEN, None)
-    st.query_params.pop(CONDUCT, None)
-
-
-def links(study: Study) -> tuple[str, str]:
-    """Addresses of this page for participants and for the conductor."""
-    page = str(st.context.url or "ratings").partition("?")[0]
-    return f"{page}?{STUDY}={quote(study.token)}", f"{page}?{CONDUCT}={quote(study.conductor)}"
-
-
-def is_local(address: str) -> bool:
-    """Whether the address leads to the machine that it is opened on, whichever that is.
-
-    Examples
-    --------
-    >>> is_local("http://localhost:8501/ratings?study=a"), is_local("http://lab-3:8501/ratings")
-    (True, False)
-    """
-    return urlsplit(address).hostname in LOCAL
+LINKS: Final = StudyLinks[Study](
+    "ratings", "rating session", "rating", lambda secret: store().study_of_conductor(secret)
+)
+conducted = LINKS.conducted
+conduct = LINKS.conduct
+is_own = LINKS.is_own
+close = LINKS.close
+links = LINKS.addresses
 
 
 def shown_thresholds() -> dict[str, float | None]:

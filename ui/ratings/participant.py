@@ -10,11 +10,12 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.errors import InputError
 from nvcore.pictures.recordings import STRETCH
-from nvcore.studies.ratings.store import MOST_NAME, RatingStore, Study
+from nvcore.studies.participants import MOST_NAME
+from nvcore.studies.ratings.store import RatingStore, Study
 from ui.ratings import links
-from ui.ratings.links import PARTICIPANT, STUDY
 from ui.session import state
 from ui.session.drawing import viewer_arguments
+from ui.session.studies.links import PARTICIPANT, STUDY
 from ui.shell.navigate import open_page
 from ui.widgets.text import plain
 from ui.widgets.viewer import n_plays_in, viewer

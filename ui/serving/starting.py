@@ -11,15 +11,16 @@ import os
 from nvcore.errors import InputError
 from nvcore.inputs.files import find_all
 from nvcore.inputs.session_toml import read_session
-from ui.ratings import links
+from ui.ratings import links as ratings
 from ui.session import folders
 from ui.session.local_files import local_root
 from ui.settings.limits import limits_of_environment
 from ui.settings.start import start_file
+from ui.study import links as studies
 
 
 def check_start() -> None:
-    """Look at limits, session, local folder, and where uploads and ratings go.
+    """Look at limits, session, local folder, and where uploads and answers go.
 
     What a server that was killed has left of its uploads is removed.
 
@@ -33,8 +34,9 @@ def check_start() -> None:
     session = start_file()
     if session is not None:
         find_all(read_session(session))
-    if os.environ.get(links.VARIABLE):
-        links.store()
+    for answers in (ratings, studies):
+        if os.environ.get(answers.VARIABLE):
+            answers.store()
     try:
         folders.process_folder(folders.base_folder())
     except OSError as error:

@@ -10,6 +10,8 @@ has one.
     GET /nv/TOKEN/boxes/RECORDING/CHUNK?v=           boxes of 1024 rows (`packed_boxes`)
     GET /nv/TOKEN/reasons/RECORDING/ROW              what each box of a row counts and costs, why
     PUT /nv/TOKEN/upload/SLOT?name=                  one file of pictures, or a video
+
+and those of a study, for its participant (`ui.session.studies.routes`).
 """
 
 from __future__ import annotations
@@ -28,40 +30,40 @@ from starlette.routing import Route
 from nvcore.errors import MediaError
 from nvcore.overlay.explain import explain_boxes
 from nvcore.pictures.stretch import jpeg
-from ui.access.origins import is_own_origin
-from ui.access.people import is_same, key_of
-from ui.answers import PRIVATE, text_answer
 from ui.session.packed_boxes import pack_boxes
+from ui.session.requests import (
+    CACHED,
+    NOT_CACHED,
+    index_in,
+    is_own_page,
+    is_owner,
+    not_found,
+    of_somebody_else,
+    say,
+)
+from ui.session.studies.routes import study_answer, study_picture
 from ui.session.uploads import SLOTS, UploadError, receive
 from ui.session.workspace import Workspace, workspace_of
 from ui.settings.start import base_path
 
 ROWS_PER_CHUNK: Final = 1024
 QUALITY: Final = 85
-MOST_DIGITS: Final = 12
-_GUARDS: Final = {
-    "X-Content-Type-Options": "nosniff",
-    "Cross-Origin-Resource-Policy": "same-origin",
-    "Referrer-Policy": "no-referrer",
-}
-CACHED: Final = {"Cache-Control": "private, max-age=3600", **_GUARDS}
-NOT_CACHED: Final = {**PRIVATE, **_GUARDS}
 
 
 async def frame(request: Request) -> Response:
     """The picture that shows a row of a recording, stretched to lie between two percentiles."""
     space = workspace_of(request.path_params["token"])
-    if not _is_owner(request, space):
-        return _of_somebody_else()
+    if not is_owner(request, space):
+        return of_somebody_else()
     lo, hi = _percentile(request, "lo", 0.0), _percentile(request, "hi", 100.0)
     if lo is None or hi is None or lo >= hi:
-        return _text(HTTPStatus.BAD_REQUEST, "lo and hi: expected 0 <= lo < hi <= 100")
+        return say(HTTPStatus.BAD_REQUEST, "lo and hi: expected 0 <= lo < hi <= 100")
     if space is None:
-        return _not_found("the session has ended; load the page again")
-    recording, row = _index(request, "recording"), _index(request, "row")
+        return not_found("the session has ended; load the page again")
+    recording, row = index_in(request, "recording"), index_in(request, "row")
     rows, pictures = space.picture_rows.get(recording), space.pictures.get(recording)
     if rows is None or pictures is None or row >= len(rows) or rows[row] < 0:
-        return _not_found("no picture for this frame")
+        return not_found("no picture for this frame")
     index = int(rows[row])
     try:
         content = await run_sync(
@@ -69,27 +71,27 @@ async def frame(request: Request) -> Response:
             limiter=space.picture_turns,
         )
     except MediaError as error:
-        return _not_found(error.message)
+        return not_found(error.message)
     return Response(content, media_type="image/jpeg", headers=CACHED)
 
 
 async def boxes(request: Request) -> Response:
     """Boxes of a stretch of rows of a recording, as `pack_boxes` packs them."""
     space = workspace_of(request.path_params["token"])
-    if not _is_owner(request, space):
-        return _of_somebody_else()
+    if not is_owner(request, space):
+        return of_somebody_else()
     compared = None if space is None else space.compared
     if compared is None:
-        return _not_found("the session has ended, or nothing is compared yet")
-    recording, chunk = _index(request, "recording"), _index(request, "chunk")
+        return not_found("the session has ended, or nothing is compared yet")
+    recording, chunk = index_in(request, "recording"), index_in(request, "chunk")
     result = compared.result
     first_rows = result.dataset.frame_columns.first
     if recording >= len(first_rows) - 1:
-        return _not_found("there is no such recording")
+        return not_found("there is no such recording")
     begin, end = int(first_rows[recording]), int(first_rows[recording + 1])
     start = begin + chunk * ROWS_PER_CHUNK
     if start >= end:
-        return _not_found("there are no such frames")
+        return not_found("there are no such frames")
     # boxes of a newer result than the address says are shown, but not cached under that address
     headers = CACHED if request.query_params.get("v") == compared.version else NOT_CACHED
     content = await run_in_threadpool(pack_boxes, result, start, min(start + ROWS_PER_CHUNK, end))
@@ -99,31 +101,31 @@ async def boxes(request: Request) -> Response:
 async def reasons(request: Request) -> Response:
     """What each box of a row counts and costs with the newest settings, in words."""
     space = workspace_of(request.path_params["token"])
-    if not _is_owner(request, space):
-        return _of_somebody_else()
+    if not is_owner(request, space):
+        return of_somebody_else()
     compared = None if space is None else space.compared
     if compared is None:
-        return _not_found("the session has ended, or nothing is compared yet")
-    recording, row = _index(request, "recording"), _index(request, "row")
+        return not_found("the session has ended, or nothing is compared yet")
+    recording, row = index_in(request, "recording"), index_in(request, "row")
     first_rows = compared.result.dataset.frame_columns.first
     if recording >= len(first_rows) - 1:
-        return _not_found("there is no such recording")
+        return not_found("there is no such recording")
     row_in_all = int(first_rows[recording]) + row
     if row_in_all >= int(first_rows[recording + 1]):
-        return _not_found("there is no such frame")
+        return not_found("there is no such frame")
     boxes = await run_in_threadpool(explain_boxes, compared.result, row_in_all)
     return JSONResponse([asdict(box) for box in boxes], headers=NOT_CACHED)
 
 
 async def upload(request: Request) -> Response:
     """Take one file of pictures, or a video, into the session's folder, as it comes."""
-    if not _is_own_page(request):
-        return _text(HTTPStatus.FORBIDDEN, "uploads come from the app's own page only")
+    if not is_own_page(request):
+        return say(HTTPStatus.FORBIDDEN, "uploads come from the app's own page only")
     space = workspace_of(request.path_params["token"])
-    if not _is_owner(request, space):
-        return _of_somebody_else()
+    if not is_owner(request, space):
+        return of_somebody_else()
     if space is None or request.path_params["slot"] not in SLOTS:
-        return _not_found("the session has ended; load the page again")
+        return not_found("the session has ended; load the page again")
     stated = request.headers.get("content-length", "")
     n_bytes = int(stated) if stated.isascii() and stated.isdigit() and len(stated) < 19 else None
     try:
@@ -135,7 +137,7 @@ async def upload(request: Request) -> Response:
             n_bytes=n_bytes,
         )
     except UploadError as error:
-        return _text(error.status, str(error))
+        return say(error.status, str(error))
     return JSONResponse(
         {"name": stored.name, "kind": stored.kind, "bytes": stored.n_bytes},
         status_code=HTTPStatus.CREATED,
@@ -158,6 +160,10 @@ def routes_below(start: str) -> list[Route]:
         Route(f"{start}/nv/{{token}}/boxes/{{recording}}/{{chunk}}", boxes, methods=["GET"]),
         Route(f"{start}/nv/{{token}}/reasons/{{recording}}/{{row}}", reasons, methods=["GET"]),
         Route(f"{start}/nv/{{token}}/upload/{{slot}}", upload, methods=["PUT"]),
+        Route(
+            f"{start}/nv/{{token}}/study/{{picture}}/{{view}}.png", study_picture, methods=["GET"]
+        ),
+        Route(f"{start}/nv/{{token}}/study/{{place}}/{{kind}}", study_answer, methods=["PUT"]),
     ]
 
 
@@ -170,13 +176,6 @@ def address(space: Workspace) -> str:
     return f"{base_path()}/nv/{space.token}"
 
 
-def _index(request: Request, name: str) -> int:
-    """A part of the address that counts from 0; anything else becomes an index beyond all."""
-    text = request.path_params[name]
-    is_index = text.isascii() and text.isdigit() and len(text) < MOST_DIGITS
-    return int(text) if is_index else 10**MOST_DIGITS
-
-
 def _percentile(request: Request, name: str, default: float) -> float | None:
     """A query parameter between 0 and 100; None where it is anything else."""
     try:
@@ -184,28 +183,3 @@ def _percentile(request: Request, name: str, default: float) -> float | None:
     except ValueError:
         return None
     return value if math.isfinite(value) and 0 <= value <= 100 else None
-
-
-def _is_owner(request: Request, space: Workspace | None) -> bool:
-    """Whether the person with this browser may use the workspace; also where there is none."""
-    key = key_of(request.cookies)
-    return key is not None and (space is None or is_same(space.owner, key))
-
-
-def _of_somebody_else() -> Response:
-    return _text(HTTPStatus.FORBIDDEN, "log in as the one whose session this is")
-
-
-def _is_own_page(request: Request) -> bool:
-    """Whether our own page sends this; programs other than browsers state no origin."""
-    if request.headers.get("sec-fetch-site", "same-origin") not in ("same-origin", "none"):
-        return False
-    return is_own_origin(request.headers.get("origin"), request.headers.get("host"))
-
-
-def _text(status: int, text: str) -> Response:
-    return text_answer(status, text, NOT_CACHED)
-
-
-def _not_found(text: str) -> Response:
-    return _text(HTTPStatus.NOT_FOUND, text)

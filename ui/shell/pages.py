@@ -40,6 +40,7 @@ SECTIONS: Final = {
         "detection": "Detection",
         "stability": "Stability",
         "ratings": "Ratings",
+        "study": "Study",
     },
     "Detect": {"detectors": "Detectors"},
     "Export": {"export": "Export"},
@@ -57,6 +58,7 @@ SHOWN: Final[dict[str, tuple[Stage, ...]]] = {
     "systems": (SIMILARITY, ENCOUNTERS),
     "detection": (MATCH,),
     "ratings": (SALIENCY,),
+    "study": (),
     "detectors": (),
     "metrics": (),
 }

@@ -11,6 +11,7 @@ import pandas as pd
 from nvcore.errors import FormatError
 from nvcore.inputs.readers.parse.table import read_rows
 from nvcore.output.csv_text import without_safeguard
+from nvcore.studies.participants import fold_name
 
 REQUIRED: Final = ("participant", "clip", "rating")
 SYSTEM: Final = "system"
@@ -98,17 +99,6 @@ def check_ratings(
             ratings[column] = _numbers(text, name, line, what=what)
     _check(ratings, name, line)
     return ratings
-
-
-def fold_name(participant: str) -> str:
-    """A person's name in the form that is the same however it is typed.
-
-    Examples
-    --------
-    >>> fold_name(" Anna  K") == fold_name("anna k")
-    True
-    """
-    return " ".join(participant.split()).casefold()
 
 
 def _one_spelling(names: pd.Series) -> pd.Series:

@@ -3,56 +3,26 @@
 from __future__ import annotations
 
 import json
-import secrets
 import sqlite3
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-import numpy as np
 import pandas as pd
 
 from nvcore.errors import InputError
-from nvcore.studies.ratings.reading import fold_name
+from nvcore.studies.order import counterbalanced_order
+from nvcore.studies.participants import PARTICIPANTS, join, known_name
+from nvcore.studies.store import AnswerFile, new_names
 
-
-def counterbalanced_order(n_clips: int, participant: int) -> np.ndarray:
-    """Clips in the order for one participant: a row of Williams' balanced Latin square (1949).
-
-    Over `n_clips` participants (twice as many where that is odd) every clip stands in every place
-    equally often, and follows every other clip equally often.
-
-    Parameters
-    ----------
-    participant
-        0-based number of the participant; beyond the square it starts again.
-
-    Examples
-    --------
-    >>> counterbalanced_order(4, 0).tolist(), counterbalanced_order(4, 1).tolist()
-    ([0, 1, 3, 2], [1, 2, 0, 3])
-    """
-    steps = np.arange(n_clips)
-    zigzag = np.where(steps % 2 == 1, (steps + 1) // 2, (n_clips - steps // 2) % max(n_clips, 1))
-    order: np.ndarray = (zigzag + participant) % max(n_clips, 1)
-    is_mirrored = n_clips % 2 == 1 and participant // max(n_clips, 1) % 2 == 1
-    return order[::-1] if is_mirrored else order
-
-
-MOST_NAME: Final = 64
 MOST_CLIPS: Final = 500
-WAIT_S: Final = 10.0
-"""Timeout of a write that waits for another, seconds."""
-TABLES: Final = """
+TABLES: Final = f"""
 CREATE TABLE IF NOT EXISTS study (
     token TEXT PRIMARY KEY, conductor TEXT NOT NULL UNIQUE, fingerprint TEXT NOT NULL,
     clips TEXT NOT NULL, low INTEGER NOT NULL, high INTEGER NOT NULL,
     thresholds TEXT NOT NULL);
-CREATE TABLE IF NOT EXISTS participant (
-    study TEXT NOT NULL REFERENCES study, name TEXT NOT NULL, number INTEGER NOT NULL,
-    PRIMARY KEY (study, name), UNIQUE (study, number));
+{PARTICIPANTS}
 CREATE TABLE IF NOT EXISTS rating (
     study TEXT NOT NULL, participant TEXT NOT NULL, clip INTEGER NOT NULL, rating INTEGER NOT NULL,
     rated_at TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP, n_plays INTEGER, first_rating INTEGER,
@@ -103,7 +73,7 @@ class Study:
     thresholds: Mapping[str, float | None]
 
 
-class RatingStore:
+class RatingStore(AnswerFile):
     """Studies, participants and their ratings in one SQLite file.
 
     Parameters
@@ -113,8 +83,7 @@ class RatingStore:
 
     Notes
     -----
-    Every call has a connection of its own, so that any thread may call. A rating is committed
-    with ``synchronous=FULL``: it outlives a crash of program or machine.
+    A rating outlives a crash of program or machine (`nvcore.studies.store`).
 
     Raises
     ------
@@ -123,29 +92,9 @@ class RatingStore:
     """
 
     def __init__(self, path: Path):
-        self._path = path
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        except OSError as error:
-            raise InputError(
-                f"the folder of the ratings cannot be made ({error.strerror})"
-            ) from error
-        with self._connect() as base:
-            base.executescript(TABLES)
+        super().__init__(path, TABLES, what="ratings")
+        with self.connect() as base:
             _add_columns(base)
-
-    @contextmanager
-    def _connect(self) -> Iterator[sqlite3.Connection]:
-        try:
-            with closing(sqlite3.connect(self._path, timeout=WAIT_S)) as base:
-                base.execute("PRAGMA foreign_keys = ON")
-                base.execute("PRAGMA synchronous = FULL")
-                with base:  # commits, or rolls back
-                    yield base
-        except sqlite3.IntegrityError:
-            raise
-        except sqlite3.DatabaseError as error:
-            raise InputError(f"the file of the ratings cannot be used ({error})") from error
 
     def begin(
         self,
@@ -168,9 +117,9 @@ class RatingStore:
         if low >= high:
             raise InputError(f"the scale must rise; it goes from {low} to {high}")
         thresholds_shown = dict(thresholds or {})
-        token, conductor = secrets.token_urlsafe(16), secrets.token_urlsafe(16)
+        token, conductor = new_names()
         study = Study(token, conductor, fingerprint, tuple(clips), low, high, thresholds_shown)
-        with self._connect() as base:
+        with self.connect() as base:
             base.execute(
                 "INSERT INTO study VALUES (?, ?, ?, ?, ?, ?, ?)",
                 (
@@ -194,7 +143,7 @@ class RatingStore:
         return self._study("SELECT * FROM study WHERE conductor = ?", conductor)
 
     def _study(self, query: str, name: str) -> Study | None:
-        with self._connect() as base:
+        with self.connect() as base:
             row = base.execute(query, (name,)).fetchone()
         if row is None:
             return None
@@ -212,31 +161,17 @@ class RatingStore:
         InputError
             If the name is empty or too long.
         """
-        name = participant.strip()
-        if not 0 < len(name) <= MOST_NAME:
-            raise InputError(f"a participant's name or code has 1 to {MOST_NAME} characters")
-        with self._connect() as base:
-            base.execute("BEGIN IMMEDIATE")  # no one else joins between the two
-            joined_name = _spelling(base, study, name)
-            if joined_name is None:
-                base.execute(
-                    "INSERT INTO participant SELECT ?, ?, COUNT(*) FROM participant "
-                    "WHERE study = ?",
-                    (study.token, name, study.token),
-                )
-            (number,) = base.execute(
-                "SELECT number FROM participant WHERE study = ? AND name = ?",
-                (study.token, joined_name or name),
-            ).fetchone()
+        with self.connect() as base:
+            number = join(base, study.token, participant)
         return [int(clip) for clip in counterbalanced_order(len(study.clips), number)]
 
     def ratings_of(self, study: Study, participant: str) -> dict[int, int]:
         """Ratings that this participant has given, by clip."""
-        with self._connect() as base:
+        with self.connect() as base:
             return dict(
                 base.execute(
                     "SELECT clip, rating FROM rating WHERE study = ? AND participant = ?",
-                    (study.token, _spelling(base, study, participant)),
+                    (study.token, known_name(base, study.token, participant)),
                 ).fetchall()
             )
 
@@ -260,15 +195,15 @@ class RatingStore:
             raise InputError(f"there is no clip {clip + 1}")
         if not study.low <= rating <= study.high:
             raise InputError(f"a rating is {study.low} to {study.high}; given {rating}")
-        with self._connect() as base:
-            name = _spelling(base, study, participant)
+        with self.connect() as base:
+            name = known_name(base, study.token, participant)
             if name is None:
                 raise InputError(f"{participant} has not joined this rating session")
             base.execute(RATE, (study.token, name, clip, rating, n_plays))
 
     def participants(self, study: Study) -> pd.DataFrame:
         """How far everybody has come: ``participant`` and ``n_rated``, in the order of joining."""
-        with self._connect() as base:
+        with self.connect() as base:
             rows = base.execute(
                 "SELECT name, COUNT(clip) FROM participant LEFT JOIN rating ON rating.study = "
                 "participant.study AND rating.participant = participant.name "
@@ -286,7 +221,7 @@ class RatingStore:
         ``first_rating``, what `rating` was before it was changed (missing: it never was); both
         Int64.
         """
-        with self._connect() as base:
+        with self.connect() as base:
             rows = base.execute(
                 "SELECT participant, clip, rating, n_plays, first_rating FROM rating "
                 "JOIN participant ON "
@@ -317,17 +252,3 @@ def _add_columns(base: sqlite3.Connection) -> None:
             except sqlite3.OperationalError as error:
                 if "duplicate column" not in str(error):  # somebody else has just done it
                     raise
-
-
-def _spelling(base: sqlite3.Connection, study: Study, participant: str) -> str | None:
-    """A participant's name as it was given first; None: no one of that name has joined."""
-    names = [
-        name
-        for (name,) in base.execute(
-            "SELECT name FROM participant WHERE study = ? ORDER BY number", (study.token,)
-        )
-    ]
-    if participant.strip() in names:  # files of earlier versions may have two spellings
-        return participant.strip()
-    folded = fold_name(participant)
-    return next((name for name in names if fold_name(name) == folded), None)

@@ -23,9 +23,10 @@ from streamlit.testing.v1 import AppTest
 from nvcore.inputs.session_toml import read_session
 from nvcore.studies.ratings.store import RatingStore, Study
 from pages import begin_with, checked, press, rows, write
-from ui.ratings import links, participant, source
+from ui.ratings import participant, source
 from ui.session import state
-from ui.widgets import viewer
+from ui.session.studies import links as study_links
+from ui.widgets import addresses, viewer
 
 STRANGE = "there is no rating session of the name in the address"
 
@@ -282,13 +283,13 @@ def test_ratings_of_clips_with_other_thresholds_are_told_and_can_be_mended(store
     ],
 )
 def test_an_address_of_this_computer_is_told_from_others(address: str, is_local: bool):
-    assert links.is_local(address) is is_local
+    assert study_links.is_local(address) is is_local
 
 
 def test_an_address_of_this_computer_only_is_told(
     store: RatingStore, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr(links, "is_local", lambda _: True)
+    monkeypatch.setattr(addresses, "is_local", lambda _: True)
     page = opened()
     begun(page, store, "odd_pose")
     assert "ask whoever runs the app to open it to the network" in warnings(page)

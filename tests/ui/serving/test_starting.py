@@ -30,6 +30,7 @@ def fresh(surroundings: None) -> None:
         ("NVCORE_SESSION", "{}/half.toml", "gone.csv"),
         ("NVCORE_UPLOAD_DIR", "{}/file/below", "NVCORE_UPLOAD_DIR"),
         ("NVCORE_RATINGS", "{}/file/ratings.sqlite", "folder of the ratings"),
+        ("NVCORE_STUDIES", "{}/file/studies.sqlite", "folder of the study"),
     ],
 )
 def test_what_cannot_work_ends_the_start(
@@ -46,6 +47,7 @@ def test_what_can_work_is_fine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("NVCORE_LOCAL_ROOT", str(tmp_path))
     monkeypatch.setenv("NVCORE_SESSION", str(SAMPLE))
     monkeypatch.setenv("NVCORE_RATINGS", str(tmp_path / "ratings" / "ratings.sqlite"))
+    monkeypatch.setenv("NVCORE_STUDIES", str(tmp_path / "studies" / "studies.sqlite"))
     check_start()
 
 

@@ -243,11 +243,11 @@ def test_grey_settings_are_spoken_of_only_where_some_are_in_sight(monkeypatch: p
     assert "grey act on nothing" in texts(checked(page.run()))
 
 
-def test_every_page_but_detectors_and_the_documentation_has_settings_that_act():
+def test_every_page_of_a_comparison_has_settings_that_act():
     names = [name for section in pages.SECTIONS.values() for name in section]
     idle = [name for name in names if not pages.SHOWN.get(name, RESULTS)]
     assert set(pages.SHOWN) <= set(names)
-    assert idle == ["detectors"]
+    assert idle == ["study", "detectors"]
 
 
 def test_the_costs_by_place_are_drawn_once_unfolded_and_say_what_they_follow_from():

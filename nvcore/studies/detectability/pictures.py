@@ -1,0 +1,174 @@
+"""Pictures of a study: a folder with one pedestrian each, and their coarse versions."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from nvcore.errors import InputError, MediaError
+from nvcore.file_kinds import IMAGE_SUFFIXES
+from nvcore.inputs.readers.parse.table import TextTable, read_table
+from nvcore.pictures.base import Picture
+from nvcore.pictures.header import image_size
+from nvcore.pictures.images import decode_image
+from nvcore.pictures.stretch import stretch
+from nvcore.wording import one_line
+
+BOXES_FILE: Final = "boxes.csv"
+COLUMNS: Final = ("image", "pedestrian", "x", "y", "w", "h")
+MOST_PICTURES: Final = 500
+MOST_BYTES: Final = 64 << 20
+"""Of one file."""
+COARSE_COLUMNS: Final = 48
+"""Width of a coarse picture, px."""
+MARGIN: Final = 0.1
+"""How much wider and higher than its box a pedestrian is taken to be, at each side."""
+
+
+@dataclass(frozen=True)
+class StudyPicture:
+    """A picture of a study, and where its pedestrian is.
+
+    Attributes
+    ----------
+    image
+        Name of the file in the folder.
+    pedestrian
+        Name of the pedestrian.
+    x, y, w, h
+        Box, pixels of the picture.
+    width, height
+        Of the picture, px.
+    sha256
+        Of the file: all participants see the same picture.
+    """
+
+    image: str
+    pedestrian: str
+    x: float
+    y: float
+    w: float
+    h: float
+    width: int
+    height: int
+    sha256: str
+
+
+def read_pictures(folder: Path) -> tuple[StudyPicture, ...]:
+    """The pictures that ``boxes.csv`` of a folder names, in its order.
+
+    Raises
+    ------
+    InputError
+        If there is no such table (``image,pedestrian,x,y,w,h``; further columns are not read), a
+        file is not in the folder or no picture, a box lies outside its picture, or a picture has
+        two pedestrians: a touch would not say which was seen.
+    """
+    table = read_table(folder / BOXES_FILE, what="boxes", required=COLUMNS)
+    table.unique(("image",), "{image} is there a second time; a study shows one pedestrian each")
+    if not 0 < len(table) <= MOST_PICTURES:
+        raise InputError(f"a study has 1 to {MOST_PICTURES} pictures", file=BOXES_FILE)
+    table = TextTable(BOXES_FILE, table.fields, table.lines, table.has_decimal_comma)
+    images, pedestrians = table.texts("image"), table.texts("pedestrian")
+    x, y = table.numbers("x"), table.numbers("y")
+    w, h = table.numbers("w", low=1e-6), table.numbers("h", low=1e-6)
+    pictures = []
+    for row in range(len(table)):
+        image = str(images[row])
+        try:
+            content = _content(folder, image)
+            width, height = image_size(content, one_line(image))
+        except InputError as error:
+            raise table.fault(row, str(error)) from error
+        if x[row] >= width or y[row] >= height or x[row] + w[row] <= 0 or y[row] + h[row] <= 0:
+            raise table.fault(row, f"the box lies outside the picture ({width} x {height} px)")
+        box = (float(x[row]), float(y[row]), float(w[row]), float(h[row]))
+        digest = hashlib.sha256(content).hexdigest()
+        pictures.append(StudyPicture(image, str(pedestrians[row]), *box, width, height, digest))
+    return tuple(pictures)
+
+
+def load_picture(folder: Path, picture: StudyPicture) -> Picture:
+    """A picture of a study, uint8, grey (height, width) or RGB (height, width, 3).
+
+    Raises
+    ------
+    InputError
+        If the file is not there, or not the one that the study began with.
+    """
+    content = _content(folder, picture.image)
+    if hashlib.sha256(content).hexdigest() != picture.sha256:
+        raise InputError(
+            "the picture has changed since the study began; put the old one back, or begin "
+            "another study",
+            file=one_line(picture.image),
+        )
+    return stretch(decode_image(content, one_line(picture.image)))
+
+
+def _content(folder: Path, image: str) -> bytes:
+    """The file, which lies in this folder itself, links followed."""
+    name = one_line(image)
+    place = Path(os.path.realpath(folder / image.replace("\0", "")))
+    is_there = place.parent == Path(os.path.realpath(folder)) and place.is_file()
+    if not is_there or Path(image).suffix.lower() not in IMAGE_SUFFIXES:
+        raise InputError("there is no such picture in the folder", file=name)
+    try:
+        with place.open("rb") as stream:
+            content = stream.read(MOST_BYTES + 1)
+    except OSError as error:
+        raise InputError(f"cannot be opened ({error.strerror})", file=name) from error
+    if len(content) > MOST_BYTES:
+        raise MediaError(f"a picture has {MOST_BYTES >> 20} MiB at most", file=name)
+    return content
+
+
+def coarse(
+    picture: Picture, box: Sequence[float], *, n_columns: int = COARSE_COLUMNS
+) -> np.ndarray:
+    """A picture of the same scene in which the pedestrian cannot be seen.
+
+    The place of the pedestrian (the box, and a tenth more at each side) is painted over, from the
+    pixels left of it to those right of it; then the picture is averaged over squares. The paper
+    says only that the resolution is low: how, is ours.
+
+    Parameters
+    ----------
+    picture
+        uint8, (height, width) or (height, width, 3).
+    box
+        x, y, w, h of the pedestrian, px.
+    n_columns
+        Width of the result, px; that of the picture, where it is narrower.
+
+    Returns
+    -------
+    uint8, (about height * n_columns / width, n_columns) and the colours.
+    """
+    height, width = picture.shape[:2]
+    x, y, w, h = box
+    left, right = (round(edge) for edge in (x - MARGIN * w, x + (1 + MARGIN) * w))
+    top, bottom = (round(edge) for edge in (y - MARGIN * h, y + (1 + MARGIN) * h))
+    left, right = max(left, 0), min(max(right, left + 1), width)
+    rows = slice(max(top, 0), min(max(bottom, top + 1), height))
+    values = picture.astype(np.float64)
+    before = values[rows, left - 1 if left > 0 else min(right, width - 1)]
+    after = values[rows, right if right < width else max(left - 1, 0)]
+    share = (np.arange(right - left) + 0.5) / (right - left)
+    share = share.reshape(1, -1, *[1] * (picture.ndim - 2))
+    values[rows, left:right] = before[:, None] * (1 - share) + after[:, None] * share
+    n_columns = min(n_columns, width)
+    n_rows = max(1, round(height * n_columns / width))
+    for axis, (n, size) in enumerate(((n_rows, height), (n_columns, width))):
+        starts = np.arange(n) * size // n
+        shape = [-1 if i == axis else 1 for i in range(values.ndim)]
+        lengths = np.diff(starts, append=size).reshape(shape)
+        values = np.add.reduceat(values, starts, axis=axis) / lengths
+    averaged: np.ndarray = np.rint(values).astype(np.uint8)
+    return averaged

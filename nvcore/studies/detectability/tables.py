@@ -1,0 +1,120 @@
+"""Trials, participants and boxes of a study as tables."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any, Final
+
+import pandas as pd
+
+from nvcore.studies.detectability.pictures import COLUMNS
+from nvcore.studies.detectability.plan import Trial
+from nvcore.studies.detectability.records import Answer, DetectabilityStudy
+from nvcore.studies.detectability.settings import LATE_S, Timing
+from nvcore.studies.detectability.store import DetectabilityStore
+
+TRIAL_COLUMNS: Final = (
+    *("subject", "run", "position", "order", "image", "pedestrian"),
+    *("adaptation_asked_s", "adaptation_measured_s", "touch_x", "touch_y"),
+    *("response_s", "not_seen", "device"),
+)
+
+
+def marks_of(trial: Trial, answer: Answer, n_shown: int, timing: Timing) -> list[str]:
+    """What was not as it should be, in words; empty: nothing.
+
+    A trial is marked if its picture came more than 50 ms early or late, was to be seen for 50 ms
+    less or more than asked, was shown before (the page was loaded again before the answer), or has
+    no answer in the time given.
+    """
+    marks = []
+    late_s = answer.measured_s - trial.adaptation_s
+    if abs(late_s) > LATE_S + 1e-9:
+        marks.append(f"{abs(late_s):.2f} s {'late' if late_s > 0 else 'early'}")
+    if abs(answer.shown_s - timing.show_s) > LATE_S + 1e-9:
+        marks.append(f"shown for {answer.shown_s:.2f} s")
+    if n_shown > 1:
+        marks.append(f"shown {n_shown} times")
+    if not answer.is_answered:
+        marks.append("no answer")
+    return marks
+
+
+def trials_table(store: DetectabilityStore, study: DetectabilityStudy) -> pd.DataFrame:
+    """All trials with an answer, or whose time for one is over, as they are handed on.
+
+    Returns
+    -------
+    The columns `TRIAL_COLUMNS`: ``subject`` is the participant's code; ``run``, ``position`` (in
+    the run) and ``order`` (of all trials of the subject) count from 1; seconds and pixels of the
+    picture; ``not_seen`` is also true where there is no answer; ``device`` says with what was
+    answered and, after "marked:", what was not as it should be (`marks_of`).
+    """
+    answers, rows = store.answers(study), []
+    for participant in store.participants(study):
+        of_participant = answers.get(participant.code, {})
+        for trial in participant.plan:
+            if trial.order not in of_participant:
+                continue
+            answer, n_shown = of_participant[trial.order]
+            rows.append(_row(study, participant.code, trial, answer, n_shown))
+    table = pd.DataFrame(rows, columns=list(TRIAL_COLUMNS))
+    kinds = dict.fromkeys(("run", "position", "order"), "int64")
+    kinds |= dict.fromkeys(TRIAL_COLUMNS[6:11], "float64")
+    return table.astype({**kinds, "not_seen": bool})
+
+
+def _row(
+    study: DetectabilityStudy, code: str, trial: Trial, answer: Answer, n_shown: int
+) -> tuple[Any, ...]:
+    picture = study.pictures[trial.picture]
+    marks = marks_of(trial, answer, n_shown, study.settings.timing)
+    device = "; ".join(
+        part for part in (answer.device, f"marked: {', '.join(marks)}" if marks else "") if part
+    )
+    return (
+        *(code, trial.run, trial.position, trial.order, picture.image, picture.pedestrian),
+        *(trial.adaptation_s, answer.measured_s, answer.touch_x, answer.touch_y),
+        *(answer.response_s, not answer.is_seen, device),
+    )
+
+
+def participants_table(store: DetectabilityStore, study: DetectabilityStudy) -> pd.DataFrame:
+    """Who takes part: a row each.
+
+    Returns
+    -------
+    ``subject``, ``joined`` (date), ``n_trials``, ``n_answered``, ``n_marked``, and what the form
+    asked for; empty where nothing was entered.
+    """
+    answers, rows = store.answers(study), []
+    for participant in store.participants(study):
+        of_participant = answers.get(participant.code, {})
+        n_marked = sum(
+            bool(marks_of(trial, *of_participant[trial.order], study.settings.timing))
+            for trial in participant.plan
+            if trial.order in of_participant
+        )
+        numbers = (len(participant.plan), len(of_participant), n_marked)
+        form = [participant.form.get(field, "") for field in study.settings.form]
+        rows.append(
+            (participant.code, participant.consented_at.date().isoformat(), *numbers, *form)
+        )
+    first = ("subject", "joined", "n_trials", "n_answered", "n_marked")
+    return pd.DataFrame(rows, columns=[*first, *study.settings.form])
+
+
+def boxes_table(study: DetectabilityStudy) -> pd.DataFrame:
+    """Where the pedestrians are: ``image``, ``pedestrian``, ``x``, ``y``, ``w``, ``h`` (px)."""
+    table = pd.DataFrame([asdict(picture) for picture in study.pictures])
+    return table[list(COLUMNS)]
+
+
+def about(study: DetectabilityStudy) -> dict[str, Any]:
+    """How the study was done, as values of JSON: settings, facts, pictures, dates; no person."""
+    return {
+        "begun_at": study.begun_at.isoformat(),
+        "deleted_at": study.ends_at.isoformat(),
+        **study.settings.to_json(),
+        "pictures": [asdict(picture) for picture in study.pictures],
+    }

@@ -1,0 +1,18 @@
+"""Study: would a driver have seen this pedestrian? Asked of people, picture by picture."""
+
+import streamlit as st
+
+from ui.session.studies import links
+from ui.study import conduct, participant
+from ui.widgets.text import docs_link
+
+if links.is_participant():
+    participant.draw()
+else:
+    st.title("Study")
+    st.caption(
+        "How soon after the light has changed do people find a pedestrian in a picture? The "
+        "answers train the estimate of what a driver would have seen "
+        f"({docs_link('Study', 'study', doc='study')})."
+    )
+    conduct.draw()

@@ -1,0 +1,227 @@
+"""A study in a real browser: one participant, a reload in the middle, and the conductor."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import study_pictures
+from app_server import ROOT, serve
+from app_visit import Visit
+from playwright.sync_api import BrowserContext, Locator, expect
+
+N_PICTURES = 6  # so that every participant has three runs of two pictures
+SHORT = {
+    "Bright screen, s": "0.1",
+    "Coarse picture, s": "0.1",
+    "Cross before dark, s": "0.1",
+    "Picture, s": "0.2",
+    "Answer (0: no limit), s": "0",
+    "Cross before the second picture, s": "0.1",
+}
+TIMES = (0, 0.1, 0.2, 0.3, 0.4, 0.5)
+
+
+@pytest.fixture(scope="module")
+def app(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """A server with a folder of pictures, which keeps its studies in a folder of the test."""
+    folder = tmp_path_factory.mktemp("study")
+    study_pictures.write(folder / "root" / "dusk", N_PICTURES)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("NVCORE_LOCAL_ROOT", str(folder / "root"))
+        patch.setenv("NVCORE_STUDIES", str(folder / "studies.sqlite"))
+        with serve(ROOT / "app.py") as address:
+            yield address
+
+
+@pytest.fixture(scope="module")
+def links(person: BrowserContext, app: str) -> tuple[str, str]:
+    """Pages of the participants and of the conductor of a study that takes seconds."""
+    one = Visit(person, app)
+    one.go("study")
+    choose_folder(one)
+    one.page.get_by_text("Times", exact=True).click()
+    for label, value in {
+        **SHORT, "Seconds from dark to each picture": ", ".join(map(str, TIMES)),
+    }.items():  # fmt: skip
+        field = one.page.get_by_label(label, exact=True)
+        field.fill(value)
+        field.press("Enter")
+        one.wait_until_drawn()
+    expect(one.page.get_by_text("6 pictures in 3 runs")).to_be_visible()
+    one.keyed("study_start").get_by_role("button").click()
+    expect(one.heading("The study")).to_be_visible()
+    codes = one.page.get_by_test_id("stCode").locator("code")
+    expect(codes).to_have_count(2)
+    study, conduct = (code.inner_text().strip().rpartition("/")[2] for code in codes.all())
+    assert study.startswith("study?study=")
+    assert conduct.startswith("study?conduct=")
+    assert one.complaints == []
+    one.close()
+    return study, conduct
+
+
+def choose_folder(one: Visit) -> None:
+    """The test's own pictures, also where the sample has some."""
+    field = one.page.get_by_role("combobox", name="Pictures")
+    field.fill("dusk")
+    field.press("Enter")
+    one.wait_until_drawn()
+
+
+def join(one: Visit) -> str:
+    """Agree and take part; the participant's code."""
+    one.page.get_by_role("spinbutton", name="Age in years").fill("31")
+    one.page.get_by_text("I have read this and agree").click()
+    one.page.get_by_role("button", name="Take part", exact=True).click()
+    expect(one.heading("Practice")).to_be_visible()
+    return re.search("participant=(.+)", one.page.url)[1]
+
+
+def begins(one: Visit, name: str) -> None:
+    """Begin the run of that name when its pictures are there, wherever its button is."""
+    expect(phase(one, "ready")).to_have_count(1)
+    one.page.get_by_role("button", name=name, exact=True).last.click()
+
+
+def practise(one: Visit) -> None:
+    begins(one, "Begin the practice")
+    answer_both(one)
+
+
+def answer_both(one: Visit) -> None:
+    """Answer that nobody was seen, by keyboard."""
+    for _ in range(2):
+        expect(phase(one, "answer")).to_have_count(1)
+        one.page.keyboard.press("n")
+        expect(phase(one, "answer")).to_have_count(0)
+
+
+def phase(one: Visit, name: str) -> Locator:
+    return one.page.locator(f'.nv-study[data-phase="{name}"]')
+
+
+def place_on_screen(one: Visit, x: float, y: float) -> tuple[float, float]:
+    """Where a pixel of a picture is in the window."""
+    box = one.page.locator(".nv-study canvas").bounding_box()
+    scale = min(box["width"] / study_pictures.WIDTH, box["height"] / study_pictures.HEIGHT)
+    left = box["x"] + (box["width"] - scale * study_pictures.WIDTH) / 2
+    top = box["y"] + (box["height"] - scale * study_pictures.HEIGHT) / 2
+    return left + scale * x, top + scale * y
+
+
+def kept(place: int, kind: str) -> re.Pattern[str]:
+    return re.compile(f"/study/{place}/{kind}$")
+
+
+def test_a_participant_answers_by_mouse_keys_and_touch_and_a_reload_goes_on(
+    visit, links, tmp_path: Path
+):
+    study, conduct = links
+    one = visit(study)
+    expect(one.keyed("navigation")).to_have_count(0)
+    code = join(one)
+    practise(one)
+
+    # the first picture, by mouse; the second is seen, and the page loaded again
+    begins(one, "Begin run 1 of 3")
+    expect(phase(one, "answer")).to_have_count(1)
+    with one.page.expect_response(kept(1, "answer")), one.page.expect_response(kept(2, "shown")):
+        one.page.mouse.click(*place_on_screen(one, 100, 90))
+    expect(phase(one, "answer")).to_have_count(1)
+    one.page.reload()
+    one.wait_until_drawn()
+    expect(one.heading("Run 1 of 3")).to_be_visible()
+    begins(one, "Begin run 1 of 3")
+    expect(phase(one, "answer")).to_have_count(1)
+    for key in ("ArrowLeft", "Shift+ArrowUp", "Enter"):  # from the middle
+        one.page.keyboard.press(key)
+
+    # by touch, then not seen; all that without leaving the dark
+    begins(one, "Begin run 2 of 3")
+    expect(phase(one, "answer")).to_have_count(1)
+    x, y = place_on_screen(one, 300, 20)
+    touch = {"pointerType": "touch", "clientX": x, "clientY": y}
+    with one.page.expect_response(kept(3, "answer")):
+        one.page.locator(".nv-study canvas").dispatch_event("pointerdown", touch)
+    expect(phase(one, "answer")).to_have_count(1)
+    one.page.get_by_role("button", name="Not seen").click()
+    begins(one, "Begin run 3 of 3")
+    answer_both(one)
+    expect(one.heading("Thank you")).to_be_visible()
+    expect(one.page.get_by_text(code).first).to_be_visible()
+
+    conductor = visit(conduct)
+    with conductor.page.expect_download() as download:
+        conductor.page.get_by_role("button", name="Trials (CSV)").click()
+    download.value.save_as(tmp_path / "trials.csv")
+    with (tmp_path / "trials.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    check_trials(rows, code)
+    metrics = conductor.page.get_by_test_id("stMetric")
+    expect(metrics.filter(has_text="have seen all pictures")).to_contain_text("1")
+
+
+def test_a_run_that_is_stopped_goes_on_with_what_was_not_answered(visit, links):
+    one = visit(links[0])
+    join(one)
+    practise(one)
+    begins(one, "Begin run 1 of 3")
+    expect(phase(one, "answer")).to_have_count(1)
+    with one.page.expect_response(kept(1, "answer")), one.page.expect_response(kept(2, "shown")):
+        one.page.keyboard.press("n")
+    expect(phase(one, "answer")).to_have_count(1)
+    one.page.keyboard.press("Escape")
+    expect(one.page.locator(".nv-study dialog")).not_to_be_visible()
+    expect(one.page.locator('.nv-study[data-run^="2 of"]')).to_have_count(1)
+    begins(one, "Begin run 1 of 3")
+    expect(phase(one, "answer")).to_have_count(1)
+    with one.page.expect_response(kept(2, "answer")):
+        one.page.get_by_role("button", name="Not seen").click()
+    expect(one.page.locator('.nv-study[data-run^="3 of"]')).to_have_count(1)
+
+
+def check_trials(rows: list[dict[str, str]], code: str) -> None:
+    assert {row["subject"] for row in rows} == {code}
+    assert [(row["run"], row["position"], row["order"]) for row in rows] == [
+        ("1", "1", "1"), ("1", "2", "2"), ("2", "1", "3"), ("2", "2", "4"),
+        ("3", "1", "5"), ("3", "2", "6"),
+    ]  # fmt: skip
+    assert sorted(row["image"] for row in rows) == [f"scene_{i}.png" for i in range(N_PICTURES)]
+    assert [row["not_seen"] for row in rows] == ["0", "0", "0", "1", "1", "1"]
+    assert rows[3]["touch_x"] == rows[3]["touch_y"] == ""
+    expected = [(100, 90), (160 - 64 / 6, 90 - 8 / 6), (300, 20)]
+    for row, place in zip(rows, expected, strict=False):
+        touch = (float(row["touch_x"]), float(row["touch_y"]))
+        assert touch == pytest.approx(place, abs=0.5)
+    assert [row["device"].split(",")[0] for row in rows] == [
+        "mouse", "keyboard", "touch", "mouse", "keyboard", "keyboard",
+    ]  # fmt: skip
+    assert "shown 2 times" in rows[1]["device"]
+    for row in rows:
+        asked, measured = (
+            float(row[name]) for name in ("adaptation_asked_s", "adaptation_measured_s")
+        )
+        assert asked in TIMES
+        assert measured > asked - 0.03  # never early; how late depends on the machine
+        assert float(row["response_s"]) > 0.15
+        if measured > asked + 0.05:
+            assert "late" in row["device"]
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_the_pages_have_no_accessibility_fault(visit, links, theme):
+    study, conduct = links
+    one = visit("study", theme=theme)
+    choose_folder(one)
+    assert one.accessibility_faults() == []
+    one.go(study)
+    assert one.accessibility_faults() == []
+    join(one)
+    expect(phase(one, "ready")).to_have_count(1)
+    assert one.accessibility_faults() == []
+    one.go(conduct)
+    assert one.accessibility_faults() == []

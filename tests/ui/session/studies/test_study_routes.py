@@ -1,0 +1,130 @@
+"""Routes of a study: pictures and answers of the participant before the screen, and no one else."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+import study_pictures
+from asgi import ask, put
+
+from nvcore.errors import InputError
+from nvcore.studies.detectability.pictures import read_pictures
+from nvcore.studies.detectability.settings import StudySettings
+from nvcore.studies.detectability.store import DetectabilityStore
+from ui.session.routes import address
+from ui.session.studies.on_screen import MOST_BYTES, NOTE, OnScreen, answer_of
+from ui.session.workspace import Workspace
+
+TOUCH = {
+    "measured_s": 4.01, "shown_s": 0.5, "touch": [30.5, 80], "response_s": 1.25,
+    "is_answered": True, "pointer": "touch", "shown_px": 1152, "screen_px": 1280,
+}  # fmt: skip
+
+
+@pytest.fixture
+def screen(space: Workspace, tmp_path: Path) -> OnScreen:
+    """A participant of a study of two pictures."""
+    folder = study_pictures.write(tmp_path / "dusk", 2)
+    store = DetectabilityStore(tmp_path / "studies.sqlite")
+    study = store.begin(StudySettings(), read_pictures(folder), folder="local:dusk")
+    person = store.join(study, {})
+    screen = OnScreen(store, study, person.code, folder, "24 inch")
+    space.notes[NOTE] = screen
+    return screen
+
+
+def picture(space: Workspace, name: str) -> np.ndarray:
+    answer = ask(f"{address(space)}/study/{name}.png")
+    assert (answer.status, answer.headers["content-type"]) == (200, "image/png")
+    return cv2.imdecode(np.frombuffer(answer.body, np.uint8), cv2.IMREAD_COLOR)
+
+
+def test_pictures_come_whole_and_coarse(space: Workspace, screen: OnScreen):
+    full, coarse = picture(space, "1/full"), picture(space, "1/coarse")
+    assert full.shape == (study_pictures.HEIGHT, study_pictures.WIDTH, 3)
+    assert full.max() == 190
+    assert coarse.shape[1] == 48
+    assert coarse.max() == 40  # the sky: nobody is to be seen
+    assert picture(space, "practice-0/full").shape == (720, 1280, 3)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["2/full", "-1/full", "x/full", "0/other", "practice-2/full", "practice-/full", "9999999/full"],
+)
+def test_other_pictures_are_not_found(space: Workspace, screen: OnScreen, name: str):
+    assert ask(f"{address(space)}/study/{name}.png").status == 404
+
+
+def test_a_picture_that_was_changed_is_told(space: Workspace, screen: OnScreen):
+    (screen.folder / "scene_0.png").write_bytes((screen.folder / "scene_1.png").read_bytes())
+    answer = ask(f"{address(space)}/study/0/full.png")
+    assert answer.status == 404
+    assert "has changed since the study began" in answer.text
+
+
+def test_an_answer_is_kept_at_once(space: Workspace, screen: OnScreen):
+    start = f"{address(space)}/study/1"
+    assert put(f"{start}/shown", b"{}").status == 204
+    assert put(f"{start}/shown", b"{}").status == 204
+    assert put(f"{start}/answer", json.dumps(TOUCH).encode()).status == 204
+    answer, n_shown = screen.store.answers(screen.study)[screen.code][1]
+    assert n_shown == 2
+    assert (answer.touch_x, answer.touch_y, answer.response_s) == (30.5, 80, 1.25)
+    assert answer.device == "touch, picture 1152 px of a screen of 1280 px, 24 inch"
+
+
+@pytest.mark.parametrize("place", ["0", "3", "x", "9" * 30])
+def test_what_is_no_trial_of_the_participant_is_refused(
+    space: Workspace, screen: OnScreen, place: str
+):
+    for kind, content in (("answer", json.dumps(TOUCH).encode()), ("shown", b"{}")):
+        assert put(f"{address(space)}/study/{place}/{kind}", content).status == 400
+    assert screen.store.answers(screen.study) == {}
+
+
+def test_nobody_else_gets_pictures_or_sends_answers(space: Workspace, screen: OnScreen):
+    start = f"{address(space)}/study/1"
+    strange = {"sec-fetch-site": "cross-site"}
+    assert put(f"{start}/answer", json.dumps(TOUCH).encode(), **strange).status == 403
+    assert put("/nv/guess/study/1/answer", json.dumps(TOUCH).encode()).status == 404
+    assert put(f"{start}/other", b"{}").status == 404
+    assert put(f"{start}/answer", b" " * (MOST_BYTES + 1)).status == 413
+    del space.notes[NOTE]
+    assert put(f"{start}/answer", json.dumps(TOUCH).encode()).status == 404
+    assert ask(f"{start}/full.png").status == 404
+    assert screen.store.answers(screen.study) == {}
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        b"", b"[]", b"{", b"\xff", b"[" * 1900, b"{}",
+        *(
+            json.dumps({**TOUCH, **change}).encode()
+            for change in (
+                {"touch": [1]}, {"touch": "here"}, {"touch": [1, None]}, {"touch": [1, True]},
+                {"measured_s": -1}, {"measured_s": "1"}, {"shown_s": math.nan},
+                {"measured_s": 10**400}, {"response_s": math.inf}, {"is_answered": False},
+            )
+        ),
+    ],
+)  # fmt: skip
+def test_what_is_no_answer_is_refused(sent: bytes):
+    with pytest.raises(InputError):
+        answer_of(sent)
+
+
+def test_not_seen_no_answer_and_strange_devices():
+    unseen = answer_of(json.dumps({**TOUCH, "touch": None, "pointer": "<b>"}).encode())
+    assert (unseen.is_seen, unseen.is_answered) == (False, True)
+    assert unseen.device == "picture 1152 px of a screen of 1280 px"
+    sent = {**TOUCH, "touch": None, "response_s": None, "is_answered": False, "screen_px": -1}
+    late = answer_of(json.dumps(sent).encode(), "24 inch")
+    assert (late.is_answered, late.device) == (False, "touch, 24 inch")
+    assert math.isnan(late.response_s)

@@ -1,0 +1,293 @@
+"""The Study page, driven without a browser."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import study_pictures
+from streamlit.testing.v1 import AppTest
+
+import pages
+from nvcore.studies.detectability.records import Answer, DetectabilityStudy
+from nvcore.studies.detectability.store import DetectabilityStore
+from pages import checked, press, texts
+from ui.session.studies.on_screen import NOTE, OnScreen
+from ui.study import links, participant
+
+SEEN = Answer(measured_s=1, shown_s=0.5, touch_x=30, touch_y=80, response_s=1)
+Run = Callable[[], None]
+
+
+@pytest.fixture(autouse=True)
+def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> DetectabilityStore:
+    """A folder with six pictures, and the file of answers; the sample's pictures are not there."""
+    monkeypatch.setattr(links, "sample_folder", lambda: tmp_path / "sample" / "study")
+    study_pictures.write(tmp_path / "root" / "dusk", 6)
+    monkeypatch.setenv("NVCORE_LOCAL_ROOT", str(tmp_path / "root"))
+    monkeypatch.setenv("NVCORE_STUDIES", str(tmp_path / "kept" / "studies.sqlite"))
+    return DetectabilityStore(tmp_path / "kept" / "studies.sqlite")
+
+
+@pytest.fixture
+def runs(monkeypatch: pytest.MonkeyPatch) -> list[dict]:
+    """The runs that the browser is given, in place of showing them."""
+    drawn: list[dict] = []
+
+    def draw_run(run, title, trials, timing, *, on_end, key="study_screen"):
+        drawn.append({"run": run, "title": title, "trials": trials, "end": on_end})
+
+    monkeypatch.setattr(participant, "draw_run", draw_run)
+    return drawn
+
+
+def opened(**address: str) -> AppTest:
+    return checked(pages.opened("study", **address))
+
+
+def begun(store: DetectabilityStore, page: AppTest | None = None) -> DetectabilityStudy:
+    page = press(page or opened(), "study_start")
+    study = store.study_of_conductor("".join(page.query_params["conduct"]))
+    assert study is not None
+    return study
+
+
+def metrics(page: AppTest) -> dict[str, str]:
+    return {metric.label: metric.value for metric in page.metric}
+
+
+def keys(page: AppTest) -> list[str | None]:
+    return [button.key for button in page.button]
+
+
+def joined(study: DetectabilityStudy) -> AppTest:
+    page = opened(study=study.token)
+    page.checkbox(key="study_agrees").check()
+    return checked(page.button[0].click().run())
+
+
+def test_how_long_it_takes_is_told_before_it_begins():
+    page = opened()
+    assert "each participant sees 6 pictures in 3 runs, **about 2 minutes**" in texts(page)
+    assert "take a multiple of 6" in texts(page)
+    checked(page.button_group(key="study_design").set_value("all").run())
+    assert "sees 36 pictures in 18 runs, **about 14 minutes**" in texts(page)
+    assert "learns where its pedestrian is" in texts(page)
+
+
+def test_what_a_screen_cannot_be_is_said():
+    said = texts(opened())
+    assert all(word in said for word in ("candela", "pupil", "field of view", "on this screen"))
+
+
+def test_a_study_has_what_was_set_and_an_address_for_each_side(store: DetectabilityStore):
+    page = opened()
+    page.number_input(key="study_bright_s").set_value(2.5)
+    page.number_input(key="study_dark_lux").set_value(10.0)
+    page.number_input(key="study_keep_days").set_value(30)
+    page.number_input(key="study_n_practice").set_value(2)
+    page.text_area(key="study_consent").set_value("We keep *all* of it.")
+    checked(page.text_area(key="study_questions").set_value("Glasses?\n\n Tired? \n").run())
+    study = begun(store, page)
+    settings = study.settings
+    assert settings.timing.bright_s == 2.5
+    assert settings.facts.dark_lux == 10
+    assert settings.questions == ("Glasses?", "Tired?")
+    assert (settings.n_practice, settings.consent) == (2, "We keep *all* of it.")
+    assert (study.ends_at - study.begun_at).days == 30
+    assert study.folder == "local:dusk"
+    addresses = [code.value for code in page.code]
+    assert addresses[0].endswith(f"?study={study.token}")
+    assert addresses[1].endswith(f"?conduct={study.conductor}")
+    assert opened(conduct=study.conductor).code
+    press(page, "study_close")
+    assert not page.code
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("study_adaptation_s", "0, soon", "expected seconds, separated by commas"),
+        ("study_adaptation_s", "0, 1, 2", "even number, rising"),
+        ("study_adaptation_s", "0, 2", "needs 4 s"),
+        ("study_consent", " ", "1 to 20,000 characters"),
+    ],
+)
+def test_what_cannot_be_is_told_and_not_begun(key: str, value: str, words: str):
+    page = opened()
+    kind = page.text_area if key == "study_consent" else page.text_input
+    checked(kind(key=key).set_value(value).run())
+    assert words in texts(page)
+    assert "study_start" not in keys(page)
+
+
+def test_without_a_folder_the_page_says_who_can_name_one(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.delenv("NVCORE_LOCAL_ROOT")
+    page = opened()
+    assert "nvcore app --local-root DIR" in texts(page)
+    assert "study_start" not in keys(page)
+
+
+def test_the_samples_pictures_need_no_folder_of_ones_own(
+    store: DetectabilityStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.delenv("NVCORE_LOCAL_ROOT")
+    study_pictures.write(tmp_path / "sample" / "study", 3)
+    study = begun(store)
+    assert (study.folder, len(study.pictures)) == ("sample", 3)
+    assert links.folder_of(study.folder) == tmp_path / "sample" / "study"
+
+
+def test_a_table_with_a_wrong_line_is_told_without_paths(tmp_path: Path):
+    with (tmp_path / "root" / "dusk" / "boxes.csv").open("a") as file:
+        file.write("../../secret.png,p,0,0,4,8\n")
+    said = texts(opened())
+    assert "boxes.csv, line 8" in said
+    assert str(tmp_path) not in said
+
+
+def test_folders_below_the_root_are_offered_and_none_outside(tmp_path: Path):
+    root = tmp_path / "root"
+    study_pictures.write(root / "a" / "b", 1)
+    study_pictures.write(tmp_path / "outside", 1)
+    (root / "way_out").symlink_to(tmp_path / "outside")
+    assert list(links.folders()) == ["local:dusk", "local:a/b"]
+    for path in ("local:../outside", "local:way_out", "/etc", "local:gone"):
+        with pytest.raises(Exception, match=r"no such file|started with"):
+            links.folder_of(path)
+
+
+def test_nobody_takes_part_without_agreeing(store: DetectabilityStore):
+    study = begun(store)
+    page = opened(study=study.token)
+    assert not page.sidebar.slider
+    assert f"{study.ends_at:%d %B %Y}" in texts(page)
+    checked(page.button[0].click().run())
+    assert "Without your agreement" in texts(page)
+    assert store.participants(study) == []
+
+
+def test_the_form_is_kept_under_a_code_and_says_nothing_where_it_is_empty(
+    store: DetectabilityStore, runs: list[dict]
+):
+    page = opened()
+    checked(page.text_area(key="study_questions").set_value("Glasses?").run())
+    study = begun(store, page)
+    page = opened(study=study.token)
+    page.number_input(key="study_form_0").set_value(31)
+    page.selectbox(key="study_form_2").select("yes")
+    page.text_input(key="study_form_5").set_value("no")
+    page.checkbox(key="study_agrees").check()
+    checked(page.button[0].click().run())
+    (person,) = store.participants(study)
+    assert person.form == {"age": "31", "licence": "yes", "1. Glasses?": "no"}
+    assert "".join(page.query_params["participant"]) == person.code
+    assert f"**{person.code}**" in texts(page)
+
+
+def test_practice_comes_once_then_run_after_run_until_all_are_answered(
+    store: DetectabilityStore, runs: list[dict]
+):
+    study = begun(store)
+    page = joined(study)
+    (person,) = store.participants(study)
+    practice = runs[-1]
+    assert [trial["place"] for trial in practice["trials"]] == [0, 0]
+    practice["end"]("another run")
+    assert not store.participant(study, person.code).has_practised
+    store.end_practice(study, person.code)
+    for run in range(1, 4):
+        page = opened(study=study.token, participant=person.code)  # as after a reload
+        assert runs[-1]["title"] == f"Begin run {run} of 3"
+        trials = [trial for trial in person.plan if trial.run == run]
+        assert [trial["place"] for trial in runs[-1]["trials"]] == [t.order for t in trials]
+        assert [trial["picture"] for trial in runs[-1]["trials"]] == [
+            str(t.picture) for t in trials
+        ]
+        store.answer(study, person.code, trials[0].order, SEEN)
+        checked(page.run())
+        assert [trial["place"] for trial in runs[-1]["trials"]] == [trials[1].order]
+        store.answer(study, person.code, trials[1].order, SEEN)
+    checked(page.run())
+    assert page.title[0].value == "Thank you"
+    assert f"**{person.code}**" in texts(page)
+
+
+def test_the_browser_may_answer_for_this_participant_only(
+    store: DetectabilityStore, runs: list[dict]
+):
+    study = begun(store)
+    page = joined(study)
+    note = page.session_state["workspace"].notes[NOTE]
+    assert isinstance(note, OnScreen)
+    assert note.code == store.participants(study)[0].code
+    assert note.folder.name == "dusk"
+
+
+def test_strange_links_and_codes_lead_nowhere(store: DetectabilityStore, runs: list[dict]):
+    study = begun(store)
+    assert "leads to no study" in texts(opened(study="guess"))
+    assert "no study of the name in the address" in texts(opened(conduct=study.token))
+    page = opened(study=study.token, participant="GUESSED1")
+    assert "Nobody takes part" in texts(page)
+    assert runs == []
+    checked(page.text_input(key="study_known_code").set_value("x").run())
+    assert "Nobody takes part" in texts(press(page, "study_go_on"))
+
+
+def test_a_code_goes_on_where_it_was_left_on_any_screen(
+    store: DetectabilityStore, runs: list[dict]
+):
+    study = begun(store)
+    person = store.join(study, {})
+    store.end_practice(study, person.code)
+    page = opened(study=study.token)
+    checked(page.text_input(key="study_known_code").set_value(person.code.lower()).run())
+    press(page, "study_go_on")
+    assert runs[-1]["title"] == "Begin run 1 of 3"
+
+
+def test_the_conductor_sees_progress_and_marks(store: DetectabilityStore):
+    study = begun(store)
+    for n in (6, 2):
+        person = store.join(study, {})
+        for trial in person.plan[:n]:
+            measured = trial.adaptation_s + (0.2 if trial.order == 1 else 0.01)
+            store.answer(study, person.code, trial.order, Answer(measured_s=measured, shown_s=0.5))
+    page = opened(conduct=study.conductor)
+    assert metrics(page) == {
+        "participants": "2", "have seen all pictures": "1", "trials so far": "8", "marked": "2",
+    }  # fmt: skip
+
+
+def test_one_participants_data_are_deleted_on_request(store: DetectabilityStore):
+    study = begun(store)
+    ann, bob = (store.join(study, {"age": age}) for age in ("31", "32"))
+    page = opened(conduct=study.conductor)
+    checked(page.text_input(key="study_code").set_value("nobody").run())
+    assert "Nobody takes part" in texts(page)
+    checked(page.text_input(key="study_code").set_value(ann.code.lower()).run())
+    press(page, "study_delete")
+    assert [person.code for person in store.participants(study)] == [bob.code]
+    assert metrics(page)["participants"] == "1"
+
+
+def test_the_text_of_consent_is_shown_as_text(store: DetectabilityStore):
+    page = opened()
+    checked(page.text_area(key="study_consent").set_value("# Hi\n\n[x](http://evil) <b>").run())
+    study = begun(store, page)
+    shown = [item.value for item in opened(study=study.token).markdown]
+    assert not any("](http" in text for text in shown)
+    assert "# Hi" not in shown
+
+
+def test_pictures_that_are_gone_are_told(
+    store: DetectabilityStore, runs: list[dict], monkeypatch: pytest.MonkeyPatch
+):
+    study = begun(store)
+    person = store.join(study, {})
+    monkeypatch.delenv("NVCORE_LOCAL_ROOT")
+    page = opened(study=study.token, participant=person.code)
+    assert "now it was started without" in texts(page)
+    assert runs == []

@@ -1,0 +1,1 @@
+"""Studies with people, between addresses, the file of answers and the browser."""

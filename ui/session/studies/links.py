@@ -1,0 +1,132 @@
+"""Addresses of studies: who takes part, who conducts.
+
+A participant's address is ``PAGE?study=TOKEN&participant=NAME``, the conductor's
+``PAGE?conduct=SECRET``; neither follows from the other.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, Generic, Protocol, TypeVar
+from urllib.parse import quote, urlsplit
+
+import click
+import streamlit as st
+
+from nvcore.errors import InputError
+
+STUDY: Final = "study"
+PARTICIPANT: Final = "participant"
+CONDUCT: Final = "conduct"
+LOCAL: Final = ("localhost", "127.0.0.1", "::1")
+
+
+class Named(Protocol):
+    """A study, with its names for participants and for its conductor."""
+
+    @property
+    def token(self) -> str:
+        """For participants."""
+
+    @property
+    def conductor(self) -> str:
+        """For its conductor."""
+
+
+StudyKind = TypeVar("StudyKind", bound=Named)
+
+
+def is_participant() -> bool:
+    """Whether the address is a participant's: then nothing else of the app is shown."""
+    return STUDY in st.query_params
+
+
+def is_local(address: str) -> bool:
+    """Whether the address leads to the machine that it is opened on, whichever that is.
+
+    Examples
+    --------
+    >>> is_local("http://localhost:8501/ratings?study=a"), is_local("http://lab-3:8501/ratings")
+    (True, False)
+    """
+    return urlsplit(address).hostname in LOCAL
+
+
+def answer_file(variable: str, name: str) -> Path:
+    """Where answers are kept: as the environment says, or in the user's own folder."""
+    path = os.environ.get(variable)
+    return Path(path) if path else Path(click.get_app_dir("nvcore")) / name
+
+
+@dataclass(frozen=True)
+class StudyLinks(Generic[StudyKind]):
+    """The studies of one page.
+
+    Attributes
+    ----------
+    page
+        Name of the page in addresses.
+    what
+        What a study is called.
+    prefix
+        Of the names in ``st.session_state``.
+    find
+        The study of a conductor's name; None: there is none.
+    """
+
+    page: str
+    what: str
+    prefix: str
+    find: Callable[[str], StudyKind | None]
+
+    @property
+    def _own(self) -> str:
+        return f"{self.prefix}_studies"
+
+    @property
+    def _open(self) -> str:
+        return f"{self.prefix}_open"
+
+    def conducted(self) -> StudyKind | None:
+        """The study that this person conducts, from the address or this session.
+
+        Raises
+        ------
+        InputError
+            If the address names none that there is.
+        """
+        key = st.query_params.get(CONDUCT)
+        secret: str | None = key or st.session_state.get(self._open)
+        if secret is None:
+            return None
+        study = self.find(secret)
+        if study is None:
+            st.session_state.pop(self._open, None)
+            st.query_params.pop(CONDUCT, None)
+            raise InputError(f"there is no {self.what} of the name in the address")
+        self.conduct(study)
+        return study
+
+    def conduct(self, study: StudyKind) -> None:
+        """Make this the study that is conducted, in the address as well."""
+        st.session_state.setdefault(self._own, set()).add(study.token)
+        st.session_state[self._open] = study.conductor
+        if st.query_params.get(CONDUCT) != study.conductor:
+            st.query_params[CONDUCT] = study.conductor
+
+    def is_own(self, study: StudyKind) -> bool:
+        """Whether this browser session conducts it."""
+        return study.token in st.session_state.get(self._own, set())
+
+    def close(self) -> None:
+        """Conduct none; the link of the one that was open opens it again."""
+        st.session_state.pop(self._open, None)
+        st.query_params.pop(CONDUCT, None)
+
+    def addresses(self, study: StudyKind) -> tuple[str, str]:
+        """Addresses of the page for participants and for the conductor."""
+        page = str(st.context.url or self.page).partition("?")[0]
+        return f"{page}?{STUDY}={quote(study.token)}", f"{page}?{CONDUCT}={quote(study.conductor)}"

@@ -1,0 +1,76 @@
+"""What the browser of a participant fetches and sends.
+
+Only while the session's page has a study on the screen: for its participant, and nobody else.
+
+    GET /nv/TOKEN/study/PICTURE/VIEW.png    a picture (by index, or practice-0): full or coarse
+    PUT /nv/TOKEN/study/PLACE/shown         the picture of a trial appears
+    PUT /nv/TOKEN/study/PLACE/answer        its answer, JSON
+"""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+
+from anyio.to_thread import run_sync
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import Response
+
+from nvcore.errors import InputError
+from ui.session.requests import (
+    NOT_CACHED,
+    index_in,
+    is_own_page,
+    is_owner,
+    not_found,
+    of_somebody_else,
+    say,
+)
+from ui.session.studies.on_screen import MOST_BYTES, NOTE, OnScreen
+from ui.session.workspace import workspace_of
+
+ENDED = "the page has ended; load it again"
+
+
+async def study_picture(request: Request) -> Response:
+    """A picture of the study, or its coarse version."""
+    space = workspace_of(request.path_params["token"])
+    if not is_owner(request, space):
+        return of_somebody_else()
+    screen: OnScreen | None = None if space is None else space.notes.get(NOTE)
+    name, view = request.path_params["picture"], request.path_params["view"]
+    if space is None or screen is None or view not in ("full", "coarse"):
+        return not_found(ENDED)
+    try:
+        content = await run_sync(lambda: screen.picture(name, view), limiter=space.picture_turns)
+    except InputError as error:
+        return not_found(str(error))
+    return Response(content, media_type="image/png", headers=NOT_CACHED)
+
+
+async def study_answer(request: Request) -> Response:
+    """Keep that a picture appears, or its answer; then it is on disk."""
+    if not is_own_page(request):
+        return say(HTTPStatus.FORBIDDEN, "answers come from the app's own page only")
+    space = workspace_of(request.path_params["token"])
+    if not is_owner(request, space):
+        return of_somebody_else()
+    screen: OnScreen | None = None if space is None else space.notes.get(NOTE)
+    kind, place = request.path_params["kind"], index_in(request, "place")
+    if screen is None or kind not in ("shown", "answer"):
+        return not_found(ENDED)
+    content = bytearray()
+    try:
+        async for chunk in request.stream():
+            content += chunk
+            if len(content) > MOST_BYTES:
+                return say(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, "this is no answer")
+        if kind == "shown":
+            await run_in_threadpool(screen.note_showing, place)
+        else:
+            await run_in_threadpool(screen.keep, place, bytes(content))
+    except ClientDisconnect:
+        return say(HTTPStatus.BAD_REQUEST, "the answer broke off")
+    except InputError as error:
+        return say(HTTPStatus.BAD_REQUEST, str(error))
+    return Response(status_code=HTTPStatus.NO_CONTENT, headers=NOT_CACHED)

@@ -1,0 +1,157 @@
+"""Study page, for who conducts a study: links, progress, tables, one participant's data."""
+
+from __future__ import annotations
+
+import json
+from typing import Final
+
+import streamlit as st
+
+from nvcore.errors import InputError
+from nvcore.studies.detectability.records import DetectabilityStudy
+from nvcore.studies.detectability.tables import (
+    about,
+    boxes_table,
+    participants_table,
+    trials_table,
+)
+from nvcore.studies.participants import MOST_NAME
+from ui.shell.messages import shown_error
+from ui.study import links, participant, setup
+from ui.widgets.addresses import draw_addresses
+from ui.widgets.choices import download_csv
+from ui.widgets.text import plain
+
+NEWS_S: Final = 5.0
+"""Interval at which the progress is updated, seconds."""
+
+
+def draw() -> None:
+    """The study that is open, else the form that begins one."""
+    try:
+        study = links.LINKS.conducted()
+    except InputError as error:
+        st.error(plain(str(error)))
+        study = None
+    if study is None:
+        setup.draw()
+    else:
+        _conduct(study)
+
+
+def _conduct(study: DetectabilityStudy) -> None:
+    st.header("The study")
+    draw_addresses(*links.LINKS.addresses(study))
+    st.caption(
+        f"All answers are deleted on {study.ends_at:%d %B %Y}. Save them before: then this address "
+        "leads nowhere."
+    )
+    store = links.store()
+    with st.container(horizontal=True):
+        if st.button("Take part on this screen", key="study_here", icon=":material/play_circle:"):
+            participant.enter(study.token)
+        if st.button("Close, and start another", key="study_close", type="tertiary"):
+            links.LINKS.close()
+            st.rerun()
+    with st.container(horizontal=True):
+        # outside the part that is redrawn every few seconds: a click would miss its button
+        download_csv(
+            "Trials (CSV)", lambda: trials_table(store, study), "trials.csv", "study_trials"
+        )
+        download_csv("Boxes (CSV)", lambda: boxes_table(study), "boxes.csv", "study_boxes")
+        download_csv(
+            "Participants (CSV)",
+            lambda: participants_table(store, study),
+            "participants.csv",
+            "study_participants",
+        )
+        st.download_button(
+            "Settings (JSON)",
+            data=lambda: json.dumps(about(study), indent=2),
+            file_name="study.json",
+            mime="application/json",
+            on_click="ignore",
+            icon=":material/download:",
+            key="study_about",
+        )
+    _draw_progress(study)
+    _draw_one(study)
+
+
+@st.fragment(run_every=NEWS_S)
+def _draw_progress(study: DetectabilityStudy) -> None:
+    st.header("Progress")
+    people = participants_table(links.store(), study)
+    columns = st.columns(4)
+    columns[0].metric("participants", f"{len(people):,}")
+    is_done = people["n_answered"] == people["n_trials"]
+    columns[1].metric("have seen all pictures", f"{int(is_done.sum()):,}")
+    columns[2].metric("trials so far", f"{int(people['n_answered'].sum()):,}")
+    columns[3].metric(
+        "marked",
+        f"{int(people['n_marked'].sum()):,}",
+        help="More than 50 ms early or late, shown for more or less than asked, shown again after "
+        "a reload, or without an answer in time. They stay in the table, with what it was.",
+    )
+    if people.empty:
+        st.caption("Nobody has joined yet. This is looked up every five seconds.")
+        return
+    st.dataframe(
+        people[["subject", "joined", "n_trials", "n_answered", "n_marked"]],
+        hide_index=True,
+        key="study_progress",
+        column_config={
+            "subject": st.column_config.TextColumn("Participant"),
+            "joined": st.column_config.TextColumn("Joined"),
+            "n_trials": st.column_config.NumberColumn("Trials"),
+            "n_answered": st.column_config.NumberColumn("Answered"),
+            "n_marked": st.column_config.NumberColumn("Marked"),
+        },
+    )
+
+
+def _draw_one(study: DetectabilityStudy) -> None:
+    """Export or delete what there is of one participant, on request."""
+    st.header("One participant's data")
+    st.caption(
+        "On request: a participant tells the code. What is deleted is gone from the file for good, "
+        "and their place in the design is free again. Tables that were saved before still have it."
+    )
+    code = st.text_input(
+        "Code of the participant", key="study_code", max_chars=MOST_NAME, width=420
+    )
+    store = links.store()
+    record = store.record(study, code) if code.strip() else None
+    if code.strip() and record is None:
+        st.warning("Nobody takes part in this study with that code.")
+    if record is None:
+        return
+    with st.container(horizontal=True):
+        st.download_button(
+            "All data of this participant (JSON)",
+            data=json.dumps(record, indent=2),
+            file_name="participant.json",
+            mime="application/json",
+            on_click="ignore",
+            icon=":material/download:",
+            key="study_record",
+        )
+        with st.popover("Delete …", icon=":material/delete:"):
+            st.markdown(f"Delete all data of **{plain(record['code'])}**? There is no way back.")
+            st.button(
+                "Delete for good",
+                key="study_delete",
+                type="primary",
+                on_click=_delete,
+                args=(study, record["code"]),
+            )
+
+
+def _delete(study: DetectabilityStudy, code: str) -> None:
+    try:
+        links.store().delete(study, code)
+    except InputError as error:
+        st.error(shown_error(error))
+        return
+    st.session_state["study_code"] = ""
+    st.toast("The data of this participant are deleted.")

@@ -1,0 +1,101 @@
+"""Detectability studies in addresses and on disk, and the folders of their pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+from nvcore.errors import InputError
+from nvcore.studies.detectability.pictures import BOXES_FILE
+from nvcore.studies.detectability.records import DetectabilityStudy
+from nvcore.studies.detectability.store import DetectabilityStore
+from ui.session import state
+from ui.session.local_files import LocalRoot, local_root
+from ui.session.studies.links import StudyLinks, answer_file
+
+VARIABLE: Final = "NVCORE_STUDIES"
+SAMPLE: Final = "sample"
+LOCAL: Final = "local:"
+"""Start of the name of a folder below the one that the app was started with."""
+DEEPEST: Final = 3
+"""Folders so far below that one are looked into."""
+MOST_FOLDERS: Final = 500
+"""Folders that are looked into."""
+
+
+def store() -> DetectabilityStore:
+    """The file of all studies: ``$NVCORE_STUDIES``, or in the user's own folder.
+
+    Raises
+    ------
+    InputError
+        If it cannot be used.
+    """
+    return DetectabilityStore(answer_file(VARIABLE, "studies.sqlite"))
+
+
+LINKS: Final = StudyLinks[DetectabilityStudy](
+    "study", "study", "study", lambda secret: store().study_of_conductor(secret)
+)
+
+
+def sample_folder() -> Path:
+    """Where the sample's pictures for a study are, if there are any."""
+    return state.SAMPLE.parent / "study"
+
+
+def folders() -> dict[str, str]:
+    """Folders whose pictures a study may show: name in the file of answers, and in words.
+
+    Raises
+    ------
+    InputError
+        If the folder that the app was started with cannot be used.
+    """
+    names: dict[str, str] = {}
+    if (sample_folder() / BOXES_FILE).is_file():
+        names[SAMPLE] = "Sample pictures (rendered)"
+    root = local_root()
+    if root is not None:
+        names |= {f"{LOCAL}{path}": path or "(top folder)" for path in _with_boxes(root)}
+    return names
+
+
+def _with_boxes(root: LocalRoot) -> list[str]:
+    """Folders below the root that have a table of boxes, nearest first."""
+    paths: list[str] = []
+    level, n_seen = [""], 0
+    for _ in range(DEEPEST + 1):
+        below: list[str] = []
+        for path in level:
+            n_seen += 1
+            if n_seen > MOST_FOLDERS:
+                return paths
+            try:
+                entries = root.entries(path)
+            except InputError:  # may not be looked into
+                continue
+            below += [entry.path for entry in entries if entry.is_folder]
+            if any(Path(entry.path).name == BOXES_FILE for entry in entries if not entry.is_folder):
+                paths.append(path)
+        level = below
+    return paths
+
+
+def folder_of(name: str) -> Path:
+    """Where the pictures of a study are.
+
+    Raises
+    ------
+    InputError
+        If they are not there, or below no folder that the app was started with.
+    """
+    if name == SAMPLE:
+        return sample_folder()
+    root = local_root()
+    if root is None or not name.startswith(LOCAL):
+        raise InputError(
+            "the pictures of this study are below the folder that the app was started with "
+            "(--local-root), and now it was started without"
+        )
+    return root.find(name.removeprefix(LOCAL))

@@ -1,0 +1,233 @@
+"""What a participant of a study sees: consent and form, then one run after the other."""
+
+from __future__ import annotations
+
+import math
+from itertools import groupby
+from typing import Any, Final
+
+import streamlit as st
+
+from nvcore.errors import InputError
+from nvcore.studies.detectability.plan import Trial, duration_s, plan_trials
+from nvcore.studies.detectability.practice import FIGURES, SIZE
+from nvcore.studies.detectability.records import DetectabilityStudy, Participant
+from nvcore.studies.detectability.settings import MOST_QUESTION
+from nvcore.studies.detectability.store import DetectabilityStore
+from nvcore.studies.participants import MOST_NAME
+from nvcore.wording import count_text
+from ui.session import state
+from ui.session.studies.links import PARTICIPANT, STUDY
+from ui.session.studies.on_screen import NOTE, PRACTICE, OnScreen
+from ui.shell.messages import shown_error
+from ui.study import links
+from ui.study.screen import draw_run
+from ui.study.setup import LIMITS, length_text
+from ui.widgets.text import plain
+
+PRACTISED: Final = "study_practised"
+"""Practice runs that a participant has had since the page was loaded; the code follows."""
+CHOICES: Final = {
+    "vision": ("normal", "corrected by glasses or lenses", "impaired"),
+    "licence": ("yes", "no"),
+}
+"""Fields of the form with few answers."""
+
+
+def draw() -> None:
+    """The page for somebody who takes part: nothing else of the app is in sight."""
+    store = links.store()
+    study = store.study(st.query_params[STUDY])
+    if study is None:
+        st.title("Take part in a study")
+        st.error("This link leads to no study, or the study is over. Ask for it again.")
+        return
+    code = st.query_params.get(PARTICIPANT, "")
+    participant = store.participant(study, code) if code.strip() else None
+    if participant is None:
+        if code.strip():
+            st.error("Nobody takes part in this study with the code in the address.")
+        _welcome(study, store)
+        return
+    try:
+        folder = links.folder_of(study.folder)
+    except InputError as error:
+        st.error(shown_error(error))
+        return
+    screen = study.settings.facts.screen_text(dict(participant.form))
+    note = OnScreen(store, study, participant.code, folder, screen)
+    state.workspace().notes[NOTE] = note
+    _next(study, store, participant)
+
+
+def enter(token: str, code: str | None = None) -> None:
+    """Show the study to a participant, on this screen."""
+    # at once: an address that is emptied first would be that of a page that is left
+    st.query_params.from_dict({STUDY: token} | ({PARTICIPANT: code} if code else {}))
+    st.rerun()
+
+
+def _welcome(study: DetectabilityStudy, store: DetectabilityStore) -> None:
+    settings = study.settings
+    st.title("Take part in a study")
+    trials = plan_trials(len(study.pictures), 0, design=settings.design, timing=settings.timing)
+    st.markdown(
+        f"You will see {count_text(len(trials), 'picture')} in "
+        f"{count_text(trials[-1].run, 'short run')}: "
+        f"**{length_text(duration_s(trials, settings.timing))}** in all. You may pause after every "
+        "run, and go on later."
+    )
+    for paragraph in settings.consent.split("\n\n"):
+        st.markdown(plain(" ".join(paragraph.split())))
+    st.markdown(
+        f"Your answers are kept until **{study.ends_at:%d %B %Y}** and then deleted, earlier if "
+        "you ask for it."
+    )
+    with st.expander("What a screen cannot be"):
+        st.markdown(LIMITS)
+    with st.form("study_join", border=False):
+        form = _draw_form(study)
+        agrees = st.checkbox("I have read this and agree to take part", key="study_agrees")
+        is_sent = st.form_submit_button("Take part", type="primary")
+    if is_sent and not agrees:
+        st.warning("Without your agreement nothing is kept, and there is nothing to take part in.")
+    elif is_sent:
+        try:
+            person = store.join(study, {field: text for field, text in form.items() if text})
+        except InputError as error:
+            st.error(shown_error(error))
+        else:
+            enter(study.token, person.code)
+    with st.expander("I have a code already"):
+        code = st.text_input("Your code", key="study_known_code", max_chars=MOST_NAME, width=420)
+        if st.button("Go on", key="study_go_on"):
+            known = store.participant(study, code)
+            if known is None:
+                st.warning("Nobody takes part in this study with that code.")
+            else:
+                enter(study.token, known.code)
+    _back(study)
+
+
+def _draw_form(study: DetectabilityStudy) -> dict[str, str]:
+    """The answers of the form; empty where nothing is entered."""
+    st.markdown("**About you and your screen.** Leave empty what you do not want to say.")
+    usual = study.settings.facts
+    answers: dict[str, str] = {}
+    columns = st.columns(3)
+    for number, (field, label) in enumerate(study.settings.form.items()):
+        column, key = columns[number % 3], f"study_form_{number}"
+        if field in CHOICES:
+            answers[field] = column.selectbox(label, CHOICES[field], index=None, key=key) or ""
+        elif field == "age":
+            age = column.number_input(label, 1, 120, None, key=key)
+            answers[field] = "" if age is None else str(age)
+        elif field in ("screen_inch", "distance_cm"):
+            known = getattr(usual, field)
+            value = None if math.isnan(known) else known  # NaN
+            size = column.number_input(label, 1.0, 1000.0, value, format="%g", key=key)
+            answers[field] = "" if size is None else f"{size:g}"
+        else:
+            answers[field] = st.text_input(plain(label), key=key, max_chars=MOST_QUESTION).strip()
+    return answers
+
+
+def _next(study: DetectabilityStudy, store: DetectabilityStore, person: Participant) -> None:
+    left = store.left(study, person)
+    n_practised = st.session_state.get(f"{PRACTISED}_{person.code}", 0)
+    if not person.has_practised and n_practised < study.settings.n_practice:
+        _practise(study, store, person, n_practised)
+    elif left:
+        _run(study, person, next([*run] for _, run in groupby(left, key=lambda one: one.run)))
+    else:
+        _thanks(study, person)
+
+
+def _practise(
+    study: DetectabilityStudy, store: DetectabilityStore, person: Participant, n_practised: int
+) -> None:
+    n = study.settings.n_practice
+    st.title("Practice" if n == 1 else f"Practice {n_practised + 1} of {n}")
+    _draw_code(person)
+    _draw_instructions()
+    times = study.settings.timing.pairs[n_practised % len(study.settings.timing.pairs)]
+    size = {"width": SIZE[0], "height": SIZE[1]}
+    trials: list[dict[str, Any]] = [
+        {"place": 0, "picture": f"{PRACTICE}{i}", **size, "adaptation_s": times[i]}
+        for i in range(len(FIGURES))
+    ]
+
+    def practised(run: str) -> None:
+        if run != name:
+            return
+        st.session_state[f"{PRACTISED}_{person.code}"] = n_practised + 1
+        if n_practised + 1 >= n:
+            store.end_practice(study, person.code)
+
+    name = f"practice {n_practised + 1} of {person.code}"
+    draw_run(name, "Begin the practice", trials, study.settings.timing, on_end=practised)
+    st.caption("Answers of the practice are not kept.")
+
+
+def _run(study: DetectabilityStudy, person: Participant, run: list[Trial]) -> None:
+    n_runs = person.plan[-1].run
+    st.markdown(f"# Run {run[0].run} of {n_runs}")
+    st.progress((run[0].order - 1) / len(person.plan))
+    _draw_code(person)
+    if run[0].run == 1:
+        _draw_instructions()
+    trials = []
+    for trial in run:
+        picture = study.pictures[trial.picture]
+        trials.append(
+            {
+                "place": trial.order,
+                "picture": str(trial.picture),
+                "width": picture.width,
+                "height": picture.height,
+                "adaptation_s": trial.adaptation_s,
+            }
+        )
+    draw_run(
+        f"{run[0].order} of {person.code}",
+        f"Begin run {run[0].run} of {n_runs}",
+        trials,
+        study.settings.timing,
+        on_end=lambda _: None,  # what is left is asked of the file
+    )
+
+
+def _draw_code(person: Participant) -> None:
+    st.caption(
+        f"Your code is **{person.code}**. Note it down: with it you go on later, ask for your "
+        "answers, or have them deleted."
+    )
+
+
+def _draw_instructions() -> None:
+    st.markdown(
+        "Look at the **bright screen**, then at the coarse picture of the place where you will "
+        "look for a pedestrian, then at the **cross**. The screen goes **dark** at once, and after "
+        "some seconds the picture appears, for a moment. Then **touch or click the place** where "
+        "the pedestrian was, or press *Not seen*. By keyboard: arrow keys move a mark (with Shift "
+        "in small steps), Enter takes its place, N is *not seen*. A second picture follows."
+    )
+
+
+def _thanks(study: DetectabilityStudy, person: Participant) -> None:
+    st.title("Thank you")
+    st.success(f"You have answered to all {len(person.plan)} pictures, and your answers are kept.")
+    _draw_code(person)
+    if st.button("Next participant", key="study_next"):
+        enter(study.token)
+    _back(study)
+
+
+def _back(study: DetectabilityStudy) -> None:
+    """The way back for who conducts on this very screen."""
+    if links.LINKS.is_own(study) and st.button(
+        "Back to the study", key="study_back", type="tertiary", icon=":material/arrow_back:"
+    ):
+        st.query_params.clear()
+        links.LINKS.conduct(study)
+        st.rerun()

@@ -1,0 +1,74 @@
+"""Runs a run of a study in the browser, over the whole window.
+
+A Streamlit component: it fetches the pictures of a run beforehand, shows everything by the clock of
+the animation, and sends each answer to the study's route as it is given. Python hears of the end.
+
+    clock.js     frames of the animation, and waiting for them
+    drawing.js   what is on the canvas: light, pictures, crosses
+    sending.js   pictures from the app, answers to it
+    run.js       the order of things; what Streamlit calls
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, Final
+
+import streamlit as st
+
+from nvcore.studies.detectability.settings import Timing
+from ui.session import state
+from ui.session.routes import address
+
+FOLDER: Final = Path(__file__).parent
+SCRIPTS: Final = ("clock.js", "drawing.js", "sending.js", "run.js")
+
+_COMPONENT = st.components.v2.component(
+    "nvcore_study",
+    css=(FOLDER / "screen.css").read_text(encoding="utf-8"),
+    js="\n".join((FOLDER / name).read_text(encoding="utf-8") for name in SCRIPTS),
+)
+
+
+def draw_run(
+    run: str,
+    title: str,
+    trials: Sequence[dict[str, Any]],
+    timing: Timing,
+    *,
+    on_end: Callable[[str], None],
+    key: str = "study_screen",
+) -> None:
+    """Draw the button that begins a run, which then takes the whole window.
+
+    Parameters
+    ----------
+    run
+        Name of the run; another one is another run.
+    title
+        What the button says.
+    trials
+        ``place`` (0: practice, nothing is kept), ``picture`` (name in the route), ``width``,
+        ``height`` (px) and ``adaptation_s`` of each picture, in their order.
+    on_end
+        Called with the name of a run that has ended or was stopped.
+    """
+
+    def end() -> None:
+        ended = st.session_state[key].get("ended")
+        if isinstance(ended, str):
+            on_end(ended)
+
+    _COMPONENT(
+        key=key,
+        data={
+            "run": run,
+            "title": title,
+            "url": f"{address(state.workspace())}/study",
+            "trials": list(trials),
+            "timing": asdict(timing),
+        },
+        on_ended_change=end,
+    )

@@ -1,0 +1,237 @@
+"""Study page: set up a study, and be told how long it takes."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Final
+
+import streamlit as st
+
+from nvcore.errors import InputError
+from nvcore.studies.detectability.pictures import BOXES_FILE, StudyPicture, read_pictures
+from nvcore.studies.detectability.plan import duration_s, plan_trials
+from nvcore.studies.detectability.settings import (
+    ADAPTATION_S,
+    CONSENT,
+    DESIGNS,
+    LONGEST_KEPT_DAYS,
+    MOST_TEXT,
+    Facts,
+    StudySettings,
+    Timing,
+)
+from nvcore.wording import count_text
+from ui.session import state
+from ui.shell.messages import shown_error
+from ui.study import links
+from ui.widgets.choices import choose_side_by_side
+from ui.widgets.text import docs_link, plain
+
+LIMITS: Final = (
+    "A screen goes from white to black, at a few hundred candela per square metre at best: a small "
+    "part of the step from a lit street or an oncoming car to a dark road, and black on most "
+    "screens still glows. The pupil answers to the whole field of view, of which a screen is a "
+    "small part: without control of the room's light its size is not known. Glare, motion, "
+    "stereo vision and the periphery are missing. What is measured is how soon people find a "
+    "pedestrian in a picture **on this screen**; what that says about a road is for a study on a "
+    "road to show."
+)
+TIMES: Final = {
+    "bright_s": "Bright screen",
+    "preview_s": "Coarse picture",
+    "cross_s": "Cross before dark",
+    "show_s": "Picture",
+    "answer_s": "Answer (0: no limit)",
+    "again_s": "Cross before the second picture",
+}
+FACTS: Final = {
+    "screen_inch": "Diagonal of the screen, inches",
+    "distance_cm": "Eyes to screen, cm",
+    "bright_lux": "Bright, lux at the eye",
+    "dark_lux": "Dark, lux at the eye",
+}
+
+
+def draw() -> None:
+    """The form that begins a study."""
+    st.header("Start a study")
+    folder = _choose_folder()
+    if folder is None:
+        return
+    try:
+        pictures = _pictures(folder)
+        settings = _draw_settings()
+        _draw_length(pictures, settings)
+        ready = settings
+    except InputError as error:
+        st.error(shown_error(error))
+        return
+    st.info(LIMITS, icon=":material/info:")
+    if st.button("Start the study", type="primary", key="study_start"):
+        try:
+            study = links.store().begin(ready, pictures, folder=folder)
+        except InputError as error:
+            st.error(shown_error(error))
+            return
+        links.LINKS.conduct(study)
+        st.rerun()
+
+
+def _choose_folder() -> str | None:
+    try:
+        folders = links.folders()
+    except InputError as error:
+        st.error(shown_error(error))
+        return None
+    st.caption(
+        f"A folder with pictures of one pedestrian each and a table {BOXES_FILE} "
+        "(image, pedestrian, x, y, w, h in pixels). It has to stay where it is while the study "
+        f"runs ({docs_link('more', 'pictures', doc='study')})."
+    )
+    if not folders:
+        st.info(
+            "There is no such folder here. Whoever runs the app names the folder that holds it: "
+            "`nvcore app --local-root DIR`. Pictures are not sent for this: participants open the "
+            "study on other days and screens, when what was sent is long gone.",
+            icon=":material/folder_open:",
+        )
+        return None
+    folder: str = st.selectbox(
+        "Pictures", list(folders), format_func=folders.__getitem__, key="study_folder", width=420
+    )
+    return folder
+
+
+def _pictures(name: str) -> tuple[StudyPicture, ...]:
+    folder: Path = links.folder_of(name)
+    try:
+        changed = (folder / BOXES_FILE).stat().st_mtime_ns
+    except OSError as error:
+        raise InputError(f"cannot be opened ({error.strerror})", file=BOXES_FILE) from error
+    return state.cached("study_pictures", (name, changed), lambda: read_pictures(folder))
+
+
+def _draw_settings() -> StudySettings:
+    design = choose_side_by_side("Design", DESIGNS, "study_design", default="latin")
+    timing = _draw_timing()
+    with st.expander("Screen, distance and light, as measured"):
+        st.caption(
+            "They are kept with the answers; what is not known stays empty. A lux meter at the eye "
+            "tells the light. Participants may state a screen and distance of their own."
+        )
+        columns = st.columns(len(FACTS))
+        values = {
+            name: column.number_input(label, min_value=0.1, value=None, key=f"study_{name}")
+            for (name, label), column in zip(FACTS.items(), columns, strict=True)
+        }
+        facts = Facts(**{k: math.nan if v is None else float(v) for k, v in values.items()})
+    with st.expander("Consent, form, and how long answers are kept"):
+        consent = st.text_area(
+            "What participants agree to", CONSENT, key="study_consent", max_chars=MOST_TEXT,
+            height=260,
+        )  # fmt: skip
+        questions = st.text_area(
+            "Own questions, one a line, after age, vision and driving licence",
+            key="study_questions",
+            max_chars=MOST_TEXT,
+        )
+        keep_days = st.number_input(
+            "Days until the study is deleted with all answers",
+            min_value=1,
+            max_value=LONGEST_KEPT_DAYS,
+            value=365,
+            key="study_keep_days",
+            width=420,
+        )
+    return StudySettings(
+        design=design,
+        timing=timing,
+        facts=facts,
+        consent=consent,
+        questions=tuple(line.strip() for line in questions.splitlines() if line.strip()),
+        n_practice=int(st.session_state.get("study_n_practice", 1)),
+        keep_days=int(keep_days),
+    )
+
+
+def _draw_timing() -> Timing:
+    with st.expander("Times"):
+        st.caption(
+            "A run shows its first picture at one of the first half of these times, its second at "
+            f"the one half the list later ({docs_link('why', 'a-run', doc='study')})."
+        )
+        text = st.text_input(
+            "Seconds from dark to each picture",
+            ", ".join(f"{time_s:g}" for time_s in ADAPTATION_S),
+            key="study_adaptation_s",
+            width=420,
+        )
+        usual = Timing()
+        columns = st.columns(len(TIMES) // 2) * 2
+        values = {
+            name: column.number_input(
+                f"{label}, s",
+                min_value=0.0,
+                max_value=600.0,
+                value=float(getattr(usual, name)),
+                step=0.1,
+                format="%g",
+                key=f"study_{name}",
+            )
+            for (name, label), column in zip(TIMES.items(), columns, strict=True)
+        }
+        st.number_input(
+            "Practice runs", min_value=0, max_value=10, value=1, key="study_n_practice", width=200
+        )
+    return Timing(adaptation_s=_times(text), **{k: float(v) for k, v in values.items()})
+
+
+def _times(text: str) -> tuple[float, ...]:
+    try:
+        return tuple(float(part) for part in text.replace(";", ",").split(",") if part.strip())
+    except ValueError as error:
+        raise InputError(
+            "times after the change of light: expected seconds, separated by commas"
+        ) from error
+
+
+def _draw_length(pictures: tuple[StudyPicture, ...], settings: StudySettings) -> None:
+    """How long it takes, and what the design costs."""
+    trials = plan_trials(len(pictures), 0, design=settings.design, timing=settings.timing)
+    n_times = len(settings.timing.adaptation_s)
+    n_runs = trials[-1].run
+    st.markdown(
+        f"**{count_text(len(pictures), 'picture')}:** each participant sees "
+        f"{count_text(len(trials), 'picture')} in {count_text(n_runs, 'run')}, "
+        f"**{length_text(duration_s(trials, settings.timing))}** without breaks."
+    )
+    if settings.design == "all":
+        st.warning(
+            f"Everybody sees each picture {n_times} times, and learns where its pedestrian is: "
+            "later times come out better than they are, as far as they come later. The order is "
+            "random for each participant, so that no time is always the last.",
+            icon=":material/psychology:",
+        )
+    else:
+        st.caption(
+            f"Over {n_times} participants each picture is shown once at each of the {n_times} "
+            f"times; take a multiple of {n_times}. Detectability of a picture at a time is then "
+            f"a share among a {plain('sixth' if n_times == 6 else f'{n_times}th part')} of the "
+            "participants."
+        )
+
+
+def length_text(seconds: float) -> str:
+    """A length of time in words.
+
+    Examples
+    --------
+    >>> length_text(50), length_text(600), length_text(7100)
+    ('about 50 seconds', 'about 10 minutes', 'about 2.0 hours')
+    """
+    if seconds < 90:
+        return f"about {max(round(seconds / 10) * 10, 10)} seconds"
+    if seconds < 5400:
+        return f"about {round(seconds / 60)} minutes"
+    return f"about {seconds / 3600:.1f} hours"
