@@ -19,6 +19,7 @@ from nvcore.sample.systems import RANGING, THRESHOLD
 SYSTEM_FILES: Final = {"FIR": "fir.csv", "NIR": "nir.csv"}
 TRUTH_FILE: Final = "truth.csv"
 _QUALITY: Final = "26"
+_COLOUR_QUALITY: Final = "32"
 _KEY_EVERY: Final = 40
 _RANGES_M: Final = (20, 60)
 
@@ -77,16 +78,41 @@ def write_video(path: Path, pictures: Iterable[NDArray[np.uint8]]) -> None:
     pictures
         Each of shape (HEIGHT, WIDTH).
     """
+    colourless = np.full((HEIGHT // 2, WIDTH), 128, dtype=np.uint8)
+    planes = (np.concatenate([_studio(picture), colourless]) for picture in pictures)
+    frames = (av.VideoFrame.from_ndarray(plane, format="yuv420p") for plane in planes)
+    _encode(path, frames, (WIDTH, HEIGHT), _QUALITY)
+
+
+def write_colour_video(
+    path: Path, pictures: Iterable[NDArray[np.uint8]], size: tuple[int, int]
+) -> None:
+    """Colour pictures as an H.264 video.
+
+    Parameters
+    ----------
+    pictures
+        RGB, each of shape (height, width, 3).
+    size
+        Width and height, even.
+    """
+    frames = (
+        av.VideoFrame.from_ndarray(picture, format="rgb24").reformat(format="yuv420p")
+        for picture in pictures
+    )
+    _encode(path, frames, size, _COLOUR_QUALITY)
+
+
+def _encode(
+    path: Path, frames: Iterable[av.VideoFrame], size: tuple[int, int], quality: str
+) -> None:
     with av.open(str(path), "w", options={"movflags": "+faststart"}) as container:
         stream = container.add_stream("libx264", rate=FPS)
-        stream.width, stream.height, stream.pix_fmt = WIDTH, HEIGHT, "yuv420p"
+        (stream.width, stream.height), stream.pix_fmt = size, "yuv420p"
         stream.codec_context.thread_count = 1
         stream.codec_context.gop_size = _KEY_EVERY
-        stream.options = {"crf": _QUALITY, "preset": "medium", "threads": "1", "tune": "film"}
-        colourless = np.full((HEIGHT // 2, WIDTH), 128, dtype=np.uint8)
-        for picture in pictures:
-            planes = np.concatenate([_studio(picture), colourless])
-            frame = av.VideoFrame.from_ndarray(planes, format="yuv420p")
+        stream.options = {"crf": quality, "preset": "medium", "threads": "1", "tune": "film"}
+        for frame in frames:
             container.mux(stream.encode(frame))
         container.mux(stream.encode(None))
 
