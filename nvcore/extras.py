@@ -8,16 +8,18 @@ from typing import Final, Literal
 
 from nvcore.errors import MissingExtraError
 
-Extra = Literal["app", "detectors", "login", "onnx", "report"]
+Extra = Literal["app", "detectors", "driver", "login", "onnx", "report"]
 
 DETECTORS: Final = ("av", "cv2")
+DRIVER: Final = ("av", "cv2", "sklearn")
 REPORT: Final = ("av", "cv2", "jinja2", "plotly", "tsdownsample")
-APP: Final = (*REPORT, "streamlit")
+APP: Final = (*REPORT, *DRIVER, "streamlit")
 PACKAGES: Final[dict[Extra, tuple[str, ...]]] = {
     "report": REPORT,
     "app": APP,
     "login": (*APP, "authlib", "httpx"),
     "detectors": DETECTORS,
+    "driver": DRIVER,
     "onnx": (*DETECTORS, "google", "onnxruntime"),
 }
 """Names by which the packages of each extra of pyproject.toml are imported."""

@@ -27,7 +27,8 @@ def test_the_extras_bring_what_their_parts_import():
         for extra, names in PACKAGES.items()
     }
     assert of["report"] == named(extras["report"])
-    assert of["app"] == named(extras["app"]) - {"nvcore"} | of["report"]
+    assert of["driver"] == named(extras["driver"])
+    assert of["app"] == named(extras["app"]) - {"nvcore"} | of["report"] | of["driver"]
     assert of["login"] == named(extras["login"]) - {"nvcore"} | of["app"]
     assert of["detectors"] == named(extras["detectors"]) <= of["report"]
     assert of["onnx"] == named(extras["onnx"]) - {"nvcore"} | of["detectors"]

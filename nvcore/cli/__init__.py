@@ -13,6 +13,7 @@ from nvcore.cli.app import app
 from nvcore.cli.compare import check, compare
 from nvcore.cli.convert import convert
 from nvcore.cli.detect import detect, models
+from nvcore.cli.driver import driver
 from nvcore.cli.gate import gate
 from nvcore.cli.matrix import matrix
 from nvcore.cli.options import examples
@@ -37,6 +38,6 @@ def main() -> None:
 
 for command in (
     *(compare, check, convert, gate, matrix, plan, report),
-    *(train, detect, models, app, sample),
+    *(train, detect, models, driver, app, sample),
 ):
     main.add_command(command)

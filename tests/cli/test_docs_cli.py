@@ -8,8 +8,10 @@ from __future__ import annotations
 import re
 import shlex
 import shutil
+from itertools import chain
 from pathlib import Path
 
+import click
 import pytest
 from click.testing import CliRunner
 from places import ROOT, SAMPLE
@@ -20,6 +22,20 @@ PAGE = ROOT / "docs" / "cli.md"
 SECTION = re.compile(r"^## (nvcore.*?)$(.*?)(?=^## |\Z)", re.DOTALL | re.MULTILINE)
 HELP = re.compile(r"^```text\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 EXAMPLES = re.compile(r"^```console\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+
+
+def names_of(group: click.Group, name: str) -> list[str]:
+    """The group and all commands below it, in the order of the help."""
+    below = [
+        names_of(command, f"{name} {key}")
+        if isinstance(command, click.Group)
+        else [f"{name} {key}"]
+        for key, command in group.commands.items()
+    ]
+    return [name, *chain(*below)]
+
+
+NAMES = names_of(main, "nvcore")
 
 
 def sections() -> dict[str, str]:
@@ -41,15 +57,15 @@ def examples() -> list[str]:
 
 
 def test_every_command_has_its_section_in_the_order_of_the_help():
-    assert list(sections()) == ["nvcore", *(f"nvcore {name}" for name in main.commands)]
+    assert list(sections()) == NAMES
 
 
-@pytest.mark.parametrize("name", ["nvcore", *(f"nvcore {name}" for name in main.commands)])
+@pytest.mark.parametrize("name", NAMES)
 def test_the_page_shows_the_command_s_help(name: str):
     assert HELP.findall(sections()[name]) == [help_of(name)]
 
 
-@pytest.mark.parametrize("name", ["nvcore", *(f"nvcore {name}" for name in main.commands)])
+@pytest.mark.parametrize("name", NAMES)
 def test_the_help_fits_a_terminal_of_100_columns(name: str):
     assert max(len(line) for line in help_of(name).splitlines()) <= 100
 

@@ -21,6 +21,7 @@ PAGES: Final = {
     "report": "Report files",
     "formats": "Formats",
     "detectors": "Detectors",
+    "driver": "The driver",
     "python": "Python",
 }
 _HEADING: Final = re.compile(r"(#{1,6}) +(.*)")
