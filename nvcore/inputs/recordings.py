@@ -73,9 +73,10 @@ def missing_pictures(session: Session, names: Sequence[str]) -> list[Finding]:
     entries = session.entries(list(names))
     # os.path: Path.exists raises for names that no file can have
     missing = [
-        (name, entry.pictures)
+        (name, path)
         for name, entry in entries.items()
-        if entry.pictures is not None and not os.path.exists(session.folder / entry.pictures)  # noqa: PTH110
+        for path in (entry.pictures, entry.visible)
+        if path is not None and not os.path.exists(session.folder / path)  # noqa: PTH110
     ]
     if not missing:
         return []

@@ -16,6 +16,7 @@ from nvcore.inputs.facts import (
     check_rate,
     is_frame_range,
 )
+from nvcore.inputs.session_driver import DriverEntry, DriverTable, with_driver_paths
 from nvcore.params.traffic import parse_context
 from nvcore.settings import Settings, new_names
 
@@ -30,7 +31,7 @@ _MAX_FRAME: Final = 2**53
 
 
 @dataclass(frozen=True)
-class RecordingEntry:
+class RecordingEntry(DriverEntry):
     """A ``[[recording]]`` of a session; None: as in the data.
 
     `pictures` is a video, a folder or an archive, `first_picture` the number of the frame that
@@ -74,6 +75,7 @@ class RecordingEntry:
         check_path("pictures", self.pictures)
         if not all(tag.strip() for tag in self.tags) or len(set(self.tags)) < len(self.tags):
             raise SessionError(f"tags: expected different words, found {list(self.tags)}")
+        self.check_driver()
 
 
 @dataclass(frozen=True)
@@ -193,6 +195,8 @@ class Session(Settings):
         A table with more of them; once it has been read they are in `recordings`.
     size, fps, frames
         Facts for all recordings: (width, height) px, frames per second, frame list.
+    driver
+        What is known of whether the driver sees the pedestrians himself.
     hashes
         sha256 of each source when the session was written, by ``truth`` or the system's name;
         checked when it is loaded.
@@ -210,6 +214,7 @@ class Session(Settings):
     size: tuple[int, int] | None = None
     fps: float | None = None
     frames: str | None = None
+    driver: DriverTable = field(default_factory=DriverTable)
     hashes: Mapping[str, str] = field(default_factory=dict)
     pipes: tuple[str, ...] = ()
 
@@ -231,7 +236,8 @@ class Session(Settings):
             if frames is not None and not is_frame_range(frames):
                 yield frames
         others = [recording.pictures for recording in self.recordings]
-        others += [system.provenance for system in self.systems]
+        others += [path for recording in self.recordings for path in recording.driver_paths()]
+        others += [*(system.provenance for system in self.systems), self.driver.detectability]
         yield from (path for path in others if path is not None)
 
     @property
@@ -323,15 +329,17 @@ class Session(Settings):
         def of_frames(frames: str | None) -> str | None:
             return frames if frames is None or is_frame_range(frames) else rename(frames)
 
+        def of_entry(entry: RecordingEntry) -> RecordingEntry:
+            frames, pictures = of_frames(entry.frames), optional(entry.pictures)
+            return replace(with_driver_paths(entry, rename), frames=frames, pictures=pictures)
+
         return replace(
             self,
             folder=folder,
             truth=replace(self.truth, path=tuple(map(rename, self.truth.path))),
             systems=tuple(map(of_system, self.systems)),
-            recordings=tuple(
-                replace(entry, frames=of_frames(entry.frames), pictures=optional(entry.pictures))
-                for entry in self.recordings
-            ),
+            recordings=tuple(map(of_entry, self.recordings)),
+            driver=DriverTable(optional(self.driver.detectability)),
             recordings_file=None if table is None else RecordingsFile(rename(table.path)),
             frames=of_frames(self.frames),
         )
@@ -384,13 +392,9 @@ def override_recordings(
     frames
         ``first:last[:step]``, or a file with one number a line.
     """
-    values = {
-        name: value
-        for name, value in (("size", size), ("fps", fps), ("frames", frames))
-        if value is not None
-    }
+    given: dict[str, Any] = {"size": size, "fps": fps, "frames": frames}
+    values = {name: value for name, value in given.items() if value is not None}
     own = [name for name in values if name != "size"] + ["width", "height"] * ("size" in values)
     dropped: dict[str, Any] = dict.fromkeys(own)
     recordings = tuple(replace(facts, **dropped) for facts in session.recordings)
-    changes: dict[str, Any] = {**values, "recordings": recordings}
-    return replace(session, **changes)
+    return replace(session, recordings=recordings, **values)

@@ -13,6 +13,7 @@
     first_picture = 0        number of the frame that the first picture shows
     tags = ["night", "rain"] words by which recordings can be chosen
     title = "Night drive 1"  what it is called, in place of its name in the data
+    visible = "visible.mp4"  and what else is known of the driver: nvcore.inputs.session_driver
 
     [recordings]             the same as a table (see nvcore.inputs.recordings_file)
     path = "recordings.csv"
@@ -96,6 +97,7 @@ from nvcore.inputs.session import (
     Source,
     SystemSource,
 )
+from nvcore.inputs.session_driver import DriverTable
 from nvcore.params import params_from
 from nvcore.params.traffic import context_word, parse_context
 from nvcore.protocols import protocol_from
@@ -118,6 +120,7 @@ _TABLES: Final = frozenset(
         "parameters",
         "protocol",
         "published",
+        "driver",
         "written",
     }
 )
@@ -136,6 +139,7 @@ _WORDS: Final = {
     float: "a number",
     tuple[str, ...]: "a list of texts",
     tuple[float, float]: "two numbers",
+    tuple[float, float, float, float]: "four numbers",
     Mapping[str, str]: "a table of texts",
 }
 """What is expected, by the type of the field."""
@@ -228,6 +232,7 @@ class _Decoder:
                 params=params,
                 protocol=protocol,
                 published=tuple(published),
+                driver=self.decode(DriverTable, self.table(content, "driver"), "[driver]"),
                 hashes=hashes,
                 pipes=pipes,
                 **defaults,
@@ -365,6 +370,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
         "recordings": {} if table is None else {"path": table.path},
         "defaults": _given(defaults),
         "truth": _source_table(session.truth),
+        "driver": _given(vars(session.driver)),
     }
     recordings = [_recording_table(entry) for entry in session.recordings]
     systems = [
@@ -386,7 +392,8 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
 
 def _recording_table(entry: RecordingEntry) -> dict[str, Any]:
     context = None if entry.context is None else context_word(entry.context)
-    return _given({**vars(entry), "context": context, "tags": list(entry.tags) or None})
+    own = {"context": context, "tags": list(entry.tags) or None}
+    return _given({"name": entry.name, **vars(entry), **own})
 
 
 def _given(values: dict[str, Any]) -> dict[str, Any]:

@@ -55,6 +55,9 @@ def files_read(session: Session) -> Iterator[Path]:
     for facts in session.recordings:
         if facts.pictures is not None:
             yield session.folder / facts.pictures
+        yield from (session.folder / path for path in facts.driver_paths())
+    if session.driver.detectability is not None:
+        yield session.folder / session.driver.detectability
 
 
 def input_folder_around(folder: Path, session: Session) -> Path | None:

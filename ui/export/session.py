@@ -59,8 +59,9 @@ def portable_session(
 
 def inputs_beside(portable: Session) -> list[str]:
     """What has to lie beside the written session, in its words; pictures are not needed."""
-    pictures = {entry.pictures for entry in portable.recordings}
-    return [path for path in dict.fromkeys(portable.paths()) if path not in pictures]
+    entries = portable.recordings
+    of_view = {path for entry in entries for path in (entry.pictures, *entry.driver_paths())}
+    return [path for path in dict.fromkeys(portable.paths()) if path not in of_view]
 
 
 def public_findings(

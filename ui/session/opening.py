@@ -21,13 +21,8 @@ from nvcore.errors import InputError, SessionError
 from nvcore.findings import Finding
 from nvcore.inputs.facts import is_frame_range
 from nvcore.inputs.files import NAME_PARTS
-from nvcore.inputs.session import (
-    RecordingEntry,
-    RecordingsFile,
-    Session,
-    Source,
-    SystemSource,
-)
+from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session, Source, SystemSource
+from nvcore.inputs.session_driver import DriverTable, without_driver_paths
 from nvcore.params import Params
 from nvcore.pictures.open import is_below
 from ui.confined.reading import (
@@ -132,11 +127,14 @@ def uploaded_session(content: bytes, folder: Path, files: Sequence[str], picture
             for entry in session.recordings
         ),
         frames=frames,
+        driver=DriverTable(sent.optional(session.driver.detectability)),
     )
 
 
 def with_uploaded_recordings(session: Session, pictures: Path) -> Session:
     """The session with its table of recordings read, and only such pictures as were sent.
+
+    What it says of the driver's view is left out: nobody has sent that.
 
     Parameters
     ----------
@@ -150,7 +148,9 @@ def with_uploaded_recordings(session: Session, pictures: Path) -> Session:
     """
     session = with_recordings_confined(session)
     entries = tuple(
-        replace(entry, pictures=_uploaded_pictures(entry.pictures, pictures, session.folder))
+        without_driver_paths(
+            replace(entry, pictures=_uploaded_pictures(entry.pictures, pictures, session.folder))
+        )
         for entry in session.recordings
     )
     return replace(session, recordings=entries)
@@ -176,6 +176,9 @@ class _Sent:
 
     def frames(self, text: str) -> str:
         return text if is_frame_range(text) else str(self.find(text)[0])
+
+    def optional(self, text: str | None) -> str | None:
+        return None if text is None else str(self.find(text)[0])
 
     def find(self, text: str) -> list[PurePosixPath]:
         """The file or folder that shares the most parts at the end of its path; all of a glob."""
