@@ -79,17 +79,18 @@ def _side(stage: Stage, car: Car, near: float, colour: Floats) -> None:
 def _top(stage: Stage, car: Car, near: float, colour: Floats) -> None:
     """Bonnet and windscreen, or boot and rear window; both mirror the sky."""
     h, long, half, x = car.height_m, car.length_m, car.width_m / 2, car.x
-    if h > _TALL_M:
+    is_van = h > _TALL_M
+    if is_van and not car.oncoming:
         return
-    tight, slim = half * 0.82, half * 0.95
-    ledge, roof = (0.27, 0.44) if car.oncoming else (0.10, 0.24)
+    tight, slim = half * (0.95 if is_van else 0.82), half * 0.95
+    ledge, roof = (0.14, 0.20) if is_van else (0.27, 0.44) if car.oncoming else (0.10, 0.24)
+    low, high = (0.55 * h, 0.62 * h) if is_van else (0.6 * h, 0.69 * h)
     z1, z2 = near + ledge * long, near + roof * long
     bonnet = np.array(
-        [[x - half, 0.6 * h, near], [x + half, 0.6 * h, near],
-         [x + slim, 0.69 * h, z1], [x - slim, 0.69 * h, z1]]
+        [[x - half, low, near], [x + half, low, near], [x + slim, high, z1], [x - slim, high, z1]]
     )  # fmt: skip
     screen = np.array(
-        [[x - slim, 0.68 * h, z1], [x + slim, 0.68 * h, z1], [x + tight, h, z2], [x - tight, h, z2]]
+        [[x - slim, high, z1], [x + slim, high, z1], [x + tight, h, z2], [x - tight, h, z2]]
     )
     middle = screen.mean(axis=0)
     glass = middle + (screen - middle) * np.array([0.92, 0.86, 0.92])
@@ -100,7 +101,8 @@ def _top(stage: Stage, car: Car, near: float, colour: Floats) -> None:
 
 def _face(stage: Stage, car: Car, near: float, colour: Floats) -> None:
     h, half, x = car.height_m, car.width_m / 2, car.x
-    top = 0.61 * h if h <= _TALL_M else 0.97 * h
+    is_van = h > _TALL_M
+    top = 0.61 * h if not is_van else 0.56 * h if car.oncoming else 0.97 * h
     belt = 0.42 * top + 0.1
     body = np.array(
         [[x - half * 0.93, 0.24, near], [x + half * 0.93, 0.24, near], [x + half, belt, near],
@@ -109,7 +111,7 @@ def _face(stage: Stage, car: Car, near: float, colour: Floats) -> None:
          [x - half * 0.97, top * 0.95, near], [x - half, belt, near]]
     )  # fmt: skip
     faces: list[Face] = [
-        (upright(x + wheel - 0.1, x + wheel + 0.1, 0.0, 0.4, near + 0.1), _TYRE)
+        (upright(x + wheel - 0.1, x + wheel + 0.1, 0.0, 0.4, near + 0.7), _TYRE)
         for wheel in (-half + 0.14, half - 0.14)
     ]
     faces += [
@@ -117,7 +119,7 @@ def _face(stage: Stage, car: Car, near: float, colour: Floats) -> None:
         (upright(x - half * 0.96, x + half * 0.96, 0.26, 0.42, near), 0.45 * colour + 0.01),
         (upright(x - 0.26, x + 0.26, 0.47, 0.58, near), _PLATE),
     ]
-    if h > _TALL_M:
+    if is_van and not car.oncoming:
         faces.append((upright(x - half * 0.84, x + half * 0.84, 0.58 * h, 0.9 * h, near), _GLASS))
     if car.oncoming:
         faces.append((upright(x - 0.42, x + 0.42, 0.60, 0.72, near), _TYRE))
@@ -129,7 +131,9 @@ def _lamps(stage: Stage, car: Car, near: float) -> list[Face]:
     """Lamps that are off: clear glass in front, red reflectors behind."""
     faces: list[Face] = []
     for side in (-1, 1):
-        middle = np.array([car.x + side * (car.width_m / 2 - 0.24), 0.56 * car.height_m - 0.1])
+        middle = np.array(
+            [car.x + side * (car.width_m / 2 - 0.24), min(0.56 * car.height_m, 0.95) - 0.1]
+        )
         lamp = np.stack(
             [
                 middle[0] + 0.18 * np.cos(_TURN),

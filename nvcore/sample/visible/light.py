@@ -158,7 +158,7 @@ def low_beam(across_deg: Floats, up_deg: Floats) -> Floats:
     """Share of the brightest direction's intensity: a cut-off that rises to the right."""
     cut = -0.55 + np.clip(0.26 * (across_deg - 0.3), 0.0, 1.5)
     below = cut - up_deg
-    edge = 1 / (1 + np.exp(-np.clip(below / 0.16, -40, 40)))
+    edge = 1 / (1 + np.exp(-np.clip(below / 0.30, -40, 40)))
     deep = np.exp(-np.clip(below - 0.8, 0.0, None) / 3.2)
     wide = 0.80 * np.exp(-((across_deg / 8.5) ** 2)) + 0.20 * np.exp(-((across_deg / 20.0) ** 2))
     return np.asarray(wide * (0.035 + 0.965 * edge * deep))

@@ -140,12 +140,12 @@ def _drawn(shapes: Sequence[Shape], area: tuple[int, int, int, int]) -> tuple[Co
         # Eight bits of a square root keep dark clothes apart beside a bright wall.
         red, green, blue = 255 * np.sqrt(np.maximum(colour, 0.0) / brightest)
         cv2.fillPoly(layer, [fixed], (red, green, blue, 255.0), cv2.LINE_AA, 4)
-    soft = layer.astype(np.float32) / 255
-    full = np.maximum(soft[..., 3:], 1 / 512)
-    soft[..., :3] = soft[..., :3] ** 2 / full * brightest
     if scale > 1:
-        soft = cv2.resize(soft, (right - left, bottom - top), interpolation=cv2.INTER_AREA)
-    return soft[..., :3].astype(np.float32), soft[..., 3].astype(np.float32)
+        layer = cv2.resize(layer, (right - left, bottom - top), interpolation=cv2.INTER_AREA)
+    soft: Colours = layer.astype(np.float32) / np.float32(255)
+    cover: Colours = soft[..., 3]
+    colours = soft[..., :3] ** 2 * (brightest / np.maximum(cover, 1 / 512))[..., None]
+    return np.asarray(colours, dtype=np.float32), cover
 
 
 def _round(area: tuple[int, int, int, int], pixel: Floats, wide: float, high: float) -> Colours:

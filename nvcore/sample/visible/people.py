@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -22,6 +23,7 @@ _CLOTH_RADIUS: Final = 1.06
 _TURN: Final = np.linspace(0, 2 * np.pi, 24, endpoint=False)
 _HEAD, _CROWN = 3, 4
 _HIPS: Final = (JOINTS.index("hip_l"), JOINTS.index("hip_r"))
+_PIECES: Final = 4
 _BLACK: Final = np.full(3, 0.02)
 
 
@@ -58,9 +60,7 @@ def _limbs(
 ) -> list[tuple[float, Shape]]:
     pixels, depth, scale = image
     away = float(body[8, 2] + body[12, 2] - body[7, 2] - body[11, 2]) > 0.05
-    middles = np.array([(body[limb.a] + body[limb.b]) / 2 for limb in CAPSULES])
-    front = stage.luminance(middles, TO_CAMERA, wrap=0.25)
-    lean = _lean(stage, middles)
+    places, light, lean = _lit_pieces(stage, body)
     layers: list[tuple[float, Shape]] = []
     for index, (limb, size) in enumerate(zip(CAPSULES, radii(person), strict=True)):
         part = "leg" if (limb.a, limb.b) == _HIPS else limb.part
@@ -68,14 +68,18 @@ def _limbs(
         loose = _CLOTH_RADIUS if limb.part in ("torso", "arm", "leg") else 1.0
         wide = loose * size * scale[[limb.a, limb.b]]
         order = -float(depth[limb.a] + depth[limb.b]) / 2 + 0.05 * (limb.part == "head")
-        aside = np.array([_SIDEWAYS * lean[index], 0.0])
-        for step, (share, gain) in enumerate(_RINGS):
-            a = pixels[limb.a] + aside * (1 - share) * wide[0]
-            b = pixels[limb.b] + aside * (1 - share) * wide[1]
-            outline = capsule_outline(a, b, share * wide[0], share * wide[1])
-            layers.append((order + 0.001 * step, (outline, albedo * gain * front[index])))
+        for piece, (start, stop) in enumerate(pairwise(places)):
+            shares = np.array([start, stop])
+            line = pixels[limb.a] + shares[:, None] * (pixels[limb.b] - pixels[limb.a])
+            thick = wide[0] + shares * (wide[1] - wide[0])
+            aside = np.array([_SIDEWAYS * lean[index, piece], 0.0])
+            for step, (share, gain) in enumerate(_RINGS):
+                a, b = line + aside * ((1 - share) * thick)[:, None]
+                outline = capsule_outline(a, b, *(share * thick))
+                colour = albedo * gain * light[index, piece]
+                layers.append((order + 0.001 * step, (outline, colour)))
     if not away:
-        layers.append(_face(wears, body, pixels, radii(person)[-1] * scale[_CROWN], front[-1],
+        layers.append(_face(wears, body, pixels, radii(person)[-1] * scale[_CROWN], light[-1, -1],
                             -float(depth[_CROWN]) + 0.2))  # fmt: skip
     return layers
 
@@ -97,11 +101,29 @@ def _face(
     return order, (outline, wears.skin * light)
 
 
-def _lean(stage: Stage, middles: Floats) -> Floats:
-    """From -1 (light from the left) to 1 (from the right), shape (limbs,)."""
-    right = stage.lights.at(middles, np.array([1.0, 0.0, 0.0])) @ LUMA
-    left = stage.lights.at(middles, np.array([-1.0, 0.0, 0.0])) @ LUMA
-    return np.asarray((right - left) / np.maximum(right + left, 1e-6))
+def _lit_pieces(stage: Stage, body: Floats) -> tuple[Floats, Floats, Floats]:
+    """Light along the limbs, which are cut into pieces: a low beam ends halfway up a leg.
+
+    Returns
+    -------
+    places
+        Ends of the pieces as shares of a limb, shape (pieces + 1,).
+    light
+        Luminance of white cloth, shape (limbs, pieces, 3).
+    lean
+        From -1 (light from the left) to 1 (from the right), shape (limbs, pieces).
+    """
+    places = np.linspace(0.0, 1.0, _PIECES + 1)
+    middles = (places[1:] + places[:-1]) / 2
+    starts = body[[limb.a for limb in CAPSULES]]
+    ways = body[[limb.b for limb in CAPSULES]] - starts
+    points = (starts[:, None] + middles[None, :, None] * ways[:, None]).reshape(-1, 3)
+    shape = (len(CAPSULES), _PIECES)
+    light = stage.luminance(points, TO_CAMERA, wrap=0.25).reshape(*shape, 3)
+    right = stage.lights.at(points, np.array([1.0, 0.0, 0.0])) @ LUMA
+    left = stage.lights.at(points, np.array([-1.0, 0.0, 0.0])) @ LUMA
+    lean = (right - left) / np.maximum(right + left, 1e-6)
+    return places, light, np.asarray(lean).reshape(shape)
 
 
 def _shadow(stage: Stage, body: Floats, scale: float) -> None:

@@ -15,9 +15,10 @@ import pandas as pd
 from nvcore.sample.camera import FPS, N_FRAMES
 from nvcore.sample.scene import Recording
 from nvcore.sample.visible.light import Glow, lights_at
+from nvcore.sample.visible.view import visible_map
 
 GLOWS: Final[dict[str, Glow]] = {
-    "urban_sidewalk": Glow(sky_lux=3.0, flood_lux=1000.0, flood_end_m=32.0),
+    "urban_sidewalk": Glow(sky_lux=3.0, flood_lux=1000.0, flood_end_m=40.0),
     "rural_child": Glow(sky_lux=3.0, lamp_cd=0.0, flood_lux=1000.0, flood_end_m=70.0, warmth=0.8),
     "oncoming_glare": Glow(sky_lux=2.0, warmth=0.3),
 }
@@ -27,6 +28,12 @@ _SENSOR_NOISE: Final = 0.012
 _SENSOR_EVERY: Final = 2
 
 
+def light_text(recording: Recording) -> str:
+    """The light sensor's file of a recording, as CSV."""
+    table = lux_table(recording, GLOWS[recording.name])
+    return str(table.to_csv(index=False, lineterminator="\n"))
+
+
 def lux_table(recording: Recording, glow: Glow) -> pd.DataFrame:
     """What a light sensor behind the windscreen measured: columns time_s and lux, 10 a second."""
     frames = np.arange(0, N_FRAMES, _SENSOR_EVERY)
@@ -34,6 +41,18 @@ def lux_table(recording: Recording, glow: Glow) -> pd.DataFrame:
     generator = np.random.default_rng([31, zlib.crc32(recording.name.encode())])
     lux *= 1 + _SENSOR_NOISE * generator.standard_normal(len(lux))
     return pd.DataFrame({"time_s": np.round(frames / FPS, 2), "lux": np.round(lux, 1)})
+
+
+def session_keys(recording: Recording) -> str:
+    """Lines of the session file that name the visible pictures and the light sensor."""
+    if recording.name not in GLOWS:
+        return ""
+    numbers = ", ".join(f"{value:g}" for value in visible_map())
+    return (
+        f'visible = "{visible_file(recording)}"\n'
+        f"visible_map = [{numbers}]\n"
+        f'light = "{light_file(recording)}"\n'
+    )
 
 
 def visible_file(recording: Recording) -> str:

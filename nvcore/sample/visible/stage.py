@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nvcore.sample.camera import Floats
+from nvcore.sample.canvas import NEAR_M
 from nvcore.sample.visible.ground import HAZE_M
 from nvcore.sample.visible.light import TO_CAMERA, Glow, Lights
 from nvcore.sample.visible.paint import Easel, Shading, Shape, Veil
@@ -73,9 +74,22 @@ class Stage:
         self.easel.paint(self.outlines(faces), soften=soften)
 
     def outlines(self, faces: Sequence[Face]) -> list[Shape]:
-        """Images of faces; those behind the camera are left out."""
-        images = [(self.view.outline(face), colour) for face, colour in faces]
-        return [(outline, colour) for outline, colour in images if outline is not None]
+        """Images of faces, projected in one go; those behind the camera are left out."""
+        if not faces:
+            return []
+        counts = [len(corners) for corners, _ in faces]
+        everything = np.concatenate([corners for corners, _ in faces])
+        starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
+        nearest = np.minimum.reduceat(everything[:, 2], starts)
+        pixels, _ = self.view.project(everything)
+        shapes: list[Shape] = []
+        for index, (corners, colour) in enumerate(faces):
+            outline: Floats | None = pixels[starts[index] : starts[index] + counts[index]]
+            if nearest[index] < NEAR_M:
+                outline = self.view.outline(corners)
+            if outline is not None:
+                shapes.append((outline, colour))
+        return shapes
 
     def _on_plane(self, point: Floats, normal: Floats) -> Shading:
         eye = np.array([0.0, self.view.camera.mount_m, 0.0])

@@ -16,6 +16,9 @@ from nvcore.sample.camera import WIDTH as THERMAL_WIDTH
 from nvcore.sample.camera import Camera, Floats
 from nvcore.sample.canvas import project_polygon
 
+VISIBLE_SIZE: Final = (960, 540)
+"""Width and height of the visible pictures of the recordings."""
+
 
 @dataclass(frozen=True)
 class View:
@@ -28,8 +31,8 @@ class View:
     """
 
     camera: Camera
-    width: int = 960
-    height: int = 540
+    width: int = VISIBLE_SIZE[0]
+    height: int = VISIBLE_SIZE[1]
     scale: float = 1.25
     dx: float = 72.0
     dy: float = -46.0
@@ -69,10 +72,6 @@ class View:
     def ground_depth(self, rows: Floats) -> Floats:
         """Metres ahead at which the road is seen on rows below the horizon."""
         return self.camera.ground_depth((rows - self.dy) / self.scale)
-
-
-VISIBLE_SIZE: Final = (960, 540)
-"""Width and height of the visible pictures of the recordings."""
 
 
 def visible_map() -> tuple[float, float, float, float]:
