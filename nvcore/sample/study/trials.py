@@ -65,7 +65,7 @@ def subjects() -> list[Subject]:
         gain = float(np.exp(generator.normal(0.0, _SENSITIVITY_SPREAD)))
         lapse, guess = float(generator.uniform(0.01, 0.05)), float(generator.uniform(0.02, 0.2))
         if number == ABSENT:
-            lapse, guess = 0.6, 0.25
+            lapse, guess = 0.75, 0.25
         people.append(Subject(f"S{number:02d}", gain, lapse, guess))
     return people
 
