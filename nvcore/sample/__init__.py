@@ -5,6 +5,8 @@ places, recordings      the ten recordings
 truth, systems          boxes, and what two systems make of them
 canvas, backdrop, objects, vehicles, people, render     pictures
 writing, ratings        files; simulated ratings
+visible/                the same drives by visible light, at dusk
+study/                  a simulated study: who sees a pedestrian after the light changed
 """
 
 from __future__ import annotations
@@ -19,14 +21,20 @@ from nvcore.sample.ratings import ratings_text, simulate_ratings
 from nvcore.sample.recordings import all_recordings
 from nvcore.sample.render import pictures
 from nvcore.sample.scene import Recording
+from nvcore.sample.study.scenes import FOLDER as STUDY_FOLDER
+from nvcore.sample.study.writing import write_study
 from nvcore.sample.systems import detections
 from nvcore.sample.truth import sightings, truth_table
+from nvcore.sample.visible.recordings import GLOWS, light_file, light_text, visible_file
+from nvcore.sample.visible.render import visible_pictures
+from nvcore.sample.visible.view import VISIBLE_SIZE
 from nvcore.sample.writing import (
     SYSTEM_FILES,
     TRUTH_FILE,
     csv_text,
     readme_text,
     session_text,
+    write_colour_video,
     write_video,
 )
 from nvcore.studies.ratings.reading import RATINGS_FILE
@@ -68,7 +76,16 @@ def generate(folder: Path, *, progress: Progress = no_progress) -> None:
     session.write_bytes(session_text(recordings).encode())
     (folder / RATINGS_FILE).write_bytes(ratings_text(simulate_ratings(session)).encode())
     (folder / "README.md").write_bytes(readme_text(recordings, sample_tables[TRUTH_FILE]).encode())
+    lit = [recording for recording in recordings if recording.name in GLOWS]
+    n_steps = len(recordings) + len(lit) + 1
     for n_done, recording in enumerate(recordings):
-        progress(n_done / len(recordings), recording.name)
+        progress(n_done / n_steps, recording.name)
         write_video(folder / f"{recording.name}.mp4", pictures(recording))
+    for n_done, recording in enumerate(lit, start=len(recordings)):
+        progress(n_done / n_steps, visible_file(recording))
+        (folder / light_file(recording)).write_bytes(light_text(recording).encode())
+        frames = visible_pictures(recording, GLOWS[recording.name])
+        write_colour_video(folder / visible_file(recording), frames, VISIBLE_SIZE)
+    progress((n_steps - 1) / n_steps, STUDY_FOLDER)
+    write_study(folder)
     progress(1.0, "")

@@ -240,7 +240,7 @@ def _plant(canvas: Canvas, thing: Thing, z: float, camera: Camera, climate: Clim
     if z < 2.0:
         return
     seed = zlib.crc32(f"{thing.x:.2f} {thing.z:.2f}".encode())
-    levels = _foliage(seed % 7, thing.kind == "bush")
+    levels = foliage(seed % 7, thing.kind == "bush")
     foot, depth = camera.project(np.array([thing.x, 0.0, z]))
     scale = camera.focal_px / float(depth)
     height = thing.size_m * scale * 1.02
@@ -255,7 +255,7 @@ def _plant(canvas: Canvas, thing: Thing, z: float, camera: Camera, climate: Clim
 
 
 @lru_cache(maxsize=16)
-def _foliage(seed: int, low: bool) -> tuple[tuple[Picture, Picture], ...]:
+def foliage(seed: int, low: bool) -> tuple[tuple[Picture, Picture], ...]:
     """A tree or bush as image and cover, in full size and halved five times."""
     generator = np.random.default_rng([13, seed, int(low)])
     rows, columns = _SPRITE

@@ -29,7 +29,7 @@ def draw_car(canvas: Canvas, car: Car, ahead_m: float, camera: Camera, climate: 
         _glows(canvas, car, near, camera)
 
 
-def _profile(car: Car) -> Floats:
+def profile(car: Car) -> Floats:
     """Outline of the side: metres from the near end and height, near end first."""
     h, long = car.height_m, car.length_m
     if h > 1.7:
@@ -52,7 +52,7 @@ def _profile(car: Car) -> Floats:
 
 
 def _side(sketch: Sketch, car: Car, x: float, near: float, metal: float, glass: float) -> None:
-    outline = _profile(car)
+    outline = profile(car)
     face = np.stack([np.full(len(outline), x), outline[:, 1], near + outline[:, 0]], axis=1)
     sketch.add(face, metal + 3)
     h, long = car.height_m, car.length_m

@@ -14,11 +14,16 @@ from numpy.typing import NDArray
 from nvcore.params.traffic import context_word
 from nvcore.sample.camera import FPS, HEIGHT, N_FRAMES, WIDTH
 from nvcore.sample.scene import Recording
+from nvcore.sample.study.scenes import N_PICTURES
+from nvcore.sample.study.trials import N_SUBJECTS
 from nvcore.sample.systems import RANGING, THRESHOLD
+from nvcore.sample.visible.recordings import GLOWS, session_keys
+from nvcore.sample.visible.view import VISIBLE_SIZE, visible_map
 
 SYSTEM_FILES: Final = {"FIR": "fir.csv", "NIR": "nir.csv"}
 TRUTH_FILE: Final = "truth.csv"
 _QUALITY: Final = "26"
+_COLOUR_QUALITY: Final = "32"
 _KEY_EVERY: Final = 40
 _RANGES_M: Final = (20, 60)
 
@@ -48,7 +53,7 @@ def session_text(recordings: Iterable[Recording]) -> str:
         f'fps = {FPS}\nframes = "0:{N_FRAMES - 1}"\nhorizon = {recording.horizon:.1f}\n'
         f"context = {_context_text(recording.context)}\n"
         f"tags = [{', '.join(map(_quoted, recording.tags))}]\n"
-        f'pictures = "{recording.name}.mp4"\n'
+        f'pictures = "{recording.name}.mp4"\n{session_keys(recording)}'
         for recording in recordings
     ]
     source = 'path = "{}"\nformat = "csv"\nframe_base = 0\n'
@@ -77,16 +82,41 @@ def write_video(path: Path, pictures: Iterable[NDArray[np.uint8]]) -> None:
     pictures
         Each of shape (HEIGHT, WIDTH).
     """
+    colourless = np.full((HEIGHT // 2, WIDTH), 128, dtype=np.uint8)
+    planes = (np.concatenate([_studio(picture), colourless]) for picture in pictures)
+    frames = (av.VideoFrame.from_ndarray(plane, format="yuv420p") for plane in planes)
+    _encode(path, frames, (WIDTH, HEIGHT), _QUALITY)
+
+
+def write_colour_video(
+    path: Path, pictures: Iterable[NDArray[np.uint8]], size: tuple[int, int]
+) -> None:
+    """Colour pictures as an H.264 video.
+
+    Parameters
+    ----------
+    pictures
+        RGB, each of shape (height, width, 3).
+    size
+        Width and height, even.
+    """
+    frames = (
+        av.VideoFrame.from_ndarray(picture, format="rgb24").reformat(format="yuv420p")
+        for picture in pictures
+    )
+    _encode(path, frames, size, _COLOUR_QUALITY)
+
+
+def _encode(
+    path: Path, frames: Iterable[av.VideoFrame], size: tuple[int, int], quality: str
+) -> None:
     with av.open(str(path), "w", options={"movflags": "+faststart"}) as container:
         stream = container.add_stream("libx264", rate=FPS)
-        stream.width, stream.height, stream.pix_fmt = WIDTH, HEIGHT, "yuv420p"
+        (stream.width, stream.height), stream.pix_fmt = size, "yuv420p"
         stream.codec_context.thread_count = 1
         stream.codec_context.gop_size = _KEY_EVERY
-        stream.options = {"crf": _QUALITY, "preset": "medium", "threads": "1", "tune": "film"}
-        colourless = np.full((HEIGHT // 2, WIDTH), 128, dtype=np.uint8)
-        for picture in pictures:
-            planes = np.concatenate([_studio(picture), colourless])
-            frame = av.VideoFrame.from_ndarray(planes, format="yuv420p")
+        stream.options = {"crf": quality, "preset": "medium", "threads": "1", "tune": "film"}
+        for frame in frames:
             container.mux(stream.encode(frame))
         container.mux(stream.encode(None))
 
@@ -106,7 +136,15 @@ def readme_text(recordings: Iterable[Recording], truth: pd.DataFrame) -> str:
         people = f"{tracks}" + (f" + {ignored} ignored" if ignored else "")
         lines.append(f"| `{recording.name}` | {recording.text} | {people} | {len(rows)} |")
     return _README.format(
-        table="\n".join(lines), seconds=N_FRAMES // FPS, fps=FPS, ranging=_ranging_text()
+        table="\n".join(lines),
+        seconds=N_FRAMES // FPS,
+        fps=FPS,
+        ranging=_ranging_text(),
+        visible=", ".join(f"`{name}`" for name in GLOWS),
+        visible_size="{} x {}".format(*VISIBLE_SIZE),
+        visible_map=", ".join(f"{value:g}" for value in visible_map()),
+        n_pictures=N_PICTURES,
+        n_subjects=N_SUBJECTS,
     )
 
 
@@ -152,9 +190,32 @@ Each recording lasts {seconds} s at {fps} frames per second.
   context: rural for the three `rural_` recordings, 0.5 for `oncoming_glare`, urban for the others.
   Tags: `urban`, `village` or `rural`; `summer`, `autumn` or `winter`.
 - `<recording>.mp4`: the pictures, H.264.
+- `<recording>_visible.mp4` ({visible}): the same
+  drive as a visible-light colour camera would show it at dusk, {visible_size}. Both cameras look
+  through one point: `visible_map = [{visible_map}]` takes thermal to visible pixels.
+- `<recording>_light.csv`: `time_s,lux` of a simulated light sensor behind the windscreen.
+  `urban_sidewalk` and `rural_child` begin under floodlights, as of a building site at night, and
+  leave them after some 5 s: about 1,000 lx fall to 10 or less. In `oncoming_glare` headlamps
+  come and go.
 - `ratings_simulated.csv`: made-up ratings, 1 (not annoying) to 7, of every recording with the boxes
   of each system. Nobody was asked: 16 participants are simulated, one of whom takes the scale the
   wrong way round, and some ratings are missing.
+
+A study that never happened, either, of who sees a pedestrian how long after the light changed. No
+study of this kind is public.
+
+- `study/`: {n_pictures} pictures at twilight, rendered, 960 x 540, one pedestrian each.
+  `boxes.csv`: where he is, in pixels, and the point of fixation, the middle of the picture.
+- `trials_simulated.csv`: {n_subjects} simulated subjects (`device` is `simulated`), each with every
+  picture at six times after a change from 1,000 to 10 lx, two pictures a run. Touches are in
+  pixels; 200 px stand for 5 degrees. One subject often does not look.
+- `trials_simulated_truth.csv`: what the simulated observer says, by picture and time:
+  `visibility` (how many times the threshold of contrast), `picking` (chance to pick him out in one
+  glance), `probability` (chance that a subject sees him, mean of all). An estimate can be
+  compared with it; a real study has no such column. The observer is a contrast-sensitivity filter
+  over the picture with and without the pedestrian, whose adaptation recovers with time. Its parts
+  are published, some constants are ours; no person was asked, and it says nothing about people
+  (`nvcore/sample/study/observer.py`).
 
 Frames count from 0. Losses and false alarms last for some frames: both systems are range models
 with a slowly wandering disturbance, not coin flips.

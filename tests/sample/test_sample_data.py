@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import av
@@ -11,7 +12,15 @@ import pytest
 from places import ROOT
 
 from nvcore import sample
+from nvcore.inputs.session_toml import read_session
+from nvcore.sample.camera import FPS
 from nvcore.sample.ratings import ratings_text, simulate_ratings
+from nvcore.sample.study import writing as study_writing
+from nvcore.sample.study.scenes import Scene, all_scenes
+from nvcore.sample.study.trials import N_SUBJECTS, TRIALS_FILE
+from nvcore.sample.study.trials import TRUTH_FILE as STUDY_TRUTH_FILE
+from nvcore.sample.visible.recordings import GLOWS, light_file, light_text, visible_file
+from nvcore.sample.visible.view import VISIBLE_SIZE, visible_map
 from nvcore.sample.writing import csv_text, readme_text, session_text
 from nvcore.studies.ratings.reading import RATINGS_FILE
 
@@ -33,6 +42,51 @@ def test_the_committed_files_are_what_the_generator_makes(made: dict[str, pd.Dat
     assert (FOLDER / "README.md").read_text("utf-8") == readme_text(recordings, made["truth.csv"])
     ratings = ratings_text(simulate_ratings(FOLDER / "session.toml"))
     assert (FOLDER / RATINGS_FILE).read_text("utf-8") == ratings
+    for recording in recordings:
+        if recording.name in GLOWS:
+            assert (FOLDER / light_file(recording)).read_text("utf-8") == light_text(recording)
+
+
+def test_the_readme_explains_every_file() -> None:
+    readme = (FOLDER / "README.md").read_text("utf-8")
+    for path in FOLDER.iterdir():
+        known = path.name
+        for name in NAMES:
+            known = known.replace(name, "<recording>")
+        assert known == "README.md" or f"`{known}" in readme, path.name
+
+
+@pytest.mark.parametrize("name", GLOWS)
+def test_a_visible_video_has_the_frames_of_the_thermal_one_in_colour(name: str) -> None:
+    recording = next(r for r in sample.all_recordings() if r.name == name)
+    with av.open(str(FOLDER / visible_file(recording))) as container:
+        stream = container.streams.video[0]
+        assert (stream.frames, stream.average_rate) == (300, 20)
+        assert (stream.width, stream.height) == VISIBLE_SIZE
+        first = next(container.decode(stream)).to_ndarray(format="rgb24").astype(float)
+    assert np.abs(first[..., 0] - first[..., 2]).mean() > 5
+
+
+@pytest.mark.parametrize("name", ["urban_sidewalk", "rural_child"])
+def test_a_visible_video_turns_dark_where_its_light_sensor_does(name: str) -> None:
+    with av.open(str(FOLDER / f"{name}_visible.mp4")) as container:
+        road = [
+            float(frame.to_ndarray(format="gray")[420:, 300:660].mean())
+            for frame in container.decode(video=0)
+        ]
+    lux = pd.read_csv(FOLDER / f"{name}_light.csv")
+    dark = int(lux["time_s"][lux["lux"] < 20].min() * FPS)
+    assert min(road[:40]) > 1.6 * max(road[dark + FPS :])
+
+
+def test_the_session_names_visible_pictures_and_light_sensor() -> None:
+    entries = {entry.name: entry for entry in read_session(FOLDER / "session.toml").recordings}
+    assert [name for name, entry in entries.items() if entry.visible] == [
+        name for name in NAMES if name in GLOWS
+    ]
+    entry = entries["rural_child"]
+    assert (entry.visible, entry.light) == ("rural_child_visible.mp4", "rural_child_light.csv")
+    assert entry.visible_map == visible_map()
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -45,8 +99,8 @@ def test_a_video_has_300_frames_at_20_per_second_and_can_be_entered_every_two(na
     assert np.diff([*np.flatnonzero(is_key), 300]).max() <= 40
 
 
-def test_the_folder_is_smaller_than_8_megabytes() -> None:
-    assert sum(path.stat().st_size for path in FOLDER.rglob("*") if path.is_file()) < 8e6
+def test_the_folder_is_smaller_than_10_megabytes() -> None:
+    assert sum(path.stat().st_size for path in FOLDER.rglob("*") if path.is_file()) < 10e6
 
 
 def test_the_generator_writes_all_files_and_reports_progress(
@@ -57,8 +111,33 @@ def test_the_generator_writes_all_files_and_reports_progress(
     monkeypatch.setattr(
         sample, "pictures", lambda _: iter([np.zeros((480, 640), dtype=np.uint8)] * 3)
     )
+    monkeypatch.setattr(sample, "write_study", lambda _: None)
     steps: list[tuple[float, str]] = []
     sample.generate(tmp_path / "new", progress=lambda share, name: steps.append((share, name)))
     written = sorted(path.name for path in (tmp_path / "new").iterdir())
     assert written == sorted([*TABLES, "README.md", RATINGS_FILE, "session.toml", "rural_road.mp4"])
-    assert steps == [(0.0, "rural_road"), (1.0, "")]
+    assert steps == [(0.0, "rural_road"), (0.5, "study"), (1.0, "")]
+
+
+def test_the_generator_writes_visible_pictures_and_the_study(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    recording = next(r for r in sample.all_recordings() if r.name == "rural_child")
+    scene = next(all_scenes())
+    nobody = np.zeros((540, 960, 3), dtype=np.uint8)
+    monkeypatch.setattr(sample, "all_recordings", lambda: (recording,))
+    monkeypatch.setattr(sample, "pictures", lambda _: iter([nobody[:480, :640, 0]] * 3))
+    monkeypatch.setattr(sample, "visible_pictures", lambda *_: iter([nobody] * 3))
+    monkeypatch.setattr(Scene, "pictures", lambda _: (nobody, nobody))
+    monkeypatch.setattr(
+        study_writing, "all_scenes", lambda: iter([scene, replace(scene, number=2)])
+    )
+    sample.generate(tmp_path)
+    expected = {"rural_child_visible.mp4", "rural_child_light.csv", "study", TRIALS_FILE}
+    assert expected <= {path.name for path in tmp_path.iterdir()}
+    assert sorted(path.name for path in (tmp_path / "study").iterdir()) == [
+        *("boxes.csv", "study_01.jpg", "study_02.jpg")
+    ]
+    trials = pd.read_csv(tmp_path / TRIALS_FILE)
+    assert len(trials) == N_SUBJECTS * 2 * 6
+    assert pd.read_csv(tmp_path / STUDY_TRUTH_FILE)["probability"].eq(0).all()

@@ -1,0 +1,96 @@
+"""Pictures of a recording as a visible-light colour camera would give them."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.sample.body import joints
+from nvcore.sample.camera import FPS, N_FRAMES, Floats
+from nvcore.sample.scene import Recording
+from nvcore.sample.visible.cars import draw_car
+from nvcore.sample.visible.ground import Ground
+from nvcore.sample.visible.light import Glow, lights_at
+from nvcore.sample.visible.paint import Colours, Easel
+from nvcore.sample.visible.people import draw_person
+from nvcore.sample.visible.sensor import Sensor
+from nvcore.sample.visible.sky import air, sky
+from nvcore.sample.visible.stage import Stage
+from nvcore.sample.visible.things import draw_thing
+from nvcore.sample.visible.view import View
+from nvcore.sample.visible.wardrobe import Outfit, outfit
+
+_FARTHEST_M: Final = 260.0
+
+
+class Drive:
+    """A recording as the visible-light camera meets it: luminances, before exposure and noise."""
+
+    def __init__(self, recording: Recording, glow: Glow, view: View, *, last_frame: int):
+        self._recording, self._glow, self._view = recording, glow, view
+        way = float(recording.way()[last_frame])
+        self._ground = Ground(recording, lights_at(recording, glow, 0), view, length_m=way)
+        self._backdrop, self._air = sky(recording, glow, view), air(glow)
+        self._bodies = [joints(person) for person in recording.people]
+
+    def frame(self, number: int, outfits: Sequence[Outfit]) -> Colours:
+        """Luminances of one frame in cd/m2, shape (height, width, 3).
+
+        Parameters
+        ----------
+        outfits
+            Clothes of the people, in their order; who has none is left out.
+        """
+        picture = self._backdrop.copy()
+        lights = lights_at(self._recording, self._glow, number)
+        self._ground.paint(picture, lights, self._air)
+        stage = Stage(Easel(picture, self._view), self._view, lights, self._air)
+        bodies = [body[number] for body in self._bodies[: len(outfits)]]
+        _stand(stage, self._recording, outfits, bodies, number)
+        return picture
+
+
+def visible_pictures(recording: Recording, glow: Glow) -> Iterator[NDArray[np.uint8]]:
+    """Colour pictures of a recording in frame order, RGB, each of shape (height, width, 3)."""
+    view = View(recording.camera)
+    drive = Drive(recording, glow, view, last_frame=N_FRAMES - 1)
+    sensor = Sensor(zlib.crc32(recording.name.encode()), view)
+    outfits = [
+        outfit(f"{recording.name} {index}", person.reflectance)
+        for index, person in enumerate(recording.people)
+    ]
+    for frame in range(N_FRAMES):
+        yield sensor.read(drive.frame(frame, outfits))
+
+
+def _stand(
+    stage: Stage,
+    recording: Recording,
+    outfits: Sequence[Outfit],
+    bodies: list[Floats],
+    frame: int,
+) -> None:
+    """Paint everything that stands on the ground, far things first."""
+    way = stage.lights.way
+    # Houses stand behind everything that they meet in the image, so they come first.
+    depths: list[tuple[bool, float, int, int]] = []
+    for index, thing in enumerate(recording.things):
+        depths.append((thing.kind == "house", thing.z - way, 0, index))
+    for index, car in enumerate(recording.cars):
+        depths.append((False, car.z + car.speed * frame / FPS - way, 1, index))
+    for index, body in enumerate(bodies):
+        depths.append((False, float(body[0, 2]) - way, 2, index))
+    for _, depth, kind, index in sorted(depths, key=lambda entry: (not entry[0], -entry[1])):
+        if depth > _FARTHEST_M:
+            continue
+        if kind == 0:
+            draw_thing(stage, recording.things[index], depth)
+        elif kind == 1:
+            draw_car(stage, recording.cars[index], depth)
+        else:
+            body = bodies[index] - np.array([0.0, 0.0, way])
+            draw_person(stage, recording.people[index], outfits[index], body)
