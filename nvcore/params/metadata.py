@@ -127,10 +127,7 @@ class Setting:
     @property
     def acts_on(self) -> str:
         """The results that it moves, in words: "similarity, low similarity"."""
-        is_moved = (self.stage is THRESHOLD or self.stage in stage.before for stage in RESULTS)
-        return ", ".join(
-            stage.result for stage, moves in zip(RESULTS, is_moved, strict=True) if moves
-        )
+        return ", ".join(stage.result for stage in RESULTS if self.moves([stage]))
 
     def moves(self, stages: Iterable[Stage]) -> bool:
         """Whether the result of any of these stages depends on it."""

@@ -229,7 +229,7 @@ def test_print_says_once_what_holds_for_several_recordings(place: Path):
     again = f'[[recording]]\nname = "again"\nframes = "0:{N_FRAMES - 1}"\npictures = "drive"\n'
     text = str(run(place, f'pictures = "drive"\n{again}'))
     assert text.startswith("80 pedestrian boxes in 80 pictures, in ")
-    assert "\ndrive, again: Features are of its own pictures" in text
+    assert "\ndrive and again: Features are of its own pictures" in text
 
 
 def test_unknown_settings_are_refused_with_the_near_ones():
