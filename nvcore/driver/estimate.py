@@ -11,7 +11,7 @@ import pandas as pd
 from nvcore.driver.estimators import Estimator, fingerprint
 from nvcore.driver.features import FEATURE_KEYS
 from nvcore.driver.run import BOX_COLUMNS, FeatureRun
-from nvcore.wording import count_text, listed
+from nvcore.wording import MOST_NAMED, count_text, listed, one_line
 
 DETECTABILITY_COLUMNS: Final = (*BOX_COLUMNS, "detectability", "sd", "is_outside", "period_s")
 """Columns of a detectability file: one row for each truth box that is not ignored."""
@@ -49,6 +49,13 @@ class EstimateRun:
     def __str__(self) -> str:
         known = self.table[self.table["detectability"].notna()]
         lines = [str(self.features), self._result(known)]
+        of_heat = [part.name for part in self.features.recordings if part.may_be_of_heat]
+        if of_heat:
+            lines.append(
+                f"no estimate from grey pictures that may be far infrared: "
+                f"{listed([one_line(name) for name in of_heat], most=MOST_NAMED)}; where they are "
+                "of visible light, name them as visible in the session"
+            )
         if self.estimator.origin.simulated != "no":
             lines.append(
                 "the estimator was trained on a simulated observer: this is no person's eye"
@@ -104,12 +111,19 @@ def run_estimate(
     interpolate
         Whether to interpolate between the estimators of the periods before and after; else that of
         the nearest period is taken.
+
+    Returns
+    -------
+    Without an estimate are boxes that lack a feature which it needs, and those in grey pictures
+    that nobody calls visible: far-infrared ones say nothing about what eyes see.
     """
     table = features.table
     period_s = table["period_s"].to_numpy(np.float64)
-    estimates = estimator.estimate(
-        table[list(FEATURE_KEYS)].to_numpy(np.float64), period_s, interpolate=interpolate
-    )
+    values = table[list(FEATURE_KEYS)].to_numpy(np.float64, copy=True)
+    parts = [(len(recording.table), recording.may_be_of_heat) for recording in features.recordings]
+    n_boxes, may_be_of_heat = zip(*parts, strict=True)
+    values[np.repeat(may_be_of_heat, n_boxes)] = np.nan
+    estimates = estimator.estimate(values, period_s, interpolate=interpolate)
     is_known = ~np.isnan(estimates.detectability)
     own = table[list(BOX_COLUMNS)].assign(
         detectability=estimates.detectability,

@@ -70,9 +70,14 @@ class DriverRecording:
     light: Light | None
 
     @property
+    def may_be_of_heat(self) -> bool:
+        """Whether the pictures are grey and nobody says that they are of visible light."""
+        return self.pictures is not None and not (self.is_visible or self.has_colour)
+
+    @property
     def needs_light(self) -> bool:
-        """Whether the pictures are to stand in for a light meter: grey ones may be of heat."""
-        return self.light is None and (self.is_visible or self.has_colour)
+        """Whether the pictures are to stand in for a light meter."""
+        return self.light is None and self.pictures is not None and not self.may_be_of_heat
 
     def boxes_in_picture(self, boxes: NDArray[np.float64]) -> NDArray[np.float64]:
         """Boxes (n, 4) x, y, w, h of the recording in px of the picture."""

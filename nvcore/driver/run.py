@@ -53,12 +53,15 @@ class RecordingFeatures:
         Pedestrians (boxes) in frames without a picture.
     notes
         What was taken for what, in sentences.
+    may_be_of_heat
+        Whether its pictures are grey and nobody says that they are of visible light.
     """
 
     name: str
     table: pd.DataFrame
     n_unseen: int
     notes: tuple[str, ...]
+    may_be_of_heat: bool = False
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -200,7 +203,9 @@ class _Pass:
             self._light_note(light, len(changes)),
         ]
         table = self._table(light, changes)
-        return RecordingFeatures(recording.name, table, n_unseen, tuple(notes))
+        return RecordingFeatures(
+            recording.name, table, n_unseen, tuple(notes), recording.may_be_of_heat
+        )
 
     def _look(self, row: int, picture: Picture) -> int:
         """Features and light of one picture; rows of different pictures are never the same."""
@@ -254,7 +259,7 @@ class _Pass:
         notes = []
         if recording.pictures is not None and not recording.is_visible:
             notes.append("Features are of its own pictures: none of visible light are named.")
-            if not recording.has_colour:
+            if recording.may_be_of_heat:
                 notes.append("They are grey; far-infrared ones say nothing about what eyes see.")
         if n_unseen:
             boxes = count_text(n_unseen, "pedestrian box is", "pedestrian boxes are")

@@ -103,6 +103,17 @@ def test_a_feature_that_is_needed_and_missing_leaves_no_estimate(place: Path):
     )
 
 
+def test_grey_pictures_that_nobody_calls_visible_give_no_estimate(place: Path):
+    session = place / "session.toml"
+    session.write_text(session.read_text().replace("visible =", "pictures ="))
+    result = run(place, estimator())
+    assert result.features.table["luminance_contrast"].notna().all()
+    assert result.n_estimated == 0
+    assert "from grey pictures that may be far infrared: drive; where they are of visible" in (
+        str(result)
+    )
+
+
 def test_print_says_what_to_take_with_care(place: Path):
     text = str(run(place, estimator(simulated="all")))
     assert "detectability of 40 of 40 pedestrian boxes: 0.52 on average" in text
