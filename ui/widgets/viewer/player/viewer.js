@@ -218,7 +218,7 @@ class Viewer extends Looking {
     this.pictures.pin(entry ?? null);
     this.visible.pin(visible ?? null);
     this.shown = { row, entry, visible, found };
-    this.root.dataset.picture = this.look.mode;
+    if (this.isReady(row)) this.root.dataset.picture = this.look.mode;
     this.isStale = false;
     this.root.dataset.shownRow = String(row);
     if (this.isSpokenEarly && row === this.row) this.speak();
