@@ -33,6 +33,7 @@ SECTIONS: Final = {
         "timeline": "Timeline",
         "encounters": "Encounters",
         "time_left": "Time left",
+        "driver": "Driver",
         "saliency": "Saliency",
     },
     "Evidence": {
@@ -53,6 +54,7 @@ SHOWN: Final[dict[str, tuple[Stage, ...]]] = {
     "timeline": (SIMILARITY, LOW, ENCOUNTERS, SEVERITY, EVENTS, TIME_LEFT),
     "encounters": (SIMILARITY, ENCOUNTERS, SEVERITY, TIME_LEFT, DRIVER),
     "time_left": (TIME_LEFT,),
+    "driver": (ENCOUNTERS, SEVERITY, TIME_LEFT, DRIVER),
     "saliency": (SALIENCY,),
     "systems": (SIMILARITY, ENCOUNTERS),
     "detection": (MATCH,),
