@@ -10,6 +10,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.schema import DriverRegion
+from nvcore.tables.encounters.driver import REGION_NAMES
 from nvcore.tables.result import encounters_table
 from ui.session import state
 from ui.session.chosen import choose_encounter, chosen_encounter
@@ -37,10 +38,12 @@ def draw(result: Result, region: DriverRegion | None) -> int | None:
     shown = listed.head(MOST_ROWS)
     rows = shown.index.to_numpy(np.int64).tolist()
     key = f"driver_list_{hash(tuple(rows))}"
+    who = shown["driver_region"].map(REGION_NAMES.__getitem__)
     st.dataframe(
-        as_shown(shown[list(COLUMNS)]),
+        as_shown(shown[list(COLUMNS)].assign(driver_region=who)),
         hide_index=True,
-        column_config=column_config("encounters.csv"),
+        column_config=column_config("encounters.csv")
+        | {"driver_region": st.column_config.TextColumn("Seen by")},
         height=table_height(min(len(shown), 10)),
         key=key,
         placeholder=UNDEFINED,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 import streamlit as st
 
@@ -16,12 +16,12 @@ from ui.widgets.table_columns import as_shown
 
 REGION: Final = "driver_region"
 """Key of the choice of a region; None: all."""
-HEADINGS: Final = {
+HEADINGS: Final[dict[str, Any]] = {
     "who": "Seen by",
     "encounters": "Encounters",
-    "severity_x": "Severity X (s)",
-    "severity_y": "Severity Y (s)",
-    "meaning": "What it means",
+    "severity_x": st.column_config.NumberColumn("Severity X (s)", format="%.2f"),
+    "severity_y": st.column_config.NumberColumn("Severity Y (s)", format="%.2f"),
+    "meaning": st.column_config.TextColumn("What it means", width="large"),
 }
 
 
@@ -41,7 +41,7 @@ def draw(result: Result) -> DriverRegion | None:
         st.dataframe(
             as_shown(table[list(HEADINGS)]),
             hide_index=True,
-            column_config=HEADINGS | {"meaning": st.column_config.TextColumn(width="large")},
+            column_config=HEADINGS,
         )
         chosen: DriverRegion | None = st.selectbox(
             "Encounters seen by",

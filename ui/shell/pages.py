@@ -65,7 +65,10 @@ SHOWN: Final[dict[str, tuple[Stage, ...]]] = {
 """What each page shows of the comparison; one that is not named shows all results. Settings that
 move nothing of it are quiet in the sidebar."""
 
-OWN: Final[dict[str, tuple[Stage, ...]]] = {"time_left": (URGENCY, CONTACT, CONFIRMED)}
+OWN: Final[dict[str, tuple[Stage, ...]]] = {
+    "time_left": (URGENCY, CONTACT, CONFIRMED),
+    "driver": (DRIVER,),
+}
 """Stages that a page is about: on it their settings stand first, unfolded."""
 FOLDED: Final = ("ratings", "export")
 """Pages on which the settings are folded away, besides those that show nothing that they move."""
