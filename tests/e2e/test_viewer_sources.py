@@ -56,6 +56,27 @@ def test_a_key_goes_through_own_visible_blended_and_side_by_side(page):
     press(page, "v")
     shown(page, "both")
     assert (colour(page, 0.3), colour(page, 0.7)) == ("grey", "red")
+    told(page, "picture='both', blend=0.5, seen_s=None")
+
+
+def test_after_a_simulated_change_of_light_the_time_runs_with_the_frames(page):
+    choose(page, "two pictures")
+    assert painted(page, 5) == 5
+    press(page, "d")
+    told(page, "picture='visible', blend=0.5, seen_s=0.5")
+    button = page.get_by_role("button", name="A tunnel begins here")
+    button.click()
+    page.get_by_text("simulated: 0.0 s after the change", exact=True).wait_for()
+    press(page, "Shift+ArrowRight")
+    assert painted(page, 25) == 25
+    page.get_by_text("simulated: 1.0 s after the change", exact=True).wait_for()
+    assert colour(page, 0.4) == "blue"
+    press(page, "Home")
+    assert painted(page, 0) == 0
+    page.get_by_text("simulated: before the change", exact=True).wait_for()
+    assert colour(page, 0.4) == "red"
+    button.click()
+    sync_api.expect(page.get_by_role("slider", name="Seconds since")).to_be_visible()
 
 
 def test_as_the_driver_sees_it_is_visible_light_from_another_address(page):

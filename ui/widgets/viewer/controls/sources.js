@@ -2,6 +2,8 @@
 
 const DRIVER_HINT = "As the driver sees it after the light has changed: contrast and sharpness come back "
   + "while the eyes adapt (a model with numbers of ours)";
+const TUNNEL_HINT = "Simulate a change from bright to dark at this frame, and see the eyes adapt while it plays. "
+  + "Press again to end it";
 
 function makeSources(actions) {
   const choice = make("select", { "aria-label": "Picture", title: "Which picture (v)" },
@@ -20,13 +22,18 @@ function makeSources(actions) {
     type: "button", class: "icon text", text: "As the driver sees it", title: `${DRIVER_HINT} (d)`, "aria-pressed": "false",
   });
   driver.addEventListener("click", () => actions.driver());
+  const tunnel = make("button", {
+    type: "button", class: "icon text", text: "A tunnel begins here", title: TUNNEL_HINT, "aria-pressed": "false",
+  });
+  tunnel.addEventListener("click", () => actions.tunnel());
+  const clock = make("span", { class: "clock" });
   const root = make("div", { class: "sources", role: "group", "aria-label": "Pictures", hidden: "" }, [
-    choice, blend.part, driver, since.part,
+    choice, blend.part, driver, since.part, tunnel, clock,
   ]);
-  return { root, choice, blend, driver, since };
+  return { root, choice, blend, driver, since, tunnel, clock };
 }
 
-function showSources({ root, choice, blend, driver, since }, look) {
+function showSources({ root, choice, blend, driver, since, tunnel }, look) {
   root.hidden = look.visible === null;
   choice.value = look.picture;
   blend.part.hidden = look.mode !== "blended";
@@ -34,7 +41,19 @@ function showSources({ root, choice, blend, driver, since }, look) {
   blend.shown.textContent = `${Math.round(100 * look.blend)} %`;
   driver.hidden = !look.needsVisible;
   driver.setAttribute("aria-pressed", String(look.isDriver));
-  since.part.hidden = !look.needsVisible || !look.isDriver;
+  const isDriver = look.needsVisible && look.isDriver;
+  since.part.hidden = !isDriver || look.changeAt !== null;
+  tunnel.hidden = !isDriver;
+  tunnel.setAttribute("aria-pressed", String(look.changeAt !== null));
   since.field.value = String(look.sinceS);
   since.shown.textContent = `${look.sinceS.toFixed(1)} s`;
+}
+
+// The time since a simulated change of light, in the row that is painted.
+function showClock({ clock }, look, time) {
+  const isSimulated = look.needsVisible && look.isDriver && look.changeAt !== null;
+  const seconds = look.seenAt(time);
+  const text = seconds === null ? "before the change" : `${seconds.toFixed(1)} s after the change`;
+  clock.hidden = !isSimulated;
+  clock.textContent = isSimulated ? `simulated: ${text}` : "";
 }

@@ -8,6 +8,7 @@ class Look {
     this.blend = 0.5; // share of visible light where both are blended
     this.isDriver = false; // whether visible light is shown as the driver sees it
     this.sinceS = 0.5; // seconds since the light has changed
+    this.changeAt = null; // time of a simulated change of light, s; null: `sinceS` holds for all rows
     this.visible = null; // what Python sends of it; null: the recording has none
     this.spans = new Int32Array(0);
   }
@@ -43,6 +44,13 @@ class Look {
 
   hasVisible(row) {
     return countUpTo(this.spans, row) % 2 === 1;
+  }
+
+  // Seconds since the light has changed, at a time of the recording; null: the eyes are adapted.
+  seenAt(time) {
+    if (!this.isDriver) return null;
+    if (this.changeAt === null) return this.sinceS;
+    return time < this.changeAt ? null : time - this.changeAt;
   }
 
   get nPanes() {

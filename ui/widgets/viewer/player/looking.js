@@ -7,14 +7,24 @@ class Looking extends Player {
   }
 
   changeLook(changes) {
-    const { sinceS, isDriver } = this.look;
+    const { sinceS, isDriver, changeAt } = this.look;
     Object.assign(this.look, changes);
-    if (this.look.sinceS !== sinceS || this.look.isDriver !== isDriver) this.resetVisible();
+    const isSeenOtherwise = this.look.sinceS !== sinceS || this.look.isDriver !== isDriver
+      || this.look.changeAt !== changeAt;
+    if (isSeenOtherwise) this.resetVisible();
     this.showLook();
     this.showView();
     this.load();
     clearTimeout(this.lookTimer);
-    this.lookTimer = setTimeout(() => this.reportLook?.(this.look.choice), SETTLE_MS);
+    this.lookTimer = setTimeout(() => this.tellLook(), SETTLE_MS);
+  }
+
+  tellLook() {
+    const { choice } = this.look;
+    const text = JSON.stringify(choice);
+    if (text === this.toldLook) return;
+    this.toldLook = text;
+    this.reportLook?.(choice);
   }
 
   nextLook() {
@@ -29,9 +39,19 @@ class Looking extends Player {
     this.changeLook({ picture, isDriver: !this.look.isDriver });
   }
 
+  // The light changes, as it were, at this row, or no longer does.
+  toggleTunnel() {
+    const isOver = this.look.changeAt !== null;
+    this.changeLook({ changeAt: isOver ? null : this.recording.times[this.row] });
+  }
+
   resetVisible() {
-    const query = new URLSearchParams({ v: this.sent.picture_version });
-    if (this.look.isDriver) query.set("seen_s", this.look.sinceS.toFixed(1));
-    this.visible.reset((row) => `${this.addressOfVisible}/${row}.jpg?${query}`);
+    const { look, recording } = this;
+    this.visible.reset((row) => {
+      const query = new URLSearchParams({ v: this.sent.picture_version });
+      const seconds = look.seenAt(recording.times[row]);
+      if (seconds !== null) query.set("seen_s", seconds.toFixed(1));
+      return `${this.addressOfVisible}/${row}.jpg?${query}`;
+    });
   }
 }

@@ -25,6 +25,7 @@ class Viewer extends Looking {
       light: () => this.toggleLight(),
       look: (changes) => this.changeLook(changes),
       driver: () => this.toggleDriver(),
+      tunnel: () => this.toggleTunnel(),
       follow: () => this.toggleFollow(),
       large: () => this.dock.open(),
       closeDock: () => this.dock.close(),
@@ -77,7 +78,10 @@ class Viewer extends Looking {
     this.report = report;
     this.reportChoice = reportChoice;
     this.reportLook = reportLook;
-    if (!before) this.look.take(sent.look);
+    if (!before) {
+      this.look.take(sent.look);
+      this.toldLook = JSON.stringify(this.look.choice);
+    }
     const isOther = !before || before.token !== sent.token || before.recording !== sent.recording
       || before.n_rows !== sent.n_rows;
     const differs = (...names) => isOther
@@ -92,6 +96,7 @@ class Viewer extends Looking {
     }
     if (differs("visible", "picture_version")) {
       this.look.set(sent.visible);
+      if (isOther) this.look.changeAt = null;
       this.addressOfVisible = address("visible");
       this.resetVisible();
     }
@@ -219,6 +224,7 @@ class Viewer extends Looking {
     this.visible.pin(visible ?? null);
     this.shown = { row, entry, visible, found };
     if (this.isReady(row)) this.root.dataset.picture = this.look.mode;
+    showClock(this.parts.sources, this.look, this.recording.times[row]);
     this.isStale = false;
     this.root.dataset.shownRow = String(row);
     if (this.isSpokenEarly && row === this.row) this.speak();
