@@ -160,7 +160,6 @@ def _recording(
     source = opened.sources.get(number)
     rows = columns.rows_of(number)
     index = np.full(rows.stop - rows.start, -1) if source is None else opened.indices[number]
-    size = float(columns.width[number]), float(columns.height[number])
     return DriverRecording(
         number=number,
         name=name,
@@ -170,7 +169,7 @@ def _recording(
         picture_note=one_line(_note(opened.notes, number, index)),
         is_visible=is_visible,
         has_colour=source is not None and _has_colour(source, index),
-        to_picture=_to_picture(entry, source, size, is_visible),
+        to_picture=opened.maps.get(number, (1.0, 1.0, 0.0, 0.0)),
         gaze=gaze,
         light=light,
     )
@@ -192,13 +191,3 @@ def _has_colour(source: Pictures, index: NDArray[np.int64]) -> bool:
         except MediaError:  # said when it is its turn
             continue
     return False
-
-
-def _to_picture(
-    entry: RecordingEntry, source: Pictures | None, size: tuple[float, float], is_visible: bool
-) -> tuple[float, float, float, float]:
-    if is_visible and entry.visible_map is not None:
-        return entry.visible_map
-    if source is None:
-        return 1.0, 1.0, 0.0, 0.0
-    return source.width / size[0], source.height / size[1], 0.0, 0.0

@@ -10,12 +10,14 @@ with needs("report", "figures need"):
     from nvcore.figures.detectors.pictures import pictures_plot
     from nvcore.figures.detectors.score_map import score_map_plot
     from nvcore.figures.detectors.tree import tree_plot
+    from nvcore.figures.driver.course import detectability_course_plot
     from nvcore.figures.driver.detectability import (
         detectability_histograms_plot,
         detectability_plot,
     )
     from nvcore.figures.driver.errors import estimator_errors_plot
     from nvcore.figures.driver.pairs import feature_pairs_plot, pair_ranks_plot
+    from nvcore.figures.driver.venn import driver_venn_plot
     from nvcore.figures.encounters import (
         fusion_plot,
         lead_time_plot,
@@ -47,8 +49,10 @@ __all__ = [
     "confidence_plot",
     "cost_plot",
     "curve_plot",
+    "detectability_course_plot",
     "detectability_histograms_plot",
     "detectability_plot",
+    "driver_venn_plot",
     "estimator_errors_plot",
     "false_alarm_plot",
     "feature_pairs_plot",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 
@@ -17,6 +17,8 @@ from nvcore.pictures.base import Pictures
 from nvcore.pictures.index import picture_index, size_note
 from nvcore.pictures.open import open_pictures
 
+Source = Literal["pictures", "visible"]
+"""Key of a session's ``[[recording]]`` that names pictures."""
 STRETCH: Final = (0.5, 99.8)
 """Percentiles of the grey levels between which contrast is stretched: night pictures are dim."""
 
@@ -35,12 +37,32 @@ class RecordingPictures:
         Percentiles of the grey levels (`nvcore.pictures.stretch`).
     notes
         Which picture shows which frame, in words; without a source, why it cannot be opened.
+    maps
+        (sx, sy, dx, dy) by recording: what is at (x, y) of the recording, px, is at
+        (sx x + dx, sy y + dy) of its pictures.
     """
 
     sources: Mapping[int, Pictures] = field(default_factory=dict)
     indices: Mapping[int, np.ndarray] = field(default_factory=dict)
     stretch: tuple[float, float] = STRETCH
     notes: Mapping[int, str] = field(default_factory=dict)
+    maps: Mapping[int, tuple[float, float, float, float]] = field(default_factory=dict)
+
+    def renumbered(self, number_of: Mapping[int, int]) -> RecordingPictures:
+        """Those of some recordings under other numbers, by their numbers so far."""
+
+        def of_those(values: Mapping[int, Any]) -> dict[int, Any]:
+            return {number_of[old]: value for old, value in values.items() if old in number_of}
+
+        by_number = (self.sources, self.indices, self.notes, self.maps)
+        sources, indices, notes, maps = map(of_those, by_number)
+        return RecordingPictures(sources, indices, self.stretch, notes, maps)
+
+    def area_of(self, recording: int) -> tuple[float, float, float, float]:
+        """Where its pictures lie: x, y, w, h, px of the recording."""
+        across, down, right, lower = self.maps[recording]
+        source = self.sources[recording]
+        return -right / across, -lower / down, source.width / across, source.height / down
 
     @property
     def troubles(self) -> dict[int, str]:
@@ -99,7 +121,7 @@ def session_pictures(
     recordings: Collection[int] | None = None,
     *,
     opener: Callable[[Path], Pictures] | None = None,
-    key: Literal["pictures", "visible"] = "pictures",
+    key: Source = "pictures",
 ) -> RecordingPictures:
     """Open the pictures that a session names; `notes` says what cannot be opened.
 
@@ -124,6 +146,7 @@ def session_pictures(
     sources: dict[int, Pictures] = {}
     indices: dict[int, np.ndarray] = {}
     notes: dict[int, str] = {}
+    maps: dict[int, tuple[float, float, float, float]] = {}
     for number, name in enumerate(names):
         entry = entries.get(name)
         path = None if entry is None else getattr(entry, key)
@@ -133,15 +156,17 @@ def session_pictures(
         try:
             pictures = (opener or open_pictures)(session.folder / path)
         except MediaError as error:
-            notes[number] = f"{entry.pictures}: {error.message}"
+            notes[number] = f"{path}: {error.message}"
             continue
         listed = frames.frame[frames.rows_of(number)]
         others = dataset.unlisted_frames(name)
         indices[number], note = picture_index(listed, pictures, entry.first_picture, others=others)
         other_size = ""
+        size = float(frames.width[number]), float(frames.height[number])
+        of_size = pictures.width / size[0], pictures.height / size[1], 0.0, 0.0
+        maps[number] = (entry.visible_map if key == "visible" else None) or of_size
         if key == "pictures":
-            size = float(frames.width[number]), float(frames.height[number])
             other_size = size_note(pictures, *size)
         sources[number] = pictures
         notes[number] = " ".join(part for part in (note, other_size) if part)
-    return RecordingPictures(sources, indices, notes=notes)
+    return RecordingPictures(sources, indices, notes=notes, maps=maps)

@@ -15,6 +15,7 @@ from nvcore.overlay.annotate import LAYERS, annotate
 from nvcore.params.metadata import COST
 from nvcore.pictures.recordings import STRETCH
 from ui.session import state
+from ui.session.look import VisiblePictures
 
 MOST_THUMBNAILS: Final = 64
 HEIGHTS: Final = 2.2
@@ -105,4 +106,13 @@ def viewer_arguments(result: Result, recording: int) -> dict[str, Any]:
         "picture_version": space.pictures_version,
         "theme": state.theme(),
         "objects": result.dataset.objects,
+        "visible": visible_of(recording),
     }
+
+
+def visible_of(recording: int) -> VisiblePictures | None:
+    """Pictures of visible light of a recording; None: it has none beside its own."""
+    pictures = state.workspace().visible
+    if recording not in pictures.sources:
+        return None
+    return VisiblePictures(pictures.area_of(recording), pictures.indices[recording] >= 0)

@@ -7,6 +7,7 @@ has one.
 
     GET /overview                                    the page that the app opens on
     GET /nv/TOKEN/frame/RECORDING/ROW.jpg?lo=&hi=    picture of a row of a recording
+    GET /nv/TOKEN/visible/RECORDING/ROW.jpg?seen_s=  of visible light, as the driver sees it
     GET /nv/TOKEN/boxes/RECORDING/CHUNK?v=           boxes of 1024 rows (`packed_boxes`)
     GET /nv/TOKEN/reasons/RECORDING/ROW              what each box of a row counts and costs, why
     PUT /nv/TOKEN/upload/SLOT?name=                  one file of pictures, or a video
@@ -17,19 +18,23 @@ and those of a study, for its participant (`ui.session.studies.routes`).
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import asdict
 from http import HTTPStatus
 from typing import Final
 
+import numpy as np
 from anyio.to_thread import run_sync
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import JSONResponse, RedirectResponse, Response
 from starlette.routing import Route
 
+from nvcore.driver.filter import as_the_driver_sees
 from nvcore.errors import MediaError
 from nvcore.overlay.explain import explain_boxes
-from nvcore.pictures.stretch import jpeg
+from nvcore.pictures.base import Picture, Pictures
+from nvcore.pictures.stretch import jpeg, stretch
 from ui.session.packed_boxes import pack_boxes
 from ui.session.requests import (
     CACHED,
@@ -62,12 +67,40 @@ async def frame(request: Request) -> Response:
         return not_found("the session has ended; load the page again")
     recording, row = index_in(request, "recording"), index_in(request, "row")
     rows, pictures = space.picture_rows.get(recording), space.pictures.get(recording)
+    return await _picture(space, pictures, rows, row, lambda read: stretch(read, lo, hi))
+
+
+async def visible(request: Request) -> Response:
+    """The picture of visible light of a row; as the driver sees it after `seen_s`, if asked for."""
+    space = workspace_of(request.path_params["token"])
+    if not is_owner(request, space):
+        return of_somebody_else()
+    seen_s = _number(request, "seen_s", math.inf)
+    if seen_s is None or seen_s < 0:
+        return say(HTTPStatus.BAD_REQUEST, "seen_s: expected seconds, 0 or more")
+    if space is None:
+        return not_found("the session has ended; load the page again")
+    recording, row = index_in(request, "recording"), index_in(request, "row")
+    rows, pictures = space.visible.indices.get(recording), space.visible.sources.get(recording)
+    return await _picture(
+        space, pictures, rows, row, lambda read: as_the_driver_sees(stretch(read), seen_s)
+    )
+
+
+async def _picture(
+    space: Workspace,
+    pictures: Pictures | None,
+    rows: np.ndarray | None,
+    row: int,
+    show: Callable[[Picture], Picture],
+) -> Response:
+    """The picture that shows a row, as JPEG."""
     if rows is None or pictures is None or row >= len(rows) or rows[row] < 0:
         return not_found("no picture for this frame")
     index = int(rows[row])
     try:
         content = await run_sync(
-            lambda: jpeg(pictures.read(index), lo=lo, hi=hi, quality=QUALITY),
+            lambda: jpeg(show(pictures.read(index)), quality=QUALITY),
             limiter=space.picture_turns,
         )
     except MediaError as error:
@@ -157,6 +190,7 @@ def routes_below(start: str) -> list[Route]:
     return [
         Route(f"{start}/overview", overview, methods=["GET"]),
         Route(f"{start}/nv/{{token}}/frame/{{recording}}/{{row}}.jpg", frame, methods=["GET"]),
+        Route(f"{start}/nv/{{token}}/visible/{{recording}}/{{row}}.jpg", visible, methods=["GET"]),
         Route(f"{start}/nv/{{token}}/boxes/{{recording}}/{{chunk}}", boxes, methods=["GET"]),
         Route(f"{start}/nv/{{token}}/reasons/{{recording}}/{{row}}", reasons, methods=["GET"]),
         Route(f"{start}/nv/{{token}}/upload/{{slot}}", upload, methods=["PUT"]),
@@ -178,8 +212,17 @@ def address(space: Workspace) -> str:
 
 def _percentile(request: Request, name: str, default: float) -> float | None:
     """A query parameter between 0 and 100; None where it is anything else."""
+    value = _number(request, name, default)
+    return value if value is not None and 0 <= value <= 100 else None
+
+
+def _number(request: Request, name: str, default: float) -> float | None:
+    """A finite query parameter, or the default; None where it is anything else."""
+    text = request.query_params.get(name)
+    if text is None:
+        return default
     try:
-        value = float(request.query_params.get(name, default))
+        value = float(text)
     except ValueError:
         return None
-    return value if math.isfinite(value) and 0 <= value <= 100 else None
+    return value if math.isfinite(value) else None

@@ -18,7 +18,7 @@ from typing import Any, Final, TypeVar
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import read_session
-from nvcore.pictures.recordings import RecordingPictures, session_pictures
+from nvcore.pictures.recordings import RecordingPictures, Source, session_pictures
 from ui.session.cache import Caching
 from ui.session.workspace import Opened
 
@@ -36,20 +36,22 @@ class SharedSample(Caching):
     def __init__(self, path: Path, label: str) -> None:
         super().__init__()
         self._turns: dict[tuple[str, Hashable], threading.RLock] = {}
-        self._pictures: RecordingPictures | None = None
+        self._pictures: dict[Source, RecordingPictures] = {}
         self._pictures_turn = threading.Lock()
         session = read_session(path)
         self.opened: Final = Opened.of(session, load(session.of_all), label)
         n_frames = max(len(self.opened.dataset.frames), 1)
         self.most_moved: Final = min(MOST_MOVED, MOVED_FRAMES // n_frames)
 
-    def new_pictures(self) -> RecordingPictures:
+    def new_pictures(self, key: Source = "pictures") -> RecordingPictures:
         """Its pictures, for one more visitor; where some cannot be opened, the next call tries."""
         with self._pictures_turn:
-            if self._pictures is None or self._pictures.troubles:
+            pictures = self._pictures.get(key)
+            if pictures is None or pictures.troubles:
                 session = self.opened.session.of_all
-                self._pictures = session_pictures(session, self.opened.whole)
-            return self._pictures.another()
+                pictures = session_pictures(session, self.opened.whole, key=key)
+                self._pictures[key] = pictures
+            return pictures.another()
 
     def cached(self, kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
         """As `Caching.cached`; of several visitors at once one makes it, the others wait."""

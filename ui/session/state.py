@@ -379,9 +379,10 @@ def frame_numbers(recording_index: int) -> np.ndarray:
 def _open(space: Workspace, opened: Opened) -> Opened:
     shared = sample_of(opened)
     if shared is not None:
-        return space.show(opened, shared.new_pictures())
-    opener = space.picture_process.open
-    return space.show(opened, session_pictures(opened.session.of_all, opened.whole, opener=opener))
+        return space.show(opened, shared.new_pictures(), shared.new_pictures("visible"))
+    session, whole, opener = opened.session.of_all, opened.whole, space.picture_process.open
+    visible = session_pictures(session, whole, opener=opener, key="visible")
+    return space.show(opened, session_pictures(session, whole, opener=opener), visible)
 
 
 def _forget_widgets() -> None:

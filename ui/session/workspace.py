@@ -34,6 +34,8 @@ PICTURES: Final = "pictures"
 MOST_AT_ONCE: Final = 4
 """Pictures that are read at a time for the browser of one session."""
 
+NONE_VISIBLE: Final = RecordingPictures()
+
 Kind = Literal["video", "zip", "image"]
 
 
@@ -136,6 +138,8 @@ class Workspace(Caching):
         Which picture shows each frame of a recording (-1: none), by recording index.
     picture_notes
         By which rule, in words, by recording index.
+    visible
+        Pictures of visible light that some recordings have beside these.
     stored
         Uploaded pictures, by name; written by `ui.session.uploads`.
     used_bytes, n_received
@@ -166,7 +170,9 @@ class Workspace(Caching):
         self.pictures: Mapping[int, Pictures] = {}
         self.picture_rows: Mapping[int, np.ndarray] = {}
         self.picture_notes: Mapping[int, str] = {}
+        self.visible = RecordingPictures()
         self._all_pictures = RecordingPictures()
+        self._all_visible = RecordingPictures()
         self.lock = threading.Lock()
         self.picture_process = PictureProcess()
         self.detector_process = SteadyProcess(DETECTING)
@@ -226,11 +232,16 @@ class Workspace(Caching):
             return None, -1
         return pictures, int(indices[row])
 
-    def show(self, opened: Opened, pictures: RecordingPictures) -> Opened:
+    def show(
+        self,
+        opened: Opened,
+        pictures: RecordingPictures,
+        visible: RecordingPictures = NONE_VISIBLE,
+    ) -> Opened:
         """Go on with another comparison and its pictures; returns the comparison."""
         self.forget()  # first: nothing should go on to read the pictures
         self.close_pictures()
-        self._all_pictures = pictures
+        self._all_pictures, self._all_visible = pictures, visible
         self._look_at(opened)
         self.n_opened += 1
         return opened
@@ -241,20 +252,19 @@ class Workspace(Caching):
         self._look_at(opened)
 
     def _look_at(self, opened: Opened) -> None:
-        self.opened, every = opened, self._all_pictures
-        row_of = {int(row): number for number, row in enumerate(opened.rows)}
-
-        def of_those(values: Mapping[int, Any]) -> dict[int, Any]:
-            return {row_of[row]: value for row, value in values.items() if row in row_of}
-
-        self.pictures, self.picture_rows = of_those(every.sources), of_those(every.indices)
-        self.picture_notes = of_those(every.notes)
+        self.opened = opened
+        number_of = {int(row): number for number, row in enumerate(opened.rows)}
+        pictures = self._all_pictures.renumbered(number_of)
+        self.pictures, self.picture_rows = pictures.sources, pictures.indices
+        self.picture_notes = pictures.notes
+        self.visible = self._all_visible.renumbered(number_of)
         self._n_changes += 1
 
     def close_pictures(self) -> None:
         """Close the picture files; no recording has pictures until new ones are set."""
-        sources = {id(source): source for source in self._all_pictures.sources.values()}
-        self._all_pictures = RecordingPictures()
+        opened = (*self._all_pictures.sources.values(), *self._all_visible.sources.values())
+        sources = {id(source): source for source in opened}
+        self._all_pictures = self._all_visible = self.visible = RecordingPictures()
         self.pictures, self.picture_rows, self.picture_notes = {}, {}, {}
         self._n_changes += 1
         for source in sources.values():

@@ -33,6 +33,7 @@ SECTIONS: Final = {
         "timeline": "Timeline",
         "encounters": "Encounters",
         "time_left": "Time left",
+        "driver": "Driver",
         "saliency": "Saliency",
     },
     "Evidence": {
@@ -54,6 +55,7 @@ SHOWN: Final[dict[str, tuple[Stage, ...]]] = {
     "timeline": (SIMILARITY, LOW, ENCOUNTERS, SEVERITY, EVENTS, TIME_LEFT),
     "encounters": (SIMILARITY, ENCOUNTERS, SEVERITY, TIME_LEFT, DRIVER),
     "time_left": (TIME_LEFT,),
+    "driver": (ENCOUNTERS, SEVERITY, TIME_LEFT, DRIVER),
     "saliency": (SALIENCY,),
     "systems": (SIMILARITY, ENCOUNTERS),
     "detection": (MATCH,),
@@ -65,7 +67,10 @@ SHOWN: Final[dict[str, tuple[Stage, ...]]] = {
 """What each page shows of the comparison; one that is not named shows all results. Settings that
 move nothing of it are quiet in the sidebar."""
 
-OWN: Final[dict[str, tuple[Stage, ...]]] = {"time_left": (URGENCY, CONTACT, CONFIRMED)}
+OWN: Final[dict[str, tuple[Stage, ...]]] = {
+    "time_left": (URGENCY, CONTACT, CONFIRMED),
+    "driver": (DRIVER,),
+}
 """Stages that a page is about: on it their settings stand first, unfolded."""
 FOLDED: Final = ("ratings", "export")
 """Pages on which the settings are folded away, besides those that show nothing that they move."""

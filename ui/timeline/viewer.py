@@ -13,6 +13,7 @@ from nvcore.tables.moments import next_misses
 from ui.session import drawing, state
 from ui.session.chosen import choose_encounter, chosen_encounter
 from ui.session.drawing import cost_map_of, viewer_arguments
+from ui.session.look import keep_look, look
 from ui.timeline import listed
 from ui.widgets.viewer import settled_in, viewer
 
@@ -48,6 +49,8 @@ def draw(result: Result) -> None:
         chosen=_chosen_track(result, recording),
         on_choose=partial(choose_encounter, result),
         listed=listed.box_in(recording),
+        look=look(),
+        on_look=keep_look,
         height_px=HEIGHT_PX,
         key=KEY,
     )

@@ -34,6 +34,11 @@ def answer_frame(request: Request) -> Response:
     )
 
 
+def answer_visible(request: Request) -> Response:
+    is_driver = "seen_s" in request.query_params
+    return Response(scene.visible_jpeg(is_driver=is_driver), media_type="image/jpeg")
+
+
 def answer_boxes(request: Request) -> Response:
     if request.path_params["token"] != TOKEN:
         text = "the session has ended; load the page again"
@@ -53,6 +58,7 @@ app = st.App(
     Path(__file__).with_name("viewer_page.py"),
     routes=[
         Route("/nv/{token}/frame/{recording:int}/{row:int}.jpg", answer_frame),
+        Route("/nv/{token}/visible/{recording:int}/{row:int}.jpg", answer_visible),
         Route("/nv/{token}/boxes/{recording:int}/{chunk:int}", answer_boxes),
         Route("/nv/{token}/reasons/{recording:int}/{row:int}", answer_reasons),
     ],

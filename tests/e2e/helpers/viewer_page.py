@@ -9,13 +9,14 @@ import numpy as np
 import streamlit as st
 import viewer_scene as scene
 
+from ui.session.look import Look, VisiblePictures
 from ui.widgets.viewer import ListedBox, viewer
 
-RECORDINGS = ["video", "boxes only", "sampled", "long", "slow", "ended", "empty"]
+RECORDINGS = ["video", "boxes only", "sampled", "long", "slow", "ended", "empty", "two pictures"]
 
 st.set_page_config(layout="wide")
 START = {"seek": (5, 0), "alpha": 0.7, "kind": RECORDINGS[0], "hi": 100.0, "show": True, "runs": 0}
-START.update(chosen=None, list=False)
+START.update(chosen=None, list=False, look=Look())
 state = st.session_state
 
 
@@ -71,8 +72,11 @@ settled = viewer(
     key=f"viewer_{state.visit}",
     chosen=state.chosen,
     on_choose=lambda encounter: state.update(chosen=encounter),
+    visible=VisiblePictures(scene.VISIBLE_AREA, has_picture) if kind == "two pictures" else None,
+    on_look=lambda look: state.update(look=look),
     listed=ListedBox(5, scene.LISTED) if is_listed else None,
 )
 state.runs += 1
 st.text(f"settled {settled} alpha {alpha} kind {kind} run {state.runs} visit {state.visit}")
 st.text(f"chosen {state.chosen}")
+st.text(f"look {state.look}")

@@ -27,6 +27,7 @@ MISSED_BY_X = range(100, 120)
 MISSED_BY_Y = range(200, 230)
 MISSED_BY_BOTH = range(300, 320)
 FALSE_ALARM = range(50, 130)
+VISIBLE_AREA = (-80.0, -60.0, 800.0, 600.0)  # of the recording with two pictures, px
 LISTED = (300.0, 100.0, 60.0, 80.0)  # x, y, w, h of an entry of a list, px
 
 
@@ -58,6 +59,13 @@ def jpeg_of(row: int) -> bytes:
     cv2.ellipse(picture, (x + 30, 275), (20, 70), 0, 0, 360, (150, 150, 150), -1)
     cv2.circle(picture, (x + 30, 212), 14, (165, 165, 165), -1)
     return cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 85])[1].tobytes()
+
+
+def visible_jpeg(*, is_driver: bool) -> bytes:
+    """All of it red; blue as the driver sees it."""
+    picture = np.zeros((300, 400, 3), np.uint8)
+    picture[:, :, 0 if is_driver else 2] = 200
+    return cv2.imencode(".jpg", picture)[1].tobytes()
 
 
 def boxes_of(row: int) -> list[Drawn]:

@@ -16,6 +16,7 @@ from builders import at, make_dataset, result_of
 from starlette.concurrency import run_in_threadpool
 
 from nvcore.errors import MediaError
+from nvcore.pictures.recordings import RecordingPictures
 from ui.session.packed_boxes import pack_boxes
 from ui.session.routes import ROWS_PER_CHUNK, address, routes_below
 from ui.session.workspace import Compared, Workspace
@@ -248,3 +249,43 @@ def test_the_overview_s_own_name_leads_to_where_the_app_opens(query: str):
 
 def test_an_address_that_is_no_text_is_none_that_is_known():
     assert ask("/overview?x=\udcff").headers["location"] == "./?x=%EF%BF%BD"
+
+
+def visible(space: Workspace, row: object, query: str = ""):
+    return ask(f"{address(space)}/visible/0/{row}.jpg{query}")
+
+
+@pytest.fixture
+def with_visible(space: Workspace) -> Workspace:
+    space.visible = RecordingPictures({0: Edge()}, {0: np.array([-1, 0])}, maps={0: (1, 1, 0, 0)})
+    return space
+
+
+class Edge(Grey):
+    """An edge of low contrast."""
+
+    def read(self, index: int) -> np.ndarray:
+        return np.repeat(np.uint8([[100 + index, 108 + index]]), 64, axis=0).repeat(64, axis=1)
+
+
+def test_a_picture_of_visible_light_is_shown_as_it_is(with_visible: Workspace):
+    answer = visible(with_visible, 1)
+    picture = cv2.imdecode(np.frombuffer(answer.body, np.uint8), cv2.IMREAD_GRAYSCALE)
+    assert (answer.status, picture.shape, int(np.ptp(picture))) == (200, (64, 128), 8)
+    assert visible(with_visible, 0).status == 404
+    assert frame(with_visible, 0).status == 404
+
+
+def test_the_driver_sees_less_of_it_soon_after_the_light_has_changed(with_visible: Workspace):
+    answer = visible(with_visible, 1, "?seen_s=0.5")
+    picture = cv2.imdecode(np.frombuffer(answer.body, np.uint8), cv2.IMREAD_GRAYSCALE)
+    assert np.ptp(picture[:, 54:74]) <= 2
+
+
+@pytest.mark.parametrize("seconds", ["-1", "nan", "inf", "soon"])
+def test_what_is_no_time_since_a_change_is_refused(with_visible: Workspace, seconds: str):
+    assert visible(with_visible, 1, f"?seen_s={seconds}").status == 400
+
+
+def test_a_recording_without_visible_light_has_no_such_picture(space: Workspace):
+    assert visible(space, 1).status == 404

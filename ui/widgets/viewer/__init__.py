@@ -22,6 +22,7 @@ import streamlit as st
 from nvcore.metrics.cost_map import CostMap
 from nvcore.palette import TRUTH_COLOUR, Theme, scheme_of
 from nvcore.wording.objects import PEDESTRIAN, Objects
+from ui.session.look import OWN_PICTURES, Look, VisiblePictures, read_look
 from ui.settings.start import base_path
 from ui.widgets.viewer.packing import (
     decimate_minima,
@@ -34,12 +35,19 @@ from ui.widgets.viewer.packing import (
 
 FOLDER = Path(__file__).parent
 SCRIPTS = (
-    *("data/boxes.js", "data/pictures.js", "data/reasons.js", "data/recording.js"),
+    *("data/boxes.js", "data/pictures.js", "data/reasons.js", "data/recording.js", "data/look.js"),
     *("drawing/labels.js", "drawing/drawing.js", "drawing/strip.js", "drawing/view.js"),
     *("drawing/cost.js", "drawing/light.js", "drawing/inset.js", "drawing/painting.js"),
-    *("controls/controls.js", "controls/tools.js", "controls/readout.js", "controls/card.js"),
+    *(
+        "controls/controls.js",
+        "controls/sources.js",
+        "controls/tools.js",
+        "controls/readout.js",
+        "controls/card.js",
+    ),
     *("controls/listening.js", "player/playback.js", "player/dock.js"),
-    *("player/player.js", "player/viewer.js", "player/clip.js", "player/show.js"),
+    *("player/player.js", "player/looking.js", "player/viewer.js", "player/clip.js"),
+    "player/show.js",
 )
 """In the order in which they are joined: the last one exports what Streamlit calls."""
 
@@ -97,6 +105,9 @@ def viewer(
     on_choose: Callable[[int], None] | None = None,
     listed: ListedBox | None = None,
     objects: Objects = PEDESTRIAN,
+    visible: VisiblePictures | None = None,
+    look: Look = OWN_PICTURES,
+    on_look: Callable[[Look], None] | None = None,
 ) -> int | None:
     """Draw the viewer and say which row it has settled on.
 
@@ -157,6 +168,12 @@ def viewer(
         otherwise lead to misses, are left to the page. None: there is no list.
     objects : Objects
         What the boxes are of: what the viewer's texts call them.
+    visible : VisiblePictures or None
+        Pictures of visible light beside the recording's own; None: there are none.
+    look : Look
+        Which of the two pictures are seen when the viewer is first drawn.
+    on_look
+        Called with what was chosen of it in the browser.
 
     Returns
     -------
@@ -198,14 +215,22 @@ def viewer(
             "chosen": None if chosen is None or only else int(chosen),
             "phrases": phrases_of(objects),
             "listed": None if listed is None or only else listed._asdict(),
+            "visible": None if visible is None or only else _pack_visible(visible),
+            "look": look._asdict(),
         },
         default={"settled": None},
         on_settled_change=_nothing,
         on_chosen_change=partial(_tell_choice, key, on_choose),
+        on_look_change=partial(_tell_look, key, on_look),
     )
     if n_rows == 0:
         return None
     return settled_row(answer.get("settled"), recording=recording, n_rows=n_rows, seek=(row, nonce))
+
+
+def _pack_visible(visible: VisiblePictures) -> dict[str, Any]:
+    spans = pack(find_spans(visible.has_picture), "i4")
+    return {"area": [float(side) for side in visible.area], "spans": spans}
 
 
 def settled_in(key: str, *, recording: int, n_rows: int, seek: tuple[int, int]) -> int:
@@ -221,6 +246,13 @@ def _tell_choice(key: str, on_choose: Callable[[int], None] | None) -> None:
     encounter = chosen.get("encounter") if isinstance(chosen, Mapping) else None
     if on_choose is not None and isinstance(encounter, int) and not isinstance(encounter, bool):
         on_choose(encounter)
+
+
+def _tell_look(key: str, on_look: Callable[[Look], None] | None) -> None:
+    known = st.session_state.get(key)
+    look = read_look(known.get("look") if isinstance(known, Mapping) else None)
+    if on_look is not None and look is not None:
+        on_look(look)
 
 
 def n_plays_in(key: str) -> int | None:

@@ -6,7 +6,8 @@ const REACH_PX = 3; // a thin box is hit a little beside its line
 const REST_MS = 60; // so long the pointer rests before anything is asked
 
 // Boxes below a point of the canvas, as numbers within the row: truth first, small before large.
-function boxesAt(viewer, point) {
+function boxesAt(viewer, pointOfCanvas) {
+  const point = inPane(viewer, pointOfCanvas);
   const found = viewer.shown?.found;
   if (!found) return [];
   const { scale, x, y } = viewer.view.place;

@@ -35,6 +35,7 @@ const KEYS = [
   ["c", "what missing a pedestrian would cost, by where the feet are"],
   ["t", "follow the chosen pedestrian, four times as large in a corner"],
   ["b", "brightness and contrast"],
+  ["v d", "where there are pictures of visible light: the next way to see them; as the driver sees them"],
   ["+ −", "zoom (also Ctrl + wheel; drag to move)"],
   ["f", "fit the picture"],
   ["?", "this help"],
@@ -120,6 +121,7 @@ function makeControls(actions) {
   parts.picture = make("canvas", { class: "picture", role: "img", "aria-label": "Loading" });
   parts.message = make("div", { class: "message", hidden: "" });
   parts.stage = make("div", { class: "stage" }, [parts.picture, parts.message]);
+  parts.sources = makeSources(actions);
   parts.strip = make("canvas", { class: "strip", role: "slider", "aria-label": "Position in the recording" });
   parts.tip = make("div", { class: "tip", hidden: "", "aria-hidden": "true" });
   parts.stripHolder = make("div", { class: "strip-holder" }, [parts.strip, parts.tip]);
@@ -164,7 +166,7 @@ function makeControls(actions) {
   parts.spoken = make("div", { class: "spoken", role: "status", "aria-live": "polite" });
   parts.root = make("div", {
     class: "viewer", role: "group", tabindex: "0", "aria-label": "Frame viewer; press ? for its keys",
-  }, [parts.legend, parts.dock, parts.stage, parts.stripHolder, parts.bar, parts.keys, parts.spoken]);
+  }, [parts.legend, parts.sources.root, parts.dock, parts.stage, parts.stripHolder, parts.bar, parts.keys, parts.spoken]);
   return parts;
 }
 

@@ -79,6 +79,8 @@ function onKey(viewer, event) {
     f: () => viewer.fit(),
     b: () => viewer.light.isPossible && viewer.toggleLight(),
     t: () => viewer.toggleFollow(),
+    v: () => viewer.nextLook(),
+    d: () => viewer.toggleDriver(),
     k: () => chooseNext(viewer, event.shiftKey ? -1 : 1),
     "+": () => viewer.zoomStep(1),
     "-": () => viewer.zoomStep(-1),
@@ -177,12 +179,12 @@ function listenToPicture(viewer) {
   picture.addEventListener("pointerleave", () => viewer.card.point(null));
   picture.addEventListener("dblclick", (event) => {
     if (viewer.view.zoom > 1) viewer.fit();
-    else viewer.zoomTo(3, pointOf(event));
+    else viewer.zoomTo(3, inPane(viewer, pointOf(event)));
   });
   picture.addEventListener("wheel", (event) => {
     const isFull = viewer.root.getRootNode().fullscreenElement === viewer.root;
     if (!event.ctrlKey && !isFull) return; // the page scrolls
     event.preventDefault();
-    viewer.zoomTo(viewer.view.zoom * Math.exp(-event.deltaY / 400), pointOf(event));
+    viewer.zoomTo(viewer.view.zoom * Math.exp(-event.deltaY / 400), inPane(viewer, pointOf(event)));
   }, { passive: false });
 }

@@ -47,9 +47,8 @@ function frameOf(ctx, area, text) {
 }
 
 // The pedestrian of `box` with the boxes of truth, X and Y, larger than in the whole picture.
-function drawInset(viewer, ctx, found, entry, box) {
+function drawInset(viewer, ctx, found, pictures, box) {
   const { place } = viewer.view;
-  const { recording } = viewer;
   const centre = { x: box.x + box.w / 2, y: box.y + box.h / 2 };
   const area = insetArea(place.size, { x: place.x + centre.x * place.scale, y: place.y + centre.y * place.scale });
   if (area.w < 60 || area.h < 60) return;
@@ -65,12 +64,7 @@ function drawInset(viewer, ctx, found, entry, box) {
   ctx.clip();
   ctx.fillStyle = "#171C25";
   ctx.fillRect(area.x, area.y, area.w, area.h);
-  if (entry?.bitmap) {
-    ctx.imageSmoothingEnabled = scale < 4;
-    viewer.light.begin(ctx);
-    ctx.drawImage(entry.bitmap, inner.x, inner.y, recording.width * scale, recording.height * scale);
-    viewer.light.end(ctx);
-  }
+  drawPictures(viewer, ctx, pictures, inner);
   drawBoxes(ctx, found, inner, { ...viewer.layers, labels: false }, viewer.sent.colours.picture, area);
   ctx.restore();
   const times = scale / viewer.view.fitScale;
@@ -78,24 +72,29 @@ function drawInset(viewer, ctx, found, entry, box) {
 }
 
 // Which part of the picture is seen, as a small map of it.
-function drawMap(viewer, ctx, entry) {
-  const { view, recording } = viewer;
+function drawMap(viewer, ctx, pictures) {
+  const { view } = viewer;
   if (view.zoom === 1) return;
   const { scale, x, y, size } = view.place;
+  const { area: whole, seen } = view;
   const w = Math.min(MAP_PX, 0.25 * size.width);
-  const h = (w * recording.height) / recording.width;
+  const h = (w * whole.h) / whole.w;
   const area = { x: size.width - w - INSET_MARGIN, y: size.height - h - INSET_MARGIN, w, h };
   ctx.fillStyle = "#171C25";
   ctx.fillRect(area.x, area.y, w, h);
-  if (entry?.bitmap) ctx.drawImage(entry.bitmap, area.x, area.y, w, h);
+  const share = w / whole.w;
+  const inMap = { scale: share, x: area.x - whole.x * share, y: area.y - whole.y * share };
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(area.x, area.y, w, h);
+  ctx.clip();
+  drawPictures(viewer, ctx, pictures, inMap);
+  ctx.restore();
   frameOf(ctx, area, "");
-  const share = w / recording.width;
-  const [left, top] = [Math.max(0, -x / scale), Math.max(0, -y / scale)];
-  const right = Math.min(recording.width, (size.width - x) / scale);
-  const bottom = Math.min(recording.height, (size.height - y) / scale);
+  const [left, top] = [inMap.x + ((seen.x - x) / scale) * share, inMap.y + ((seen.y - y) / scale) * share];
   ctx.strokeStyle = LISTED_LINE;
   ctx.lineWidth = 2;
-  ctx.strokeRect(area.x + left * share, area.y + top * share, (right - left) * share, (bottom - top) * share);
+  ctx.strokeRect(left, top, (seen.w / scale) * share, (seen.h / scale) * share);
 }
 
 // Marks the chosen pedestrian in the whole picture.

@@ -1,37 +1,61 @@
-// One row on the canvas: the picture, what lies over it, and the boxes.
+// One row on the canvas: the pictures, what lies over them, and the boxes.
 
-// entry: of the picture's store; found: of the boxes' store. Either may be missing.
-function paintRow(viewer, row, entry, found) {
-  const { recording, view } = viewer;
+// entry, visible: of the stores of pictures; found: of the boxes' store. Each may be missing.
+function paintRow(viewer, row, { entry, visible, found }) {
+  const { recording, view, look } = viewer;
   if (viewer.isFollowing) followChosen(viewer, found);
-  const { place } = view;
   const ctx = viewer.parts.picture.getContext("2d");
-  ctx.setTransform(viewer.ratio, 0, 0, viewer.ratio, 0, 0);
-  ctx.clearRect(0, 0, place.size.width, place.size.height);
+  const { width, height } = view;
+  look.panes(recording, entry, visible).forEach((pictures, pane) => {
+    ctx.save();
+    ctx.setTransform(viewer.ratio, 0, 0, viewer.ratio, viewer.ratio * pane * width, 0);
+    ctx.clearRect(0, 0, width, height);
+    ctx.beginPath();
+    ctx.rect(0, 0, width, height);
+    ctx.clip();
+    paintPane(viewer, ctx, row, pictures, found);
+    ctx.restore();
+  });
+}
+
+function paintPane(viewer, ctx, row, pictures, found) {
+  const { recording, view } = viewer;
+  const { place, seen } = view;
+  ctx.fillStyle = "#171C25";
+  ctx.fillRect(seen.x, seen.y, seen.w, seen.h);
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(seen.x, seen.y, seen.w, seen.h); // visible light may reach beyond the recording's own
+  ctx.clip();
+  drawPictures(viewer, ctx, pictures, place);
+  ctx.restore();
   const frame = { x: place.x, y: place.y, w: recording.width * place.scale, h: recording.height * place.scale };
-  if (entry?.bitmap) {
-    ctx.imageSmoothingEnabled = place.scale < 4;
-    viewer.light.begin(ctx);
-    ctx.drawImage(entry.bitmap, frame.x, frame.y, frame.w, frame.h);
-    viewer.light.end(ctx);
-  } else {
-    ctx.fillStyle = "#171C25";
-    ctx.fillRect(frame.x, frame.y, frame.w, frame.h);
-  }
-  if (viewer.layers.cost) viewer.cost.draw(ctx, frame, view.seen);
+  if (viewer.layers.cost) viewer.cost.draw(ctx, frame, seen);
   const { listed } = viewer.sent;
   if (listed?.box && listed.row === row) markListed(viewer, ctx, listed.box); // labels stand over it
   viewer.drawFound(ctx, found);
-  drawMap(viewer, ctx, entry);
+  drawMap(viewer, ctx, pictures);
   const box = findTrack(found, viewer.chosen);
   if (!box) return;
   markChosen(viewer, ctx, box);
-  if (viewer.isFollowing) drawInset(viewer, ctx, found, entry, box);
+  if (viewer.isFollowing) drawInset(viewer, ctx, found, pictures, box);
+}
+
+// place: where the recording's pixels lie on the canvas
+function drawPictures(viewer, ctx, pictures, { scale, x, y }) {
+  ctx.imageSmoothingEnabled = scale < 4;
+  viewer.light.begin(ctx);
+  for (const { bitmap, area, alpha } of pictures) {
+    ctx.globalAlpha = alpha;
+    ctx.drawImage(bitmap, x + area.x * scale, y + area.y * scale, area.w * scale, area.h * scale);
+  }
+  ctx.globalAlpha = 1;
+  viewer.light.end(ctx);
 }
 
 // The picture moves so that the chosen pedestrian stays in its middle; without that pedestrian it
 // stays where it is.
-function followChosen({ view, recording, chosen }, found) {
+function followChosen({ view, chosen }, found) {
   const box = findTrack(found, chosen);
-  if (box) view.centreOn((box.x + box.w / 2) / recording.width, (box.y + box.h / 2) / recording.height);
+  if (box) view.centreOnBox(box);
 }

@@ -15,8 +15,9 @@ class View {
     this.y = 0.5;
   }
 
-  set(recording, width, height) {
-    this.recording = recording;
+  // area: what is seen at most, in the recording's pixels
+  set(area, width, height) {
+    this.area = area;
     this.width = width;
     this.height = height;
     this.centreOn(this.x, this.y); // another size of the canvas has other bounds
@@ -24,43 +25,52 @@ class View {
 
   // Scale at which the whole picture is seen.
   get fitScale() {
-    return Math.min(this.width / this.recording.width, this.height / this.recording.height);
+    return Math.min(this.width / this.area.w, this.height / this.area.h);
   }
 
   // Where the recording's pixels lie on the canvas, in CSS pixels.
   get place() {
-    const { width, height } = this.recording;
+    const { area } = this;
     const size = { width: this.width, height: this.height };
     const scale = this.zoom * this.fitScale;
-    const x = size.width / 2 - this.x * width * scale;
-    const y = size.height / 2 - this.y * height * scale;
+    const x = size.width / 2 - (area.x + this.x * area.w) * scale;
+    const y = size.height / 2 - (area.y + this.y * area.h) * scale;
     return { scale, x, y, size };
   }
 
   // The part of the canvas that shows the picture.
   get seen() {
+    const { area } = this;
     const { scale, x, y, size } = this.place;
-    const left = Math.max(0, x), top = Math.max(0, y);
-    const right = Math.min(size.width, x + this.recording.width * scale);
-    const bottom = Math.min(size.height, y + this.recording.height * scale);
+    const left = Math.max(0, x + area.x * scale), top = Math.max(0, y + area.y * scale);
+    const right = Math.min(size.width, x + (area.x + area.w) * scale);
+    const bottom = Math.min(size.height, y + (area.y + area.h) * scale);
     return { x: left, y: top, w: right - left, h: bottom - top };
   }
 
   // The picture fills the canvas as far as it is large enough: it cannot be moved out of sight.
   centreOn(x, y) {
-    const { width, height } = this.recording;
+    const { w: width, h: height } = this.area;
     const scale = this.zoom * this.fitScale;
     const inside = (value, half) => Math.max(half, Math.min(1 - half, value));
     this.x = inside(x, Math.min(0.5, this.width / (2 * width * scale)));
     this.y = inside(y, Math.min(0.5, this.height / (2 * height * scale)));
   }
 
+  // The middle of a box of the recording comes into the middle, as far as may be.
+  centreOnBox({ x, y, w, h }) {
+    const { area } = this;
+    this.centreOn((x + w / 2 - area.x) / area.w, (y + h / 2 - area.y) / area.h);
+  }
+
   // at: the point of the canvas that stays where it is; by default the middle
   zoomTo(wanted, at = null) {
     const { scale, x, y, size } = this.place;
     const point = at ?? { x: size.width / 2, y: size.height / 2 };
-    const { width, height } = this.recording;
-    const share = { x: (point.x - x) / (width * scale), y: (point.y - y) / (height * scale) };
+    const { area } = this;
+    const share = {
+      x: ((point.x - x) / scale - area.x) / area.w, y: ((point.y - y) / scale - area.y) / area.h,
+    };
     const zoom = Math.max(1, Math.min(LARGEST_ZOOM, wanted));
     const shrink = this.zoom / zoom;
     this.zoom = zoom;
@@ -75,7 +85,7 @@ class View {
 
   moveBy(right, down) {
     const { scale } = this.place;
-    const { width, height } = this.recording;
+    const { w: width, h: height } = this.area;
     this.centreOn(this.x - right / (width * scale), this.y - down / (height * scale));
   }
 }

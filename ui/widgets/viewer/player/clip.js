@@ -12,7 +12,7 @@ class ClipViewer extends Viewer {
     root.removeAttribute("tabindex");
     root.setAttribute("aria-label", CLIP_TEXT);
     parts.picture.setAttribute("aria-label", CLIP_TEXT);
-    for (const part of [parts.legend, parts.dock, parts.stripHolder, parts.bar, parts.keys]) part.remove();
+    for (const part of [parts.legend, parts.sources.root, parts.dock, parts.stripHolder, parts.bar, parts.keys]) part.remove();
     this.starter = make("button", { type: "button", class: "starter" });
     this.starter.addEventListener("click", () => this.playPause());
     parts.stage.append(this.starter);

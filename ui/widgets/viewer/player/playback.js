@@ -30,11 +30,13 @@ function advance(viewer, now) {
 
 // Every how many rows a picture is asked for: more than 1 when they come more slowly than they
 // are due. The next one is near enough for playback to reach it while it waits for pictures.
-function rowsPerPicture({ recording, row, speed, pictures }) {
+function rowsPerPicture({ recording, row, speed, pictures, visible, look }) {
   const { clock, nRows } = recording;
   const last = Math.min(nRows - 1, row + PREFETCH);
   const interval = (clock[last] - clock[row]) / Math.max(1, last - row) / speed;
-  const needed = Math.max(pictures.secondsPerPicture, SCREEN_S);
+  const ofVisible = look.needsVisible ? visible.secondsPerPicture : 0;
+  const ofOwn = look.needsOwn ? pictures.secondsPerPicture : 0;
+  const needed = Math.max(ofOwn, ofVisible, SCREEN_S);
   const within = countUpTo(clock, clock[row] + longestLag(speed)) - 1 - row;
   return interval > 0 ? Math.max(1, Math.min(16, within, Math.ceil((0.9 * needed) / interval))) : 1;
 }

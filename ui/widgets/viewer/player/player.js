@@ -87,22 +87,25 @@ class Player {
   // ---- loading
 
   isReady(row) {
-    const hasPicture = !this.recording.hasPicture(row) || this.pictures.get(row) !== undefined;
-    return hasPicture && this.boxes.isReady(row);
+    const { look, recording } = this;
+    const hasOwn = !look.needsOwn || !recording.hasPicture(row) || this.pictures.get(row) !== undefined;
+    const hasVisible = !look.needsVisible || !look.hasVisible(row) || this.visible.get(row) !== undefined;
+    return hasOwn && hasVisible && this.boxes.isReady(row);
   }
 
   load() {
-    const { recording } = this;
+    const { recording, look } = this;
     if (!recording || recording.nRows === 0) return;
     this.boxes.want(this.row);
-    if (!recording.hasPictures) return;
     const rows = [this.row];
     const stride = this.playing ? rowsPerPicture(this) : 1;
     const ahead = this.isDragging ? 0 : PREFETCH;
     // clamped: long strides must not step over the last row, where playing ends
     for (let step = 1; step <= ahead; step += 1) rows.push(recording.clamp(this.row + this.direction * stride * step));
-    const wanted = [...new Set(rows)].filter((row) => recording.hasPicture(row));
-    this.pictures.want(wanted, this.isDragging ? 1 : REQUESTS);
+    const limit = this.isDragging ? 1 : REQUESTS;
+    const wanted = [...new Set(rows)];
+    if (look.needsOwn) this.pictures.want(wanted.filter((row) => recording.hasPicture(row)), limit);
+    if (look.needsVisible) this.visible.want(wanted.filter((row) => look.hasVisible(row)), limit);
   }
 
   onPicture(row) {

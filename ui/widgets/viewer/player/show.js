@@ -10,6 +10,7 @@ export default function show({ data, parentElement, setStateValue, setTriggerVal
   }
   viewer.update(
     data, (settled) => setStateValue("settled", settled), (chosen) => setTriggerValue("chosen", chosen),
+    (look) => setTriggerValue("look", look),
   );
   // Also called for a call that a newer one has overtaken; only a viewer that is gone is ended.
   return () => setTimeout(() => {

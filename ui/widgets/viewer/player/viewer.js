@@ -3,7 +3,7 @@
 
 const HINT_MS = 4000;
 
-class Viewer extends Player {
+class Viewer extends Looking {
   constructor() {
     super();
     this.layers = { truth: true, x: true, y: true, labels: true, cost: false };
@@ -23,6 +23,9 @@ class Viewer extends Player {
       zoomIn: () => this.zoomStep(1),
       zoomOut: () => this.zoomStep(-1),
       light: () => this.toggleLight(),
+      look: (changes) => this.changeLook(changes),
+      driver: () => this.toggleDriver(),
+      tunnel: () => this.toggleTunnel(),
       follow: () => this.toggleFollow(),
       large: () => this.dock.open(),
       closeDock: () => this.dock.close(),
@@ -33,10 +36,12 @@ class Viewer extends Player {
     this.holder = make("div", { class: "holder" }, [this.root]); // keeps the place of the root
     this.strip = new Strip(this.parts.strip);
     this.pictures = new PictureStore((row) => this.onPicture(row));
+    this.visible = new PictureStore((row) => this.onPicture(row));
+    this.look = new Look();
     this.boxes = new BoxStore((start, stop) => this.onBoxes(start, stop));
     this.root.dataset.playing = "false";
     this.row = 0;
-    this.shown = null; // {row, entry, found}: what is on the canvas
+    this.shown = null; // {row, entry, visible, found}: what is on the canvas
     this.speed = 1;
     this.playing = null; // {position (s of the recording's clock), from (row), at (time stamp)}
     this.isDragging = false;
@@ -66,12 +71,17 @@ class Viewer extends Player {
 
   // ---- what Python sends
 
-  // report(row settled on); reportChoice(encounter chosen)
-  update(sent, report, reportChoice = null) {
+  // report(row settled on); reportChoice(encounter chosen); reportLook(choice of the pictures)
+  update(sent, report, reportChoice = null, reportLook = null) {
     const before = this.sent;
     this.sent = sent;
     this.report = report;
     this.reportChoice = reportChoice;
+    this.reportLook = reportLook;
+    if (!before) {
+      this.look.take(sent.look);
+      this.toldLook = JSON.stringify(this.look.choice);
+    }
     const isOther = !before || before.token !== sent.token || before.recording !== sent.recording
       || before.n_rows !== sent.n_rows;
     const differs = (...names) => isOther
@@ -84,6 +94,12 @@ class Viewer extends Player {
       const query = new URLSearchParams({ lo: sent.lo, hi: sent.hi, v: sent.picture_version });
       this.pictures.reset((row) => `${address("frame")}/${row}.jpg?${query}`);
     }
+    if (differs("visible", "picture_version")) {
+      this.look.set(sent.visible);
+      if (isOther) this.look.changeAt = null;
+      this.addressOfVisible = address("visible");
+      this.resetVisible();
+    }
     this.reasons.reset(address("reasons"));
     if (isOther || before.chosen !== sent.chosen) this.chosen = sent.chosen;
     if (differs("colours", "theme")) this.setColours(sent);
@@ -93,12 +109,13 @@ class Viewer extends Player {
       this.cost.set(sent.cost);
       this.parts.cost.hidden = !this.cost.isKnown;
     }
-    if (differs("height_px", "width", "height")) this.setHeight();
+    if (differs("height_px", "width", "height", "visible")) this.showLook();
     if (differs("phrases")) nameFollow(this.parts.follow, sent.phrases);
     if (differs("listed")) showMissKeys(this.parts, sent.listed !== null);
     const isSeek = isOther || before.seek[1] !== sent.seek[1];
     if (isOther) {
       this.pictures.pin(null);
+      this.visible.pin(null);
       this.shown = null;
       delete this.root.dataset.shownRow;
       this.view.fit();
@@ -106,7 +123,7 @@ class Viewer extends Player {
       this.parts.picture.width = 0; // clears it; painting gives it its size again
     }
     const box = isSeek && sent.listed?.row === sent.seek[0] ? sent.listed.box : null;
-    if (box && this.view.zoom > 1) this.view.centreOn((box[0] + box[2] / 2) / sent.width, (box[1] + box[3] / 2) / sent.height);
+    if (box && this.view.zoom > 1) this.view.centreOnBox({ x: box[0], y: box[1], w: box[2], h: box[3] });
     if (isSeek) this.seek(sent.seek[0]);
     else this.load();
     this.isStale = true;
@@ -131,9 +148,9 @@ class Viewer extends Player {
   }
 
   setHeight() {
-    const { width, height } = this.recording;
+    const { w, h } = this.look.areaOf(this.recording);
     const { style } = this.parts.stage;
-    style.aspectRatio = `${width} / ${height}`;
+    style.aspectRatio = `${this.look.nPanes * w} / ${h}`;
     // the transport stays in sight below the picture
     style.maxHeight = `min(${this.sent.height_px}px, max(300px, calc(100vh - 27.2rem)))`;
   }
@@ -164,7 +181,7 @@ class Viewer extends Player {
     const isNew = this.shown === null || row !== this.shown.row || this.isReplaced(row);
     if (this.isReady(row) && (isNew || this.isStale)) this.paint(row);
     else if (this.passingRow !== undefined && this.isDragging && this.isReady(this.passingRow)) this.paint(this.passingRow);
-    else if (this.isStale && this.shown) this.paint(this.shown.row, this.shown.entry, this.shown.found);
+    else if (this.isStale && this.shown) this.paint(this.shown.row, this.shown);
     this.passingRow = undefined;
     this.strip.draw(this.row, this.hoverRow);
     this.showState();
@@ -177,8 +194,8 @@ class Viewer extends Player {
 
   // the same row again, but stretched differently
   isReplaced(row) {
-    const entry = this.pictures.get(row);
-    return entry !== undefined && entry !== this.shown?.entry;
+    const isOther = (store, shown) => store.get(row) !== undefined && store.get(row) !== shown;
+    return isOther(this.pictures, this.shown?.entry) || isOther(this.visible, this.shown?.visible);
   }
 
   resize() {
@@ -192,18 +209,22 @@ class Viewer extends Player {
       this.isStale = true;
     }
     this.ratio = ratio;
-    this.view.set(this.recording, stage.clientWidth, stage.clientHeight);
+    this.view.set(this.look.areaOf(this.recording), stage.clientWidth / this.look.nPanes, stage.clientHeight);
     this.strip.resize(this.parts.stripHolder.clientWidth, ratio);
     this.parts.strip.style.height = `${this.strip.height}px`;
   }
 
-  // The last two: what is on the canvas already, should the stores have dropped it.
-  paint(row, shownEntry = undefined, shownFound = null) {
-    const entry = shownEntry ?? (this.recording.hasPicture(row) ? this.pictures.get(row) : undefined);
-    const found = this.boxes.ofRow(row) ?? shownFound;
-    paintRow(this, row, entry, found);
+  // shown: what is on the canvas already, should the stores have dropped it
+  paint(row, shown = null) {
+    const entry = shown?.entry ?? (this.recording.hasPicture(row) ? this.pictures.get(row) : undefined);
+    const visible = shown?.visible ?? (this.look.hasVisible(row) ? this.visible.get(row) : undefined);
+    const found = this.boxes.ofRow(row) ?? shown?.found ?? null;
+    paintRow(this, row, { entry, visible, found });
     this.pictures.pin(entry ?? null);
-    this.shown = { row, entry, found };
+    this.visible.pin(visible ?? null);
+    this.shown = { row, entry, visible, found };
+    if (this.isReady(row)) this.root.dataset.picture = this.look.mode;
+    showClock(this.parts.sources, this.look, this.recording.times[row]);
     this.isStale = false;
     this.root.dataset.shownRow = String(row);
     if (this.isSpokenEarly && row === this.row) this.speak();
@@ -233,9 +254,11 @@ class Viewer extends Player {
   showState() {
     const row = this.shownRow;
     const texts = [this.boxes.errorAt(row), this.hint];
-    if (this.recording.hasPictures) {
-      texts.push(this.recording.hasPicture(row) ? this.shown?.entry?.error : NO_PICTURE);
-    } else texts.push("No pictures: boxes only");
+    const { look, recording } = this;
+    if (look.needsVisible) texts.push(look.hasVisible(row) ? this.shown?.visible?.error : NO_PICTURE);
+    if (look.needsOwn && recording.hasPictures) {
+      texts.push(recording.hasPicture(row) ? this.shown?.entry?.error : NO_PICTURE);
+    } else if (look.needsOwn) texts.push("No pictures: boxes only");
     const isLate = !this.playing && this.row !== row && performance.now() - this.requestedAt > LOADING_TEXT_MS;
     if (isLate || this.shown === null) texts.unshift("Loading …");
     this.showMessage(texts.filter((text) => text)[0] ?? "");
@@ -362,12 +385,15 @@ class Viewer extends Player {
     clearTimeout(this.settleTimer);
     clearTimeout(this.loadingTimer);
     clearTimeout(this.hintTimer);
+    clearTimeout(this.lookTimer);
     this.dock?.destroy();
     this.card.hide();
     this.observer.disconnect();
     document.removeEventListener("keydown", this.onPageKey);
     this.pictures.pin(null);
     this.pictures.reset(() => "");
+    this.visible.pin(null);
+    this.visible.reset(() => "");
     this.boxes.reset("", "", 0);
   }
 }

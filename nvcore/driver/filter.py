@@ -1,0 +1,185 @@
+"""A picture of visible light as the driver sees it for some seconds after the light has changed.
+
+Two things are worse at once and recover while the eyes adapt, each as an exponential of the time
+since the change:
+
+- *Contrast.* In bands of an octave (a Laplacian pyramid), what differs from its surround by less
+  than a threshold disappears, and what differs by more loses as much; colours fade with it.
+- *Acuity.* Details smaller than a visual angle blur.
+
+The picture is one for people to look at. It shows what the estimators (`nvcore.driver.estimators`)
+are about, but they do not use it, and nobody was measured for it: the form of the model is
+published, its numbers are ours (`FilterSettings`).
+
+References
+----------
+R. M. Boynton, N. D. Miller: Visual performance under conditions of transitional adaptation,
+Illuminating Engineering 58 (1963): that thresholds of contrast rise at once where the light
+changes, and fall again within seconds.
+
+E. Peli: Contrast in complex images, Journal of the Optical Society of America A 7 (1990),
+2032-2040: contrast by octave, relative to the local mean, and a threshold for each place.
+
+P. J. Burt, E. H. Adelson: The Laplacian pyramid as a compact image code, IEEE Transactions on
+Communications 31 (1983), 532-540.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.errors import ParameterError
+from nvcore.extras import needs
+
+with needs("driver", "the picture as the driver sees it needs"):
+    import cv2
+
+OCTAVES: Final = 6
+"""Bands of the pyramid; the finest is of single pixels."""
+LEAST_SIGMA_PX: Final = 0.2
+"""Blur of less than that is none."""
+LEAST_THRESHOLD: Final = 1 / 1024
+"""A threshold of less than that is none: it moves no grey level."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FilterSettings:
+    """How much the driver loses when the light changes, and how soon he has it back; all is ours.
+
+    Attributes
+    ----------
+    threshold
+        Contrast that disappears at the change: difference of light, relative to the surround.
+    threshold_decay_s
+        In so many seconds the threshold falls to 1/e. With 1.5 a twentieth of it is left after
+        4.5 s, when detectability rises no more in the paper.
+    blur_arcmin
+        Visual angle of the details that blur at the change, minutes of arc.
+    blur_decay_s
+        In so many seconds that angle falls to 1/e.
+    px_per_degree
+        Pixels of the picture in a degree of the driver's view: 960 px over 48 degrees.
+    gamma
+        Of the display: light is the grey level to that power.
+    veil_level
+        Grey levels of stray light in the eye: in the black there is no contrast.
+    """
+
+    threshold: float = 0.6
+    threshold_decay_s: float = 1.5
+    blur_arcmin: float = 15.0
+    blur_decay_s: float = 1.5
+    px_per_degree: float = 20.0
+    gamma: float = 2.2
+    veil_level: float = 4.0
+
+    def __post_init__(self) -> None:
+        may_be_zero = ("threshold", "blur_arcmin", "veil_level")
+        for name in (field.name for field in fields(self)):
+            value = getattr(self, name)
+            if not math.isfinite(value) or value < 0 or (value == 0 and name not in may_be_zero):
+                raise ParameterError(f"{name}: expected a number above 0, found {value:g}")
+
+
+def contrast_threshold(period_s: float, settings: FilterSettings | None = None) -> float:
+    """Contrast that disappears so many seconds after the change; NaN seconds: 0."""
+    settings = settings or FilterSettings()
+    return settings.threshold * _left(period_s, settings.threshold_decay_s)
+
+
+def blur_px(period_s: float, settings: FilterSettings | None = None) -> float:
+    """Standard deviation of the blur so many seconds after the change, px; NaN seconds: 0.
+
+    Half the angle of the details that blur: of bars that wide 0.3 of the contrast is left.
+    """
+    settings = settings or FilterSettings()
+    angle = settings.blur_arcmin * _left(period_s, settings.blur_decay_s)
+    return angle / 60 * settings.px_per_degree / 2
+
+
+def as_the_driver_sees(
+    picture: NDArray[np.uint8], period_s: float, settings: FilterSettings | None = None
+) -> NDArray[np.uint8]:
+    """The picture as the driver sees it, `period_s` after a change from bright to dark.
+
+    Parameters
+    ----------
+    picture
+        Of visible light, grey (h, w) or RGB (h, w, 3), uint8.
+    period_s
+        Adaptation period, seconds; NaN or infinite: the eyes are adapted.
+    settings
+        None: our defaults.
+
+    Returns
+    -------
+    uint8, of the same shape; the picture itself where the eyes are adapted.
+
+    Raises
+    ------
+    ParameterError
+        If the period is negative.
+
+    Examples
+    --------
+    >>> picture = np.tile(np.array([100, 104], np.uint8), (64, 32))
+    >>> int(np.ptp(as_the_driver_sees(picture, 0.5))), int(np.ptp(as_the_driver_sees(picture, 60)))
+    (0, 4)
+    """
+    assert picture.dtype == np.uint8, picture.dtype
+    settings = settings or FilterSettings()
+    threshold, sigma = contrast_threshold(period_s, settings), blur_px(period_s, settings)
+    if sigma >= LEAST_SIGMA_PX:
+        picture = _uint8(cv2.GaussianBlur(picture, (0, 0), sigma))
+    if threshold < LEAST_THRESHOLD:
+        return picture
+    grey = picture if picture.ndim == 2 else cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)
+    levels = grey.astype(np.float32)
+    seen = _above_threshold(levels, threshold, settings)
+    if picture.ndim == 2:
+        return _uint8(cv2.convertScaleAbs(np.maximum(seen, 0)))
+    colour = max(1 - threshold, 0.0)
+    rest = np.asarray(seen - colour * levels, np.float32)
+    return _uint8(cv2.addWeighted(picture, colour, cv2.merge([rest] * 3), 1, 0, dtype=cv2.CV_8U))
+
+
+def _left(period_s: float, decay_s: float) -> float:
+    """Share of what was lost that is lost still."""
+    if math.isnan(period_s):
+        return 0.0
+    if period_s < 0:
+        raise ParameterError(f"period: expected seconds after the change, found {period_s:g}")
+    return math.exp(-period_s / decay_s)
+
+
+def _above_threshold(
+    levels: NDArray[np.float32], threshold: float, settings: FilterSettings
+) -> NDArray[np.float32]:
+    """Grey levels, float32, without the contrasts below the threshold.
+
+    Of small contrasts, that of light is `gamma` times that of the grey levels.
+    """
+    share = threshold / settings.gamma
+    bands, means = [], []
+    for _ in range(OCTAVES):
+        if min(levels.shape) < 2:
+            break
+        smaller = cv2.pyrDown(levels)
+        mean = cv2.pyrUp(smaller, dstsize=levels.shape[::-1])
+        bands.append(levels - mean)
+        means.append(mean)
+        levels = np.asarray(smaller, np.float32)
+    for band, mean in zip(bands[::-1], means[::-1], strict=True):
+        least = (mean + np.float32(settings.veil_level)) * np.float32(share)
+        seen = band - np.clip(band, -least, least)
+        levels = np.asarray(cv2.pyrUp(levels, dstsize=band.shape[::-1]) + seen, np.float32)
+    return levels
+
+
+def _uint8(picture: object) -> NDArray[np.uint8]:
+    return np.asarray(picture, np.uint8)

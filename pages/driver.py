@@ -1,0 +1,36 @@
+"""Driver: whom the driver sees by himself, and who warns him of the others."""
+
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.report.verdict.driver import describe_driver
+from ui.driver import course, listed, missing, regions
+from ui.session import state
+from ui.shell.messages import draw_as_set_note, draw_warnings, needs_comparison
+from ui.widgets.text import docs_link, plain
+
+
+@needs_comparison
+def draw(result: Result) -> None:
+    """Who sees whom, then the encounters behind it; without detectability, how to get it."""
+    st.caption(
+        state.words(
+            "A warning is worth most where the driver does not see the pedestrian himself. "
+            f"{docs_link('Detectability', 'whom-he-sees', doc='driver')} is the share of drivers "
+            "who would see him: 0 nobody, 1 everybody."
+        )
+    )
+    if not result.driver.has_any:
+        missing.draw()
+        return
+    draw_warnings(result)
+    draw_as_set_note(result)
+    st.markdown("\n\n".join(map(plain, describe_driver(result))))
+    region = regions.draw(result)
+    encounter = listed.draw(result, region)
+    if encounter is not None:
+        course.draw(result, encounter)
+
+
+st.title("Driver")
+draw()

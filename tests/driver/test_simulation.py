@@ -1,0 +1,71 @@
+"""A simulated change of light: which frames it is of, and what is estimated of them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from nvcore.driver.estimators import Estimator, Origin, Quality, Regression
+from nvcore.driver.estimators.model import SvrSettings
+from nvcore.driver.features import FEATURE_KEYS
+from nvcore.driver.simulation import simulate_change
+from nvcore.errors import ParameterError
+
+END_S = np.array([1.0, 2.0, 3.0, 8.0])
+
+
+def constant(detectability: float) -> Regression:
+    """A regression that says this of everybody."""
+    return Regression(
+        columns=np.array([0]),
+        centre=np.zeros(1),
+        scale=np.ones(1),
+        low=np.zeros(1),
+        high=np.full(1, 100.0),
+        vectors=np.ones((1, 1)),
+        weights=np.zeros(1),
+        offset=detectability,
+        settings=SvrSettings("linear", 1.0, 0.1, 1.0),
+    )
+
+
+ESTIMATOR = Estimator(
+    "test",
+    np.array([0.5, 4.5]),
+    (constant(0.2), constant(0.9), constant(0.5)),
+    (Quality(51, 0.01, 0.5, 0.1),) * 3,
+    Origin(51, 4, 306, "no", 200.0, 0.5, 0.5, 0, "ab"),
+)
+
+
+def features(period_s: float | list[float]) -> pd.DataFrame:
+    table = pd.DataFrame(dict.fromkeys(FEATURE_KEYS, 50.0), index=[3, 4, 5, 6])
+    return table.assign(period_s=period_s)
+
+
+def test_from_the_change_on_the_eyes_adapt_anew():
+    table = simulate_change(features(math.nan), END_S, 1.5, ESTIMATOR)
+    np.testing.assert_array_equal(table["period_s"], [math.nan, 0.5, 1.5, 6.5])
+    assert table["detectability"].tolist() == pytest.approx([0.9, 0.2, 0.2, 0.9])
+    assert table["is_simulated"].tolist() == [False, True, True, True]
+    assert table.index.tolist() == [3, 4, 5, 6]
+
+
+def test_a_real_change_before_it_holds_until_it_and_one_after_it_from_then_on():
+    table = simulate_change(features([0.4, 1.4, 2.4, 0.3]), END_S, 1.5, ESTIMATOR)
+    np.testing.assert_allclose(table["period_s"], [0.4, 0.5, 1.5, 0.3])
+    assert table["is_simulated"].tolist() == [False, True, True, False]
+
+
+def test_the_features_file_stays_as_it_is():
+    table = features(math.nan)
+    simulate_change(table, END_S, 1.5, ESTIMATOR)
+    pd.testing.assert_frame_equal(table, features(math.nan))
+
+
+def test_a_change_at_no_time_is_refused():
+    with pytest.raises(ParameterError, match="seconds from frame 0, found nan"):
+        simulate_change(features(math.nan), END_S, math.nan, ESTIMATOR)

@@ -1,0 +1,91 @@
+"""A recording with two pictures, its own and visible light, in the viewer in a real browser."""
+
+from __future__ import annotations
+
+from playwright import sync_api
+from viewer_window import choose, painted, press, viewer_of
+
+# Red, green and blue of the picture where nothing is drawn over it, at these shares of the canvas.
+COLOUR = """(viewer, [across, down]) => {
+  const canvas = viewer.querySelector("canvas.picture");
+  const [x, y] = [across * canvas.width, down * canvas.height];
+  return [...canvas.getContext("2d").getImageData(x, y, 1, 1).data].slice(0, 3);
+}"""
+
+
+def colour(page: sync_api.Page, across: float) -> str:
+    """Of a place high in the picture, at a share of its width."""
+    red, green, blue = viewer_of(page).evaluate(COLOUR, [across, 0.3])
+    if red - blue > 150:
+        return "red"
+    if blue - red > 150:
+        return "blue"
+    if red - blue > 40:
+        return "reddish"
+    return "grey" if max(red, green, blue) - min(red, green, blue) < 20 else "other"
+
+
+def shown(page: sync_api.Page, picture: str) -> None:
+    """Wait until this is how the pictures are painted."""
+    sync_api.expect(viewer_of(page)).to_have_attribute("data-picture", picture)
+
+
+def told(page: sync_api.Page, look: str) -> None:
+    """Wait until Python has heard of the choice."""
+    page.get_by_text(f"look Look({look})", exact=True).wait_for()
+
+
+def test_a_recording_with_one_picture_has_no_choice(page):
+    sync_api.expect(page.get_by_role("group", name="Pictures")).to_have_count(0)
+    press(page, "v", "d")
+    shown(page, "own")
+
+
+def test_a_key_goes_through_own_visible_blended_and_side_by_side(page):
+    choose(page, "two pictures")
+    assert painted(page, 5) == 5
+    sync_api.expect(page.get_by_role("combobox", name="Picture")).to_have_value("own")
+    assert colour(page, 0.4) == "grey"
+    press(page, "v")
+    shown(page, "visible")
+    assert colour(page, 0.4) == "red"
+    told(page, "picture='visible', blend=0.5, seen_s=None")
+    press(page, "v")
+    shown(page, "blended")
+    assert colour(page, 0.4) == "reddish"
+    press(page, "v")
+    shown(page, "both")
+    assert (colour(page, 0.3), colour(page, 0.7)) == ("grey", "red")
+    told(page, "picture='both', blend=0.5, seen_s=None")
+
+
+def test_after_a_simulated_change_of_light_the_time_runs_with_the_frames(page):
+    choose(page, "two pictures")
+    assert painted(page, 5) == 5
+    press(page, "d")
+    told(page, "picture='visible', blend=0.5, seen_s=0.5")
+    button = page.get_by_role("button", name="A tunnel begins here")
+    button.click()
+    page.get_by_text("simulated: 0.0 s after the change", exact=True).wait_for()
+    press(page, "Shift+ArrowRight")
+    assert painted(page, 25) == 25
+    page.get_by_text("simulated: 1.0 s after the change", exact=True).wait_for()
+    assert colour(page, 0.4) == "blue"
+    press(page, "Home")
+    assert painted(page, 0) == 0
+    page.get_by_text("simulated: before the change", exact=True).wait_for()
+    assert colour(page, 0.4) == "red"
+    button.click()
+    sync_api.expect(page.get_by_role("slider", name="Seconds since")).to_be_visible()
+
+
+def test_as_the_driver_sees_it_is_visible_light_from_another_address(page):
+    choose(page, "two pictures")
+    assert painted(page, 5) == 5
+    press(page, "d")
+    shown(page, "visible")
+    told(page, "picture='visible', blend=0.5, seen_s=0.5")
+    assert colour(page, 0.4) == "blue"
+    page.get_by_role("button", name="As the driver sees it").click()
+    told(page, "picture='visible', blend=0.5, seen_s=None")
+    assert colour(page, 0.4) == "red"

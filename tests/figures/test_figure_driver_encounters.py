@@ -1,0 +1,61 @@
+"""Figures of the driver in the comparison: who sees whom, and detectability over time."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from nvcore.figures import detectability_course_plot, driver_venn_plot
+from nvcore.metrics.driver import DriverVenn
+from nvcore.schema import DriverRegion
+
+COURSE = pd.DataFrame(
+    {
+        "row": [10, 11, 12],
+        "time_s": [0.5, 0.55, 0.6],
+        "detectability": [0.1, np.nan, 0.95],
+        "sd": [0.2, np.nan, 0.2],
+        "is_outside": [False, False, False],
+        "is_up_to_relevant": [True, True, False],
+    }
+)
+
+
+def venn(**counts: int) -> DriverVenn:
+    return DriverVenn({region: counts.get(region.value, 0) for region in DriverRegion})
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_each_of_the_eight_regions_has_its_count_and_can_be_clicked(theme):
+    figure = driver_venn_plot(venn(driver_x_y=3, y=12, unknown=2), ("A", "<B>"), theme=theme)
+    (points,) = figure.data
+    assert len(points.customdata) == 8
+    at = dict(zip(points.customdata, zip(points.x, points.y, strict=True), strict=True))
+    texts = {(one.x, one.y): one.text for one in figure.layout.annotations}
+    assert texts[at["y"]] == "<b>12</b>"
+    assert texts[at["driver_x_y"]] == "<b>3</b>"
+    assert texts[at["nobody"]] == "<b>0</b>"
+    assert "Y &lt;B&gt;" in texts.values()
+    assert "15 near encounters of which it is known, 2 others" in figure.layout.title.text
+
+
+def test_where_nothing_is_known_the_diagram_says_so():
+    figure = driver_venn_plot(venn(unknown=4), ("A", "B"), theme="light")
+    assert not figure.data
+    assert "not known" in figure.layout.annotations[0].text
+
+
+def test_a_course_marks_known_frames_and_its_band_ends_at_0_and_1():
+    figure = detectability_course_plot(COURSE, threshold=0.5, theme="light")
+    band, before, later = figure.data
+    assert (min(band.y), max(band.y)) == (0, 1)
+    assert (list(before.customdata), list(later.customdata)) == ([10], [12])
+    assert "2 frames in which it is known, of 3" in figure.layout.title.text
+    assert figure.layout.shapes[0].y0 == 0.5
+
+
+def test_a_course_of_which_nothing_is_known_says_so():
+    unknown = COURSE.assign(detectability=np.nan)
+    figure = detectability_course_plot(unknown, threshold=0.5, theme="light")
+    assert "not known how detectable" in figure.layout.annotations[0].text.replace("<br>", " ")

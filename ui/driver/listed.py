@@ -1,0 +1,61 @@
+"""Driver page: the encounters with what is known of the driver."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Final
+
+import numpy as np
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.schema import DriverRegion
+from nvcore.tables.encounters.driver import REGION_NAMES
+from nvcore.tables.result import encounters_table
+from ui.session import state
+from ui.session.chosen import choose_encounter, chosen_encounter
+from ui.widgets.clicks import clicked_row
+from ui.widgets.table_columns import MOST_ROWS, as_shown, column_config, rows_told, table_height
+from ui.widgets.text import UNDEFINED
+
+COLUMNS: Final = (
+    *("recording", "track", "driver_region", "detectability", "detectability_sd"),
+    *("driver_sees", "driver_frame", "driver_in_time", "severity_s_x", "severity_s_y"),
+)
+
+
+def draw(result: Result, region: DriverRegion | None) -> int | None:
+    """The least detectable first; the encounter that is chosen, else the first; None: no row."""
+    table = encounters_table(result)
+    is_shown = table["driver_region"] != DriverRegion.DISTANT
+    if region is not None:
+        is_shown = table["driver_region"] == region
+    listed = table[is_shown].sort_values("detectability", kind="stable", na_position="last")
+    st.header("One by one")
+    if listed.empty:
+        st.info(state.words("No pedestrian is seen so."))
+        return None
+    shown = listed.head(MOST_ROWS)
+    rows = shown.index.to_numpy(np.int64).tolist()
+    key = f"driver_list_{hash(tuple(rows))}"
+    who = shown["driver_region"].map(REGION_NAMES.__getitem__)
+    st.dataframe(
+        as_shown(shown[list(COLUMNS)].assign(driver_region=who)),
+        hide_index=True,
+        column_config=column_config("encounters.csv")
+        | {"driver_region": st.column_config.TextColumn("Seen by")},
+        height=table_height(min(len(shown), 10)),
+        key=key,
+        placeholder=UNDEFINED,
+        selection_mode=("single-row", "single-cell"),
+        on_select=partial(_choose, result, key, rows),
+    )
+    st.caption(f"Click a row to see its course. {rows_told(len(listed), 'least detectable')}")
+    chosen = chosen_encounter(result)
+    return chosen if chosen in rows else rows[0]
+
+
+def _choose(result: Result, key: str, rows: list[int]) -> None:
+    row = clicked_row(key)
+    if row is not None:
+        choose_encounter(result, rows[row])

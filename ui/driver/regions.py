@@ -1,0 +1,55 @@
+"""Driver page: encounters by who sees them, of driver, X and Y, as a figure and in words."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.figures.driver.venn import driver_venn_plot
+from nvcore.schema import DriverRegion
+from nvcore.tables.encounters.driver import REGION_NAMES, driver_venn_table
+from ui.session import state
+from ui.widgets.charts import clicked_chart
+from ui.widgets.table_columns import as_shown
+
+REGION: Final = "driver_region"
+"""Key of the choice of a region; None: all."""
+HEADINGS: Final[dict[str, Any]] = {
+    "who": "Seen by",
+    "encounters": "Encounters",
+    "severity_x": st.column_config.NumberColumn("Severity X (s)", format="%.2f"),
+    "severity_y": st.column_config.NumberColumn("Severity Y (s)", format="%.2f"),
+    "meaning": st.column_config.TextColumn("What it means", width="large"),
+}
+
+
+def draw(result: Result) -> DriverRegion | None:
+    """The diagram and its regions; the one that is chosen, None: all."""
+    left, right = st.columns([2, 3], gap="medium")
+    names = result.x.name, result.y.name
+    with left:
+        figure = driver_venn_plot(result.driver.venn, names, theme=state.theme())
+        clicked = clicked_chart(figure, "driver_venn")
+    if clicked in [*DriverRegion]:
+        st.session_state[REGION] = DriverRegion(clicked)
+    table = driver_venn_table(result)
+    has_unknown = result.driver.venn.counts[DriverRegion.UNKNOWN] > 0
+    table = table if has_unknown else table[table["region"] != DriverRegion.UNKNOWN]
+    with right:
+        st.dataframe(
+            as_shown(table[list(HEADINGS)]),
+            hide_index=True,
+            column_config=HEADINGS,
+        )
+        chosen: DriverRegion | None = st.selectbox(
+            "Encounters seen by",
+            [DriverRegion(region) for region in table["region"]],
+            index=None,
+            format_func=REGION_NAMES.__getitem__,
+            placeholder="anybody or nobody: all",
+            key=REGION,
+            persist_state="session",
+        )
+    return chosen

@@ -1,0 +1,115 @@
+"""Which of a recording's two pictures people see, its own or that of visible light, and how."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+import streamlit as st
+
+from ui.session import state
+
+NAMES: Final = ("picture", "blend", "seen_s")
+"""What an address says of it."""
+CHOICES: Final = ("own", "visible", "blended", "both")
+MOST_SECONDS: Final = 10.0
+"""Longest time after a change of light that can be chosen."""
+KEY: Final = "look"
+
+
+class VisiblePictures(NamedTuple):
+    """Pictures of visible light beside a recording's own.
+
+    Attributes
+    ----------
+    area
+        x, y, w, h of what they show, px of the recording.
+    has_picture
+        Whether a row has one, bool, shape (n_rows,).
+    """
+
+    area: tuple[float, float, float, float]
+    has_picture: np.ndarray
+
+
+class Look(NamedTuple):
+    """How the pictures of a recording are seen.
+
+    Attributes
+    ----------
+    picture
+        "own", "visible", "blended" or "both" (side by side); where there are none of visible light,
+        its own are seen.
+    blend
+        Share of visible light where they are blended, 0..1.
+    seen_s
+        Seconds after a change of light for which visible light is shown as the driver sees it;
+        None: as it is.
+    """
+
+    picture: str = "own"
+    blend: float = 0.5
+    seen_s: float | None = None
+
+
+OWN_PICTURES: Final = Look()
+
+
+def look() -> Look:
+    """How they are seen in this browser session: as chosen, else as the address says."""
+    if KEY not in st.session_state:
+        query = st.query_params.to_dict()
+        sent = {name: _number(text) for name, text in query.items() if name in NAMES[1:]}
+        st.session_state[KEY] = read_look({"picture": query.get("picture"), **sent}) or OWN_PICTURES
+    known: Look = st.session_state[KEY]
+    return known
+
+
+def keep_look(chosen: Look) -> None:
+    """See the pictures so from now on; the page's address says so, too."""
+    st.session_state[KEY] = chosen
+    state.write_address(to_address(chosen), NAMES)
+
+
+def to_address(chosen: Look) -> dict[str, str]:
+    """What an address says of it; nothing of what is as usual.
+
+    Examples
+    --------
+    >>> to_address(Look("visible", seen_s=1.5))
+    {'picture': 'visible', 'seen_s': '1.5'}
+    >>> to_address(Look())
+    {}
+    """
+    entries = {}
+    if chosen.picture != OWN_PICTURES.picture:
+        entries["picture"] = chosen.picture
+    if chosen.picture == "blended":
+        entries["blend"] = f"{chosen.blend:g}"
+    if chosen.seen_s is not None:
+        entries["seen_s"] = f"{chosen.seen_s:g}"
+    return entries
+
+
+def read_look(sent: Any) -> Look | None:
+    """What a browser or an address says, checked; None: it says nothing that can be."""
+    if not isinstance(sent, Mapping) or sent.get("picture") not in CHOICES:
+        return None
+    blend = _within(sent.get("blend"), 1.0)
+    seen_s = _within(sent.get("seen_s"), MOST_SECONDS)
+    return Look(sent["picture"], OWN_PICTURES.blend if blend is None else blend, seen_s)
+
+
+def _within(value: Any, greatest: float) -> float | None:
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return None
+    return float(value) if math.isfinite(value) and 0 <= value <= greatest else None
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None

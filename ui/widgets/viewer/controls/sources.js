@@ -1,0 +1,59 @@
+// Above the picture, where a recording has two of them: which one is seen, and as who sees it.
+
+const DRIVER_HINT = "As the driver sees it after the light has changed: contrast and sharpness come back "
+  + "while the eyes adapt (a model with numbers of ours)";
+const TUNNEL_HINT = "Simulate a change from bright to dark at this frame, and see the eyes adapt while it plays. "
+  + "Press again to end it";
+
+function makeSources(actions) {
+  const choice = make("select", { "aria-label": "Picture", title: "Which picture (v)" },
+    LOOKS.map(([value, text]) => make("option", { value, text })));
+  choice.addEventListener("change", () => actions.look({ picture: choice.value }));
+  const slider = (label, attributes, change) => {
+    const field = make("input", { type: "range", "aria-label": label, title: label, ...attributes });
+    const shown = make("output", {});
+    field.addEventListener("input", () => change(Number(field.value)));
+    return { part: make("label", { class: "slide" }, [field, shown]), field, shown };
+  };
+  const blend = slider("Share of visible light", { min: "0", max: "1", step: "0.05" }, (value) => actions.look({ blend: value }));
+  const since = slider("Seconds since the light has changed", { min: "0", max: "10", step: "0.1" },
+    (value) => actions.look({ sinceS: value }));
+  const driver = make("button", {
+    type: "button", class: "icon text", text: "As the driver sees it", title: `${DRIVER_HINT} (d)`, "aria-pressed": "false",
+  });
+  driver.addEventListener("click", () => actions.driver());
+  const tunnel = make("button", {
+    type: "button", class: "icon text", text: "A tunnel begins here", title: TUNNEL_HINT, "aria-pressed": "false",
+  });
+  tunnel.addEventListener("click", () => actions.tunnel());
+  const clock = make("span", { class: "clock" });
+  const root = make("div", { class: "sources", role: "group", "aria-label": "Pictures", hidden: "" }, [
+    choice, blend.part, driver, since.part, tunnel, clock,
+  ]);
+  return { root, choice, blend, driver, since, tunnel, clock };
+}
+
+function showSources({ root, choice, blend, driver, since, tunnel }, look) {
+  root.hidden = look.visible === null;
+  choice.value = look.picture;
+  blend.part.hidden = look.mode !== "blended";
+  blend.field.value = String(look.blend);
+  blend.shown.textContent = `${Math.round(100 * look.blend)} %`;
+  driver.hidden = !look.needsVisible;
+  driver.setAttribute("aria-pressed", String(look.isDriver));
+  const isDriver = look.needsVisible && look.isDriver;
+  since.part.hidden = !isDriver || look.changeAt !== null;
+  tunnel.hidden = !isDriver;
+  tunnel.setAttribute("aria-pressed", String(look.changeAt !== null));
+  since.field.value = String(look.sinceS);
+  since.shown.textContent = `${look.sinceS.toFixed(1)} s`;
+}
+
+// The time since a simulated change of light, in the row that is painted.
+function showClock({ clock }, look, time) {
+  const isSimulated = look.needsVisible && look.isDriver && look.changeAt !== null;
+  const seconds = look.seenAt(time);
+  const text = seconds === null ? "before the change" : `${seconds.toFixed(1)} s after the change`;
+  clock.hidden = !isSimulated;
+  clock.textContent = isSimulated ? `simulated: ${text}` : "";
+}

@@ -1,0 +1,93 @@
+// Which of a recording's two pictures are seen, its own or that of visible light, and how.
+
+const LOOKS = [["own", "Own pictures"], ["visible", "Visible light"], ["blended", "Blended"], ["both", "Side by side"]];
+
+class Look {
+  constructor() {
+    this.picture = "own";
+    this.blend = 0.5; // share of visible light where both are blended
+    this.isDriver = false; // whether visible light is shown as the driver sees it
+    this.sinceS = 0.5; // seconds since the light has changed
+    this.changeAt = null; // time of a simulated change of light, s; null: `sinceS` holds for all rows
+    this.visible = null; // what Python sends of it; null: the recording has none
+    this.spans = new Int32Array(0);
+  }
+
+  take({ picture, blend, seen_s: seenS }) {
+    this.picture = picture;
+    this.blend = blend;
+    this.isDriver = seenS !== null;
+    this.sinceS = seenS ?? this.sinceS;
+  }
+
+  set(visible) {
+    this.visible = visible;
+    this.spans = visible ? unpack(visible.spans, Int32Array) : new Int32Array(0);
+  }
+
+  // What is kept by the page.
+  get choice() {
+    return { picture: this.picture, blend: this.blend, seen_s: this.isDriver ? this.sinceS : null };
+  }
+
+  get mode() {
+    return this.visible ? this.picture : "own";
+  }
+
+  get needsOwn() {
+    return this.mode !== "visible";
+  }
+
+  get needsVisible() {
+    return this.mode !== "own";
+  }
+
+  hasVisible(row) {
+    return countUpTo(this.spans, row) % 2 === 1;
+  }
+
+  // Seconds since the light has changed, at a time of the recording; null: the eyes are adapted.
+  seenAt(time) {
+    if (!this.isDriver) return null;
+    if (this.changeAt === null) return this.sinceS;
+    return time < this.changeAt ? null : time - this.changeAt;
+  }
+
+  get nPanes() {
+    return this.mode === "both" ? 2 : 1;
+  }
+
+  // What a pane shows at most, in the recording's pixels.
+  areaOf({ width, height }) {
+    const own = { x: 0, y: 0, w: width, h: height };
+    return this.mode === "visible" ? this.visibleArea : own;
+  }
+
+  get visibleArea() {
+    const [x, y, w, h] = this.visible.area;
+    return { x, y, w, h };
+  }
+
+  next() {
+    const at = LOOKS.findIndex(([name]) => name === this.picture);
+    this.picture = LOOKS[(at + 1) % LOOKS.length][0];
+  }
+
+  // Pictures of each pane, the lower one first: {bitmap, area, alpha}.
+  panes(recording, own, visible) {
+    const area = { x: 0, y: 0, w: recording.width, h: recording.height };
+    const lower = own?.bitmap ? [{ bitmap: own.bitmap, area, alpha: 1 }] : [];
+    const upper = this.visible && visible?.bitmap
+      ? [{ bitmap: visible.bitmap, area: this.visibleArea, alpha: 1 }] : [];
+    if (this.mode === "own") return [lower];
+    if (this.mode === "visible") return [upper];
+    if (this.mode === "both") return [lower, upper];
+    // one alone stays whole
+    return [[...lower, ...upper.map((picture) => ({ ...picture, alpha: lower.length ? this.blend : 1 }))]];
+  }
+}
+
+// Where a point of the canvas lies in its pane.
+function inPane({ view }, point) {
+  return point && view.width > 0 ? { x: point.x % view.width, y: point.y } : point;
+}

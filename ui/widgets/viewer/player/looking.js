@@ -1,0 +1,57 @@
+// Which of a recording's two pictures are seen, as it is chosen: above them or by a key.
+
+class Looking extends Player {
+  showLook() {
+    showSources(this.parts.sources, this.look);
+    this.setHeight();
+  }
+
+  changeLook(changes) {
+    const { sinceS, isDriver, changeAt } = this.look;
+    Object.assign(this.look, changes);
+    const isSeenOtherwise = this.look.sinceS !== sinceS || this.look.isDriver !== isDriver
+      || this.look.changeAt !== changeAt;
+    if (isSeenOtherwise) this.resetVisible();
+    this.showLook();
+    this.showView();
+    this.load();
+    clearTimeout(this.lookTimer);
+    this.lookTimer = setTimeout(() => this.tellLook(), SETTLE_MS);
+  }
+
+  tellLook() {
+    const { choice } = this.look;
+    const text = JSON.stringify(choice);
+    if (text === this.toldLook) return;
+    this.toldLook = text;
+    this.reportLook?.(choice);
+  }
+
+  nextLook() {
+    if (!this.look.visible) return;
+    this.look.next();
+    this.changeLook({});
+  }
+
+  toggleDriver() {
+    if (!this.look.visible) return;
+    const picture = this.look.needsVisible ? this.look.picture : "visible";
+    this.changeLook({ picture, isDriver: !this.look.isDriver });
+  }
+
+  // The light changes, as it were, at this row, or no longer does.
+  toggleTunnel() {
+    const isOver = this.look.changeAt !== null;
+    this.changeLook({ changeAt: isOver ? null : this.recording.times[this.row] });
+  }
+
+  resetVisible() {
+    const { look, recording } = this;
+    this.visible.reset((row) => {
+      const query = new URLSearchParams({ v: this.sent.picture_version });
+      const seconds = look.seenAt(recording.times[row]);
+      if (seconds !== null) query.set("seen_s", seconds.toFixed(1));
+      return `${this.addressOfVisible}/${row}.jpg?${query}`;
+    });
+  }
+}
