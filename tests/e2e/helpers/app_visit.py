@@ -154,8 +154,9 @@ class Visit:
         area = self.keyed(key).locator(".nsewdrag").first
         self.page.wait_for_function(LISTENS, arg=key)
         self.wait_until_drawn()
-        area.click(trial=True)  # in sight, and no longer moved by what is drawn above it
         plot = self.keyed(key).locator(".js-plotly-plot")
+        expect(plot).to_have_count(1)  # one that is being replaced is gone
+        area.click(trial=True)  # in sight, and no longer moved by what is drawn above it
         place = plot.evaluate(find_place, arg)
         area.click(position={"x": place[0], "y": place[1]})
         return place
