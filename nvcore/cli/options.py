@@ -101,6 +101,19 @@ def tag_option(lead: str = "Only") -> Callable[..., Any]:
     )
 
 
+def with_options(
+    *options: Callable[..., Any],
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """A command with these flags, in their order."""
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return decorate
+
+
 def only_option(lead: str = "Only") -> Callable[..., Any]:
     """``--only``, whose help begins with these words."""
     return grouped_option(
@@ -136,12 +149,7 @@ def part_options(frames: str) -> Callable[[Callable[..., Any]], Callable[..., An
         *(size_option, fps_option),
     )
 
-    def with_options(command: Callable[..., Any]) -> Callable[..., Any]:
-        for option in reversed(options):
-            command = option(command)
-        return command
-
-    return with_options
+    return with_options(*options)
 
 
 class PairOf(click.ParamType[tuple[float, float]]):

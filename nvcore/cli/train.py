@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from pathlib import Path
 from typing import Any, Final
@@ -19,6 +19,7 @@ from nvcore.cli.options import (
     grouped_option,
     pair_of,
     part_options,
+    with_options,
 )
 from nvcore.cli.program import program
 from nvcore.cli.progress import ShareProgress, TerminalProgress
@@ -151,12 +152,6 @@ _OPTIONS: Final = (
 )
 
 
-def _with_options(command: Callable[..., None]) -> Callable[..., None]:
-    for option in reversed(_OPTIONS):
-        command = option(command)
-    return command
-
-
 @click.command(
     cls=GroupedCommand,
     short_help="Train a detector on recordings, or on folders of pictures.",
@@ -172,7 +167,7 @@ def _with_options(command: Callable[..., None]) -> Callable[..., None]:
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="[SESSION_FILE]",
 )
-@_with_options
+@with_options(*_OPTIONS)
 def train(session_file: Path | None, **options: Any) -> None:
     """Train a detector (Integral Channel Features) on recordings, or on folders of pictures.
 

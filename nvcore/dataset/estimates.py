@@ -14,19 +14,16 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-from nvcore.errors import FormatError, InputError
+from nvcore.dataset.records import read_record, typed, value_of
 from nvcore.wording import one_line, shortened
 
-MAX_BYTES: Final = 16 << 20
-"""With notes on a hundred thousand recordings."""
 SIMULATED: Final = ("no", "some", "all", "")
 """Of how many subjects the answers were simulated; empty: not known."""
 _EXPECTED: Final = "expected the record that nvcore driver estimate writes (docs/driver.md)"
 _SHOWN_NAME: Final = 40
 _OF_ESTIMATOR: Final = {"name": str, "fingerprint": str, "simulated": str, "n_subjects": int}
-_WORDS: Final = {dict: "an object", str: "a text", int: "a whole number"}
 
 
 @dataclass(frozen=True)
@@ -103,37 +100,15 @@ def read_estimate_record(path: Path, name: str) -> EstimateRecord:
     InputError
         If it cannot be opened, or is no such record; it is never half believed.
     """
-    try:
-        if path.stat().st_size > MAX_BYTES:
-            raise FormatError(f"is larger than {MAX_BYTES >> 20} MiB; {_EXPECTED}", file=name)
-        content = json.loads(path.read_bytes())
-    except OSError as error:
-        raise InputError(f"cannot be opened ({error.strerror})", file=name) from error
-    except (ValueError, RecursionError) as error:
-        raise FormatError(f"is not JSON: {error}; {_EXPECTED}", file=name) from error
-    try:
-        return _record(content)
-    except ValueError as error:
-        raise FormatError(f"{error}; {_EXPECTED}", file=name) from error
+    return read_record(path, name, _record, expected=_EXPECTED)
 
 
 def _record(content: object) -> EstimateRecord:
-    record = _typed(content, dict, "the record")
-    estimator = _value(record, "estimator", dict)
-    files = _value(record, "files", dict)
+    record = typed(content, dict, "the record")
+    estimator = value_of(record, "estimator", dict)
+    files = value_of(record, "files", dict)
     return EstimateRecord(
-        **{key: _value(estimator, key, kind) for key, kind in _OF_ESTIMATOR.items()},
-        files={name: _typed(digest, str, "files") for name, digest in files.items()},
-        written_by=_value(record, "written_by", str),
+        **{key: value_of(estimator, key, kind) for key, kind in _OF_ESTIMATOR.items()},
+        files={name: typed(digest, str, "files") for name, digest in files.items()},
+        written_by=value_of(record, "written_by", str),
     )
-
-
-def _value(table: dict[str, Any], key: str, kind: type) -> Any:
-    """What a JSON object has under a key, of this type; empty where it has nothing."""
-    return _typed(table[key], kind, key) if key in table else kind()
-
-
-def _typed(value: object, kind: type, where: str) -> Any:
-    if not isinstance(value, kind) or isinstance(value, bool):
-        raise ValueError(f"{where}: expected {_WORDS[kind]}, found {str(value)[:30]!r}")
-    return value

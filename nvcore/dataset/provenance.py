@@ -18,12 +18,12 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final, TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.errors import FormatError, InputError
+from nvcore.dataset.records import read_record, typed, value_of
 from nvcore.wording import one_line, shortened
 
 Setting: TypeAlias = bool | int | float | str | None
@@ -31,8 +31,6 @@ Setting: TypeAlias = bool | int | float | str | None
 Ranges: TypeAlias = tuple[tuple[int, int], ...]
 """Frame numbers as first and last of each run of them, ascending."""
 
-MAX_BYTES: Final = 16 << 20
-"""Of a record: millions of frames, unless they were picked one by one."""
 _MAX_FRAME: Final = 2**53
 _MOST_PARTS: Final = 100_000
 _LONGEST_TEXT: Final = 4096
@@ -237,45 +235,36 @@ def read_provenance(path: Path, name: str) -> Provenance:
     InputError
         If it cannot be opened, or is no such record; it is never half believed.
     """
-    try:
-        if path.stat().st_size > MAX_BYTES:
-            raise FormatError(f"is larger than {MAX_BYTES >> 20} MiB; {_EXPECTED}", file=name)
-        content = json.loads(path.read_bytes())
-    except OSError as error:
-        raise InputError(f"cannot be opened ({error.strerror})", file=name) from error
-    except (ValueError, RecursionError) as error:
-        raise FormatError(f"is not JSON: {error}; {_EXPECTED}", file=name) from error
-    try:
-        return _provenance(content)
-    except ValueError as error:
-        raise FormatError(f"{error}; {_EXPECTED}", file=name) from error
+    return read_record(path, name, _provenance, expected=_EXPECTED)
 
 
 def _provenance(content: object) -> Provenance:
-    record = _typed(content, dict, "the record")
-    detector = _value(record, "detector", dict)
-    settings = _value(detector, "settings", dict)
+    record = typed(content, dict, "the record")
+    detector = value_of(record, "detector", dict)
+    settings = value_of(detector, "settings", dict)
     if not all(isinstance(value, Setting) for value in settings.values()):
         raise ValueError("settings: expected texts and numbers")
-    labels = [_typed(label, str, "labels") for label in _value(detector, "labels", list)]
+    labels = [typed(label, str, "labels") for label in value_of(detector, "labels", list)]
     about = About(
-        kind=_value(detector, "kind", str),
-        name=_value(detector, "name", str),
+        kind=value_of(detector, "kind", str),
+        name=value_of(detector, "name", str),
         labels=tuple(labels),
         settings=settings,
-        fingerprint=_value(detector, "fingerprint", str),
-        trained_on=trained_on_from(_value(detector, "trained_on", list)),
+        fingerprint=value_of(detector, "fingerprint", str),
+        trained_on=trained_on_from(value_of(detector, "trained_on", list)),
     )
-    files = _value(record, "files", dict)
-    recordings = [_typed(entry, dict, "recordings") for entry in _value(record, "recordings", list)]
+    files = value_of(record, "files", dict)
+    recordings = [
+        typed(entry, dict, "recordings") for entry in value_of(record, "recordings", list)
+    ]
     return Provenance(
         about=about,
-        files={name: _typed(digest, str, "files") for name, digest in files.items()},
+        files={name: typed(digest, str, "files") for name, digest in files.items()},
         frames={
-            _value(entry, "name", str): _ranges(_value(entry, "frames", list))
+            value_of(entry, "name", str): _ranges(value_of(entry, "frames", list))
             for entry in recordings
         },
-        written_by=_value(record, "written_by", str),
+        written_by=value_of(record, "written_by", str),
     )
 
 
@@ -298,12 +287,12 @@ def trained_on_from(content: Sequence[object]) -> tuple[TrainedOn, ...]:
 
 
 def _trained_on(content: object) -> TrainedOn:
-    table = _typed(content, dict, "trained_on")
+    table = typed(content, dict, "trained_on")
     ends = [
         None if table.get(key) is None else _frame(table[key])
         for key in ("first_frame", "last_frame")
     ]
-    part = TrainedOn(_value(table, "fingerprint", str), _value(table, "recording", str), *ends)
+    part = TrainedOn(value_of(table, "fingerprint", str), value_of(table, "recording", str), *ends)
     if not part.recording and not part.fingerprint:
         raise ValueError("trained_on: expected a recording or a fingerprint in each entry")
     if max(len(part.recording), len(part.fingerprint)) > _LONGEST_TEXT:
@@ -312,7 +301,7 @@ def _trained_on(content: object) -> TrainedOn:
 
 
 def _ranges(content: Sequence[object]) -> Ranges:
-    matches = [_RANGE.fullmatch(_typed(text, str, "frames")) for text in content]
+    matches = [_RANGE.fullmatch(typed(text, str, "frames")) for text in content]
     ranges = tuple((int(match[1]), int(match[2])) for match in matches if match is not None)
     ends = [number for pair in ranges for number in pair]
     if len(ranges) < len(content) or ends != sorted(ends):
@@ -327,14 +316,3 @@ def _frame(number: object) -> int:
 
 
 _WORDS: Final[dict[type, str]] = {dict: "an object", list: "a list", str: "a text"}
-
-
-def _value(table: dict[str, Any], key: str, kind: type) -> Any:
-    """What a JSON object has under a key, of this type; empty where it has nothing."""
-    return _typed(table[key], kind, key) if key in table else kind()
-
-
-def _typed(value: object, kind: type, where: str) -> Any:
-    if not isinstance(value, kind):
-        raise ValueError(f"{where}: expected {_WORDS[kind]}, found {str(value)[:30]!r}")
-    return value

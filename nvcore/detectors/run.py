@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import os
-import time
-from collections import deque
-from collections.abc import Callable, Generator, Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor, wait
+from collections.abc import Callable, Generator, Iterable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -18,18 +16,17 @@ from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About
 from nvcore.detectors.base import Detections, Detector
 from nvcore.detectors.threads import one_for_a_picture
-from nvcore.errors import InputError, MediaError
+from nvcore.errors import InputError
 from nvcore.inputs.evaluated_frames import frames_there
 from nvcore.pictures import Picture, RecordingPictures
-from nvcore.progress import POLL_S, Progress, no_progress
+from nvcore.pictures.passes import PictureClock, in_order, pictures_of
+from nvcore.progress import Progress, no_progress
 from nvcore.wording import MOST_NAMED, count_text, duration_text, listed, one_line
 
 NO_PICTURES: Final = (
     "no evaluated frame has a picture; name the pictures of each recording in the session file "
     '(pictures = "drive.mp4" under [[recording]])'
 )
-AHEAD: Final = 2
-"""Pictures read ahead for each thread."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -197,40 +194,14 @@ def run_detector(
     n_pictures = sum(int(np.count_nonzero(index >= 0)) for index in indices.values())
     if not n_pictures:
         raise no_pictures(pictures, dataset)
-    clock = _Clock(n_pictures, progress)
+    clock = PictureClock(n_pictures, progress)
     recordings = []
     for number, name in enumerate(dataset.recordings["name"]):
-        part = _run_recording(
-            detector, dataset, pictures, number, threads_of(n_threads), clock.within(str(name))
-        )
+        tell = partial(clock.count, name=str(name))
+        part = _run_recording(detector, dataset, pictures, number, threads_of(n_threads), tell)
         recordings.append(replace(part, name=str(name)))
     progress(1.0, "done")
     return DetectorRun(detector.about, tuple(recordings), clock.seconds)
-
-
-class _Clock:
-    """Counts pictures, and says how long the rest will take."""
-
-    def __init__(self, n_pictures: int, progress: Progress):
-        self.n_pictures, self.n_done, self._progress = n_pictures, 0, progress
-        self._began = time.perf_counter()
-
-    @property
-    def seconds(self) -> float:
-        return time.perf_counter() - self._began
-
-    def within(self, name: str) -> Callable[[int], None]:
-        """Called with the pictures done since the last call, of this recording."""
-
-        def tell(n_more: int) -> None:
-            self.n_done += n_more
-            words = f"{name}: {self.n_done:,} of {count_text(self.n_pictures, 'picture')}"
-            if self.n_done:
-                left = self.seconds / self.n_done * (self.n_pictures - self.n_done)
-                words += f", {duration_text(left)} left"
-            self._progress(self.n_done / self.n_pictures, words)
-
-        return tell
 
 
 def _run_recording(
@@ -255,8 +226,8 @@ def _run_recording(
     frames: list[int] = []
     boxes: list[Detections] = []
     try:
-        pending = read_pictures(source.read, with_picture, faults)
-        for frame, detections in in_order(detector, pending, n_threads, lambda: tell(0)):
+        pending = pictures_of(source, with_picture, faults)
+        for frame, detections in detections_in(detector, pending, n_threads, lambda: tell(0)):
             frames.append(frame)
             boxes.append(detections)
             tell(1)
@@ -278,51 +249,22 @@ def _run_recording(
     return RecordingRun("", table, np.array(frames, np.int64), len(listed), note)
 
 
-def read_pictures(
-    read: Callable[[int], Picture], indices: Iterable[tuple[int, int]], faults: list[str]
-) -> Iterator[tuple[int, Picture]]:
-    """Frame and picture; of those that cannot be read, why, is added to `faults`."""
-    for frame, index in indices:
-        try:
-            picture = read(int(index))
-        except MediaError as error:
-            faults.append(one_line(str(error)))
-        else:
-            yield int(frame), picture
-
-
-def in_order(
+def detections_in(
     detector: Detector,
-    pictures: Iterator[tuple[int, Picture]],
+    pictures: Iterable[tuple[int, Picture]],
     n_threads: int,
     poll: Callable[[], None],
 ) -> Generator[tuple[int, Detections]]:
     """Frame and boxes of every picture, in their order; `poll` is called while waiting.
 
-    This thread reads, the others detect: pictures of a video are decoded one after another. Of
-    several pictures at a time each has one thread: more would only change between the cores.
+    Of several pictures at a time each has one thread: more would only change between the cores.
     """
-    waiting: deque[tuple[int, Future[Detections]]] = deque()
 
-    def oldest() -> tuple[int, Detections]:
-        frame, future = waiting[0]
-        while not wait([future], POLL_S).done:
-            poll()
-        waiting.popleft()
-        return frame, future.result()
+    def detect(frame: int, picture: Picture) -> tuple[int, Detections]:
+        return frame, detector.detect(picture)
 
     begin = one_for_a_picture if n_threads > 1 else None
-    with ThreadPoolExecutor(n_threads, initializer=begin) as pool:
-        try:
-            for frame, picture in pictures:
-                waiting.append((frame, pool.submit(detector.detect, picture)))
-                if len(waiting) > AHEAD * n_threads:
-                    yield oldest()
-            while waiting:
-                yield oldest()
-        finally:
-            for _, future in waiting:
-                future.cancel()
+    return in_order(detect, pictures, poll, n_threads=n_threads, begin=begin)
 
 
 def _table(frames: list[int], boxes: list[Detections]) -> pd.DataFrame:

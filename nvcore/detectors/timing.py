@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.detectors.base import Detector
-from nvcore.detectors.run import in_order, no_pictures, read_pictures, threads_of
+from nvcore.detectors.run import detections_in, no_pictures, threads_of
 from nvcore.errors import InputError
 from nvcore.pictures import Pictures, RecordingPictures
+from nvcore.pictures.passes import pictures_of
 from nvcore.progress import Progress, no_progress
 from nvcore.wording import count_text, duration_text
 
@@ -126,8 +127,8 @@ def _time(
     start = began = time.perf_counter()
     n_done, now = 0, start
     try:
-        read = read_pictures(source.read, enumerate(indices.tolist()), faults)
-        with closing(in_order(detector, read, n_threads, poll)) as outputs:
+        read = pictures_of(source, enumerate(indices.tolist()), faults)
+        with closing(detections_in(detector, read, n_threads, poll)) as outputs:
             for n_done, _ in enumerate(outputs, 1):
                 now = time.perf_counter()
                 if n_done == n_threads:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from typing import Final, TypeVar
 
@@ -46,7 +46,8 @@ def in_order(
     poll: Callable[[], None],
     *,
     n_threads: int | None = None,
-) -> Iterator[T]:
+    begin: Callable[[], None] | None = None,
+) -> Generator[T]:
     """Results of ``work(number, picture)`` in the order of the pictures.
 
     This thread reads the pictures (those of a video are decoded one after another), others work.
@@ -57,6 +58,8 @@ def in_order(
         Called while waiting; it may raise `CancelledError`.
     n_threads
         Pictures at a time; None: as many as there are cores.
+    begin
+        Called by each of these threads before its first picture.
     """
     n_threads = n_threads or os.cpu_count() or 1
     waiting: deque[Future[T]] = deque()
@@ -68,7 +71,7 @@ def in_order(
         waiting.popleft()
         return future.result()
 
-    with ThreadPoolExecutor(n_threads) as pool:
+    with ThreadPoolExecutor(n_threads, initializer=begin) as pool:
         try:
             for number, picture in pictures:
                 waiting.append(pool.submit(work, number, picture))

@@ -93,7 +93,7 @@ def test_a_record_that_is_not_there_is_an_input_error(tmp_path: Path):
 
 
 def test_a_record_of_another_size_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("nvcore.dataset.provenance.MAX_BYTES", 10)
+    monkeypatch.setattr("nvcore.dataset.records.MAX_BYTES", 10)
     with pytest.raises(FormatError, match="is larger than"):
         read(json.dumps({"written_by": "somebody"}), tmp_path)
 

@@ -12,9 +12,15 @@ from nvcore.cli.driver.options import (
     RUN_OPTIONS,
     SETTING_OPTIONS,
     given_settings,
+)
+from nvcore.cli.options import (
+    INPUTS,
+    OUTPUT,
+    GroupedCommand,
+    examples,
+    grouped_option,
     with_options,
 )
-from nvcore.cli.options import INPUTS, OUTPUT, GroupedCommand, examples, grouped_option
 from nvcore.cli.progress import ShareProgress, TerminalProgress
 from nvcore.cli.steps import errors_of
 from nvcore.inputs.session_toml import read_session

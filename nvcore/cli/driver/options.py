@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, Final
 
 import click
@@ -102,19 +102,6 @@ _SETTINGS: Final = (
     *("surround", "bin_distance", "fixation"),
     *("drop_factor", "picture_drop_factor", "within_s", "bright_for_s", "smooth_s", "least_lux"),
 )
-
-
-def with_options(
-    *options: Callable[..., Any],
-) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """A command with these flags, in their order."""
-
-    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
-        for option in reversed(options):
-            command = option(command)
-        return command
-
-    return decorate
 
 
 def given_settings(options: Mapping[str, Any]) -> dict[str, Any]:

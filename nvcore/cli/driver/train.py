@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from nvcore.cli.options import INPUTS, OUTPUT, GroupedCommand, examples, grouped_option
+from nvcore.cli.options import (
+    INPUTS,
+    OUTPUT,
+    GroupedCommand,
+    examples,
+    grouped_option,
+    with_options,
+)
 from nvcore.cli.progress import ShareProgress
 from nvcore.extras import needs
 from nvcore.wording import one_line
@@ -121,12 +127,6 @@ _OPTIONS: Final = (
 )
 
 
-def _with_options(command: Callable[..., None]) -> Callable[..., None]:
-    for option in reversed(_OPTIONS):
-        command = option(command)
-    return command
-
-
 @click.command(
     cls=GroupedCommand,
     short_help="Train an estimator on trials with people.",
@@ -135,7 +135,7 @@ def _with_options(command: Callable[..., None]) -> Callable[..., None]:
     ),
 )
 @click.argument("trials", type=_File)
-@_with_options
+@with_options(*_OPTIONS)
 @grouped_option(
     OUTPUT,
     "--out",
@@ -172,7 +172,7 @@ def train(trials: Path, out: Path, **options: Any) -> None:
     ),
 )
 @click.argument("trials", type=_File)
-@_with_options
+@with_options(*_OPTIONS)
 @grouped_option(
     OUTPUT,
     "--out",
