@@ -17,8 +17,10 @@ nvcore app seen/session.toml"""
 def draw() -> None:
     """What is missing, and the commands that make it."""
     st.info(
-        "How detectable pedestrians are is not known here: the ground truth has no column "
-        "`detectability`, and the session names no estimates (`detectability` under `[driver]`).",
+        state.words(
+            "How detectable pedestrians are is not known here: the ground truth has no column "
+            "`detectability`, and the session names no estimates (`detectability` under `[driver]`)."
+        ),
         icon=":material/visibility_off:",
     )
     n_visible = len(state.workspace().visible.sources)
