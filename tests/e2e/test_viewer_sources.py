@@ -35,6 +35,13 @@ def told(page: sync_api.Page, look: str) -> None:
     page.get_by_text(f"look Look({look})", exact=True).wait_for()
 
 
+def choose_two_pictures(page: sync_api.Page) -> None:
+    """Choose them, and wait: until then keys go to the recording chosen before."""
+    choose(page, "two pictures")
+    sync_api.expect(page.get_by_role("group", name="Pictures")).to_be_visible()
+    assert painted(page, 5) == 5
+
+
 def test_a_recording_with_one_picture_has_no_choice(page):
     sync_api.expect(page.get_by_role("group", name="Pictures")).to_have_count(0)
     press(page, "v", "d")
@@ -42,8 +49,7 @@ def test_a_recording_with_one_picture_has_no_choice(page):
 
 
 def test_a_key_goes_through_own_visible_blended_and_side_by_side(page):
-    choose(page, "two pictures")
-    assert painted(page, 5) == 5
+    choose_two_pictures(page)
     sync_api.expect(page.get_by_role("combobox", name="Picture")).to_have_value("own")
     assert colour(page, 0.4) == "grey"
     press(page, "v")
@@ -60,8 +66,7 @@ def test_a_key_goes_through_own_visible_blended_and_side_by_side(page):
 
 
 def test_after_a_simulated_change_of_light_the_time_runs_with_the_frames(page):
-    choose(page, "two pictures")
-    assert painted(page, 5) == 5
+    choose_two_pictures(page)
     press(page, "d")
     told(page, "picture='visible', blend=0.5, seen_s=0.5")
     button = page.get_by_role("button", name="A tunnel begins here")
@@ -80,8 +85,7 @@ def test_after_a_simulated_change_of_light_the_time_runs_with_the_frames(page):
 
 
 def test_as_the_driver_sees_it_is_visible_light_from_another_address(page):
-    choose(page, "two pictures")
-    assert painted(page, 5) == 5
+    choose_two_pictures(page)
     press(page, "d")
     shown(page, "visible")
     told(page, "picture='visible', blend=0.5, seen_s=0.5")

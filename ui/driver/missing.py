@@ -19,7 +19,8 @@ def draw() -> None:
     st.info(
         state.words(
             "How detectable pedestrians are is not known here: the ground truth has no column "
-            "`detectability`, and the session names no estimates (`detectability` under `[driver]`)."
+            "`detectability`, and the session names no estimates "
+            "(`detectability` under `[driver]`)."
         ),
         icon=":material/visibility_off:",
     )
