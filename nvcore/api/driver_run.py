@@ -142,7 +142,8 @@ def image_features(
         CSV with the columns image, pedestrian, x, y, w, h (px), and where known fixation_x and
         fixation_y.
     out
-        CSV file to write: image, pedestrian, and the features.
+        CSV file to write: image, pedestrian, and the features. Beside it ``.json`` after its name
+        says how they were made.
     settings, n_threads, progress
         As of `driver_features`.
 
@@ -152,10 +153,12 @@ def image_features(
         If a file cannot be used, with the line; or would be replaced.
     """
     with needs("driver", "features of pictures need"):
+        from nvcore.driver.feature_record import record_beside
         from nvcore.driver.images import image_features as features_of_images
         from nvcore.driver.settings import settings_from
 
-    refuse_to_replace([Path(out)], [Path(boxes), Path(images)])
+    path = Path(out)
+    refuse_to_replace([path, record_beside(path)], [Path(boxes), Path(images)])
     features = features_of_images(
         Path(images),
         Path(boxes),
@@ -163,7 +166,10 @@ def image_features(
         n_threads=n_threads,
         progress=progress,
     )
-    write_whole(Path(out), to_csv_bytes(features.table))
+    content = to_csv_bytes(features.table)
+    write_whole(path, content)
+    if path.is_file():  # beside a pipe there is no room
+        write_whole(record_beside(path), features.record({path.name: content}))
     return features
 
 
@@ -190,7 +196,8 @@ def estimate_driver(
     source, settings, only, tags, size, fps, frames, n_threads, progress
         As of `driver_features`.
     model
-        An estimator that ``nvcore driver train`` wrote.
+        An estimator that ``nvcore driver train`` wrote. The settings of its features are taken
+        where they are not given.
     out
         Folder for ``detectability.csv``, ``features.csv``, ``driver.json`` and ``session.toml``:
         the session with the estimates, which `compare` takes.
@@ -244,14 +251,15 @@ def estimate_job(
         As `estimate_driver`.
     """
     with needs("driver", "estimates of what the driver sees need"):
-        from nvcore.driver.estimate import run_estimate
+        from nvcore.driver.estimate import check_settings, run_estimate
         from nvcore.driver.estimators import read_estimator
         from nvcore.driver.run import run_features
         from nvcore.driver.settings import settings_from
         from nvcore.driver.writing import ESTIMATE_OUTPUTS, write_estimates
 
-    values, folder = settings_from(settings or {}), Path(out)
-    estimator = read_estimator(Path(model))
+    folder, estimator = Path(out), read_estimator(Path(model))
+    values = settings_from(settings or {}, features=estimator.feature_settings)
+    check_settings(values.features, estimator)
     files = [*inputs, Path(model)]
     dataset = _dataset_to_run(source, folder, ESTIMATE_OUTPUTS, part, files, loading)
 

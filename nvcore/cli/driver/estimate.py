@@ -62,8 +62,8 @@ def estimate(session_file: Path, model: Path, out: Path, **options: Any) -> None
     """How likely the driver sees each pedestrian by himself, in every frame.
 
     SESSION_FILE (TOML) names what nvcore driver features needs. DIR/session.toml is the same
-    session with the estimates, which nvcore compare takes. Features have to be computed as those
-    that the model was trained on. Exit code 0: fine, 2: bad input.
+    session with the estimates, which nvcore compare takes. Features are computed with the settings
+    of those that the model was trained on; others are refused. Exit code 0: fine, 2: bad input.
     """
     from nvcore.api.driver_run import estimate_job
 

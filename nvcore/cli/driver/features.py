@@ -63,7 +63,7 @@ from nvcore.wording import one_line
     type=click.Path(path_type=Path),
     metavar="DIR|FILE",
     help="Write features.csv and driver.json into this folder; of --images the features into this "
-    "file.",
+    "file, and how they were made beside it.",
 )
 @with_options(*RUN_OPTIONS, *SETTING_OPTIONS, *LIGHT_OPTIONS)
 def features(session_file: Path | None, images: Path | None, out: Path, **options: Any) -> None:
