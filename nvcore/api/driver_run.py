@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nvcore.api.inputs import Part, load_part
+from nvcore.api.inputs import Part, PathLike, Size, keywords_named, load_part
 from nvcore.dataset import Dataset
 from nvcore.extras import needs
+from nvcore.inputs.pipes import pipes_kept
 from nvcore.inputs.session import Session
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_whole
@@ -20,13 +21,17 @@ if TYPE_CHECKING:
     from nvcore.driver.writing import WrittenEstimates, WrittenFeatures
 
 
+@pipes_kept()
 def driver_features(
-    source: str | Path | Session | Dataset,
-    out: str | Path,
+    source: PathLike | Session | Dataset,
+    out: PathLike,
     *,
     settings: Mapping[str, Any] | None = None,
     only: str | Sequence[str] = (),
     tags: str | Sequence[str] = (),
+    size: Size | None = None,
+    fps: float | None = None,
+    frames: str | range | None = None,
     n_threads: int | None = None,
     progress: Progress = no_progress,
 ) -> WrittenFeatures:
@@ -45,6 +50,8 @@ def driver_features(
         ``fixation`` is the assumed point as shares of the picture, (0.5, 0.5) its middle.
     only, tags
         Names of recordings, and tags that they all have; empty: all that the session compares.
+    size, fps, frames
+        See `load`.
     n_threads
         Pictures at a time; None: as many as there are cores.
     progress
@@ -55,6 +62,8 @@ def driver_features(
     ------
     InputError
         If an input cannot be used or would be replaced, or no evaluated frame has a picture.
+    MissingFactError
+        As `load`.
     ParameterError
         If there is no such setting, or a value is outside its range.
     MissingExtraError
@@ -65,21 +74,59 @@ def driver_features(
     >>> features = driver_features("night.toml", "features")  # doctest: +SKIP
     >>> print(features.run)  # doctest: +SKIP
     """
+    part = Part(only=only, tags=tags, size=size, fps=fps, frames=frames)
+    with keywords_named():
+        job = features_job(source, out, settings=settings, part=part, n_threads=n_threads)
+        return job(progress)
+
+
+def features_job(
+    source: PathLike | Session | Dataset,
+    out: PathLike,
+    *,
+    settings: Mapping[str, Any] | None = None,
+    part: Part | None = None,
+    n_threads: int | None = None,
+    inputs: Sequence[Path] = (),
+    loading: Progress = no_progress,
+) -> Callable[[Progress], WrittenFeatures]:
+    """What `driver_features` runs; what cannot be done is refused before anything runs.
+
+    Parameters
+    ----------
+    source, out, settings, n_threads
+        See `driver_features`.
+    part
+        Of the source; None: all of it.
+    inputs
+        Further files that are read, and must not be replaced.
+    loading
+        Progress of the reading.
+
+    Raises
+    ------
+    InputError, MissingFactError, ParameterError, MissingExtraError
+        As `driver_features`.
+    """
     with needs("driver", "features of pictures need"):
         from nvcore.driver.run import run_features
         from nvcore.driver.settings import settings_from
         from nvcore.driver.writing import FEATURE_OUTPUTS, write_features
 
-    values = settings_from(settings or {})
-    dataset = _dataset_to_run(source, Path(out), FEATURE_OUTPUTS, only, tags)
-    run = run_features(dataset, values, n_threads=n_threads, progress=progress)
-    return write_features(run, Path(out))
+    values, folder = settings_from(settings or {}), Path(out)
+    dataset = _dataset_to_run(source, folder, FEATURE_OUTPUTS, part, inputs, loading)
+
+    def run(progress: Progress) -> WrittenFeatures:
+        features = run_features(dataset, values, n_threads=n_threads, progress=progress)
+        return write_features(features, folder)
+
+    return run
 
 
 def image_features(
-    images: str | Path,
-    boxes: str | Path,
-    out: str | Path,
+    images: PathLike,
+    boxes: PathLike,
+    out: PathLike,
     *,
     settings: Mapping[str, Any] | None = None,
     n_threads: int | None = None,
@@ -95,7 +142,8 @@ def image_features(
         CSV with the columns image, pedestrian, x, y, w, h (px), and where known fixation_x and
         fixation_y.
     out
-        CSV file to write: image, pedestrian, and the features.
+        CSV file to write: image, pedestrian, and the features. Beside it ``.json`` after its name
+        says how they were made.
     settings, n_threads, progress
         As of `driver_features`.
 
@@ -105,10 +153,12 @@ def image_features(
         If a file cannot be used, with the line; or would be replaced.
     """
     with needs("driver", "features of pictures need"):
+        from nvcore.driver.feature_record import record_beside
         from nvcore.driver.images import image_features as features_of_images
         from nvcore.driver.settings import settings_from
 
-    refuse_to_replace([Path(out)], [Path(boxes), Path(images)])
+    path = Path(out)
+    refuse_to_replace([path, record_beside(path)], [Path(boxes), Path(images)])
     features = features_of_images(
         Path(images),
         Path(boxes),
@@ -116,19 +166,26 @@ def image_features(
         n_threads=n_threads,
         progress=progress,
     )
-    write_whole(Path(out), to_csv_bytes(features.table))
+    content = to_csv_bytes(features.table)
+    write_whole(path, content)
+    if path.is_file():  # beside a pipe there is no room
+        write_whole(record_beside(path), features.record({path.name: content}))
     return features
 
 
+@pipes_kept()
 def estimate_driver(
-    source: str | Path | Session | Dataset,
-    model: str | Path,
-    out: str | Path,
+    source: PathLike | Session | Dataset,
+    model: PathLike,
+    out: PathLike,
     *,
     settings: Mapping[str, Any] | None = None,
     interpolate: bool = False,
     only: str | Sequence[str] = (),
     tags: str | Sequence[str] = (),
+    size: Size | None = None,
+    fps: float | None = None,
+    frames: str | range | None = None,
     n_threads: int | None = None,
     progress: Progress = no_progress,
 ) -> WrittenEstimates:
@@ -136,10 +193,11 @@ def estimate_driver(
 
     Parameters
     ----------
-    source, settings, only, tags, n_threads, progress
+    source, settings, only, tags, size, fps, frames, n_threads, progress
         As of `driver_features`.
     model
-        An estimator that ``nvcore driver train`` wrote.
+        An estimator that ``nvcore driver train`` wrote. The settings of its features are taken
+        where they are not given.
     out
         Folder for ``detectability.csv``, ``features.csv``, ``driver.json`` and ``session.toml``:
         the session with the estimates, which `compare` takes.
@@ -151,36 +209,82 @@ def estimate_driver(
     ------
     InputError
         As `driver_features`, or if the model cannot be used.
+    MissingFactError, ParameterError, MissingExtraError
+        As `driver_features`.
+    """
+    part = Part(only=only, tags=tags, size=size, fps=fps, frames=frames)
+    with keywords_named():
+        job = estimate_job(
+            *(source, model, out),
+            settings=settings,
+            interpolate=interpolate,
+            part=part,
+            n_threads=n_threads,
+        )
+        return job(progress)
+
+
+def estimate_job(
+    source: PathLike | Session | Dataset,
+    model: PathLike,
+    out: PathLike,
+    *,
+    settings: Mapping[str, Any] | None = None,
+    interpolate: bool = False,
+    part: Part | None = None,
+    n_threads: int | None = None,
+    inputs: Sequence[Path] = (),
+    loading: Progress = no_progress,
+) -> Callable[[Progress], WrittenEstimates]:
+    """What `estimate_driver` runs; what cannot be done is refused before anything runs.
+
+    Parameters
+    ----------
+    source, model, out, settings, interpolate, n_threads
+        See `estimate_driver`.
+    part, inputs, loading
+        As of `features_job`.
+
+    Raises
+    ------
+    InputError, MissingFactError, ParameterError, MissingExtraError
+        As `estimate_driver`.
     """
     with needs("driver", "estimates of what the driver sees need"):
-        from nvcore.driver.estimate import run_estimate
+        from nvcore.driver.estimate import check_settings, run_estimate
         from nvcore.driver.estimators import read_estimator
         from nvcore.driver.run import run_features
         from nvcore.driver.settings import settings_from
         from nvcore.driver.writing import ESTIMATE_OUTPUTS, write_estimates
 
-    values = settings_from(settings or {})
-    estimator = read_estimator(Path(model))
-    dataset = _dataset_to_run(source, Path(out), ESTIMATE_OUTPUTS, only, tags, [Path(model)])
-    features = run_features(dataset, values, n_threads=n_threads, progress=progress)
-    estimates = run_estimate(features, estimator, interpolate=interpolate)
-    return write_estimates(estimates, dataset, Path(out))
+    folder, estimator = Path(out), read_estimator(Path(model))
+    values = settings_from(settings or {}, features=estimator.feature_settings)
+    check_settings(values.features, estimator)
+    files = [*inputs, Path(model)]
+    dataset = _dataset_to_run(source, folder, ESTIMATE_OUTPUTS, part, files, loading)
+
+    def run(progress: Progress) -> WrittenEstimates:
+        features = run_features(dataset, values, n_threads=n_threads, progress=progress)
+        estimates = run_estimate(features, estimator, interpolate=interpolate)
+        return write_estimates(estimates, dataset, folder)
+
+    return run
 
 
 def _dataset_to_run(
-    source: str | Path | Session | Dataset,
+    source: PathLike | Session | Dataset,
     out: Path,
     outputs: Iterable[str],
-    only: str | Sequence[str],
-    tags: str | Sequence[str],
-    inputs: Sequence[Path] = (),
+    part: Part | None,
+    inputs: Sequence[Path],
+    loading: Progress,
 ) -> Dataset:
     """The recordings, once it is known that the folder may be written to."""
     from nvcore.driver.writing import check_folder
 
-    dataset, session = load_part(source, Part(only=only, tags=tags))
+    dataset, session = load_part(source, part or Part(), progress=loading)
     check_folder(out)
-    files = [*inputs, *([Path(source)] if isinstance(source, str | Path) else [])]
+    files = [*inputs, *([Path(source)] if isinstance(source, PathLike) else [])]
     named = [out / name for name in outputs]
     refuse_to_replace(named, [*files, *files_read(session)], instead="folder")
     refuse_among_inputs(out, session)

@@ -152,8 +152,10 @@ def gate(
     rules hold, 1: one does not, or the audit found errors (with --strict: or warnings), 2: bad
     input or no such measure.
     """
-    from nvcore.report.gate import listed_names, measure_names, run_gate, value_text
-    from nvcore.report.gate_results import junit_xml, markdown, terminal_lines
+    from nvcore.report.gate import run_gate
+    from nvcore.report.gate.measures import listed_names, measure_names
+    from nvcore.report.gate.outcomes import value_text
+    from nvcore.report.gate.results import junit_xml, markdown, terminal_lines
     from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
     from nvcore.report.terminal import render_findings
 
@@ -209,7 +211,7 @@ def _takes_standard_output(files: Sequence[Path], lists: bool) -> bool:
 
 def _read(texts: Iterable[str], file: Path | None) -> list[Rule]:
     """The rules of the flags and of the file, or all that is wrong with them."""
-    from nvcore.report.gate import measure_names
+    from nvcore.report.gate.measures import measure_names
     from nvcore.report.rules import read_rules
 
     lines = [("--rule", text) for text in texts]
@@ -247,7 +249,7 @@ def _write_problem(
     junit: Path | None, markdown_file: Path | None, problem: str, *, prints: bool = True
 ) -> None:
     """Why the gate could not be run, in place of the results; files that no gate wrote stay."""
-    from nvcore.report.gate_results import is_gate_result, junit_error, markdown_error
+    from nvcore.report.gate.results import is_gate_result, junit_error, markdown_error
 
     contents = ((junit, junit_error(problem)), (markdown_file, markdown_error(problem).encode()))
     for file, content in contents:

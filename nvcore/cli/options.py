@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import click
 
 from nvcore.params import SETTINGS
 from nvcore.protocols import PROTOCOLS
-from nvcore.wording import one_line
+from nvcore.wording import listed, one_line
 
 # Nothing here imports numpy, pandas or numba: `nvcore --help` need not wait for them.
 
@@ -150,6 +150,18 @@ def part_options(frames: str) -> Callable[[Callable[..., Any]], Callable[..., An
     )
 
     return with_options(*options)
+
+
+PART_NAMES: Final = ("only", "tags", "size", "fps", "frames")
+"""Parameters of the flags of `part_options`."""
+
+
+def refuse_without_session(options: Mapping[str, Any], *more: str) -> None:
+    """Refuse flags of `part_options`, and `more` of that kind, where no session is named."""
+    names = (*PART_NAMES, *more)
+    if any(options[name] for name in names):
+        flags = listed([flag_of("tag" if name == "tags" else name) for name in names])
+        raise click.UsageError(f"{flags} are about a session; name its file")
 
 
 class PairOf(click.ParamType[tuple[float, float]]):

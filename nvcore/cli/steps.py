@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from nvcore.cli.options import PART_NAMES
 from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.session import Session, Source
 from nvcore.progress import Progress, no_progress
@@ -56,7 +57,7 @@ def part_from(options: Mapping[str, Any]) -> Part:
     """What `part_options` choose of a session."""
     from nvcore.api.inputs import Part
 
-    return Part(**{name: options[name] for name in ("only", "tags", "size", "fps", "frames")})
+    return Part(**{name: options[name] for name in PART_NAMES})
 
 
 def as_loaded(session: Session, dataset: Dataset) -> Session:

@@ -15,10 +15,10 @@ from nvcore.cli.options import (
     OUTPUT,
     GroupedCommand,
     examples,
-    flag_of,
     grouped_option,
     pair_of,
     part_options,
+    refuse_without_session,
     with_options,
 )
 from nvcore.cli.program import program
@@ -26,7 +26,7 @@ from nvcore.cli.progress import ShareProgress, TerminalProgress
 from nvcore.cli.steps import errors_of, part_from
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import read_session
-from nvcore.wording import listed, one_line
+from nvcore.wording import one_line
 
 # As in nvcore/cli/__init__.py, numpy and OpenCV are imported by the command only.
 
@@ -41,7 +41,6 @@ _SELECTION: Final = (
     *("crop_share", "background"),
 )
 """Options that say what is learned: fields of `nvcore.api.train.Selection`."""
-_OF_A_SESSION: Final = ("only", "tags", "frames", "size", "fps", "hold_out")
 _SUGGESTED: Final = 3
 """Recordings that the command for a first run names."""
 _PathTo = click.Path(exists=True, file_okay=False, path_type=Path)
@@ -181,9 +180,7 @@ def train(session_file: Path | None, **options: Any) -> None:
 
     out: Path = options["out"]
     if session_file is None:
-        if any(options[name] for name in _OF_A_SESSION):
-            flags = listed([flag_of("tag" if name == "tags" else name) for name in _OF_A_SESSION])
-            raise click.UsageError(f"{flags} are about a session; name its file")
+        refuse_without_session(options, "hold_out")
         session = None
         around: AbstractContextManager[None] = nullcontext()
     else:

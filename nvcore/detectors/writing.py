@@ -17,7 +17,7 @@ from nvcore.errors import InputError
 from nvcore.inputs.hashes import source_hash, source_hashes
 from nvcore.inputs.session import Session, SystemSource
 from nvcore.inputs.session_toml import write_session
-from nvcore.inputs.writers import safe_names
+from nvcore.inputs.writers.names import safe_names
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_run
 from nvcore.wording import one_line

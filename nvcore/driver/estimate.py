@@ -9,8 +9,10 @@ import numpy as np
 import pandas as pd
 
 from nvcore.driver.estimators import Estimator, fingerprint
-from nvcore.driver.features import FEATURE_KEYS
+from nvcore.driver.feature_record import settings_words
+from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
 from nvcore.driver.run import BOX_COLUMNS, FeatureRun
+from nvcore.errors import ParameterError
 from nvcore.wording import MOST_NAMED, count_text, listed, one_line
 
 DETECTABILITY_COLUMNS: Final = (*BOX_COLUMNS, "detectability", "sd", "is_outside", "period_s")
@@ -60,6 +62,11 @@ class EstimateRun:
             lines.append(
                 "the estimator was trained on a simulated observer: this is no person's eye"
             )
+        if self.estimator.feature_settings is None:
+            lines.append(
+                "the estimator does not say with which settings its features were computed; "
+                f"these: {settings_words(self.features.settings.features)}"
+            )
         n_adapted = int(known["period_s"].isna().sum())
         if n_adapted:
             lines.append(
@@ -96,6 +103,25 @@ class EstimateRun:
         }
 
 
+def check_settings(settings: FeatureSettings, estimator: Estimator) -> None:
+    """Refuse features that mean something else than those that an estimator was trained on.
+
+    Raises
+    ------
+    ParameterError
+        With the first setting that differs.
+    """
+    if estimator.feature_settings is None:
+        return
+    own = asdict(settings)
+    for name, value in asdict(estimator.feature_settings).items():
+        if own[name] != value:
+            raise ParameterError(
+                f"{name}: the estimator was trained on features with {value:g}, found "
+                f"{own[name]:g}; leave it out, or train on features with {own[name]:g}"
+            )
+
+
 def run_estimate(
     features: FeatureRun,
     estimator: Estimator,
@@ -116,7 +142,13 @@ def run_estimate(
     -------
     Without an estimate are boxes that lack a feature which it needs, and those in grey pictures
     that nobody calls visible: far-infrared ones say nothing about what eyes see.
+
+    Raises
+    ------
+    ParameterError
+        If the features are of other settings than those that it was trained on.
     """
+    check_settings(features.settings.features, estimator)
     table = features.table
     period_s = table["period_s"].to_numpy(np.float64)
     values = table[list(FEATURE_KEYS)].to_numpy(np.float64, copy=True)

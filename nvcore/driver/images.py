@@ -8,7 +8,7 @@ The fixation may be missing, as columns or as empty cells: a point is assumed th
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -17,6 +17,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from nvcore import __version__
+from nvcore.driver.feature_record import record_bytes
 from nvcore.driver.features import FEATURE_KEYS, features_of
 from nvcore.driver.settings import DriverSettings
 from nvcore.inputs.readers.parse.table import TextTable, read_table
@@ -61,6 +63,16 @@ class ImageFeatures:
             return self._words
         everyone = "" if self.n_assumed == len(self.table) else f" of {self.n_assumed:,}"
         return f"{self._words}\nFixation{everyone} assumed: {self.settings.fixation.words}."
+
+    def record(self, contents: Mapping[str, bytes]) -> bytes:
+        """How they were made, with the hashes of the files that hold them, as JSON."""
+        values = self.settings.as_json()
+        return record_bytes(
+            contents,
+            written_by=f"nvcore {__version__}",
+            settings={name: values[name] for name in ("features", "fixation")},
+            n_assumed=self.n_assumed,
+        )
 
     @property
     def _words(self) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
 from nvcore.driver.features import FeatureSettings
@@ -34,7 +34,9 @@ class DriverSettings:
         return asdict(self)
 
 
-def settings_from(given: Mapping[str, Any]) -> DriverSettings:
+def settings_from(
+    given: Mapping[str, Any], *, features: FeatureSettings | None = None
+) -> DriverSettings:
     """Settings by their names; what is not given has its default.
 
     Parameters
@@ -42,6 +44,8 @@ def settings_from(given: Mapping[str, Any]) -> DriverSettings:
     given
         Fields of `FeatureSettings` and `LightSettings`, and ``fixation``: the assumed point, as
         shares of the picture's width and height.
+    features
+        Of the features where they are not given, as an estimator's are; None: our defaults.
 
     Raises
     ------
@@ -61,7 +65,7 @@ def settings_from(given: Mapping[str, Any]) -> DriverSettings:
             hint = did_you_mean(name, known, f"there are {listed(known)}")
             raise ParameterError(f"there is no setting {name!r}; {hint}")
     return DriverSettings(
-        features=FeatureSettings(**values[FeatureSettings]),
+        features=replace(features or FeatureSettings(), **values[FeatureSettings]),
         light=LightSettings(**values[LightSettings]),
         fixation=fixation,
     )

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import os
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,6 +10,7 @@ from typing import Any, Final
 from nvcore import __version__
 from nvcore.dataset import Dataset
 from nvcore.driver.estimate import EstimateRun
+from nvcore.driver.feature_record import RECORD_FILE, record_bytes
 from nvcore.driver.run import FeatureRun
 from nvcore.errors import InputError
 from nvcore.inputs.driver.session import DriverTable
@@ -24,8 +23,6 @@ from nvcore.schema import DETECTABILITY
 
 FEATURES_FILE: Final = "features.csv"
 DETECTABILITY_FILE: Final = "detectability.csv"
-RECORD_FILE: Final = "driver.json"
-"""How they were made: settings, what was assumed, the estimator."""
 SESSION_FILE: Final = "session.toml"
 FEATURE_OUTPUTS: Final = (FEATURES_FILE, RECORD_FILE)
 ESTIMATE_OUTPUTS: Final = (DETECTABILITY_FILE, FEATURES_FILE, RECORD_FILE, SESSION_FILE)
@@ -142,11 +139,12 @@ def write_estimates(run: EstimateRun, dataset: Dataset, folder: Path) -> Written
 
 
 def _record(run: FeatureRun, contents: dict[str, bytes], **more: Any) -> bytes:
-    record = {
-        "written_by": f"nvcore {__version__}",
+    return record_bytes(
+        contents,
+        written_by=f"nvcore {__version__}",
         **more,
-        "settings": run.settings.as_json(),
-        "recordings": [
+        settings=run.settings.as_json(),
+        recordings=[
             {
                 "name": recording.name,
                 "n_boxes": len(recording.table),
@@ -155,6 +153,4 @@ def _record(run: FeatureRun, contents: dict[str, bytes], **more: Any) -> bytes:
             }
             for recording in run.recordings
         ],
-        "files": {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()},
-    }
-    return (json.dumps(record, ensure_ascii=False, indent=1) + "\n").encode()
+    )

@@ -72,6 +72,7 @@ def render_training(training: Training) -> str:
     lines = [
         *render_table(training.table),
         *map(capitalised, training.notes),
+        *_feature_settings(estimator),
         "mean squared error on pedestrians left out, in five folds; 0 is best:",
         *_errors(errors),
         *_choices(estimator),
@@ -79,6 +80,16 @@ def render_training(training: Training) -> str:
         f"trained in {duration_text(training.seconds)}",
     ]
     return "\n".join(lines)
+
+
+def _feature_settings(estimator: Estimator) -> list[str]:
+    """What is to be said where nobody knows how the features were computed."""
+    if estimator.feature_settings is not None:
+        return []
+    return [
+        "the settings of the features are not known: no record of nvcore driver features lies "
+        "beside their file"
+    ]
 
 
 def _errors(errors: pd.DataFrame) -> list[str]:

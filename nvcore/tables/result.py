@@ -15,6 +15,7 @@ from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.saliency import EVENT_COLUMNS
 from nvcore.schema import NO_TRACK, Category, integers_of
 from nvcore.tables.columns import column_names
+from nvcore.tables.inputs import driver_view_table
 
 
 def _names(result: Result, recording: np.ndarray) -> np.ndarray:
@@ -218,6 +219,7 @@ def recordings_table(result: Result) -> pd.DataFrame:
         "fps": dataset.recordings["fps"],
         "context": dataset.recordings["context"],
         "speed_kmh": dataset.recordings["speed_kmh"],
+        **driver_view_table(dataset),
         "n_frames": np.diff(frames.first),
         "duration_s": duration_of_recordings(result),
         "n_truth": per_recording(result, result.n_truth, frames.recording).astype(np.int64),

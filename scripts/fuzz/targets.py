@@ -36,7 +36,8 @@ from nvcore.measures import MEASURES
 from nvcore.pictures.archive import Archive, ArchiveLimits
 from nvcore.pictures.open import open_pictures
 from nvcore.pictures.stretch import jpeg
-from nvcore.report.gate import judge, measure_names
+from nvcore.report.gate.measures import measure_names
+from nvcore.report.gate.outcomes import judge
 from nvcore.report.rules import read_rules
 from nvcore.report.terminal import render_findings
 from nvcore.schema import READING_DTYPES

@@ -11,11 +11,14 @@ from pathlib import Path
 import click
 import numpy as np
 import pytest
+from driver_estimators import estimator
 from inputs import nvcore
 from picture_files import write_picture
 from places import SAMPLE
 
 from nvcore.cli.driver.features import features
+from nvcore.driver.estimators import write_estimator
+from nvcore.driver.feature_record import settings_beside
 from nvcore.driver.features import FeatureSettings
 from nvcore.driver.illumination import LightSettings
 
@@ -45,6 +48,42 @@ def test_features_of_a_session_are_written_with_how_they_were_made(tmp_path: Pat
     assert record["files"] == {"features.csv": hashlib.sha256(content).hexdigest()}
 
 
+def small_session(folder: Path) -> Path:
+    """A session of two recordings of three frames; pictures and size of the second are missing."""
+    rows = [f"{name},{frame},20,10,8,16" for name in ("near", "far") for frame in range(3)]
+    (folder / "truth.csv").write_text("\n".join(["recording,frame,x,y,w,h", *rows]) + "\n")
+    for frame in range(3):
+        write_picture(folder / "near" / f"{frame}.png", np.zeros((48, 64, 3), np.uint8))
+    path = folder / "session.toml"
+    path.write_text(
+        '[defaults]\nfps = 4\n[truth]\npath = "truth.csv"\n[[recording]]\nname = "near"\n'
+        'width = 64\nheight = 48\nframes = "0:2"\npictures = "near"\n'
+        '[[recording]]\nname = "far"\nframes = "0:2"\n'
+    )
+    return path
+
+
+def test_recordings_that_are_not_asked_for_need_no_facts(tmp_path: Path):
+    flags = ("driver", "features", small_session(tmp_path), "--out", tmp_path / "out")
+    result = nvcore(*flags)
+    assert result.exit_code == 2
+    assert "far" in result.stderr
+    result = nvcore(*flags, "--only", "near", "--frames", "1:2")
+    assert result.exit_code == 0, result.output
+    assert [row["frame"] for row in rows_of(tmp_path / "out" / "features.csv")] == ["1", "2"]
+
+
+def test_the_session_file_is_never_replaced(tmp_path: Path):
+    session, model = small_session(tmp_path), tmp_path / "driver.npz"
+    write_estimator(estimator(), model)
+    before = session.read_bytes()
+    flags = ("--only", "near", "--model", model, "--out", tmp_path)
+    result = nvcore("driver", "estimate", session, *flags)
+    assert result.exit_code == 2
+    assert "session.toml: is an input, and would be replaced" in result.stderr
+    assert session.read_bytes() == before
+
+
 def test_features_of_pictures_are_written_into_a_file(tmp_path: Path):
     write_picture(tmp_path / "study" / "park.png", np.zeros((48, 64, 3), np.uint8))
     (tmp_path / "boxes.csv").write_text(IMAGES_HEAD + "park.png,1,20,10,8,16\n")
@@ -54,6 +93,7 @@ def test_features_of_pictures_are_written_into_a_file(tmp_path: Path):
     assert result.exit_code == 0, result.output
     assert "1 pedestrian in 1 picture" in result.stdout
     assert rows_of(out)[0]["luminance_sd"] == "0"
+    assert settings_beside(out) == FeatureSettings()
 
 
 @pytest.mark.parametrize(
@@ -63,7 +103,10 @@ def test_features_of_pictures_are_written_into_a_file(tmp_path: Path):
         (("--boxes", "boxes.csv"), "give a session file, or --images"),
         (("--images", "."), "--images and --boxes belong together"),
         ((SAMPLE, "--boxes", "b.csv"), "--images and --boxes belong together"),
-        (("--images", ".", "--boxes", "b.csv", "--only", "a"), "--only and --tag are about"),
+        (
+            ("--images", ".", "--boxes", "b.csv", "--only", "a"),
+            "--only, --tag, --size, --fps and --frames are about a session",
+        ),
         ((SAMPLE, "--surround", "1"), "surround: expected 1.1 to 10, found 1"),
         ((SAMPLE, "--fixation", "2,0"), "fixation: expected x as a share of the picture"),
         ((SAMPLE, "--fixation", "a"), "expected two numbers"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,8 @@ from inputs import nvcore
 
 import nvcore as nv
 from nvcore.driver.estimators import QUICK, Search, read_estimator
+from nvcore.driver.feature_record import record_beside, record_bytes
+from nvcore.driver.features import FeatureSettings
 from nvcore.driver.trials import Judging
 
 SUBJECTS = ("A", "B", "C", "D", "E", "F")
@@ -69,6 +72,21 @@ def test_the_square_can_be_an_angle(files: tuple[Path, Path], tmp_path: Path):
     ran = nvcore("driver", "train", trials, "--features", features, *angle)
     assert ran.exit_code == 0, ran.output
     assert read_estimator(out).origin.square_px == pytest.approx(200.3, abs=0.1)
+
+
+def test_the_model_notes_the_settings_of_its_features(files: tuple[Path, Path], tmp_path: Path):
+    trials, features = files
+    out = tmp_path / "driver.npz"
+    flags = ("driver", "train", trials, "--features", features, "--quick", "--out", out)
+    words = "settings of the features are not known"
+    assert words in nvcore(*flags).stdout
+    assert read_estimator(out).feature_settings is None
+    settings = FeatureSettings(surround=3)
+    contents = {features.name: features.read_bytes()}
+    record = record_bytes(contents, settings={"features": asdict(settings)})
+    record_beside(features).write_bytes(record)
+    assert words not in nvcore(*flags).stdout
+    assert read_estimator(out).feature_settings == settings
 
 
 @pytest.mark.parametrize(

@@ -4,51 +4,23 @@ from __future__ import annotations
 
 import hashlib
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from driver_estimators import LAB, estimator
 from picture_files import write_picture
 
 from nvcore.api.driver_run import estimate_driver
 from nvcore.driver.estimate import DETECTABILITY_COLUMNS, EstimateRun, run_estimate
-from nvcore.driver.estimators import Estimator, Origin, Quality, Regression, write_estimator
-from nvcore.driver.estimators.model import SvrSettings
+from nvcore.driver.estimators import Estimator, write_estimator
+from nvcore.driver.features import FeatureSettings
 from nvcore.driver.run import run_features
-from nvcore.errors import InputError
+from nvcore.errors import InputError, ParameterError
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
-
-CONTRAST, LAB = 3, 4
-"""Columns of the features."""
-
-
-def by(column: int, share: float) -> Regression:
-    """A regression that gives this share of a hundredth of a feature, trained on 0 to 100."""
-    return Regression(
-        columns=np.array([column]),
-        centre=np.zeros(1),
-        scale=np.full(1, 100.0),
-        low=np.zeros(1),
-        high=np.full(1, 100.0),
-        vectors=np.ones((1, 1)),
-        weights=np.array([share]),
-        offset=0.0,
-        settings=SvrSettings("linear", 1.0, 0.1, 1.0),
-    )
-
-
-def estimator(column: int = CONTRAST, simulated: str = "no") -> Estimator:
-    """Half of the contrast soon after the change, all of it at 4.5 s."""
-    origin = Origin(51, 4, 306, simulated, 200.0, 0.5, 0.5, 0, "ab")
-    return Estimator(
-        "test",
-        np.array([0.5, 4.5]),
-        (by(column, 0.5), by(column, 1.0), by(column, 0.7)),
-        tuple(Quality(51, error, 0.5, 0.1) for error in (0.01, 0.04, 0.09)),
-        origin,
-    )
 
 
 @pytest.fixture
@@ -151,6 +123,27 @@ def test_estimates_again_replace_those_before(place: Path):
     again = estimate_driver(first.session, place / "model.npz", place / "again")
     assert again.detectability.read_bytes() == before
     assert read_session(again.session).driver.detectability == str(again.detectability.absolute())
+
+
+def test_features_are_computed_as_those_that_the_estimator_was_trained_on(place: Path):
+    wide = replace(estimator(), feature_settings=FeatureSettings(surround=3))
+    write_estimator(wide, place / "model.npz")
+    files = place / "session.toml", place / "model.npz", place / "out"
+    written = estimate_driver(*files)
+    assert json.loads(written.record.read_text())["settings"]["features"]["surround"] == 3
+    assert "does not say with which settings" not in str(written.run)
+    estimate_driver(*files, settings={"surround": 3})
+    with pytest.raises(ParameterError, match="surround: the estimator was trained on features w"):
+        estimate_driver(*files, settings={"surround": 2})
+    with pytest.raises(ParameterError, match="with 3, found 2"):
+        run(place, wide)
+
+
+def test_an_estimator_that_does_not_say_its_settings_is_used_and_that_is_noted(place: Path):
+    assert (
+        "the estimator does not say with which settings its features were computed; these: "
+        "surround 2, bin distance 1"
+    ) in str(run(place, estimator()))
 
 
 def test_what_is_read_is_not_replaced(place: Path):

@@ -15,7 +15,8 @@ from nvcore.comparison import Result, compare
 from nvcore.dataset.estimates import EstimateRecord
 from nvcore.evidence.measures import significance_table
 from nvcore.params import Params
-from nvcore.report.gate import gate_measures, listed_names, measure_names, run_gate
+from nvcore.report.gate import run_gate
+from nvcore.report.gate.measures import gate_measures, listed_names, measure_names
 from nvcore.report.html.driver_section import driver_section
 from nvcore.report.rules import parse_rule
 from nvcore.report.terminal import render_scorecard

@@ -16,19 +16,11 @@ from nvcore.comparison import Result
 from nvcore.errors import ParameterError
 from nvcore.findings import Finding, Severity
 from nvcore.protocols import PROTOCOLS
-from nvcore.report.gate import (
-    SUMMARY_NAMES,
-    Outcome,
-    audit_rules,
-    encounters_of,
-    explain,
-    gate_measures,
-    judge,
-    measure_names,
-    run_gate,
-    value_text,
-)
-from nvcore.report.gate_results import (
+from nvcore.report.gate import audit_rules, run_gate
+from nvcore.report.gate.details import encounters_of, explain
+from nvcore.report.gate.measures import SUMMARY_NAMES, gate_measures, measure_names
+from nvcore.report.gate.outcomes import Outcome, judge, value_text
+from nvcore.report.gate.results import (
     is_gate_result,
     junit_error,
     junit_xml,
@@ -300,7 +292,7 @@ def test_how_much_worse_a_system_may_be_is_undefined_at_unequal_operating_points
 
 def test_evidence_is_computed_once_for_claims_and_for_how_much_worse(monkeypatch):
     result = result_of(drives(12))
-    monkeypatch.setattr("nvcore.report.gate.judge_key", None)  # not called
+    monkeypatch.setattr("nvcore.report.gate.measures.judge_key", None)  # not called
     names = ["claims_x", "encounters_detected_worse_x"]
     values = gate_measures(result, [], PROTOCOLS["all"], names)
     row = by_figure(result).loc["encounters_detected_by_unit"]

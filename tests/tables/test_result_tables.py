@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -11,6 +13,7 @@ from builders import Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result
 from nvcore.findings import Finding, Severity
+from nvcore.inputs.session import RecordingEntry, Session, Source
 from nvcore.tables.result import (
     encounters_table,
     events_table,
@@ -238,3 +241,18 @@ def test_saliency_is_told_for_each_recording():
     result = result_of(make_dataset(truth, places=[Place(range(4)), Place(range(4))]))
     table = recordings_table(result)
     assert table["saliency_x"].tolist() == [0, 2 * result.x.saliency_s]
+
+
+def test_recordings_say_what_is_known_of_the_driver_s_view():
+    dataset = make_dataset([at(0, 50)], places=[Place(range(2)) for _ in range(3)])
+    names = dataset.recordings["name"].tolist()
+    assert not recordings_table(result_of(dataset))[["has_visible", "has_gaze"]].any(axis=None)
+    entries = (
+        RecordingEntry(names[0], visible="v.mp4", light="lux.csv"),
+        RecordingEntry(names[2], visible="v.mp4", gaze="gaze.csv"),
+    )
+    session = Session(folder=Path(), truth=Source(("truth.csv",)), systems=(), recordings=entries)
+    table = recordings_table(result_of(replace(dataset, settings=session)))
+    assert table["has_visible"].tolist() == [True, False, True]
+    assert table["light_by"].tolist() == ["meter", "", "picture"]
+    assert table["has_gaze"].tolist() == [False, False, True]

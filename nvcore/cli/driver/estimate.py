@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from nvcore.cli.driver.options import (
     LIGHT_OPTIONS,
     RUN_OPTIONS,
     SETTING_OPTIONS,
-    given_settings,
+    run_on_session,
 )
 from nvcore.cli.options import (
     INPUTS,
@@ -21,9 +22,6 @@ from nvcore.cli.options import (
     grouped_option,
     with_options,
 )
-from nvcore.cli.progress import ShareProgress, TerminalProgress
-from nvcore.cli.steps import errors_of
-from nvcore.inputs.session_toml import read_session
 from nvcore.wording import one_line
 
 
@@ -64,29 +62,13 @@ def estimate(session_file: Path, model: Path, out: Path, **options: Any) -> None
     """How likely the driver sees each pedestrian by himself, in every frame.
 
     SESSION_FILE (TOML) names what nvcore driver features needs. DIR/session.toml is the same
-    session with the estimates, which nvcore compare takes. Features have to be computed as those
-    that the model was trained on. Exit code 0: fine, 2: bad input.
+    session with the estimates, which nvcore compare takes. Features are computed with the settings
+    of those that the model was trained on; others are refused. Exit code 0: fine, 2: bad input.
     """
-    from nvcore.api.driver_run import estimate_driver
-    from nvcore.inputs.load import load
-    from nvcore.inputs.recordings_file import with_recordings_file
+    from nvcore.api.driver_run import estimate_job
 
-    session = with_recordings_file(read_session(session_file, needs_system=False))
-    with errors_of(session):
-        with TerminalProgress(2 + len(session.systems)) as steps:
-            dataset = load(session, progress=steps)
-        with ShareProgress() as progress:
-            written = estimate_driver(
-                dataset,
-                model,
-                out,
-                settings=given_settings(options),
-                interpolate=options["interpolate"],
-                only=options["only"],
-                tags=options["tags"],
-                n_threads=options["n_threads"],
-                progress=progress,
-            )
+    job_of = partial(estimate_job, model=model, out=out, interpolate=options["interpolate"])
+    written = run_on_session(session_file, job_of, options)
     click.echo(str(written.run))
     click.echo(one_line(f"written to {out}"), err=True)
     click.echo(one_line(f"compare: nvcore compare {written.session}"), err=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from nvcore.cli.driver.options import (
     RUN_OPTIONS,
     SETTING_OPTIONS,
     given_settings,
+    run_on_session,
 )
 from nvcore.cli.options import (
     INPUTS,
@@ -19,14 +21,11 @@ from nvcore.cli.options import (
     GroupedCommand,
     examples,
     grouped_option,
+    refuse_without_session,
     with_options,
 )
-from nvcore.cli.progress import ShareProgress, TerminalProgress
-from nvcore.cli.steps import errors_of
-from nvcore.inputs.session_toml import read_session
+from nvcore.cli.progress import ShareProgress
 from nvcore.wording import one_line
-
-_OF_SESSIONS = ("only", "tags")
 
 
 @click.command(
@@ -64,7 +63,7 @@ _OF_SESSIONS = ("only", "tags")
     type=click.Path(path_type=Path),
     metavar="DIR|FILE",
     help="Write features.csv and driver.json into this folder; of --images the features into this "
-    "file.",
+    "file, and how they were made beside it.",
 )
 @with_options(*RUN_OPTIONS, *SETTING_OPTIONS, *LIGHT_OPTIONS)
 def features(session_file: Path | None, images: Path | None, out: Path, **options: Any) -> None:
@@ -82,31 +81,15 @@ def features(session_file: Path | None, images: Path | None, out: Path, **option
         _of_images(images, out, options)
         return
     assert session_file is not None
-    from nvcore.api.driver_run import driver_features
-    from nvcore.inputs.load import load
-    from nvcore.inputs.recordings_file import with_recordings_file
+    from nvcore.api.driver_run import features_job
 
-    session = with_recordings_file(read_session(session_file, needs_system=False))
-    with errors_of(session):
-        with TerminalProgress(2 + len(session.systems)) as steps:
-            dataset = load(session, progress=steps)
-        with ShareProgress() as progress:
-            written = driver_features(
-                dataset,
-                out,
-                settings=given_settings(options),
-                only=options["only"],
-                tags=options["tags"],
-                n_threads=options["n_threads"],
-                progress=progress,
-            )
+    written = run_on_session(session_file, partial(features_job, out=out), options)
     click.echo(str(written.run))
     click.echo(one_line(f"written to {written.features} and {written.record}"), err=True)
 
 
 def _of_images(images: Path, out: Path, options: dict[str, Any]) -> None:
-    if any(options[name] for name in _OF_SESSIONS):
-        raise click.UsageError("--only and --tag are about a session; name its file")
+    refuse_without_session(options)
     from nvcore.api.driver_run import image_features
 
     with ShareProgress() as progress:

@@ -1,13 +1,18 @@
-"""Flags that the commands of the driver share."""
+"""What the commands of the driver share: flags, and the run over a session."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Final
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Final, TypeVar
 
 import click
 
-from nvcore.cli.options import PairOf, grouped_option, only_option, tag_option
+from nvcore.cli.options import PairOf, grouped_option, part_options
+from nvcore.cli.progress import ShareProgress, TerminalProgress
+from nvcore.cli.steps import errors_of, part_from
+from nvcore.inputs.session_toml import read_session
+from nvcore.progress import Progress
 
 # Nothing here imports numpy, pandas or OpenCV: `nvcore --help` need not wait for them.
 
@@ -88,8 +93,7 @@ LIGHT_OPTIONS: Final = (
 )
 """What the adaptation period depends on."""
 RUN_OPTIONS: Final = (
-    tag_option(),
-    only_option(),
+    part_options("Evaluated frames"),
     grouped_option(
         VIEW,
         "--threads",
@@ -102,6 +106,34 @@ _SETTINGS: Final = (
     *("surround", "bin_distance", "fixation"),
     *("drop_factor", "picture_drop_factor", "within_s", "bright_for_s", "smooth_s", "least_lux"),
 )
+_Written = TypeVar("_Written")
+
+
+def run_on_session(
+    session_file: Path,
+    job_of: Callable[..., Callable[[Progress], _Written]],
+    options: Mapping[str, Any],
+) -> _Written:
+    """Run a job over a session with the flags that were given, and show how far it is.
+
+    Parameters
+    ----------
+    job_of
+        Takes the session and, by name, the arguments of `nvcore.api.driver_run.features_job`.
+    """
+    session = read_session(session_file, needs_system=False)
+    with errors_of(session):
+        with TerminalProgress(2 + len(session.systems)) as steps:
+            job = job_of(
+                session,
+                settings=given_settings(options),
+                part=part_from(options),
+                n_threads=options["n_threads"],
+                inputs=[session_file],
+                loading=steps,
+            )
+        with ShareProgress() as progress:
+            return job(progress)
 
 
 def given_settings(options: Mapping[str, Any]) -> dict[str, Any]:

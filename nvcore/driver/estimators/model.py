@@ -8,7 +8,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.driver.features import FEATURE_KEYS
+from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
 
 Kernel = Literal["linear", "rbf"]
 KERNELS: Final[tuple[Kernel, ...]] = ("linear", "rbf")
@@ -204,6 +204,8 @@ class Estimator:
         Of each, likewise.
     origin
         What they were trained on.
+    feature_settings
+        With which the features were computed; None: not known.
     """
 
     name: str
@@ -211,6 +213,7 @@ class Estimator:
     regressions: tuple[Regression, ...]
     qualities: tuple[Quality, ...]
     origin: Origin
+    feature_settings: FeatureSettings | None = None
 
     @property
     def single(self) -> Regression:

@@ -19,7 +19,8 @@ from nvcore.driver.estimators.model import (
     Regression,
     SvrSettings,
 )
-from nvcore.driver.features import FEATURE_KEYS
+from nvcore.driver.feature_record import settings_from_json
+from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
 from nvcore.errors import EstimatorError
 from nvcore.output import arrays as archives
 from nvcore.output.arrays import BadArchiveError, Kinds
@@ -150,13 +151,16 @@ def _members(estimator: Estimator) -> dict[str, NDArray[Any]]:
         values["vectors"][end - len(part.weights) : end, part.columns] = part.vectors
         for name in _OF_REGRESSIONS:
             values[name][row, part.columns] = getattr(part, name)
-    about = {
+    about: dict[str, Any] = {
         "format": FORMAT,
         "version": VERSION,
         "name": estimator.name,
         "features": list(FEATURE_KEYS),
         "origin": asdict(estimator.origin),
     }
+    if estimator.feature_settings is not None:
+        settings = asdict(estimator.feature_settings)
+        about["feature_settings"] = {name: float(value) for name, value in settings.items()}
     return archives.members_of(about, values, _ARRAYS)
 
 
@@ -178,6 +182,7 @@ def _checked(about: Mapping[str, Any], arrays: dict[str, NDArray[Any]]) -> Estim
             for row in range(n_regressions)
         ),
         origin=_origin(about["origin"]),
+        feature_settings=_feature_settings(about),
     )
 
 
@@ -214,6 +219,17 @@ def _regression(arrays: Mapping[str, NDArray[Any]], row: int) -> Regression:
         offset=float(arrays["offset"][row]),
         settings=SvrSettings(KERNELS[int(arrays["kernel"][row])], **settings),
     )
+
+
+def _feature_settings(about: Mapping[str, Any]) -> FeatureSettings | None:
+    """None: models of earlier versions do not say them."""
+    if "feature_settings" not in about:
+        return None
+    archives.check_facts(about, {"feature_settings": dict})
+    try:
+        return settings_from_json(about["feature_settings"])
+    except ValueError as error:
+        raise BadArchiveError(str(error)) from error
 
 
 def _origin(content: Mapping[str, Any]) -> Origin:

@@ -106,6 +106,7 @@ def train_estimator(
         regressions=regressions,
         qualities=_qualities(samples, left_out),
         origin=origin_of(table, search),
+        feature_settings=table.feature_settings,
     )
     return Training(
         estimator,

@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from nvcore.driver.feature_record import settings_beside
+from nvcore.driver.features import FeatureSettings
 from nvcore.driver.trials.judging import Judging, judge_trials
 from nvcore.driver.trials.reading import (
     PEDESTRIAN,
@@ -43,6 +45,8 @@ class TrainingTable:
         ``"no"``, ``"all"`` or ``"some"``: trials that no person took.
     judging
         How the responses were judged.
+    feature_settings
+        With which the features were computed; None: no record beside their file says it.
     """
 
     rows: pd.DataFrame
@@ -52,6 +56,7 @@ class TrainingTable:
     n_off_time: int
     simulated: str
     judging: Judging
+    feature_settings: FeatureSettings | None = None
 
     @property
     def n_subjects(self) -> int:
@@ -132,6 +137,7 @@ def training_table(
         n_off_time=int(used["is_off_time"].sum()),
         simulated="all" if is_simulated.all() else "some" if is_simulated.any() else "no",
         judging=judging,
+        feature_settings=settings_beside(features),
     )
 
 

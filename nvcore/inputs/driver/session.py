@@ -58,6 +58,11 @@ class DriverEntry:
                 f"[{numbers}]"
             )
 
+    @property
+    def light_by(self) -> str:
+        """What tells the light: ``"meter"``, ``"picture"`` (of visible light), else empty."""
+        return "meter" if self.light is not None else "picture" if self.visible is not None else ""
+
     def driver_paths(self) -> Iterator[str]:
         """The files that it names, as they are written."""
         yield from (path for path in (self.visible, self.light, self.gaze) if path is not None)

@@ -9,6 +9,7 @@ import numpy as np
 
 from nvcore import __version__
 from nvcore.comparison import Result
+from nvcore.dataset import Dataset
 from nvcore.evidence.bootstrap import N_RESAMPLES, SEED
 from nvcore.evidence.units import MIN_RECORDINGS
 from nvcore.findings import Finding
@@ -21,7 +22,7 @@ from nvcore.metrics.proximity import in_use
 from nvcore.params import SETTINGS
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Block, Section, Sentences, Table, table
-from nvcore.tables.inputs import inputs_table, left_out_table
+from nvcore.tables.inputs import driver_view_table, inputs_table, left_out_table
 from nvcore.wording import UNDEFINED, capitalised, count_text, number
 
 NOT_SET: Final = "not set"
@@ -127,7 +128,7 @@ def _recordings(result: Result) -> Table:
     midpoint, spread = (
         in_use(result.params, name, frames).tolist() for name in ("midpoint", "spread")
     )
-    rows = [
+    rows: list[tuple[str, ...]] = [
         (
             row["name"],
             f"{row['width']:g} x {row['height']:g}",
@@ -140,7 +141,7 @@ def _recordings(result: Result) -> Table:
         )
         for i, row in enumerate(dataset.recordings.to_dict("records"))
     ]
-    head = (
+    head: tuple[str, ...] = (
         "Recording",
         "Size (px)",
         "Frames per second",
@@ -150,7 +151,26 @@ def _recordings(result: Result) -> Table:
         "Horizon (px)",
         "Tags",
     )
+    views = _driver_views(dataset)
+    if any(views):
+        head = (*head, "Driver's view")
+        rows = [(*row, view or UNDEFINED) for row, view in zip(rows, views, strict=True)]
     return table("Recordings", head, rows, right=range(1, 7))
+
+
+def _driver_views(dataset: Dataset) -> list[str]:
+    """What is known of the driver's view of each recording, in words; empty: nothing."""
+    words_of = {
+        "has_visible": "pictures of visible light",
+        "is_metered": "light meter",
+        "has_gaze": "gaze",
+    }
+    views = driver_view_table(dataset)
+    views["is_metered"] = views["light_by"] == "meter"
+    return [
+        capitalised(", ".join(text for name, text in words_of.items() if row[name]))
+        for row in views.to_dict("records")
+    ]
 
 
 def parameters_section(result: Result) -> Section:

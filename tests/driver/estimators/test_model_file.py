@@ -7,6 +7,7 @@ import json
 import pickle
 import zipfile
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ import pytest
 
 from nvcore.driver.estimators import Training, fingerprint, read_estimator, write_estimator
 from nvcore.driver.estimators.model_file import from_bytes, to_bytes
+from nvcore.driver.features import FeatureSettings
 from nvcore.errors import EstimatorError
 
 
@@ -34,6 +36,20 @@ def test_an_estimator_is_read_as_it_was_written(training: Training, tmp_path: Pa
         )
         np.testing.assert_allclose(ours.detectability, theirs.detectability, atol=1e-12)
         np.testing.assert_array_equal(ours.is_outside, theirs.is_outside)
+
+
+def test_the_settings_of_its_features_are_kept(training: Training):
+    assert training.estimator.feature_settings is None
+    assert "feature_settings" not in about_of(to_bytes(training.estimator))  # as in old files
+    wide = replace(training.estimator, feature_settings=FeatureSettings(surround=3))
+    again = from_bytes(to_bytes(wide), "wide.npz")
+    assert again.feature_settings == FeatureSettings(surround=3)
+    assert fingerprint(again) == fingerprint(wide) != fingerprint(training.estimator)
+
+
+def about_of(content: bytes) -> dict:
+    with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+        return json.loads(arrays["about"].tobytes())
 
 
 def test_numpy_opens_it_without_pickle(training: Training):
@@ -93,6 +109,12 @@ def of_origin(**facts: object):
         (told(name=""), "name: expected 1 to 200 printable"),
         (told(name=7), "name: expected str, got 7"),
         (told(features=["width_px"]), "features: expected those of this program"),
+        (told(feature_settings=3), "feature_settings: expected dict, got 3"),
+        (told(feature_settings={"surround": 2.0}), "settings of the features: its keys are others"),
+        (
+            told(feature_settings={"surround": 99, "bin_distance": 1}),
+            "surround: expected 1.1 to 10",
+        ),
         (of_origin(seed="x"), "seed: expected int, got 'x'"),
         (of_origin(simulated="perhaps"), "simulated: expected no, all or some"),
         (of_origin(more=1), "origin: its keys are others"),

@@ -1,11 +1,10 @@
-"""Rules that a comparison has to pass, such as in nightly runs: measured, judged, explained."""
+"""Measures that rules may name, and their values."""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence, Set
-from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -14,9 +13,8 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import detection_curve
-from nvcore.evidence.companions import describe_alarms, find_companions, is_undecided
+from nvcore.evidence.companions import find_companions, is_undecided
 from nvcore.evidence.planning import PLAN_KEYS, SIDES, Side, judge_key, worse_at_most
-from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
 from nvcore.findings import Finding, Severity
@@ -25,7 +23,7 @@ from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.venn import Venn, count_categories
 from nvcore.protocols import Protocol
 from nvcore.report.plan import evidence_of
-from nvcore.report.rules import COMPARISONS, OF_CLASSES, Rule, check_name, class_in, parse_rule
+from nvcore.report.rules import OF_CLASSES, class_in
 from nvcore.report.verdict import verdict
 from nvcore.schema import Category, DriverRegion
 from nvcore.tables.column import Column, Kind
@@ -35,7 +33,7 @@ _OF_CURVE: Final = {
     measure.rule: measure.of_curve for measure in MEASURES if measure.rule and measure.of_curve
 }
 """Measures of the detection curve, by their names in rules."""
-_WORSE: Final = {
+WORSE: Final = {
     f"{measure_of(key).rule or name}_worse_{letter}": (key, letter)
     for name, key in PLAN_KEYS.items()
     for letter in SIDES
@@ -60,7 +58,6 @@ COUNTED_FINDINGS: Final = {"audit_errors": Severity.ERROR, "audit_warnings": Sev
 """Measures that count findings of the audit; a failed rule lists them, too."""
 COUNTED_CLAIMS: Final = {"claims_x": "x", "claims_y": "y"}
 """Measures that count differences that the verdict claims for a system; they take a moment."""
-MAX_LISTED: Final = 10
 _OTHER_NAMES: Final = (
     "new_misses",
     "mended_misses",
@@ -86,7 +83,7 @@ SUMMARY_NAMES: Final = (
 def measure_names() -> list[str]:
     """Names of all measures that a rule may name."""
     of_systems = _with_endings([*_numeric(SYSTEM_KEYS), *_OF_CURVE])
-    return [*of_systems, *_WORSE, *_OTHER_NAMES, *SUMMARY_NAMES]
+    return [*of_systems, *WORSE, *_OTHER_NAMES, *SUMMARY_NAMES]
 
 
 def _with_endings(names: Iterable[str]) -> list[str]:
@@ -100,78 +97,11 @@ def listed_names(result: Result, values: Mapping[str, float]) -> list[str]:
     of_system = [column.name for column in SYSTEM_KEYS if column.is_optional]
     left_out = {
         *_with_endings(of_system),
-        *(name for name, (key, _) in _WORSE.items() if measure_of(key).is_optional),
+        *(name for name, (key, _) in WORSE.items() if measure_of(key).is_optional),
         *(column.name for column in SUMMARY_KEYS if column.is_optional),
         *(f"fusion.{kind}.{name}" for kind in ("x_or_y", "x_and_y") for name in of_system),
     }
     return sorted(values.keys() - left_out)
-
-
-def value_text(value: float) -> str:
-    """The value of a measure, with six digits."""
-    return "undefined" if math.isnan(value) else f"{value + 0.0:.6g}"  # -0.0 is 0
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What became of a rule.
-
-    Attributes
-    ----------
-    value
-        Of the measure; NaN undefined: the rule fails unless it allows this.
-    details
-        What a failed rule counts: encounters or findings, one line each, named as in the inputs; or
-        why the measure is undefined at unequal operating points.
-    """
-
-    rule: Rule
-    value: float
-    is_passed: bool
-    details: tuple[str, ...] = ()
-
-    @property
-    def message(self) -> str:
-        """The value of the measure, in words."""
-        text = f"{self.rule.name} is {value_text(self.value)}"
-        if not math.isnan(self.value):
-            return text
-        if self.is_passed:
-            return f"{text}, which the rule allows"
-        return f"{text}; add 'or undefined' to the rule if that is fine"
-
-
-def run_gate(
-    rules: Sequence[Rule],
-    result: Result,
-    findings: Sequence[Finding],
-    *,
-    strict: bool,
-    names: Iterable[str] = (),
-) -> tuple[list[Outcome], dict[str, float]]:
-    """The outcomes of these rules and of those of the audit, and the measures they were judged by.
-
-    Parameters
-    ----------
-    strict
-        Whether warnings of the audit count as errors do.
-    names
-        Measures to compute beside those that the rules name.
-    """
-    every = [*rules, *audit_rules(rules, strict=strict)]
-    needed = [*names, *(rule.name for rule in every)]
-    measures = gate_measures(result, findings, result.dataset.settings.protocol, needed)
-    return explain(judge(every, measures), result, findings), measures
-
-
-def audit_rules(rules: Iterable[Rule], *, strict: bool) -> list[Rule]:
-    """Rules that allow no errors of the audit and, if `strict`, no warnings.
-
-    Left out where `rules` themselves limit the number.
-    """
-    measures = {rule.name for rule in rules}
-    counts = ["audit_errors", *(["audit_warnings"] if strict else [])]
-    return [parse_rule(f"{name} == 0") for name in counts if name not in measures]
 
 
 def gate_measures(
@@ -238,12 +168,12 @@ def _of_classes(result: Result, names: Set[str]) -> dict[str, float]:
     """Those measures that are asked of a class; of one without encounters its number is 0."""
     values = {}
     for name in sorted(name for name in names if class_in(name)):
-        venn = count_categories(result.category[_members(result, name)])
+        venn = count_categories(result.category[members(result, name)])
         values[name] = _counts_of_encounters(venn)[name.partition(".")[0]]
     return values
 
 
-def _members(result: Result, name: str) -> np.ndarray:
+def members(result: Result, name: str) -> np.ndarray:
     """Encounters that a measure of a class, or of all, is about; bool, shape (n_encounters,)."""
     wanted, n = class_in(name), len(result.encounters)
     if not wanted:
@@ -289,7 +219,7 @@ def _count_claims(
 def _may_be_worse(
     result: Result, protocol: Protocol, names: Set[str], evidence: pd.DataFrame | None
 ) -> dict[str, float]:
-    """Those of `_WORSE` that are needed; NaN without an interval, or at unequal operating points.
+    """Those of `WORSE` that are needed; NaN without an interval, or at unequal operating points.
 
     Parameters
     ----------
@@ -297,8 +227,8 @@ def _may_be_worse(
         `nvcore.evidence.table.evidence_table` of the result, if already computed.
     """
     sides_of: dict[str, dict[str, Side]] = {}
-    for name in sorted(names & _WORSE.keys()):
-        key, side = _WORSE[name]
+    for name in sorted(names & WORSE.keys()):
+        key, side = WORSE[name]
         sides_of.setdefault(key, {})[name] = side
     units = find_units(result) if sides_of and evidence is None else None
     values: dict[str, float] = {}
@@ -319,82 +249,3 @@ def _numbers(content: Mapping[str, Any], before: str = "") -> Iterable[tuple[str
             yield from _numbers(value, f"{before}{name}.")
         elif isinstance(value, int | float) or value is None:
             yield f"{before}{name}", math.nan if value is None else float(value)
-
-
-def judge(rules: Iterable[Rule], values: Mapping[str, float]) -> list[Outcome]:
-    """Whether each rule holds; an undefined measure breaks its rule, unless the rule allows it.
-
-    Raises
-    ------
-    ParameterError
-        If a rule names an unknown measure.
-    """
-    outcomes = []
-    for rule in rules:
-        check_name(rule, values)
-        value = values[rule.name]
-        holds = (
-            rule.allows_undefined
-            if math.isnan(value)
-            else COMPARISONS[rule.comparison](value, rule.limit)
-        )
-        outcomes.append(Outcome(rule, value, holds))
-    return outcomes
-
-
-def explain(
-    outcomes: Iterable[Outcome], result: Result, findings: Sequence[Finding]
-) -> list[Outcome]:
-    """The outcomes with what explains them (`Outcome.details`)."""
-    return [replace(outcome, details=_details(outcome, result, findings)) for outcome in outcomes]
-
-
-def _details(outcome: Outcome, result: Result, findings: Sequence[Finding]) -> tuple[str, ...]:
-    name = outcome.rule.name
-    if name in _WORSE and is_undecided(result, _WORSE[name][0]):
-        return (
-            f"{UNEQUAL_POINTS} ({describe_alarms(result)}), from which nothing is claimed: set "
-            "thresholds that give equally many",
-        )
-    if outcome.is_passed:
-        return ()
-    counted = name.partition(".")[0] if class_in(name) else name
-    if counted in COUNTED_ENCOUNTERS:
-        category = COUNTED_ENCOUNTERS[counted]
-        return tuple(encounters_of(result, category, _members(result, name)))
-    if name in COUNTED_REGIONS:
-        return tuple(_listed(result, np.isin(result.driver.region, COUNTED_REGIONS[name])))
-    return tuple(
-        f"{finding.subject}: {finding.message}"
-        for finding in findings
-        if finding.severity is COUNTED_FINDINGS.get(name)
-    )
-
-
-def encounters_of(
-    result: Result, category: Category, is_member: np.ndarray | None = None
-) -> list[str]:
-    """Recording, track and frames of a category's encounters, the first `MAX_LISTED`.
-
-    Parameters
-    ----------
-    is_member
-        Encounters that may be listed, bool; None: all.
-    """
-    is_listed = result.category == category.value
-    return _listed(result, is_listed if is_member is None else is_listed & is_member)
-
-
-def _listed(result: Result, is_listed: np.ndarray) -> list[str]:
-    rows = np.flatnonzero(is_listed)
-    encounters, frame = result.encounters, result.dataset.frames["frame"].to_numpy()
-    recordings = result.dataset.recordings["name"].to_numpy()
-    lines = []
-    for row in rows[:MAX_LISTED]:
-        first, last = frame[encounters.first_row[row]], frame[encounters.last_row[row]]
-        when = f"frame {first}" if first == last else f"frames {first} to {last}"
-        lines.append(
-            f"{recordings[encounters.recording[row]]}, track {encounters.track[row]}, {when}"
-        )
-    n_more = len(rows) - len(lines)
-    return [*lines, f"and {n_more} more"] if n_more else lines

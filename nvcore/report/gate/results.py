@@ -7,7 +7,8 @@ from typing import Final
 from xml.etree import ElementTree
 
 from nvcore.findings import Finding
-from nvcore.report.gate import COUNTED_FINDINGS, Outcome, value_text
+from nvcore.report.gate.measures import COUNTED_FINDINGS
+from nvcore.report.gate.outcomes import Outcome, value_text
 from nvcore.report.rules import what_is_not_asked
 from nvcore.report.terminal import render_findings
 from nvcore.wording import markdown_text, one_line

@@ -1,0 +1,190 @@
+"""Readings written as plain CSV, Parquet, COCO or MOTChallenge text, for ``nvcore convert``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pandas as pd
+import tomli_w
+
+from nvcore.errors import InputError, UnknownFormatError
+from nvcore.file_kinds import suffix_of
+from nvcore.inputs.readers.base import Reading, Role
+from nvcore.inputs.writers.coco import attribute_texts, coco_bytes
+from nvcore.inputs.writers.mot import mot_files
+from nvcore.inputs.writers.names import safe_names
+from nvcore.output.csv_text import to_csv_bytes
+from nvcore.output.files import write_whole
+from nvcore.output.packing import packed_as
+from nvcore.output.parquet import to_parquet_bytes
+from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
+
+FORMATS: Final = ("csv", "parquet", "coco", "mot")
+"""What `write` can write."""
+
+_BY_SUFFIX: Final = {
+    ".csv": "csv",
+    ".parquet": "parquet",
+    ".pq": "parquet",
+    ".json": "coco",
+    ".txt": "mot",
+}
+
+CSV_COLUMNS: Final = (
+    *("recording", "frame", "x", "y", "w", "h"),
+    *("score", "track", "ignore", "distance_m", "occlusion"),
+)
+
+
+def format_by_name(path: Path) -> str:
+    """The format to write that the ending of a file's name asks for.
+
+    Raises
+    ------
+    UnknownFormatError
+        If it asks for none.
+    """
+    suffix = suffix_of(path)
+    if suffix not in _BY_SUFFIX:
+        raise UnknownFormatError(
+            f"the name does not tell the format to write (its ending is none of "
+            f"{', '.join(_BY_SUFFIX)}); name it: {', '.join(FORMATS)}",
+            file=path,
+        )
+    return _BY_SUFFIX[suffix]
+
+
+def write(
+    reading: Reading,
+    format_name: str,
+    path: Path,
+    *,
+    role: Role,
+    images: pd.DataFrame | None = None,
+    inputs: Sequence[Path] = (),
+    force: bool = False,
+) -> list[Path]:
+    """Write a reading to disk.
+
+    Parameters
+    ----------
+    reading
+        What is written; its boxes are in the convention of docs/formats.md.
+    format_name
+        ``csv`` and ``parquet`` keep all but the list of evaluated frames and the sizes. ``coco``
+        keeps those of the truth, too; boxes without coordinates it cannot hold. ``mot`` has no
+        distances and no frame list.
+    path
+        File to write, packed if its name ends so; for ``mot`` with several recordings a folder of
+        one file per recording.
+    role
+        Whether the reading is truth or detections.
+    images
+        The truth's image list (recording, frame, image_id), for COCO results: detections then
+        name their image by its id. Without it by recording and frame, as a file name.
+    inputs
+        Files that are never written over.
+    force
+        Whether other files that exist are replaced.
+
+    Returns
+    -------
+    list of Path
+        The files that were written.
+
+    Raises
+    ------
+    UnknownFormatError
+        If no writer has the name.
+    InputError
+        If a file cannot be written or exists, or the format cannot hold what is to be written.
+    """
+    if format_name == "csv":
+        contents = {path: to_csv_bytes(_table(reading, role), digits=None)}
+    elif format_name == "parquet":
+        contents = {path: to_parquet_bytes(_table(reading, role))}
+    elif format_name == "coco":
+        contents = {path: coco_bytes(reading, role, images)}
+    elif format_name == "mot":
+        contents = mot_files(reading, path, role)
+    else:
+        raise UnknownFormatError(
+            f"{format_name!r} cannot be written; the formats to write are {', '.join(FORMATS)}"
+        )
+    packed = {target: packed_as(target.name, content) for target, content in contents.items()}
+    return _write_files(packed, inputs, force)
+
+
+def write_frame_lists(
+    frames: Mapping[str, np.ndarray],
+    path: Path,
+    *,
+    inputs: Sequence[Path] = (),
+    force: bool = False,
+) -> list[Path]:
+    """Write evaluated frames as the text files that ``--frames`` reads: one number a line.
+
+    Parameters
+    ----------
+    frames
+        Frame numbers by recording.
+    path
+        File to write, if all recordings have the same frames. Else a folder of one file per
+        recording and ``recordings.toml``, the part of a session file that names them.
+    inputs, force
+        See `write`.
+
+    Returns
+    -------
+    list of Path
+        The files that were written, ``recordings.toml`` last.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be written or exists, or there is no frame.
+    """
+    if not frames:
+        raise InputError("there is no frame to list: the ground truth holds no box", file=path)
+    texts = {name: "".join(f"{number}\n" for number in listed) for name, listed in frames.items()}
+    if len(set(texts.values())) == 1:
+        return _write_files({path: next(iter(texts.values())).encode()}, inputs, force)
+    contents, tables = {}, []
+    for name, file_name in zip(texts, safe_names(list(texts)), strict=True):
+        contents[path / f"{file_name}.txt"] = texts[name].encode()
+        facts = tomli_w.dumps({"name": name, "frames": f"{file_name}.txt"})
+        tables.append(f"[[recording]]\n{facts}")
+    contents[path / "recordings.toml"] = "\n".join(tables).encode()
+    return _write_files(contents, inputs, force)
+
+
+def _write_files(contents: dict[Path, bytes], inputs: Sequence[Path], force: bool) -> list[Path]:
+    """Write all of them, or none if one must not be written over."""
+    for target in contents:
+        if not target.is_file():
+            continue
+        if any(path.is_file() and target.samefile(path) for path in inputs):
+            raise InputError("is the input; give another file to write", file=target)
+        if not force:
+            raise InputError("exists; give another file to write, or --force", file=target)
+    for target, content in contents.items():
+        write_whole(target, content)
+    return list(contents)
+
+
+def _table(reading: Reading, role: Role) -> pd.DataFrame:
+    """The boxes with the columns of plain CSV; what is unknown is missing."""
+    left_aside = "score" if role == "truth" else "ignore"
+    table = reading.boxes[[name for name in CSV_COLUMNS if name != left_aside]]
+    table = table.assign(
+        track=table["track"].astype("Int64").mask(table["track"] == NO_TRACK),
+        occlusion=table["occlusion"].astype("Int64").mask(table["occlusion"] == UNKNOWN_OCCLUSION),
+    )
+    if role == "truth" and reading.boxes["detectability"].notna().any():
+        table = table.assign(detectability=reading.boxes["detectability"])
+    if reading.attributes is None:
+        return table
+    return table.assign(attributes=attribute_texts(reading))

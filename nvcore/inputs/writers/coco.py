@@ -1,0 +1,181 @@
+"""Readings written as COCO: truth, or results."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pandas as pd
+
+from nvcore.errors import InputError
+from nvcore.inputs.evaluated_frames import own_frames
+from nvcore.inputs.readers.base import Reading, Role, image_list
+from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
+
+
+def attribute_texts(reading: Reading) -> np.ndarray:
+    """Attributes of each box, missing where it has none; object, shape (n,)."""
+    places = reading.boxes[["file", "line"]]
+    if reading.attributes is None:
+        return np.full(len(places), np.nan, dtype=object)
+    texts = places.merge(reading.attributes, how="left", on=["file", "line"])["attributes"]
+    return texts.to_numpy(dtype=object)
+
+
+def coco_bytes(reading: Reading, role: Role, images: pd.DataFrame | None) -> bytes:
+    """A reading as a COCO document; `images` as of `nvcore.inputs.writers.write`.
+
+    Raises
+    ------
+    InputError
+        If a box has no finite coordinates, or is in no frame of `images`.
+    """
+    boxes = reading.boxes
+    sides = boxes[["x", "y", "w", "h"]].to_numpy()
+    has_gap = ~np.isfinite(sides).all(axis=1)
+    if has_gap.any():
+        first = boxes[has_gap].iloc[0]
+        raise InputError(
+            f"COCO cannot hold boxes without finite coordinates; there are {int(has_gap.sum())}, "
+            f"the first in frame {first['frame']} of {first['recording']} (line {first['line']}); "
+            "mend them, or write csv"
+        )
+    if role == "truth":
+        document: object = _coco_truth(reading, sides)
+    else:
+        document = _coco_results(reading, sides, images)
+    return (json.dumps(document, allow_nan=False) + "\n").encode()
+
+
+def _coco_truth(reading: Reading, sides: np.ndarray) -> dict[str, object]:
+    boxes = reading.boxes
+    images = _image_list(reading)
+    videos = {name: number for number, name in enumerate(images["recording"].unique(), 1)}
+    facts = reading.recordings.set_index("name")
+    sizes = {name: _known(facts, name, ("width", "height")) for name in videos}
+    entries = []
+    for recording, frame, image_id in images[["recording", "frame", "image_id"]].itertuples(
+        index=False, name=None
+    ):
+        entry = {
+            "id": image_id,
+            "file_name": _file_name(recording, frame),
+            "video_id": videos[recording],
+            "frame_index": frame,
+        }
+        entries.append(entry | sizes[recording])
+    ids = _ids(boxes, images)
+    rows = []
+    # one object a box is what JSON wants: a loop
+    for number, (image_id, box, ignore, track, distance, occlusion, seen, attributes) in enumerate(
+        zip(
+            ids,
+            sides.tolist(),
+            boxes["ignore"].tolist(),
+            boxes["track"].tolist(),
+            boxes["distance_m"].tolist(),
+            boxes["occlusion"].tolist(),
+            boxes["detectability"].tolist(),
+            attribute_texts(reading),
+            strict=True,
+        ),
+        1,  # id 0 counts as "no match" in COCO's own evaluation
+    ):
+        row = {
+            "id": number,
+            "image_id": image_id,
+            "category_id": 1,
+            "bbox": box,
+            "area": box[2] * box[3],
+            "iscrowd": 0,
+            "ignore": int(ignore),
+        }
+        if track != NO_TRACK:
+            row["track_id"] = track
+        if np.isfinite(distance):
+            row["distance_m"] = distance
+        if occlusion != UNKNOWN_OCCLUSION:
+            row["occlusion"] = occlusion
+        if np.isfinite(seen):
+            row["detectability"] = seen
+        if isinstance(attributes, str):
+            row["attributes"] = attributes
+        rows.append(row)
+    return {
+        "videos": [
+            {"id": number, "name": name} | _known(facts, name, ("width", "height", "fps"))
+            for name, number in videos.items()
+        ],
+        "images": entries,
+        "annotations": rows,
+        "categories": [{"id": 1, "name": "person"}],
+    }
+
+
+def _coco_results(
+    reading: Reading, sides: np.ndarray, images: pd.DataFrame | None
+) -> list[dict[str, object]]:
+    boxes = reading.boxes
+    if images is not None:
+        key, places = "image_id", _ids(boxes, images)
+    else:
+        key = "image_filepath"
+        names = zip(boxes["recording"].tolist(), boxes["frame"].tolist(), strict=True)
+        places = [_file_name(recording, frame) for recording, frame in names]
+    rows = []
+    # one object a box is what JSON wants: a loop
+    for place, box, score, track in zip(
+        places, sides.tolist(), boxes["score"].tolist(), boxes["track"].tolist(), strict=True
+    ):
+        row: dict[str, object] = {key: place, "category_id": 1, "bbox": box}
+        if np.isfinite(score):
+            row["score"] = score
+        if track != NO_TRACK:
+            row["track_id"] = track
+        rows.append(row)
+    return rows
+
+
+def _image_list(reading: Reading) -> pd.DataFrame:
+    """The evaluated images, numbered from 1 where the reading has no numbers of its own."""
+    images = reading.images
+    if images is None:
+        listed_frames = own_frames(reading, reading.recordings["name"])
+        images = image_list([*listed_frames], [frames for frames, _ in listed_frames.values()])
+    elif not images["image_id"].duplicated().any():
+        return images
+    return images.assign(image_id=np.arange(1, len(images) + 1))
+
+
+def _ids(boxes: pd.DataFrame, images: pd.DataFrame) -> list[object]:
+    """Image id of every box."""
+    keys = ["recording", "frame"]
+    listed = images[[*keys, "image_id"]]
+    image_id = boxes[keys].merge(listed.astype({"image_id": object}), how="left", on=keys)[
+        "image_id"
+    ]
+    unknown = image_id.isna().to_numpy()
+    if unknown.any():
+        first = boxes[unknown].iloc[0]
+        raise InputError(
+            f"{int(unknown.sum())} boxes are in frames that the image list does not have, the "
+            f"first in frame {first['frame']} of {first['recording']}; give the truth "
+            "that they belong to"
+        )
+    return image_id.tolist()
+
+
+def _file_name(recording: str, frame: int) -> str:
+    return f"{recording}/{frame:06d}.png"
+
+
+def _known(facts: pd.DataFrame, recording: str, names: tuple[str, ...]) -> dict[str, object]:
+    """What is known of a recording, whole numbers as such."""
+    if recording not in facts.index:
+        return {}
+    values = facts.loc[recording, list(names)].to_numpy(dtype=float).tolist()
+    return {
+        name: int(value) if value.is_integer() else value
+        for name, value in zip(names, values, strict=True)
+        if np.isfinite(value)
+    }

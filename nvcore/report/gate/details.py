@@ -1,0 +1,84 @@
+"""What explains the outcome of a rule: the encounters and findings that it counts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from nvcore.comparison import Result
+from nvcore.evidence.companions import describe_alarms, is_undecided
+from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS
+from nvcore.findings import Finding
+from nvcore.report.gate.measures import (
+    COUNTED_ENCOUNTERS,
+    COUNTED_FINDINGS,
+    COUNTED_REGIONS,
+    WORSE,
+    members,
+)
+from nvcore.report.gate.outcomes import Outcome
+from nvcore.report.rules import class_in
+from nvcore.schema import Category
+
+MAX_LISTED: Final = 10
+
+
+def explain(
+    outcomes: Iterable[Outcome], result: Result, findings: Sequence[Finding]
+) -> list[Outcome]:
+    """The outcomes with what explains them (`Outcome.details`)."""
+    return [replace(outcome, details=_details(outcome, result, findings)) for outcome in outcomes]
+
+
+def _details(outcome: Outcome, result: Result, findings: Sequence[Finding]) -> tuple[str, ...]:
+    name = outcome.rule.name
+    if name in WORSE and is_undecided(result, WORSE[name][0]):
+        return (
+            f"{UNEQUAL_POINTS} ({describe_alarms(result)}), from which nothing is claimed: set "
+            "thresholds that give equally many",
+        )
+    if outcome.is_passed:
+        return ()
+    counted = name.partition(".")[0] if class_in(name) else name
+    if counted in COUNTED_ENCOUNTERS:
+        category = COUNTED_ENCOUNTERS[counted]
+        return tuple(encounters_of(result, category, members(result, name)))
+    if name in COUNTED_REGIONS:
+        return tuple(_listed(result, np.isin(result.driver.region, COUNTED_REGIONS[name])))
+    return tuple(
+        f"{finding.subject}: {finding.message}"
+        for finding in findings
+        if finding.severity is COUNTED_FINDINGS.get(name)
+    )
+
+
+def encounters_of(
+    result: Result, category: Category, is_member: np.ndarray | None = None
+) -> list[str]:
+    """Recording, track and frames of a category's encounters, the first `MAX_LISTED`.
+
+    Parameters
+    ----------
+    is_member
+        Encounters that may be listed, bool; None: all.
+    """
+    is_listed = result.category == category.value
+    return _listed(result, is_listed if is_member is None else is_listed & is_member)
+
+
+def _listed(result: Result, is_listed: np.ndarray) -> list[str]:
+    rows = np.flatnonzero(is_listed)
+    encounters, frame = result.encounters, result.dataset.frames["frame"].to_numpy()
+    recordings = result.dataset.recordings["name"].to_numpy()
+    lines = []
+    for row in rows[:MAX_LISTED]:
+        first, last = frame[encounters.first_row[row]], frame[encounters.last_row[row]]
+        when = f"frame {first}" if first == last else f"frames {first} to {last}"
+        lines.append(
+            f"{recordings[encounters.recording[row]]}, track {encounters.track[row]}, {when}"
+        )
+    n_more = len(rows) - len(lines)
+    return [*lines, f"and {n_more} more"] if n_more else lines
