@@ -114,8 +114,9 @@ def convert(
             if to == "coco" or frames_out is not None:
                 raise
             warnings.append(str(error))
-    images = None if of_truth is None else of_truth.images
-    outputs = write(reading, to, target, role=kind, images=images, inputs=inputs, force=force)
+    outputs = write(
+        reading, to, target, role=kind, truth=of_truth, objects=objects, inputs=inputs, force=force
+    )
     if lost is not None:
         warnings += _unknown_sizes(reading) if to == "coco" else _lost(lost, to, frames_out)
     lists: list[Path] = []

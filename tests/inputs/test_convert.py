@@ -22,6 +22,7 @@ from nvcore.inputs.readers.coco.results import read as read_coco_results
 from nvcore.inputs.readers.coco.truth import read as read_coco
 from nvcore.inputs.writers import write
 from nvcore.schema import NO_LABEL
+from nvcore.wording.objects import SPEED_SIGN
 
 PLACE = ["recording", "frame", "x", "y", "w", "h"]
 
@@ -151,7 +152,7 @@ def test_coco_annotation_ids_start_at_one(tmp_path):
 def test_coco_results_name_the_truths_images(tmp_path):
     images = pd.DataFrame({"recording": ["=rural", "urban"], "frame": [0, 9], "image_id": [0, 12]})
     path = tmp_path / "x.json"
-    write(detections(), "coco", path, role="detections", images=images)
+    write(detections(), "coco", path, role="detections", truth=replace(truth(), images=images))
     rows = json.loads(path.read_text(encoding="utf-8"))
     assert rows[0] == {"image_id": 12, "category_id": 1, "bbox": [1.25, 3, 5, 7], "score": 0.5}
     options = ReadOptions(role="detections", images=images)
@@ -168,7 +169,13 @@ def test_coco_results_without_image_list_name_recording_and_frame(tmp_path):
 def test_a_box_outside_the_image_list_cannot_be_named_in_coco(tmp_path):
     images = pd.DataFrame({"recording": ["urban"], "frame": [9], "image_id": [1]})
     with pytest.raises(InputError, match=r"1 boxes are in frames .* first in frame 0 of =rural"):
-        write(detections(), "coco", tmp_path / "x.json", role="detections", images=images)
+        write(
+            detections(),
+            "coco",
+            tmp_path / "x.json",
+            role="detections",
+            truth=replace(truth(), images=images),
+        )
 
 
 def test_coco_cannot_hold_a_box_without_coordinates(tmp_path):
@@ -243,3 +250,44 @@ def test_attributes_come_back_from_all_that_hold_them(tmp_path: Path, format_nam
     again = read([SourceFile(target, target.name)], ReadOptions())
     assert again.attributes["attributes"].tolist() == ["=child", "dog"]
     assert again.boxes["frame"].to_numpy()[[0, 2]].tolist() == [1, 3]
+
+
+def signs(role: str) -> Reading:
+    """Three speed signs: 50, one without a number, 30."""
+    reading = truth() if role == "truth" else detections()
+    boxes = pd.concat([reading.boxes, reading.boxes.iloc[:1]])[:3]
+    label = np.array([0, NO_LABEL, 1], np.int32)
+    return replace(reading, boxes=boxes.assign(label=label, ignore=False), labels=("50", "30"))
+
+
+def limits(reading: Reading) -> list[str]:
+    return [*np.array([*reading.labels, "none"])[reading.boxes["label"]]]
+
+
+@pytest.mark.parametrize("format_name", ["csv", "parquet", "coco"])
+def test_classes_come_back_from_all_that_hold_them(tmp_path: Path, format_name: str):
+    target = tmp_path / f"signs.{format_name}"
+    write(signs("truth"), format_name, target, role="truth", objects=SPEED_SIGN)
+    again = READERS[format_name]([SourceFile(target, target.name)], ReadOptions(objects=SPEED_SIGN))
+    assert limits(again) == ["50", "none", "30"]
+    assert not again.findings
+
+
+def test_coco_results_number_classes_as_the_truth_does(tmp_path: Path):
+    categories = {"1": "car", "7": "speed limit 30", "9": "speed sign", "8": "speed limit 50"}
+    path = tmp_path / "signs.json"
+    of_truth = replace(signs("truth"), categories=categories)
+    write(signs("detections"), "coco", path, role="detections", truth=of_truth, objects=SPEED_SIGN)
+    assert [row["category_id"] for row in json.loads(path.read_text())] == [8, 9, 7]
+
+
+@pytest.mark.parametrize(
+    ("categories", "words"),
+    [(None, "give it with --truth"), ({"1": "speed sign 50"}, "no category for speed sign 30")],
+)
+def test_coco_results_of_classes_that_cannot_be_numbered_are_refused(tmp_path, categories, words):
+    of_truth = None if categories is None else replace(signs("truth"), categories=categories)
+    path = tmp_path / "signs.json"
+    given = {"role": "detections", "truth": of_truth, "objects": SPEED_SIGN}
+    with pytest.raises(InputError, match=words):
+        write(signs("detections"), "coco", path, **given)

@@ -13,6 +13,7 @@ import tomli_w
 from nvcore.errors import InputError, UnknownFormatError
 from nvcore.file_kinds import suffix_of
 from nvcore.inputs.readers.base import Reading, Role
+from nvcore.inputs.writers.classes import class_names
 from nvcore.inputs.writers.coco import attribute_texts, coco_bytes
 from nvcore.inputs.writers.mot import mot_files
 from nvcore.inputs.writers.names import safe_names
@@ -21,6 +22,7 @@ from nvcore.output.files import write_whole
 from nvcore.output.packing import packed_as
 from nvcore.output.parquet import to_parquet_bytes
 from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
+from nvcore.wording.objects import PEDESTRIAN, Objects
 
 FORMATS: Final = ("csv", "parquet", "coco", "mot")
 """What `write` can write."""
@@ -63,7 +65,8 @@ def write(
     path: Path,
     *,
     role: Role,
-    images: pd.DataFrame | None = None,
+    truth: Reading | None = None,
+    objects: Objects = PEDESTRIAN,
     inputs: Sequence[Path] = (),
     force: bool = False,
 ) -> list[Path]:
@@ -76,15 +79,17 @@ def write(
     format_name
         ``csv`` and ``parquet`` keep all but the list of evaluated frames and the sizes. ``coco``
         keeps those of the truth, too; boxes without coordinates it cannot hold. ``mot`` has no
-        distances and no frame list.
+        classes, no distances and no frame list.
     path
         File to write, packed if its name ends so; for ``mot`` with several recordings a folder of
         one file per recording.
     role
         Whether the reading is truth or detections.
-    images
-        The truth's image list (recording, frame, image_id), for COCO results: detections then
-        name their image by its id. Without it by recording and frame, as a file name.
+    truth
+        The ground truth, for COCO results: detections then name their image and their category by
+        its ids. Without it by recording and frame, as a file name, and of one class only.
+    objects
+        What the boxes are of: several classes are named so that they are read as these again.
     inputs
         Files that are never written over.
     force
@@ -103,11 +108,11 @@ def write(
         If a file cannot be written or exists, or the format cannot hold what is to be written.
     """
     if format_name == "csv":
-        contents = {path: to_csv_bytes(_table(reading, role), digits=None)}
+        contents = {path: to_csv_bytes(_table(reading, role, objects), digits=None)}
     elif format_name == "parquet":
-        contents = {path: to_parquet_bytes(_table(reading, role))}
+        contents = {path: to_parquet_bytes(_table(reading, role, objects))}
     elif format_name == "coco":
-        contents = {path: coco_bytes(reading, role, images)}
+        contents = {path: coco_bytes(reading, role, truth, objects)}
     elif format_name == "mot":
         contents = mot_files(reading, path, role)
     else:
@@ -175,7 +180,7 @@ def _write_files(contents: dict[Path, bytes], inputs: Sequence[Path], force: boo
     return list(contents)
 
 
-def _table(reading: Reading, role: Role) -> pd.DataFrame:
+def _table(reading: Reading, role: Role, objects: Objects) -> pd.DataFrame:
     """The boxes with the columns of plain CSV; what is unknown is missing."""
     left_aside = "score" if role == "truth" else "ignore"
     table = reading.boxes[[name for name in CSV_COLUMNS if name != left_aside]]
@@ -183,6 +188,9 @@ def _table(reading: Reading, role: Role) -> pd.DataFrame:
         track=table["track"].astype("Int64").mask(table["track"] == NO_TRACK),
         occlusion=table["occlusion"].astype("Int64").mask(table["occlusion"] == UNKNOWN_OCCLUSION),
     )
+    names = class_names(reading, objects)
+    if names is not None:
+        table = table.assign(**{"class": names})
     if role == "truth" and reading.boxes["detectability"].notna().any():
         table = table.assign(detectability=reading.boxes["detectability"])
     if reading.attributes is None:

@@ -10,7 +10,9 @@ import pandas as pd
 from nvcore.errors import InputError
 from nvcore.inputs.evaluated_frames import own_frames
 from nvcore.inputs.readers.base import Reading, Role, image_list
+from nvcore.inputs.writers.classes import categories, category_ids
 from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
+from nvcore.wording.objects import Objects
 
 
 def attribute_texts(reading: Reading) -> np.ndarray:
@@ -22,13 +24,13 @@ def attribute_texts(reading: Reading) -> np.ndarray:
     return texts.to_numpy(dtype=object)
 
 
-def coco_bytes(reading: Reading, role: Role, images: pd.DataFrame | None) -> bytes:
-    """A reading as a COCO document; `images` as of `nvcore.inputs.writers.write`.
+def coco_bytes(reading: Reading, role: Role, truth: Reading | None, objects: Objects) -> bytes:
+    """A reading as a COCO document; `truth` as of `nvcore.inputs.writers.write`.
 
     Raises
     ------
     InputError
-        If a box has no finite coordinates, or is in no frame of `images`.
+        If a box has no finite coordinates, or is in no image or no category of `truth`.
     """
     boxes = reading.boxes
     sides = boxes[["x", "y", "w", "h"]].to_numpy()
@@ -41,13 +43,13 @@ def coco_bytes(reading: Reading, role: Role, images: pd.DataFrame | None) -> byt
             "mend them, or write csv"
         )
     if role == "truth":
-        document: object = _coco_truth(reading, sides)
+        document: object = _coco_truth(reading, sides, objects)
     else:
-        document = _coco_results(reading, sides, images)
+        document = _coco_results(reading, sides, truth, objects)
     return (json.dumps(document, allow_nan=False) + "\n").encode()
 
 
-def _coco_truth(reading: Reading, sides: np.ndarray) -> dict[str, object]:
+def _coco_truth(reading: Reading, sides: np.ndarray, objects: Objects) -> dict[str, object]:
     boxes = reading.boxes
     images = _image_list(reading)
     videos = {name: number for number, name in enumerate(images["recording"].unique(), 1)}
@@ -65,11 +67,13 @@ def _coco_truth(reading: Reading, sides: np.ndarray) -> dict[str, object]:
         }
         entries.append(entry | sizes[recording])
     ids = _ids(boxes, images)
+    id_of, category = categories(reading, objects)
     rows = []
     # one object a box is what JSON wants: a loop
-    for number, (image_id, box, ignore, track, distance, occlusion, seen, attributes) in enumerate(
+    for number, (image_id, kind, box, ignore, track, distance, occlusion, seen, texts) in enumerate(
         zip(
             ids,
+            category.tolist(),
             sides.tolist(),
             boxes["ignore"].tolist(),
             boxes["track"].tolist(),
@@ -84,7 +88,7 @@ def _coco_truth(reading: Reading, sides: np.ndarray) -> dict[str, object]:
         row = {
             "id": number,
             "image_id": image_id,
-            "category_id": 1,
+            "category_id": kind,
             "bbox": box,
             "area": box[2] * box[3],
             "iscrowd": 0,
@@ -98,8 +102,8 @@ def _coco_truth(reading: Reading, sides: np.ndarray) -> dict[str, object]:
             row["occlusion"] = occlusion
         if np.isfinite(seen):
             row["detectability"] = seen
-        if isinstance(attributes, str):
-            row["attributes"] = attributes
+        if isinstance(texts, str):
+            row["attributes"] = texts
         rows.append(row)
     return {
         "videos": [
@@ -108,26 +112,31 @@ def _coco_truth(reading: Reading, sides: np.ndarray) -> dict[str, object]:
         ],
         "images": entries,
         "annotations": rows,
-        "categories": [{"id": 1, "name": "person"}],
+        "categories": [{"id": number, "name": name} for name, number in id_of.items()],
     }
 
 
 def _coco_results(
-    reading: Reading, sides: np.ndarray, images: pd.DataFrame | None
+    reading: Reading, sides: np.ndarray, truth: Reading | None, objects: Objects
 ) -> list[dict[str, object]]:
     boxes = reading.boxes
-    if images is not None:
-        key, places = "image_id", _ids(boxes, images)
+    if truth is not None and truth.images is not None:
+        key, places = "image_id", _ids(boxes, truth.images)
     else:
         key = "image_filepath"
         names = zip(boxes["recording"].tolist(), boxes["frame"].tolist(), strict=True)
         places = [_file_name(recording, frame) for recording, frame in names]
     rows = []
     # one object a box is what JSON wants: a loop
-    for place, box, score, track in zip(
-        places, sides.tolist(), boxes["score"].tolist(), boxes["track"].tolist(), strict=True
+    for place, kind, box, score, track in zip(
+        places,
+        category_ids(reading, truth, objects),
+        sides.tolist(),
+        boxes["score"].tolist(),
+        boxes["track"].tolist(),
+        strict=True,
     ):
-        row: dict[str, object] = {key: place, "category_id": 1, "bbox": box}
+        row: dict[str, object] = {key: place, "category_id": kind, "bbox": box}
         if np.isfinite(score):
             row["score"] = score
         if track != NO_TRACK:
