@@ -21,7 +21,13 @@ from nvcore import __version__
 from nvcore.driver.feature_record import record_bytes
 from nvcore.driver.features import FEATURE_KEYS, features_of
 from nvcore.driver.settings import DriverSettings
-from nvcore.inputs.readers.parse.table import TextTable, read_table
+from nvcore.inputs.driver.picture_boxes import (
+    BOX,
+    PEDESTRIAN,
+    picture_boxes,
+    read_picture_boxes,
+)
+from nvcore.inputs.readers.parse.table import TextTable
 from nvcore.pictures import Picture, is_below, stretch
 from nvcore.pictures.images import decode_image, file_bytes
 from nvcore.pictures.passes import PictureClock, in_order
@@ -29,9 +35,8 @@ from nvcore.pictures.recordings import STRETCH
 from nvcore.progress import Progress, no_progress
 from nvcore.wording import count_text
 
-BOXES_COLUMNS: Final = ("image", "pedestrian", "x", "y", "w", "h")
 FIXATION_COLUMNS: Final = ("fixation_x", "fixation_y")
-IMAGE_FEATURE_COLUMNS: Final = (*BOXES_COLUMNS, *FEATURE_KEYS)
+IMAGE_FEATURE_COLUMNS: Final = (*PEDESTRIAN, *BOX, *FEATURE_KEYS)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -106,12 +111,11 @@ def image_features(
         If a file cannot be used; with the line of the row that names it.
     """
     settings = settings or DriverSettings()
-    table = read_table(boxes, what="pedestrians in pictures", required=BOXES_COLUMNS)
-    table.unique(("image", "pedestrian"), "the pedestrian {pedestrian} of {image} is there already")
-    box = np.stack([table.numbers("x"), table.numbers("y"), *_sizes(table)], axis=1)
+    table = read_picture_boxes(boxes)
+    pedestrians = picture_boxes(table)
+    box = pedestrians[[*BOX]].to_numpy(np.float64)
     fixation = _fixations(table)
-    images = table.texts("image")
-    names, row_of = np.unique(images.astype(str), return_inverse=True)
+    names, row_of = np.unique(pedestrians["image"].to_numpy(str), return_inverse=True)
     rows = [np.flatnonzero(row_of == number) for number in range(len(names))]
     features = np.full((len(table), len(FEATURE_KEYS)), np.nan)
 
@@ -129,19 +133,9 @@ def image_features(
     pictures = _read(table, folder, names.tolist(), rows)
     for _ in in_order(look, pictures, lambda: clock.count(0, folder.name), n_threads=n_threads):
         clock.count(1, folder.name)
-    columns: dict[str, object] = {"image": images, "pedestrian": table.texts("pedestrian")}
-    columns |= dict(zip("xywh", box.T, strict=True))
-    columns |= dict(zip(FEATURE_KEYS, features.T, strict=True))
+    described = pedestrians.assign(**dict(zip(FEATURE_KEYS, features.T, strict=True)))
     n_assumed = int(np.count_nonzero(np.isnan(fixation[:, 0])))
-    return ImageFeatures(pd.DataFrame(columns), len(names), n_assumed, settings)
-
-
-def _sizes(table: TextTable) -> list[NDArray[np.float64]]:
-    sizes = [table.numbers(name, low=0) for name in "wh"]
-    for name, values in zip("wh", sizes, strict=True):
-        if (values == 0).any():
-            raise table.fault(int(np.argmin(values)), f"{name}: expected more than 0, found 0")
-    return sizes
+    return ImageFeatures(described, len(names), n_assumed, settings)
 
 
 def _fixations(table: TextTable) -> NDArray[np.float64]:

@@ -16,8 +16,8 @@ Shape = tuple[Floats, float]
 """Polygon in pixels, shape (corners, 2), and its grey."""
 
 NEAR_M: Final = 0.8
-_FINE: Final = 16
-"""Sub-pixel steps of cv2 drawing (4 fractional bits)."""
+FRACTION_BITS: Final = 4
+"""Sub-pixel bits of cv2's drawing."""
 
 
 def project_polygon(camera: Camera, corners: Floats) -> Floats | None:
@@ -36,6 +36,32 @@ def project_polygon(camera: Camera, corners: Floats) -> Floats | None:
         corners = both[np.stack([ahead > 0, crosses], axis=1).ravel()]
     pixels, _ = camera.project(corners)
     return np.clip(pixels, -4000.0, 4000.0)
+
+
+def fixed_point(polygon: Floats, left: int, top: int, scale: int) -> NDArray[np.int32]:
+    """Corners, pixels, as cv2 draws them in a layer that begins at (left, top), `scale` as fine."""
+    place = (polygon - (left, top)) * scale - 0.5
+    return np.round(np.clip(place, -8000, 8000) * (1 << FRACTION_BITS)).astype(np.int32)
+
+
+def placement(
+    box: tuple[float, float, float, float], image: NDArray[np.float32], left: int, top: int
+) -> Floats:
+    """The map, shape (2, 3), of an image's pixels into a box of a layer that begins at (left, top).
+
+    Parameters
+    ----------
+    box
+        Left, top, right, bottom in pixels.
+    """
+    scale_x = (box[2] - box[0]) / image.shape[1]
+    scale_y = (box[3] - box[1]) / image.shape[0]
+    return np.array(
+        [
+            [scale_x, 0.0, box[0] - left + (scale_x - 1) / 2],
+            [0.0, scale_y, box[1] - top + (scale_y - 1) / 2],
+        ]
+    )
 
 
 class Canvas:
@@ -70,10 +96,9 @@ class Canvas:
         scale = 4 if area < 6000 else 2 if area < 40000 else 1
         layer = np.zeros(((bottom - top) * scale, (right - left) * scale, 2), dtype=np.uint8)
         for polygon, grey in shapes:
-            place = (polygon - (left, top)) * scale - 0.5
-            fixed = np.round(np.clip(place, -8000, 8000) * _FINE).astype(np.int32)
+            corners_there = [fixed_point(polygon, left, top, scale)]
             value = float(np.clip(grey, 0, 255))
-            cv2.fillPoly(layer, [fixed], (value, 255.0), cv2.LINE_AA, 4)
+            cv2.fillPoly(layer, corners_there, (value, 255.0), cv2.LINE_AA, FRACTION_BITS)
         if scale > 1:
             size = (right - left, bottom - top)
             layer = cv2.resize(layer, size, interpolation=cv2.INTER_AREA)
@@ -99,14 +124,7 @@ class Canvas:
         right, bottom = min(int(np.ceil(box[2])), WIDTH), min(int(np.ceil(box[3])), HEIGHT)
         if right - left < 1 or bottom - top < 1:
             return
-        scale_x = (box[2] - box[0]) / image.shape[1]
-        scale_y = (box[3] - box[1]) / image.shape[0]
-        place = np.array(
-            [
-                [scale_x, 0.0, box[0] - left + (scale_x - 1) / 2],
-                [0.0, scale_y, box[1] - top + (scale_y - 1) / 2],
-            ]
-        )
+        place = placement(box, image, left, top)
         size = (right - left, bottom - top)
         grey = cv2.warpAffine(image, place, size, flags=cv2.INTER_LINEAR)
         alpha = cv2.warpAffine(cover, place, size, flags=cv2.INTER_LINEAR)

@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 
 from nvcore.sample.backdrop import Ground, sky
 from nvcore.sample.body import joints
-from nvcore.sample.camera import FPS, HEIGHT, N_FRAMES, WIDTH, Floats
+from nvcore.sample.camera import HEIGHT, N_FRAMES, WIDTH, Floats
 from nvcore.sample.canvas import Canvas, Picture
 from nvcore.sample.objects import draw_thing
 from nvcore.sample.people import draw_person
-from nvcore.sample.scene import Recording
+from nvcore.sample.scene import Kind, Recording, far_first
 from nvcore.sample.vehicles import draw_car
 
-_FARTHEST_M: Final = 260.0
 _NOISE_FRAMES: Final = 7
 
 
@@ -39,23 +38,14 @@ def _stand(picture: Picture, recording: Recording, bodies: list[Floats], frame: 
     """Paint everything that stands on the ground, far things first."""
     canvas, camera, climate = Canvas(picture), recording.camera, recording.climate
     way = float(recording.way()[frame])
-    # Houses stand behind everything that they meet in the image, so they come first.
-    depths: list[tuple[bool, float, int, int]] = []
-    for index, thing in enumerate(recording.things):
-        depths.append((thing.kind == "house", thing.z - way, 0, index))
-    for index, car in enumerate(recording.cars):
-        depths.append((False, car.z + car.speed * frame / FPS - way, 1, index))
-    for index, body in enumerate(bodies):
-        depths.append((False, float(body[frame, 0, 2]) - way, 2, index))
-    for _, depth, kind, index in sorted(depths, key=lambda entry: (not entry[0], -entry[1])):
-        if depth > _FARTHEST_M:
-            continue
-        if kind == 0:
+    now = [body[frame] for body in bodies]
+    for kind, index, depth in far_first(recording, now, frame):
+        if kind is Kind.THING:
             draw_thing(canvas, recording.things[index], depth, camera, climate)
-        elif kind == 1:
+        elif kind is Kind.CAR:
             draw_car(canvas, recording.cars[index], depth, camera, climate)
         else:
-            body = bodies[index][frame] - np.array([0.0, 0.0, way])
+            body = now[index] - np.array([0.0, 0.0, way])
             haze = float(np.exp(-max(depth, 0.0) / 330))
             draw_person(canvas, recording.people[index], body, camera, climate, haze)
 

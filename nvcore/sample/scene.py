@@ -6,9 +6,15 @@ the road from where the car starts.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from enum import Enum, auto
+from typing import Final
 
-from nvcore.sample.camera import Camera, Floats, travelled
+from nvcore.sample.camera import FPS, Camera, Floats, travelled
+
+_FARTHEST_M: Final = 260.0
+"""What stands farther away is not painted."""
 
 Keys = tuple[tuple[float, float], ...]
 """Pairs of time in seconds and value, linear in between."""
@@ -143,3 +149,42 @@ class Recording:
     def way(self) -> Floats:
         """Position of the car along the road at every frame, metres."""
         return travelled(self.speed)
+
+
+class Kind(Enum):
+    """What stands on the ground."""
+
+    THING = auto()
+    CAR = auto()
+    PERSON = auto()
+
+
+def far_first(
+    recording: Recording, bodies: Sequence[Floats], frame: int
+) -> Iterator[tuple[Kind, int, float]]:
+    """What stands on the ground in a frame in the order of painting: kind, index, metres ahead.
+
+    Parameters
+    ----------
+    bodies
+        Joints of the people who are painted, in the world, each of shape (joints, 3).
+    """
+    way = float(recording.way()[frame])
+    # Houses stand behind everything that they meet in the image, so they come first.
+    depths = [
+        *(
+            (thing.kind == "house", thing.z - way, Kind.THING, index)
+            for index, thing in enumerate(recording.things)
+        ),
+        *(
+            (False, car.z + car.speed * frame / FPS - way, Kind.CAR, index)
+            for index, car in enumerate(recording.cars)
+        ),
+        *(
+            (False, float(body[0, 2]) - way, Kind.PERSON, index)
+            for index, body in enumerate(bodies)
+        ),
+    ]
+    for _, depth, kind, index in sorted(depths, key=lambda entry: (not entry[0], -entry[1])):
+        if depth <= _FARTHEST_M:
+            yield kind, index, depth

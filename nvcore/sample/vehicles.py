@@ -51,6 +51,23 @@ def profile(car: Car) -> Floats:
     return np.asarray(outline * np.array([long, 1.0]))
 
 
+def end_outline(car: Car, near: float, top: float) -> Floats:
+    """Outline of the end that is seen, metres, shape (8, 3); `top` is where its windows begin."""
+    x, half, belt = car.x, car.width_m / 2, 0.42 * top + 0.1
+    return np.array(
+        [[x - half * 0.93, 0.24, near], [x + half * 0.93, 0.24, near], [x + half, belt, near],
+         [x + half * 0.97, top * 0.95, near], [x + half * 0.88, top, near],
+         [x - half * 0.88, top, near],
+         [x - half * 0.97, top * 0.95, near], [x - half, belt, near]]
+    )  # fmt: skip
+
+
+def wheel_outline(x: float, z: float, radius: float, angles: Floats) -> Floats:
+    """Corners of a wheel, or of a ring in it, at these angles: metres, shape (n, 3)."""
+    across, up = np.full(len(angles), x), 0.33 + radius * np.sin(angles)
+    return np.stack([across, up, z + radius * np.cos(angles)], axis=1)
+
+
 def _side(sketch: Sketch, car: Car, x: float, near: float, metal: float, glass: float) -> None:
     outline = profile(car)
     face = np.stack([np.full(len(outline), x), outline[:, 1], near + outline[:, 0]], axis=1)
@@ -69,11 +86,7 @@ def _side(sketch: Sketch, car: Car, x: float, near: float, metal: float, glass: 
         driven = abs(place - front) < 0.5
         warm = 14 + 60 * car.heat * (1.0 if driven else 0.6)
         for radius, grey in ((0.33, metal - 6 + warm), (0.20, metal + 0.4 * warm + 18 * car.heat)):
-            rim = np.stack(
-                [np.full(18, x), 0.33 + radius * np.sin(angle), middle + radius * np.cos(angle)],
-                axis=1,
-            )
-            sketch.add(rim, grey)
+            sketch.add(wheel_outline(x, middle, radius, angle), grey)
 
 
 def _top(sketch: Sketch, car: Car, near: float, metal: float, glass: float) -> None:
@@ -106,14 +119,7 @@ def _face(sketch: Sketch, car: Car, near: float, metal: float, glass: float) -> 
             metal + 10 + 55 * car.heat,
         )
     top = 0.61 * h if h <= 1.7 else 0.97 * h
-    belt = 0.42 * top + 0.1
-    body = np.array(
-        [[x - half * 0.93, 0.24, near], [x + half * 0.93, 0.24, near], [x + half, belt, near],
-         [x + half * 0.97, top * 0.95, near], [x + half * 0.88, top, near],
-         [x - half * 0.88, top, near],
-         [x - half * 0.97, top * 0.95, near], [x - half, belt, near]]
-    )  # fmt: skip
-    sketch.add(body, metal)
+    sketch.add(end_outline(car, near, top), metal)
     sketch.add(upright(x - half * 0.96, x + half * 0.96, 0.27, 0.45, near), metal - 7)
     if h > 1.7:
         sketch.add(upright(x - half * 0.84, x + half * 0.84, 0.58 * h, 0.9 * h, near), glass)

@@ -9,8 +9,9 @@ from __future__ import annotations
 import secrets
 import sqlite3
 from collections.abc import Sequence
+from datetime import datetime
 from itertools import count
-from typing import Final
+from typing import Any, Final
 
 from nvcore.errors import InputError
 
@@ -84,6 +85,51 @@ def join(base: sqlite3.Connection, study: str, participant: str) -> int:
     number = next(number for number in count() if number not in taken)
     base.execute("INSERT INTO participant VALUES (?, ?, ?)", (study, name, number))
     return number
+
+
+def record_of(
+    base: sqlite3.Connection, study: str, participant: str, tables: Sequence[str]
+) -> dict[str, list[dict[str, Any]]]:
+    """The rows that these tables hold of a participant, by table; `participant` as `known_name`.
+
+    Parameters
+    ----------
+    tables
+        As of `remove`.
+    """
+    record: dict[str, list[dict[str, Any]]] = {}
+    for table in tables:
+        rows = base.execute(
+            f"SELECT * FROM {table} WHERE study = ? AND participant = ?",  # noqa: S608  # our own names
+            (study, participant),
+        )
+        names = [column[0] for column in rows.description]
+        record[table] = [
+            {
+                name: value
+                for name, value in zip(names, row, strict=True)
+                if name not in ("study", "participant")
+            }
+            for row in rows
+        ]
+    return record
+
+
+def delete_ended(base: sqlite3.Connection, now: datetime, tables: Sequence[str]) -> None:
+    """Delete the studies whose time is over, with their participants and these tables' rows.
+
+    Parameters
+    ----------
+    now
+        UTC. A study ends at its ``ends_at`` (ISO 8601, UTC); NULL: never.
+    tables
+        As of `remove`.
+    """
+    ended = base.execute("SELECT token FROM study WHERE ends_at <= ?", (now.isoformat(),))
+    for (token,) in ended.fetchall():
+        for table in (*tables, "participant"):
+            base.execute(f"DELETE FROM {table} WHERE study = ?", (token,))  # noqa: S608  # our own names
+        base.execute("DELETE FROM study WHERE token = ?", (token,))
 
 
 def remove(base: sqlite3.Connection, study: str, participant: str, tables: Sequence[str]) -> bool:

@@ -73,7 +73,7 @@ def test_a_wrong_row_is_refused_with_file_and_line(folder: Path, row: str, words
 
 def test_a_pedestrian_twice_or_half_a_fixation_is_refused(folder: Path):
     row = "park.png,1,10,10,8,20"
-    with pytest.raises(FormatError, match=r"line 3: the pedestrian 1 of park\.png is there"):
+    with pytest.raises(FormatError, match=r"line 3: the picture park\.png has the pedestrian 1 a"):
         image_features(folder, boxes(folder, row, row))
     half = boxes(folder, f"{row},4,", head=f"{HEAD},fixation_x,fixation_y")
     with pytest.raises(FormatError, match="line 2: expected both fixation_x and fixation_y"):

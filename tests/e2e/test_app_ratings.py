@@ -74,6 +74,7 @@ def links(person: BrowserContext, app: str) -> tuple[str, str]:
 
 def begin(one: Visit, name: str) -> None:
     one.page.get_by_label("Your name").fill(name)
+    one.page.get_by_text("I have read this and agree to take part").click()
     one.page.get_by_role("button", name="Begin").click()
     expect(one.heading("Clip 1 of 2")).to_be_visible()
 
@@ -116,7 +117,8 @@ def test_a_reload_between_two_clips_loses_no_rating(visit, links, tmp_path: Path
 
 
 def test_a_clip_shows_one_systems_boxes_tells_nothing_and_cannot_be_steered(visit, links):
-    one = visit(f"{links[0]}&participant=Bob")
+    one = visit(links[0])
+    begin(one, "Bob")
     canvas = one.viewer.locator("canvas.picture")
     expect(one.viewer).to_have_attribute("data-shown-row", "0")
     for key in ("ArrowRight", "End", "n", " "):

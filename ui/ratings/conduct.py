@@ -8,7 +8,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError
-from nvcore.studies.ratings.store import Study
+from nvcore.studies.ratings.store import CONSENT, Study
 from nvcore.wording import count_text
 from ui.ratings import links, participant
 from ui.ratings.participant import ENDS
@@ -16,6 +16,8 @@ from ui.session import state
 from ui.session.studies.links import CONDUCT
 from ui.widgets.addresses import draw_addresses
 from ui.widgets.choices import choose_side_by_side, download_csv
+from ui.widgets.one_participant import draw_one_participant
+from ui.widgets.terms import ask_consent, ask_days
 from ui.widgets.text import plain
 
 RESULTS: Final = "Results"
@@ -69,10 +71,17 @@ def _begin(result: Result) -> None:
     systems = both if whose == "both" else [whose]
     clips = [(name, system) for system in systems for name in names if name in recordings]
     st.caption(f"{count_text(len(clips), 'clip')}.")
+    with st.expander("Consent, and how long ratings are kept"):
+        consent = ask_consent(CONSENT, "rating")
+        keep_days = ask_days("Days until the session is deleted with all ratings", "rating")
     if st.button("Start a rating session", type="primary", key="rating_start"):
         try:
             study = links.store().begin(
-                dataset.fingerprint, clips, thresholds=links.shown_thresholds()
+                dataset.fingerprint,
+                clips,
+                thresholds=links.shown_thresholds(),
+                consent=consent,
+                keep_days=keep_days,
             )
         except InputError as error:
             st.error(plain(str(error)))
@@ -85,6 +94,11 @@ def _conduct(study: Study) -> None:
     st.header("The rating session")
     for_participants, for_conductor = links.links(study)
     draw_addresses(for_participants, for_conductor)
+    if study.ends_at is not None:
+        st.caption(
+            f"All ratings are deleted on {study.ends_at:%d %B %Y}. Save them before: then this "
+            "address leads nowhere."
+        )
     start = state.shared_start().opened
     if state.opened().dataset.fingerprint != start.dataset.fingerprint:
         st.caption(
@@ -101,6 +115,15 @@ def _conduct(study: Study) -> None:
         store = links.store()
         download_csv("Ratings (CSV)", lambda: store.ratings(study), "ratings.csv", "rating_export")
     _draw_progress(study)
+    draw_one_participant(
+        "Name or code of the participant",
+        "rating",
+        lambda name: store.record(study, name),
+        lambda name: store.delete(study, name),
+        hint="On request. What is deleted is gone from the file for good, and their place in the "
+        "order of the clips is free again. Tables that were saved before still have it.",
+        nobody="Nobody of that name takes part in this rating session.",
+    )
 
 
 @st.fragment(run_every=NEWS_S)

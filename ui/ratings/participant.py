@@ -17,6 +17,7 @@ from ui.session import state
 from ui.session.drawing import viewer_arguments
 from ui.session.studies.links import PARTICIPANT, STUDY
 from ui.shell.navigate import open_page
+from ui.widgets.terms import draw_consent
 from ui.widgets.text import plain
 from ui.widgets.viewer import n_plays_in, viewer
 
@@ -48,7 +49,8 @@ def draw() -> None:
     st.session_state.pop(WAITING, None)
     _show_its_boxes(study)
     name = st.query_params.get(PARTICIPANT, "")
-    if not name.strip() or len(name.strip()) > MOST_NAME:
+    is_name = 0 < len(name.strip()) <= MOST_NAME
+    if not is_name or not store.may_rate(study, name):
         _welcome(study, store)
         return
     order = store.order(study, name)
@@ -126,6 +128,13 @@ def _welcome(study: Study, store: RatingStore) -> None:
         "right or wrong answer. Every rating is kept at once: you may stop at any time and go on "
         "later with the same name."
     )
+    if study.consent:
+        draw_consent(study.consent)
+    if study.ends_at is not None:
+        st.markdown(
+            f"Your ratings are kept until **{study.ends_at:%d %B %Y}** and then deleted, earlier "
+            "if you ask for it."
+        )
     with st.form("rating_join", border=False):
         name = st.text_input(
             "Your name, or the code that you were given",
@@ -134,8 +143,13 @@ def _welcome(study: Study, store: RatingStore) -> None:
             autocomplete="off",
             width=420,
         )
+        agrees = bool(study.consent) and st.checkbox(
+            "I have read this and agree to take part", key="rating_agrees"
+        )
         is_sent = st.form_submit_button("Begin", type="primary")
-    if is_sent:
+    if is_sent and not agrees and not store.may_rate(study, name or ""):
+        st.warning("Without your agreement nothing is kept, and there is nothing to rate.")
+    elif is_sent:
         st.session_state[KNOWN_NAME] = ""
         typed_name = (name or "").strip()
         if store.ratings_of(study, typed_name):
@@ -156,6 +170,8 @@ def _welcome(study: Study, store: RatingStore) -> None:
 def _join(study: Study, store: RatingStore, name: str) -> None:
     try:
         store.order(study, name)
+        if study.consent:
+            store.agree(study, name)
     except InputError as error:
         st.error(plain(str(error)))
     else:

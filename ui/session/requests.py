@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Awaitable, Callable
+from functools import wraps
 from http import HTTPStatus
 from typing import Final
 
@@ -11,8 +13,10 @@ from starlette.responses import Response
 from ui.access.origins import is_own_origin
 from ui.access.people import is_same, key_of
 from ui.answers import PRIVATE, text_answer
-from ui.session.workspace import Workspace
+from ui.session.workspace import Workspace, workspace_of
 
+Route = Callable[[Request], Awaitable[Response]]
+Handler = Callable[[Request, Workspace | None], Awaitable[Response]]
 MOST_DIGITS: Final = 12
 _GUARDS: Final = {
     "X-Content-Type-Options": "nosniff",
@@ -30,15 +34,34 @@ def index_in(request: Request, name: str) -> int:
     return int(text) if is_index else 10**MOST_DIGITS
 
 
+def for_owner(*, sent: str = "") -> Callable[[Handler], Route]:
+    """A route of a workspace for its owner alone, which is given the workspace; None: it has ended.
+
+    Parameters
+    ----------
+    sent
+        What is sent, in the plural: only our own page may; empty: nothing is.
+    """
+
+    def guard(handle: Handler) -> Route:
+        @wraps(handle)
+        async def route(request: Request) -> Response:
+            if sent and not is_own_page(request):
+                return say(HTTPStatus.FORBIDDEN, f"{sent} come from the app's own page only")
+            space = workspace_of(request.path_params["token"])
+            if not is_owner(request, space):
+                return say(HTTPStatus.FORBIDDEN, "log in as the one whose session this is")
+            return await handle(request, space)
+
+        return route
+
+    return guard
+
+
 def is_owner(request: Request, space: Workspace | None) -> bool:
     """Whether the person with this browser may use the workspace; also where there is none."""
     key = key_of(request.cookies)
     return key is not None and (space is None or is_same(space.owner, key))
-
-
-def of_somebody_else() -> Response:
-    """The answer to who may not use the workspace."""
-    return say(HTTPStatus.FORBIDDEN, "log in as the one whose session this is")
 
 
 def is_own_page(request: Request) -> bool:

@@ -39,27 +39,23 @@ from ui.session.packed_boxes import pack_boxes
 from ui.session.requests import (
     CACHED,
     NOT_CACHED,
+    for_owner,
     index_in,
-    is_own_page,
-    is_owner,
     not_found,
-    of_somebody_else,
     say,
 )
 from ui.session.studies.routes import study_answer, study_picture
 from ui.session.uploads import SLOTS, UploadError, receive
-from ui.session.workspace import Workspace, workspace_of
+from ui.session.workspace import Workspace
 from ui.settings.start import base_path
 
 ROWS_PER_CHUNK: Final = 1024
 QUALITY: Final = 85
 
 
-async def frame(request: Request) -> Response:
+@for_owner()
+async def frame(request: Request, space: Workspace | None) -> Response:
     """The picture that shows a row of a recording, stretched to lie between two percentiles."""
-    space = workspace_of(request.path_params["token"])
-    if not is_owner(request, space):
-        return of_somebody_else()
     lo, hi = _percentile(request, "lo", 0.0), _percentile(request, "hi", 100.0)
     if lo is None or hi is None or lo >= hi:
         return say(HTTPStatus.BAD_REQUEST, "lo and hi: expected 0 <= lo < hi <= 100")
@@ -70,11 +66,9 @@ async def frame(request: Request) -> Response:
     return await _picture(space, pictures, rows, row, lambda read: stretch(read, lo, hi))
 
 
-async def visible(request: Request) -> Response:
+@for_owner()
+async def visible(request: Request, space: Workspace | None) -> Response:
     """The picture of visible light of a row; as the driver sees it after `seen_s`, if asked for."""
-    space = workspace_of(request.path_params["token"])
-    if not is_owner(request, space):
-        return of_somebody_else()
     seen_s = _number(request, "seen_s", math.inf)
     if seen_s is None or seen_s < 0:
         return say(HTTPStatus.BAD_REQUEST, "seen_s: expected seconds, 0 or more")
@@ -108,11 +102,9 @@ async def _picture(
     return Response(content, media_type="image/jpeg", headers=CACHED)
 
 
-async def boxes(request: Request) -> Response:
+@for_owner()
+async def boxes(request: Request, space: Workspace | None) -> Response:
     """Boxes of a stretch of rows of a recording, as `pack_boxes` packs them."""
-    space = workspace_of(request.path_params["token"])
-    if not is_owner(request, space):
-        return of_somebody_else()
     compared = None if space is None else space.compared
     if compared is None:
         return not_found("the session has ended, or nothing is compared yet")
@@ -131,11 +123,9 @@ async def boxes(request: Request) -> Response:
     return Response(content, media_type="application/octet-stream", headers=headers)
 
 
-async def reasons(request: Request) -> Response:
+@for_owner()
+async def reasons(request: Request, space: Workspace | None) -> Response:
     """What each box of a row counts and costs with the newest settings, in words."""
-    space = workspace_of(request.path_params["token"])
-    if not is_owner(request, space):
-        return of_somebody_else()
     compared = None if space is None else space.compared
     if compared is None:
         return not_found("the session has ended, or nothing is compared yet")
@@ -150,13 +140,9 @@ async def reasons(request: Request) -> Response:
     return JSONResponse([asdict(box) for box in boxes], headers=NOT_CACHED)
 
 
-async def upload(request: Request) -> Response:
+@for_owner(sent="uploads")
+async def upload(request: Request, space: Workspace | None) -> Response:
     """Take one file of pictures, or a video, into the session's folder, as it comes."""
-    if not is_own_page(request):
-        return say(HTTPStatus.FORBIDDEN, "uploads come from the app's own page only")
-    space = workspace_of(request.path_params["token"])
-    if not is_owner(request, space):
-        return of_somebody_else()
     if space is None or request.path_params["slot"] not in SLOTS:
         return not_found("the session has ended; load the page again")
     stated = request.headers.get("content-length", "")

@@ -15,11 +15,10 @@ from nvcore.studies.detectability.tables import (
     participants_table,
     trials_table,
 )
-from nvcore.studies.participants import MOST_NAME
-from ui.shell.messages import shown_error
 from ui.study import links, participant, setup
 from ui.widgets.addresses import draw_addresses
 from ui.widgets.choices import download_csv
+from ui.widgets.one_participant import draw_one_participant
 from ui.widgets.text import plain
 
 NEWS_S: Final = 5.0
@@ -75,7 +74,16 @@ def _conduct(study: DetectabilityStudy) -> None:
             key="study_about",
         )
     _draw_progress(study)
-    _draw_one(study)
+    draw_one_participant(
+        "Code of the participant",
+        "study",
+        lambda code: store.record(study, code),
+        lambda code: store.delete(study, code),
+        hint="On request: a participant tells the code. What is deleted is gone from the file for "
+        "good, and their place in the design is free again. Tables that were saved before still "
+        "have it.",
+        nobody="Nobody takes part in this study with that code.",
+    )
 
 
 @st.fragment(run_every=NEWS_S)
@@ -108,50 +116,3 @@ def _draw_progress(study: DetectabilityStudy) -> None:
             "n_marked": st.column_config.NumberColumn("Marked"),
         },
     )
-
-
-def _draw_one(study: DetectabilityStudy) -> None:
-    """Export or delete what there is of one participant, on request."""
-    st.header("One participant's data")
-    st.caption(
-        "On request: a participant tells the code. What is deleted is gone from the file for good, "
-        "and their place in the design is free again. Tables that were saved before still have it."
-    )
-    code = st.text_input(
-        "Code of the participant", key="study_code", max_chars=MOST_NAME, width=420
-    )
-    store = links.store()
-    record = store.record(study, code) if code.strip() else None
-    if code.strip() and record is None:
-        st.warning("Nobody takes part in this study with that code.")
-    if record is None:
-        return
-    with st.container(horizontal=True):
-        st.download_button(
-            "All data of this participant (JSON)",
-            data=json.dumps(record, indent=2),
-            file_name="participant.json",
-            mime="application/json",
-            on_click="ignore",
-            icon=":material/download:",
-            key="study_record",
-        )
-        with st.popover("Delete …", icon=":material/delete:"):
-            st.markdown(f"Delete all data of **{plain(record['code'])}**? There is no way back.")
-            st.button(
-                "Delete for good",
-                key="study_delete",
-                type="primary",
-                on_click=_delete,
-                args=(study, record["code"]),
-            )
-
-
-def _delete(study: DetectabilityStudy, code: str) -> None:
-    try:
-        links.store().delete(study, code)
-    except InputError as error:
-        st.error(shown_error(error))
-        return
-    st.session_state["study_code"] = ""
-    st.toast("The data of this participant are deleted.")

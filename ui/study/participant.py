@@ -23,6 +23,7 @@ from ui.shell.messages import shown_error
 from ui.study import links
 from ui.study.screen import draw_run
 from ui.study.setup import LIMITS, length_text
+from ui.widgets.terms import draw_consent
 from ui.widgets.text import plain
 
 PRACTISED: Final = "study_practised"
@@ -77,8 +78,7 @@ def _welcome(study: DetectabilityStudy, store: DetectabilityStore) -> None:
         f"**{length_text(duration_s(trials, settings.timing))}** in all. You may pause after every "
         "run, and go on later."
     )
-    for paragraph in settings.consent.split("\n\n"):
-        st.markdown(plain(" ".join(paragraph.split())))
+    draw_consent(settings.consent)
     st.markdown(
         f"Your answers are kept until **{study.ends_at:%d %B %Y}** and then deleted, earlier if "
         "you ask for it."

@@ -15,17 +15,17 @@ from nvcore.studies.detectability.settings import (
     ADAPTATION_S,
     CONSENT,
     DESIGNS,
-    LONGEST_KEPT_DAYS,
-    MOST_TEXT,
     Facts,
     StudySettings,
     Timing,
 )
+from nvcore.studies.terms import MOST_TEXT
 from nvcore.wording import count_text
 from ui.session import state
 from ui.shell.messages import shown_error
 from ui.study import links
 from ui.widgets.choices import choose_side_by_side
+from ui.widgets.terms import ask_consent, ask_days
 from ui.widgets.text import docs_link, plain
 
 LIMITS: Final = (
@@ -127,23 +127,13 @@ def _draw_settings() -> StudySettings:
         }
         facts = Facts(**{k: math.nan if v is None else float(v) for k, v in values.items()})
     with st.expander("Consent, form, and how long answers are kept"):
-        consent = st.text_area(
-            "What participants agree to", CONSENT, key="study_consent", max_chars=MOST_TEXT,
-            height=260,
-        )  # fmt: skip
+        consent = ask_consent(CONSENT, "study")
         questions = st.text_area(
             "Own questions, one a line, after age, vision and driving licence",
             key="study_questions",
             max_chars=MOST_TEXT,
         )
-        keep_days = st.number_input(
-            "Days until the study is deleted with all answers",
-            min_value=1,
-            max_value=LONGEST_KEPT_DAYS,
-            value=365,
-            key="study_keep_days",
-            width=420,
-        )
+        keep_days = ask_days("Days until the study is deleted with all answers", "study")
     return StudySettings(
         design=design,
         timing=timing,
@@ -151,7 +141,7 @@ def _draw_settings() -> StudySettings:
         consent=consent,
         questions=tuple(line.strip() for line in questions.splitlines() if line.strip()),
         n_practice=int(st.session_state.get("study_n_practice", 1)),
-        keep_days=int(keep_days),
+        keep_days=keep_days,
     )
 
 

@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.driver.trials.reading import BOX, PEDESTRIAN
 from nvcore.errors import InputError, ParameterError
+from nvcore.inputs.driver.picture_boxes import BOX, PEDESTRIAN
 
 DISPLAY_S: Final = 0.5
 """How long a picture is shown (paper)."""

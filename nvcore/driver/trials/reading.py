@@ -10,6 +10,14 @@ import numpy as np
 import pandas as pd
 
 from nvcore.driver.features import FEATURE_KEYS
+from nvcore.inputs.driver.picture_boxes import (
+    BOX,
+    LARGEST,
+    PEDESTRIAN,
+    check_pedestrians,
+    picture_boxes,
+    read_picture_boxes,
+)
 from nvcore.inputs.readers.parse.table import TextTable, parse_table, read_table
 
 TRIAL_COLUMNS: Final = (
@@ -17,14 +25,9 @@ TRIAL_COLUMNS: Final = (
     *("adaptation_asked_s", "adaptation_measured_s", "touch_x", "touch_y"),
     *("response_s", "not_seen", "device"),
 )
-PEDESTRIAN: Final = ("image", "pedestrian")
-"""What tells pedestrians apart, in all tables."""
-BOX: Final = ("x", "y", "w", "h")
 SIMULATED: Final = "simulated"
 """Device of trials that no person took."""
 LONGEST_S: Final = 3600.0
-LARGEST: Final = 1e6
-"""Of pixels and features: what is larger is a mistake, and too much for a regression."""
 
 
 def read_trials(path: Path) -> pd.DataFrame:
@@ -119,18 +122,7 @@ def read_boxes(path: Path) -> pd.DataFrame:
         If the file cannot be opened or is no such table, a box has no size, or a pedestrian stands
         there twice; with the line.
     """
-    table = read_table(path, what="boxes", required=(*PEDESTRIAN, *BOX))
-    table.unique(PEDESTRIAN, "the picture {image} has the pedestrian {pedestrian} a second time")
-    return _boxes(table)
-
-
-def _boxes(table: TextTable) -> pd.DataFrame:
-    low = {"w": 1e-6, "h": 1e-6}
-    values = partial(table.numbers, high=LARGEST)
-    return pd.DataFrame(
-        {name: table.texts(name) for name in PEDESTRIAN}
-        | {name: values(name, low=low.get(name, -LARGEST)) for name in BOX}
-    )
+    return picture_boxes(read_picture_boxes(path))
 
 
 def read_features(path: Path) -> tuple[pd.DataFrame, pd.DataFrame | None]:
@@ -148,10 +140,10 @@ def read_features(path: Path) -> tuple[pd.DataFrame, pd.DataFrame | None]:
         the line.
     """
     table = read_table(path, what="features", required=(*PEDESTRIAN, *FEATURE_KEYS))
-    table.unique(PEDESTRIAN, "the picture {image} has the pedestrian {pedestrian} a second time")
+    check_pedestrians(table)
     values = partial(table.numbers, low=-LARGEST, high=LARGEST, may_be_empty=True)
     features = pd.DataFrame(
         {name: table.texts(name) for name in PEDESTRIAN}
         | {name: values(name) for name in FEATURE_KEYS}
     )
-    return features, _boxes(table) if all(name in table for name in BOX) else None
+    return features, picture_boxes(table) if all(name in table for name in BOX) else None

@@ -9,7 +9,7 @@ import pandas as pd
 from scipy.stats import binomtest
 
 from nvcore.driver.trials.judging import Judging
-from nvcore.driver.trials.reading import PEDESTRIAN
+from nvcore.inputs.driver.picture_boxes import PEDESTRIAN
 from nvcore.metrics.shares import share_of
 from nvcore.wording import percent
 

@@ -13,7 +13,6 @@ from nvcore.driver.feature_record import settings_beside
 from nvcore.driver.features import FeatureSettings
 from nvcore.driver.trials.judging import Judging, judge_trials
 from nvcore.driver.trials.reading import (
-    PEDESTRIAN,
     SIMULATED,
     read_boxes,
     read_features,
@@ -21,6 +20,7 @@ from nvcore.driver.trials.reading import (
 )
 from nvcore.driver.trials.subjects import CELL, subjects_table
 from nvcore.errors import InputError
+from nvcore.inputs.driver.picture_boxes import PEDESTRIAN
 from nvcore.metrics.shares import share_of
 from nvcore.wording import count_text, did_you_mean, listed
 

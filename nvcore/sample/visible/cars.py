@@ -9,7 +9,7 @@ import numpy as np
 from nvcore.sample.camera import Floats
 from nvcore.sample.objects import sidewall, upright
 from nvcore.sample.scene import Car
-from nvcore.sample.vehicles import profile
+from nvcore.sample.vehicles import end_outline, profile, wheel_outline
 from nvcore.sample.visible.light import HEADLIGHT, TO_CAMERA
 from nvcore.sample.visible.sky import horizon_glow
 from nvcore.sample.visible.stage import Face, Stage
@@ -64,15 +64,7 @@ def _side(stage: Stage, car: Car, near: float, colour: Floats) -> None:
     faces.append((seam, 0.5 * colour))
     for place in (0.19, 0.81):
         for radius, albedo in ((0.34, _TYRE), (0.20, _RIM), (0.07, _TYRE)):
-            wheel = np.stack(
-                [
-                    np.full(20, x),
-                    0.33 + radius * np.sin(_TURN),
-                    near + place * long + radius * np.cos(_TURN),
-                ],
-                axis=1,
-            )
-            faces.append((wheel, albedo))
+            faces.append((wheel_outline(x, near + place * long, radius, _TURN), albedo))
     stage.wall(faces, np.array([-float(np.sign(car.x)), 0.0, 0.0]), soften=0.45)
 
 
@@ -103,19 +95,12 @@ def _face(stage: Stage, car: Car, near: float, colour: Floats) -> None:
     h, half, x = car.height_m, car.width_m / 2, car.x
     is_van = h > _TALL_M
     top = 0.61 * h if not is_van else 0.56 * h if car.oncoming else 0.97 * h
-    belt = 0.42 * top + 0.1
-    body = np.array(
-        [[x - half * 0.93, 0.24, near], [x + half * 0.93, 0.24, near], [x + half, belt, near],
-         [x + half * 0.97, top * 0.95, near], [x + half * 0.88, top, near],
-         [x - half * 0.88, top, near],
-         [x - half * 0.97, top * 0.95, near], [x - half, belt, near]]
-    )  # fmt: skip
     faces: list[Face] = [
         (upright(x + wheel - 0.1, x + wheel + 0.1, 0.0, 0.4, near + 0.7), _TYRE)
         for wheel in (-half + 0.14, half - 0.14)
     ]
     faces += [
-        (body, colour),
+        (end_outline(car, near, top), colour),
         (upright(x - half * 0.96, x + half * 0.96, 0.26, 0.42, near), 0.45 * colour + 0.01),
         (upright(x - 0.26, x + 0.26, 0.47, 0.58, near), _PLATE),
     ]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.sample.camera import Floats
+from nvcore.sample.canvas import FRACTION_BITS, fixed_point, placement
 from nvcore.sample.visible.view import View
 
 Colours = NDArray[np.float32]
@@ -21,8 +22,6 @@ Shading = Callable[[Floats], Floats]
 
 Veil = tuple[float, Floats]
 
-_FINE: Final = 16
-"""Sub-pixel steps of cv2 drawing (4 fractional bits)."""
 _SHADE_STEP: Final = 8
 """Light is computed at every so many pixels and is linear in between."""
 
@@ -76,14 +75,7 @@ class Easel:
         if area is None:
             return
         left, top, right, bottom = area
-        scale_x = (box[2] - box[0]) / image.shape[1]
-        scale_y = (box[3] - box[1]) / image.shape[0]
-        place = np.array(
-            [
-                [scale_x, 0.0, box[0] - left + (scale_x - 1) / 2],
-                [0.0, scale_y, box[1] - top + (scale_y - 1) / 2],
-            ]
-        )
+        place = placement(box, image, left, top)
         size = (right - left, bottom - top)
         colours = cv2.warpAffine(image, place, size, flags=cv2.INTER_LINEAR)
         alpha = cv2.warpAffine(cover, place, size, flags=cv2.INTER_LINEAR)
@@ -135,11 +127,10 @@ def _drawn(shapes: Sequence[Shape], area: tuple[int, int, int, int]) -> tuple[Co
     brightest = max(float(colour.max()) for _, colour in shapes) or 1.0
     layer = np.zeros(((bottom - top) * scale, (right - left) * scale, 4), dtype=np.uint8)
     for polygon, colour in shapes:
-        place = (polygon - (left, top)) * scale - 0.5
-        fixed = np.round(np.clip(place, -8000, 8000) * _FINE).astype(np.int32)
+        corners = [fixed_point(polygon, left, top, scale)]
         # Eight bits of a square root keep dark clothes apart beside a bright wall.
         red, green, blue = 255 * np.sqrt(np.maximum(colour, 0.0) / brightest)
-        cv2.fillPoly(layer, [fixed], (red, green, blue, 255.0), cv2.LINE_AA, 4)
+        cv2.fillPoly(layer, corners, (red, green, blue, 255.0), cv2.LINE_AA, FRACTION_BITS)
     if scale > 1:
         layer = cv2.resize(layer, (right - left, bottom - top), interpolation=cv2.INTER_AREA)
     soft: Colours = layer.astype(np.float32) / np.float32(255)

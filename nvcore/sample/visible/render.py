@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterator, Sequence
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.sample.body import joints
-from nvcore.sample.camera import FPS, N_FRAMES, Floats
-from nvcore.sample.scene import Recording
+from nvcore.sample.camera import N_FRAMES, Floats
+from nvcore.sample.scene import Kind, Recording, far_first
 from nvcore.sample.visible.cars import draw_car
 from nvcore.sample.visible.ground import Ground
 from nvcore.sample.visible.light import Glow, lights_at
@@ -23,8 +22,6 @@ from nvcore.sample.visible.stage import Stage
 from nvcore.sample.visible.things import draw_thing
 from nvcore.sample.visible.view import View
 from nvcore.sample.visible.wardrobe import Outfit, outfit
-
-_FARTHEST_M: Final = 260.0
 
 
 class Drive:
@@ -76,20 +73,10 @@ def _stand(
 ) -> None:
     """Paint everything that stands on the ground, far things first."""
     way = stage.lights.way
-    # Houses stand behind everything that they meet in the image, so they come first.
-    depths: list[tuple[bool, float, int, int]] = []
-    for index, thing in enumerate(recording.things):
-        depths.append((thing.kind == "house", thing.z - way, 0, index))
-    for index, car in enumerate(recording.cars):
-        depths.append((False, car.z + car.speed * frame / FPS - way, 1, index))
-    for index, body in enumerate(bodies):
-        depths.append((False, float(body[0, 2]) - way, 2, index))
-    for _, depth, kind, index in sorted(depths, key=lambda entry: (not entry[0], -entry[1])):
-        if depth > _FARTHEST_M:
-            continue
-        if kind == 0:
+    for kind, index, depth in far_first(recording, bodies, frame):
+        if kind is Kind.THING:
             draw_thing(stage, recording.things[index], depth)
-        elif kind == 1:
+        elif kind is Kind.CAR:
             draw_car(stage, recording.cars[index], depth)
         else:
             body = bodies[index] - np.array([0.0, 0.0, way])

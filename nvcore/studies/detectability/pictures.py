@@ -13,7 +13,8 @@ import numpy as np
 
 from nvcore.errors import InputError, MediaError
 from nvcore.file_kinds import IMAGE_SUFFIXES
-from nvcore.inputs.readers.parse.table import TextTable, read_table
+from nvcore.inputs.driver.picture_boxes import picture_boxes, read_picture_boxes
+from nvcore.inputs.readers.parse.table import TextTable
 from nvcore.pictures.base import Picture
 from nvcore.pictures.header import image_size
 from nvcore.pictures.images import decode_image
@@ -21,7 +22,6 @@ from nvcore.pictures.stretch import stretch
 from nvcore.wording import one_line
 
 BOXES_FILE: Final = "boxes.csv"
-COLUMNS: Final = ("image", "pedestrian", "x", "y", "w", "h")
 MOST_PICTURES: Final = 500
 MOST_BYTES: Final = 64 << 20
 """Of one file."""
@@ -70,27 +70,23 @@ def read_pictures(folder: Path) -> tuple[StudyPicture, ...]:
         file is not in the folder or no picture, a box lies outside its picture, or a picture has
         two pedestrians: a touch would not say which was seen.
     """
-    table = read_table(folder / BOXES_FILE, what="boxes", required=COLUMNS)
+    table = read_picture_boxes(folder / BOXES_FILE)
     table.unique(("image",), "{image} is there a second time; a study shows one pedestrian each")
     if not 0 < len(table) <= MOST_PICTURES:
         raise InputError(f"a study has 1 to {MOST_PICTURES} pictures", file=BOXES_FILE)
     table = TextTable(BOXES_FILE, table.fields, table.lines, table.has_decimal_comma)
-    images, pedestrians = table.texts("image"), table.texts("pedestrian")
-    x, y = table.numbers("x"), table.numbers("y")
-    w, h = table.numbers("w", low=1e-6), table.numbers("h", low=1e-6)
+    boxes = picture_boxes(table)
     pictures = []
-    for row in range(len(table)):
-        image = str(images[row])
+    for row, (image, pedestrian, x, y, w, h) in enumerate(boxes.itertuples(index=False, name=None)):
         try:
             content = _content(folder, image)
             width, height = image_size(content, one_line(image))
         except InputError as error:
             raise table.fault(row, str(error)) from error
-        if x[row] >= width or y[row] >= height or x[row] + w[row] <= 0 or y[row] + h[row] <= 0:
+        if x >= width or y >= height or x + w <= 0 or y + h <= 0:
             raise table.fault(row, f"the box lies outside the picture ({width} x {height} px)")
-        box = (float(x[row]), float(y[row]), float(w[row]), float(h[row]))
         digest = hashlib.sha256(content).hexdigest()
-        pictures.append(StudyPicture(image, str(pedestrians[row]), *box, width, height, digest))
+        pictures.append(StudyPicture(image, pedestrian, x, y, w, h, width, height, digest))
     return tuple(pictures)
 
 

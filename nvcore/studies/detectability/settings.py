@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any, Final, Literal
 
 from nvcore.errors import InputError
+from nvcore.studies.terms import KEPT_DAYS, check_terms
 
 Design = Literal["all", "latin"]
 DESIGNS: Final[dict[Design, str]] = {
@@ -19,10 +20,8 @@ ADAPTATION_S: Final = (0.0, 1.0, 2.5, 4.0, 5.5, 7.0)
 LATE_S: Final = 0.05
 """A trial is marked if its picture came or went early or late by more than this."""
 LONGEST_S: Final = 600.0
-MOST_TEXT: Final = 20_000
 MOST_QUESTIONS: Final = 20
 MOST_QUESTION: Final = 300
-LONGEST_KEPT_DAYS: Final = 3650
 CONSENT: Final = """\
 You look at pictures of roads at dusk, for half a second each, and touch the place where you saw \
 a pedestrian. Before each picture the screen is bright, then dark at once. This may be unpleasant \
@@ -190,13 +189,12 @@ class StudySettings:
     consent: str = CONSENT
     questions: tuple[str, ...] = ()
     n_practice: int = 1
-    keep_days: int = 365
+    keep_days: int = KEPT_DAYS
 
     def __post_init__(self) -> None:
         if self.design not in DESIGNS:
             raise InputError(f"design: expected {' or '.join(DESIGNS)}, got {self.design}")
-        if not 0 < len(self.consent.strip()) <= MOST_TEXT:
-            raise InputError(f"the text of consent has 1 to {MOST_TEXT:,} characters")
+        check_terms(self.consent, self.keep_days)
         if len(self.questions) > MOST_QUESTIONS:
             raise InputError(f"a form has {MOST_QUESTIONS} own questions at most")
         if any(not 0 < len(text.strip()) <= MOST_QUESTION for text in self.questions):
@@ -205,8 +203,6 @@ class StudySettings:
             raise InputError("two questions of the form are the same")
         if not 0 <= self.n_practice <= 10:
             raise InputError(f"expected 0 to 10 practice runs, got {self.n_practice}")
-        if not 1 <= self.keep_days <= LONGEST_KEPT_DAYS:
-            raise InputError(f"answers are kept 1 to {LONGEST_KEPT_DAYS} days")
 
     @property
     def form(self) -> dict[str, str]:

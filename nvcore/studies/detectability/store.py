@@ -16,7 +16,15 @@ from nvcore.studies.detectability.pictures import StudyPicture
 from nvcore.studies.detectability.plan import Trial, plan_trials
 from nvcore.studies.detectability.records import Answer, DetectabilityStudy, Participant
 from nvcore.studies.detectability.settings import MOST_QUESTION, StudySettings
-from nvcore.studies.participants import PARTICIPANTS, join, known_name, new_code, remove
+from nvcore.studies.participants import (
+    PARTICIPANTS,
+    delete_ended,
+    join,
+    known_name,
+    new_code,
+    record_of,
+    remove,
+)
 from nvcore.studies.store import AnswerFile, new_names
 
 MOST_DEVICE: Final = 200
@@ -71,7 +79,8 @@ class DetectabilityStore(AnswerFile):
 
     def __init__(self, path: Path, *, now: datetime | None = None):
         super().__init__(path, TABLES, what="study")
-        self._delete_ended(now or datetime.now(UTC))
+        with self.connect() as base:
+            delete_ended(base, now or datetime.now(UTC), OF_PARTICIPANT)
 
     def begin(
         self,
@@ -310,36 +319,16 @@ class DetectabilityStore(AnswerFile):
         participant = self.participant(study, code)
         if participant is None:
             return None
-        record: dict[str, Any] = {"code": participant.code, "number": participant.number}
         with self.connect() as base:
-            for table in reversed(OF_PARTICIPANT):
-                rows = base.execute(
-                    f"SELECT * FROM {table} WHERE study = ? AND participant = ?",  # noqa: S608  # our own names
-                    (study.token, participant.code),
-                )
-                names = [column[0] for column in rows.description]
-                record[table] = [
-                    {
-                        name: json.loads(value) if name in ("answers", "plan") else value
-                        for name, value in zip(names, row, strict=True)
-                        if name not in ("study", "participant")
-                    }
-                    for row in rows
-                ]
-        return record
+            tables = record_of(base, study.token, participant.code, OF_PARTICIPANT[::-1])
+        for row in tables["form"]:
+            row |= {name: json.loads(row[name]) for name in ("answers", "plan")}
+        return {"code": participant.code, "number": participant.number, **tables}
 
     def delete(self, study: DetectabilityStudy, code: str) -> bool:
         """Delete a participant with all that the file holds of them; whether there was one."""
         with self.connect() as base:
             return remove(base, study.token, code, OF_PARTICIPANT)
-
-    def _delete_ended(self, now: datetime) -> None:
-        with self.connect() as base:
-            ended = base.execute("SELECT token FROM study WHERE ends_at <= ?", (now.isoformat(),))
-            for (token,) in ended.fetchall():
-                for table in (*OF_PARTICIPANT, "participant"):
-                    base.execute(f"DELETE FROM {table} WHERE study = ?", (token,))  # noqa: S608  # our own names
-                base.execute("DELETE FROM study WHERE token = ?", (token,))
 
 
 def _check_room(

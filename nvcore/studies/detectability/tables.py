@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import pandas as pd
 
-from nvcore.studies.detectability.pictures import COLUMNS
+from nvcore.inputs.driver.picture_boxes import BOX, PEDESTRIAN
 from nvcore.studies.detectability.plan import Trial
 from nvcore.studies.detectability.records import Answer, DetectabilityStudy
 from nvcore.studies.detectability.settings import LATE_S, Timing
@@ -107,7 +107,7 @@ def participants_table(store: DetectabilityStore, study: DetectabilityStudy) -> 
 def boxes_table(study: DetectabilityStudy) -> pd.DataFrame:
     """Where the pedestrians are: ``image``, ``pedestrian``, ``x``, ``y``, ``w``, ``h`` (px)."""
     table = pd.DataFrame([asdict(picture) for picture in study.pictures])
-    return table[list(COLUMNS)]
+    return table[[*PEDESTRIAN, *BOX]]
 
 
 def about(study: DetectabilityStudy) -> dict[str, Any]:

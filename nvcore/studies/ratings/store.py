@@ -6,23 +6,36 @@ import json
 import sqlite3
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import pandas as pd
 
 from nvcore.errors import InputError
 from nvcore.studies.order import counterbalanced_order
-from nvcore.studies.participants import PARTICIPANTS, join, known_name
+from nvcore.studies.participants import (
+    PARTICIPANTS,
+    delete_ended,
+    join,
+    known_name,
+    record_of,
+    remove,
+)
 from nvcore.studies.store import AnswerFile, new_names
+from nvcore.studies.terms import KEPT_DAYS, check_terms
 
 MOST_CLIPS: Final = 500
 TABLES: Final = f"""
 CREATE TABLE IF NOT EXISTS study (
     token TEXT PRIMARY KEY, conductor TEXT NOT NULL UNIQUE, fingerprint TEXT NOT NULL,
     clips TEXT NOT NULL, low INTEGER NOT NULL, high INTEGER NOT NULL,
-    thresholds TEXT NOT NULL);
+    thresholds TEXT NOT NULL, consent TEXT NOT NULL DEFAULT '', ends_at TEXT);
 {PARTICIPANTS}
+CREATE TABLE IF NOT EXISTS consent (
+    study TEXT NOT NULL, participant TEXT NOT NULL, consented_at TEXT NOT NULL,
+    PRIMARY KEY (study, participant),
+    FOREIGN KEY (study, participant) REFERENCES participant (study, name));
 CREATE TABLE IF NOT EXISTS rating (
     study TEXT NOT NULL, participant TEXT NOT NULL, clip INTEGER NOT NULL, rating INTEGER NOT NULL,
     rated_at TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP, n_plays INTEGER, first_rating INTEGER,
@@ -30,8 +43,22 @@ CREATE TABLE IF NOT EXISTS rating (
     FOREIGN KEY (study, participant) REFERENCES participant (study, name));
 """
 
-ADDED: Final = ("n_plays", "first_rating")
-"""Columns of ratings that files of earlier versions lack."""
+ADDED: Final = {
+    "rating": {"n_plays": "INTEGER", "first_rating": "INTEGER"},
+    "study": {"consent": "TEXT NOT NULL DEFAULT ''", "ends_at": "TEXT"},
+}
+"""Columns that files of earlier versions lack, by table."""
+OF_PARTICIPANT: Final = ("consent", "rating")
+"""Tables with what a participant left."""
+CONSENT: Final = """\
+You watch short clips of drives at night, and say after each how annoying the mistakes of a driver \
+assistance system are.
+
+We keep your ratings, when you gave them, how often you played each clip, and the name or code \
+that you enter on this page; no one needs your real name. You may stop at any time, without a \
+reason. Tell the person who conducts the session your name or code, and you get a copy of your \
+ratings, or they are deleted.
+"""
 RATE: Final = """
 INSERT INTO rating (study, participant, clip, rating, n_plays) VALUES (?, ?, ?, ?, ?)
 ON CONFLICT (study, participant, clip) DO UPDATE SET
@@ -62,6 +89,10 @@ class Study:
     thresholds
         Score threshold of each system, None where every detection is shown: all participants see
         the same boxes.
+    consent
+        Text that participants agree to before they begin; empty: none is shown.
+    ends_at
+        When the study is deleted with all ratings, UTC; None: it is not, by itself.
     """
 
     token: str
@@ -71,6 +102,8 @@ class Study:
     low: int
     high: int
     thresholds: Mapping[str, float | None]
+    consent: str = ""
+    ends_at: datetime | None = None
 
 
 class RatingStore(AnswerFile):
@@ -80,6 +113,8 @@ class RatingStore(AnswerFile):
     ----------
     path
         The file; it and its folder are created if necessary.
+    now
+        The time, UTC; None: the clock's. Studies whose time is over are deleted.
 
     Notes
     -----
@@ -91,10 +126,11 @@ class RatingStore(AnswerFile):
         Here and in every call: if the file cannot be used.
     """
 
-    def __init__(self, path: Path):
+    def __init__(self, path: Path, *, now: datetime | None = None):
         super().__init__(path, TABLES, what="ratings")
         with self.connect() as base:
             _add_columns(base)
+            delete_ended(base, now or datetime.now(UTC), OF_PARTICIPANT)
 
     def begin(
         self,
@@ -104,24 +140,42 @@ class RatingStore(AnswerFile):
         low: int = 1,
         high: int = 7,
         thresholds: Mapping[str, float | None] | None = None,
+        consent: str | None = None,
+        keep_days: int = KEPT_DAYS,
+        now: datetime | None = None,
     ) -> Study:
         """A new study of these clips, each a recording and a system.
+
+        Parameters
+        ----------
+        consent
+            Text that participants agree to; None: they are asked elsewhere.
+        keep_days
+            After so many days the study is deleted with all ratings.
+        now
+            When it begins, UTC; None: the clock's time.
 
         Raises
         ------
         InputError
-            If there is no clip, one twice or too many, or the scale has no two steps.
+            If there is no clip, one twice or too many, the scale has no two steps, or the terms
+            cannot be.
         """
         if not 0 < len(clips) <= MOST_CLIPS or len(set(clips)) < len(clips):
             raise InputError(f"a rating session needs 1 to {MOST_CLIPS} clips, each once")
         if low >= high:
             raise InputError(f"the scale must rise; it goes from {low} to {high}")
+        check_terms(CONSENT if consent is None else consent, keep_days)
         thresholds_shown = dict(thresholds or {})
         token, conductor = new_names()
-        study = Study(token, conductor, fingerprint, tuple(clips), low, high, thresholds_shown)
+        study = Study(
+            *(token, conductor, fingerprint, tuple(clips), low, high, thresholds_shown),
+            consent=consent or "",
+            ends_at=(now or datetime.now(UTC)) + timedelta(days=keep_days),
+        )
         with self.connect() as base:
             base.execute(
-                "INSERT INTO study VALUES (?, ?, ?, ?, ?, ?, ?)",
+                "INSERT INTO study VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
                 (
                     token,
                     conductor,
@@ -130,6 +184,8 @@ class RatingStore(AnswerFile):
                     low,
                     high,
                     json.dumps(thresholds_shown),
+                    study.consent,
+                    None if study.ends_at is None else study.ends_at.isoformat(),
                 ),
             )
         return study
@@ -147,9 +203,55 @@ class RatingStore(AnswerFile):
             row = base.execute(query, (name,)).fetchone()
         if row is None:
             return None
-        token, conductor, fingerprint, clips, low, high, thresholds = row
+        token, conductor, fingerprint, clips, low, high, thresholds, consent, ends_at = row
         pairs = tuple((recording, system) for recording, system in json.loads(clips))
-        return Study(token, conductor, fingerprint, pairs, low, high, json.loads(thresholds))
+        return Study(
+            *(token, conductor, fingerprint, pairs, low, high, json.loads(thresholds)),
+            consent=consent,
+            ends_at=None if ends_at is None else datetime.fromisoformat(ends_at),
+        )
+
+    def agree(self, study: Study, participant: str, *, now: datetime | None = None) -> None:
+        """Keep that somebody agrees to the text of consent, and when; a new name joins.
+
+        Raises
+        ------
+        InputError
+            If the name is empty or too long.
+        """
+        when = (now or datetime.now(UTC)).isoformat()
+        with self.connect() as base:
+            join(base, study.token, participant)
+            name = known_name(base, study.token, participant)
+            base.execute(
+                "INSERT INTO consent VALUES (?, ?, ?) ON CONFLICT DO NOTHING",
+                (study.token, name, when),
+            )
+
+    def may_rate(self, study: Study, participant: str) -> bool:
+        """Whether nothing has to be agreed to first: there is no text, or it was agreed to."""
+        if not study.consent:
+            return True
+        with self.connect() as base:
+            name = known_name(base, study.token, participant)
+            query = "SELECT 1 FROM consent WHERE study = ? AND participant = ?"
+            return base.execute(query, (study.token, name)).fetchone() is not None
+
+    def record(self, study: Study, participant: str) -> dict[str, Any] | None:
+        """All that the file holds of a participant, as values of JSON; None: there is none."""
+        with self.connect() as base:
+            name = known_name(base, study.token, participant)
+            if name is None:
+                return None
+            tables = record_of(base, study.token, name, OF_PARTICIPANT)
+        for row in tables["rating"]:
+            row["clip"] = dict(zip(("recording", "system"), study.clips[row["clip"]], strict=True))
+        return {"participant": name, **tables}
+
+    def delete(self, study: Study, participant: str) -> bool:
+        """Delete a participant with all that the file holds of them; whether there was one."""
+        with self.connect() as base:
+            return remove(base, study.token, participant, OF_PARTICIPANT)
 
     def order(self, study: Study, participant: str) -> list[int]:
         """Clips in this participant's own order; a new participant gets the next free one.
@@ -244,11 +346,12 @@ class RatingStore(AnswerFile):
 
 def _add_columns(base: sqlite3.Connection) -> None:
     """Add the columns that a file of an earlier version lacks."""
-    existing = {row[1] for row in base.execute("PRAGMA table_info(rating)")}
-    for column in ADDED:
-        if column not in existing:
-            try:
-                base.execute(f"ALTER TABLE rating ADD COLUMN {column} INTEGER")
-            except sqlite3.OperationalError as error:
-                if "duplicate column" not in str(error):  # somebody else has just done it
-                    raise
+    for table, columns in ADDED.items():
+        existing = {row[1] for row in base.execute(f"PRAGMA table_info({table})")}
+        for column, kind in columns.items():
+            if column not in existing:
+                try:
+                    base.execute(f"ALTER TABLE {table} ADD COLUMN {column} {kind}")
+                except sqlite3.OperationalError as error:
+                    if "duplicate column" not in str(error):  # somebody else has just done it
+                        raise

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
+from datetime import UTC, datetime, timedelta
 
 import pytest
 
@@ -190,13 +191,78 @@ def test_a_file_of_an_earlier_version_is_gone_on_with(store, tmp_path):
     with closing(sqlite3.connect(path)) as base, base:
         for column in ("n_plays", "first_rating"):
             base.execute(f"ALTER TABLE rating DROP COLUMN {column}")
+        for column in ("consent", "ends_at"):
+            base.execute(f"ALTER TABLE study DROP COLUMN {column}")
+        base.execute("DROP TABLE consent")
         for table in ("participant", "rating"):  # two spellings, which were two people then
             column = "name" if table == "participant" else "participant"
             base.execute(f"UPDATE {table} SET {column} = 'anna' WHERE {column} = 'Bob'")
     again = RatingStore(path)
+    known = again.study(study.token)
+    assert known is not None
+    assert (known.consent, known.ends_at) == ("", None)  # nobody was asked, and it does not end
+    assert again.may_rate(known, "anna")
     again.rate(study, "anna", 0, 5, n_plays=1)
     kept = again.ratings(study)
     assert kept["participant"].tolist() == ["Anna", "anna"]
     assert kept["rating"].tolist() == [3, 5]
     assert kept["n_plays"].isna().tolist() == [True, False]
     assert RatingStore(path).ratings(study).equals(kept)
+
+
+NOW = datetime(2026, 3, 1, tzinfo=UTC)
+
+
+def test_who_has_not_agreed_to_the_text_may_not_rate_yet(store):
+    study = store.begin("print", CLIPS, consent="We keep your ratings.")
+    assert store.study(study.token) == study
+    store.order(study, "Ann")
+    assert not store.may_rate(study, "Ann")
+    store.agree(study, "Ann", now=NOW)
+    store.agree(study, " ann ")  # a second time changes nothing
+    assert store.may_rate(study, "ANN")
+    assert store.record(study, "Ann")["consent"] == [{"consented_at": NOW.isoformat()}]
+    assert store.may_rate(store.begin("print", CLIPS), "Eve")  # no text, nothing to agree to
+
+
+def test_a_participant_s_data_are_given_out_and_deleted(store):
+    study = store.begin("print", CLIPS, consent="We keep your ratings.")
+    for name in ("Ann", "Bob"):
+        store.agree(study, name)
+        store.rate(study, name, 2, 4, n_plays=1)
+    record = store.record(study, "ann")
+    assert record["participant"] == "Ann"
+    assert len(record["rating"]) == 1
+    rating = record["rating"][0]
+    assert rating["clip"] == {"recording": "A", "system": "NIR"}
+    assert (rating["rating"], rating["n_plays"]) == (4, 1)
+    assert store.delete(study, "ANN")
+    assert store.record(study, "Ann") is None
+    assert not store.delete(study, "Ann")
+    assert store.participants(study)["participant"].tolist() == ["Bob"]
+    assert len(store.ratings(study)) == 1
+    assert not store.may_rate(study, "Ann")
+
+
+def test_a_session_is_deleted_with_all_ratings_when_its_days_are_over(tmp_path):
+    path = tmp_path / "ratings.sqlite"
+    store = RatingStore(path, now=NOW)
+    study = store.begin("print", CLIPS, consent="Yes.", keep_days=10, now=NOW)
+    other = store.begin("print", CLIPS, keep_days=11, now=NOW)
+    assert study.ends_at == NOW + timedelta(days=10)
+    store.agree(study, "Ann")
+    store.rate(study, "Ann", 0, 3)
+    assert RatingStore(path, now=NOW + timedelta(days=9)).study(study.token) == study
+    after = RatingStore(path, now=NOW + timedelta(days=10))
+    assert after.study(study.token) is None
+    assert after.study(other.token) == other
+    assert after.ratings(study).empty
+
+
+@pytest.mark.parametrize(
+    ("terms", "words"),
+    [({"consent": " "}, "the text of consent has 1 to"), ({"keep_days": 0}, "kept 1 to 3650 days")],
+)
+def test_terms_that_cannot_be_are_refused(store, terms, words):
+    with pytest.raises(InputError, match=words):
+        store.begin("print", CLIPS, **terms)

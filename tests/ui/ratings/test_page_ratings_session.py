@@ -88,6 +88,9 @@ def test_a_participant_sees_clips_only_and_every_rating_is_kept(
     assert not page.sidebar.slider
     assert "FIR" not in words(page)
     page.text_input(key="rating_name").set_value(" Ann ")
+    assert "Without your agreement nothing is kept" in words(page.button[0].click().run())
+    assert store.participants(study).empty
+    page.checkbox(key="rating_agrees").check()
     checked(page.button[0].click().run())
     assert only(page, "participant") == "Ann"
     assert not page.button  # before the end of the clip there is nothing to press
@@ -138,6 +141,7 @@ def test_a_participant_with_another_comparison_open_goes_on_once_the_right_one_i
         with closing(sqlite3.connect(tmp_path / "kept" / "ratings.sqlite")) as base, base:
             base.execute("UPDATE study SET fingerprint = ?", (fingerprint,))
 
+    store.agree(study, "Ann")
     be_of("of another dataset")
     page = opened(study=study.token, participant="Ann")
     assert "about another comparison than the one that is open" in words(page)
@@ -177,6 +181,7 @@ def rating_here(page: AppTest, store: RatingStore, name: str) -> Study:
 
 def join(page: AppTest, name: str) -> None:
     page.text_input(key="rating_name").set_value(name)
+    page.checkbox(key="rating_agrees").check()
     checked(next(button for button in page.button if button.label == "Begin").click().run())
 
 
@@ -293,3 +298,32 @@ def test_an_address_of_this_computer_only_is_told(
     page = opened()
     begun(page, store, "odd_pose")
     assert "ask whoever runs the app to open it to the network" in warnings(page)
+
+
+def test_the_data_of_a_participant_are_saved_or_deleted_on_request(store: RatingStore):
+    page = opened()
+    study = begun(page, store, "odd_pose")
+    assert study.ends_at is not None
+    assert f"All ratings are deleted on {study.ends_at:%d %B %Y}" in words(page)
+    for name in ("Ann", "Bob"):
+        store.agree(study, name)
+        store.rate(study, name, 0, 3)
+    checked(page.text_input(key="rating_code").set_value("Eve").run())
+    assert "Nobody of that name takes part" in words(page)
+    checked(page.text_input(key="rating_code").set_value("ann").run())
+    press(page, "rating_delete")
+    assert store.participants(study)["participant"].tolist() == ["Bob"]
+    assert page.text_input(key="rating_code").value == ""
+
+
+def test_the_terms_are_those_that_the_conductor_writes(store: RatingStore):
+    page = opened()
+    show_part(page, "Rating session")
+    page.text_area(key="rating_consent").set_value("Only for us.")
+    page.number_input(key="rating_keep_days").set_value(10)
+    study = begun(page, store, "odd_pose")
+    assert study.consent == "Only for us."
+    person = opened(study=study.token)
+    assert "Only for us" in words(person)
+    assert study.ends_at is not None
+    assert f"Your ratings are kept until {study.ends_at:%d %B %Y}" in words(person)

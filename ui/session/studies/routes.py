@@ -19,24 +19,20 @@ from starlette.responses import Response
 from nvcore.errors import InputError
 from ui.session.requests import (
     NOT_CACHED,
+    for_owner,
     index_in,
-    is_own_page,
-    is_owner,
     not_found,
-    of_somebody_else,
     say,
 )
 from ui.session.studies.on_screen import MOST_BYTES, NOTE, OnScreen
-from ui.session.workspace import workspace_of
+from ui.session.workspace import Workspace
 
 ENDED = "the page has ended; load it again"
 
 
-async def study_picture(request: Request) -> Response:
+@for_owner()
+async def study_picture(request: Request, space: Workspace | None) -> Response:
     """A picture of the study, or its coarse version."""
-    space = workspace_of(request.path_params["token"])
-    if not is_owner(request, space):
-        return of_somebody_else()
     screen: OnScreen | None = None if space is None else space.notes.get(NOTE)
     name, view = request.path_params["picture"], request.path_params["view"]
     if space is None or screen is None or view not in ("full", "coarse"):
@@ -48,13 +44,9 @@ async def study_picture(request: Request) -> Response:
     return Response(content, media_type="image/png", headers=NOT_CACHED)
 
 
-async def study_answer(request: Request) -> Response:
+@for_owner(sent="answers")
+async def study_answer(request: Request, space: Workspace | None) -> Response:
     """Keep that a picture appears, or its answer; then it is on disk."""
-    if not is_own_page(request):
-        return say(HTTPStatus.FORBIDDEN, "answers come from the app's own page only")
-    space = workspace_of(request.path_params["token"])
-    if not is_owner(request, space):
-        return of_somebody_else()
     screen: OnScreen | None = None if space is None else space.notes.get(NOTE)
     kind, place = request.path_params["kind"], index_in(request, "place")
     if screen is None or kind not in ("shown", "answer"):

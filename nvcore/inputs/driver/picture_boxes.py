@@ -1,0 +1,62 @@
+"""Pedestrians in single pictures, such as those of a study: where each of them is.
+
+image,pedestrian,x,y,w,h
+park.jpg,1,612,388,31,74
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+import pandas as pd
+
+from nvcore.inputs.readers.parse.table import TextTable, read_table
+
+PEDESTRIAN: Final = ("image", "pedestrian")
+"""What tells pedestrians apart, in all tables."""
+BOX: Final = ("x", "y", "w", "h")
+LARGEST: Final = 1e6
+"""Of pixels and features: what is larger is a mistake, and too much for a regression."""
+
+
+def read_picture_boxes(path: Path) -> TextTable:
+    """The table of a file, each pedestrian of a picture once; `picture_boxes` gives the boxes.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be opened or is no such table, or a pedestrian stands there twice; with
+        the line.
+    """
+    table = read_table(path, what="boxes", required=(*PEDESTRIAN, *BOX))
+    check_pedestrians(table)
+    return table
+
+
+def check_pedestrians(table: TextTable) -> None:
+    """Refuse a pedestrian of a picture that stands there twice, with the line (FormatError)."""
+    table.unique(PEDESTRIAN, "the picture {image} has the pedestrian {pedestrian} a second time")
+
+
+def picture_boxes(table: TextTable) -> pd.DataFrame:
+    """The pedestrians of a table.
+
+    Returns
+    -------
+    image, pedestrian (text), and x, y, w, h (pixels of the picture, float64), row by row.
+
+    Raises
+    ------
+    FormatError
+        If a field is empty, no number or too large, or a box has no size; with the line.
+    """
+    columns: dict[str, object] = {name: table.texts(name) for name in PEDESTRIAN}
+    for name in BOX:
+        is_size = name in ("w", "h")
+        values = table.numbers(name, low=0 if is_size else -LARGEST, high=LARGEST)
+        if is_size and (values == 0).any():
+            row = int((values == 0).argmax())
+            raise table.fault(row, f"{name}: expected more than 0, found {table.fields[name][row]}")
+        columns[name] = values
+    return pd.DataFrame(columns)
