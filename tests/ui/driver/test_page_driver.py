@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+import small_estimator
 
 from nvcore.schema import DriverRegion
 from pages import FRAMES, alone, begin_with, checked, texts, write
@@ -57,3 +58,46 @@ def test_without_detectability_the_page_says_how_to_get_it():
     assert "is not known here" in texts(page)
     assert "nvcore driver estimate" in page.code[0].value
     assert not page.dataframe
+
+
+@pytest.fixture
+def visible(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Two pedestrians in pictures of visible light, of whom nobody has said who sees them."""
+    begin_with(small_estimator.write_session(tmp_path), monkeypatch)
+    return tmp_path
+
+
+def sent(folder: Path, late: float = 1.0):
+    """The page, to which an estimator was sent."""
+    page = checked(alone("driver").run())
+    content = small_estimator.write_model(folder / "small.npz", late).read_bytes()
+    page.file_uploader(key="estimator_file").set_value([("small.npz", content, "")])
+    return checked(page.run())
+
+
+def estimated(page):
+    page = checked(page.button(key="driver_estimate").click().run())
+    page.session_state["workspace"].job("driver_run").join()
+    return checked(page.run())
+
+
+def test_an_estimator_that_was_sent_is_run_and_says_whom_the_driver_sees(visible):
+    page = estimated(sent(visible))
+    regions, encounters = (table.value for table in page.dataframe)
+    counts = dict(zip(regions["who"], regions["encounters"], strict=True))
+    assert {who: n for who, n in counts.items() if n} == {"driver, X and Y": 1, "X alone": 1}
+    assert encounters["detectability"].tolist() == pytest.approx([0.1, 0.8], abs=0.01)
+    assert "Light by the light meter: 1 change from bright to dark" in texts(page)
+    # and anew, by one that says that nobody is ever seen
+    content = small_estimator.write_model(visible / "dim.npz", 0.2).read_bytes()
+    page.file_uploader(key="estimator_file").set_value([("dim.npz", content, "")])
+    page = estimated(checked(page.run()))
+    assert page.dataframe[1].value["detectability"].max() < 0.2
+
+
+def test_a_file_that_is_no_estimator_is_refused(visible):
+    page = checked(alone("driver").run())
+    page.file_uploader(key="estimator_file").set_value([("other.npz", b"PK no estimator", "")])
+    page = checked(page.run())
+    assert "other.npz: is not an estimator of nvcore" in texts(page)
+    assert page.button(key="driver_estimate").disabled
