@@ -27,8 +27,8 @@ class AdaptationClock:
         When it became dark, seconds from frame 0, float64, ascending.
     source
         What told how bright it was.
-    is_simulated
-        Whether a change is among them that never was.
+    simulated_s
+        Which of the changes never was; None: all were.
     """
 
     time_s: NDArray[np.float64]
@@ -36,7 +36,7 @@ class AdaptationClock:
     period_s: NDArray[np.float64]
     change_s: NDArray[np.float64]
     source: LightSource
-    is_simulated: bool = False
+    simulated_s: float | None = None
 
 
 def adaptation_clock(
@@ -61,23 +61,27 @@ def adaptation_clock(
     return AdaptationClock(begin_s, light.at(begin_s), period_s, changes.start_s, light.source)
 
 
-def with_change(
-    clock: AdaptationClock, end_s: NDArray[np.float64], change_s: float
-) -> AdaptationClock:
+def unknown_clock(frame: NDArray[np.int64], fps: float) -> AdaptationClock:
+    """The clock where nothing is known of the light."""
+    nothing = np.full(len(frame), np.nan)
+    return AdaptationClock(frame / fps, nothing, nothing, np.empty(0), LightSource.PICTURE)
+
+
+def with_change(clock: AdaptationClock, fps: float, change_s: float) -> AdaptationClock:
     """The clock as it would be, had it become dark at `change_s`, too.
 
     The light stays what it was: nobody knows how bright it would have been.
 
     Parameters
     ----------
-    end_s
-        When each frame ends, seconds from frame 0, float64, shape (n,).
+    fps
+        Frames per second.
     change_s
         Seconds from frame 0.
     """
-    period_s, _ = period_after(clock.period_s, end_s, change_s)
+    period_s, _ = period_after(clock.period_s, clock.time_s + 1 / fps, change_s)
     times = np.sort(np.append(clock.change_s, change_s))
-    return replace(clock, period_s=period_s, change_s=times, is_simulated=True)
+    return replace(clock, period_s=period_s, change_s=times, simulated_s=change_s)
 
 
 def period_after(

@@ -16,6 +16,7 @@ from nvcore.params.metadata import COST
 from nvcore.pictures.recordings import STRETCH
 from ui.session import state
 from ui.session.look import VisiblePictures
+from ui.session.results.driver import clock_of
 
 MOST_THUMBNAILS: Final = 64
 HEIGHTS: Final = 2.2
@@ -115,4 +116,9 @@ def visible_of(recording: int) -> VisiblePictures | None:
     pictures = state.workspace().visible
     if recording not in pictures.sources:
         return None
-    return VisiblePictures(pictures.area_of(recording), pictures.indices[recording] >= 0)
+    clock = clock_of(recording)
+    return VisiblePictures(
+        pictures.area_of(recording),
+        pictures.indices[recording] >= 0,
+        None if clock is None else clock.period_s,
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -43,7 +44,7 @@ def test_regions_and_encounters_say_who_sees_whom(page):
     counts = dict(zip(regions["who"], regions["encounters"], strict=True))
     assert {who: n for who, n in counts.items() if n} == {"driver, X and Y": 1, "Y alone": 1}
     assert encounters["detectability"].tolist() == [0.2, 0.8]
-    assert "Pedestrian 100 of night" in [item.value for item in page.subheader]
+    assert "Pedestrian 100 of night" in [item.value for item in page.header]
 
 
 def test_a_region_is_chosen_and_its_encounters_are_listed(page):
@@ -100,4 +101,30 @@ def test_a_file_that_is_no_estimator_is_refused(visible):
     page.file_uploader(key="estimator_file").set_value([("other.npz", b"PK no estimator", "")])
     page = checked(page.run())
     assert "other.npz: is not an estimator of nvcore" in texts(page)
-    assert page.button(key="driver_estimate").disabled
+
+
+def panel(page) -> str:
+    tables = [item.proto.body for item in page.get("html") if "nv-numbers" in item.proto.body]
+    return re.sub("<[^>]*>", " ", " ".join(tables))
+
+
+def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(visible):
+    page = estimated(sent(visible))
+    page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
+    assert "Pedestrian 1 of drive" in [item.value for item in page.header]
+    assert re.search(r"Drivers who see him\s+0\.80 ± 0\.10", panel(page))
+    assert re.search(r"Luminance contrast\s+80\.0 grey levels", panel(page))
+    assert "eyes adapted" in panel(page)
+    page = checked(page.toggle(key="driver_tunnel").set_value(True).run())
+    # at once it is dark: the estimator of 0.5 s until 2.5 s later
+    assert re.search(r"the same, simulated\s+0\.16 ± 0\.10", panel(page))
+    assert "dark from 0.00 s on" in texts(page)
+    assert "25 frames (2.50 s) later; as it was, at once" in texts(page)
+    assert "he would **not** have seen him; as it was, he had" in texts(page)
+    page = checked(page.slider(key="driver_tunnel_s").set_value(1.0).run())
+    assert "dark from 1.00 s on" in texts(page)
+
+
+def test_where_only_estimates_are_known_the_page_says_what_a_simulation_needs(page):
+    assert page.toggle(key="driver_tunnel").disabled
+    assert "features and an estimator are needed" in texts(page)
