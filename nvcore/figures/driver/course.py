@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Final
 
 import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
+from numpy.typing import NDArray
 
 from nvcore.driver.clock import AdaptationClock
 from nvcore.driver.illumination import LightSource
@@ -18,6 +20,8 @@ from nvcore.wording import count_text
 
 HEIGHT_PX: Final = 300
 WITH_LIGHT_PX: Final = 540
+LEAST_TOP_S: Final = 5.0
+"""The axis of the adaptation reaches so far at least, seconds."""
 ROOM_S: Final = 0.5
 """Before and after the pedestrian."""
 SOURCES: Final = {
@@ -183,15 +187,25 @@ def _lower_axes(clock: AdaptationClock, theme: Theme) -> dict[str, Any]:
             dtick=1,
             exponentformat="none",
             fixedrange=True,
+            range=_decades(clock.level),
         ),
         "yaxis3": axis(
             theme,
             "adapting (s)",
             domain=[0, 0.17],
-            rangemode="tozero",
             fixedrange=True,
+            range=[0, max(LEAST_TOP_S, float(np.nanmax(clock.period_s, initial=0.0)))],
         ),
     }
+
+
+def _decades(level: NDArray[np.float64]) -> list[int]:
+    """Ends of a logarithmic axis: whole powers of ten around all readings."""
+    bright = level[level > 0]
+    if not len(bright):
+        return [-1, 0]
+    low, high = math.floor(np.log10(bright.min())), math.ceil(np.log10(bright.max()))
+    return [low, max(high, low + 1)]
 
 
 def _mark_changes(
