@@ -53,7 +53,7 @@ KIND: Final = ModelKind("estimator", (".npz",), MAX_BYTES, _check)
 def draw() -> EstimatorSpec | None:
     """The choice; None: there is none yet, or what was chosen cannot be used, and why is said."""
     left, right = st.columns([3, 2], gap="large")
-    with right, st.expander("An estimator of your own", expanded=not _options()):
+    with right, st.expander("An estimator of your own"):
         _draw_field()
     options = _options()  # once more: the field may have taken one
     with left:
