@@ -15,7 +15,7 @@ from ui.session import state
 from ui.widgets.text import UNDEFINED, docs_link, number
 
 OUTSIDE: Final = (
-    "Its features are outside of what the estimator was trained on: take the estimate with care."
+    "The features are outside of what the estimator was trained on: take the estimate with care."
 )
 FORMS: Final = {"px": ".1f", "grey levels": ".1f", "ΔE": ".1f", "bins": ".2f"}
 
@@ -47,12 +47,14 @@ def draw(
     at = int(here[0])
     estimate = course.iloc[at]
     rows = [("Drivers who see him", _share(estimate))]
-    if simulated is not None:
-        rows.append(("the same, simulated", _share(simulated.iloc[at])))
-    rows.append(("Since the change of light", _since(clock)))
+    would = None if simulated is None else simulated.iloc[at]
+    if would is not None:
+        rows.append(("the same, simulated", _share(would)))
+    is_simulated = would is not None and bool(would["is_simulated"])
+    rows.append(("Since the change of light", _since(clock, is_simulated=is_simulated)))
     st.html(_table(rows))
-    if estimate["is_outside"]:
-        st.warning(OUTSIDE, icon=":material/warning:")
+    if estimate["is_outside"] or (would is not None and would["is_outside"]):
+        st.warning(state.words(OUTSIDE), icon=":material/warning:")
     st.markdown(f"**{docs_link('Features', 'features', doc='driver')}**")
     if features is None:
         st.caption(
@@ -75,11 +77,13 @@ def _share(estimate: pd.Series) -> str:
     return f"{share:.2f}" + (f" ± {sd:.2f}" if np.isfinite(sd) else "")
 
 
-def _since(clock: AdaptationClock | None) -> str:
+def _since(clock: AdaptationClock | None, *, is_simulated: bool) -> str:
     if clock is None:
         return UNDEFINED
     seconds = clock.period_s[state.row()]
-    return f"{seconds:.2f} s" if np.isfinite(seconds) else "eyes adapted"
+    if not np.isfinite(seconds):
+        return "eyes adapted"
+    return f"{seconds:.2f} s{', simulated' if is_simulated else ''}"
 
 
 def _with_unit(value: float, unit: str) -> str:

@@ -53,10 +53,10 @@ def draw(result: Result) -> DriverRegion | None:
             key=REGION,
             persist_state="session",
         )
-    told = USEFUL if chosen is None else (chosen,)
-    meanings = table.set_index("region")["meaning"]
-    lines = [f"**{_sentence(REGION_NAMES[region])}**: {meanings[region]}" for region in told]
-    st.caption(state.words("  \n".join(lines)))
+        told = USEFUL if chosen is None else (chosen,)
+        meanings = table.set_index("region")["meaning"]
+        lines = [f"**{_sentence(REGION_NAMES[region])}**: {meanings[region]}" for region in told]
+        st.caption(state.words("  \n".join(lines)))
     return chosen
 
 

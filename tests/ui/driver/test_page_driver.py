@@ -8,8 +8,11 @@ from pathlib import Path
 import pytest
 import small_estimator
 
+from nvcore.driver.writing import WrittenEstimates
+from nvcore.inputs.session import Session, Source
 from nvcore.schema import DriverRegion
 from pages import FRAMES, alone, begin_with, checked, texts, write
+from ui.driver.run import with_estimates
 
 
 def rows(x: int, detectability: float) -> str:
@@ -94,6 +97,29 @@ def test_an_estimator_that_was_sent_is_run_and_says_whom_the_driver_sees(visible
     page.file_uploader(key="estimator_file").set_value([("dim.npz", content, "")])
     page = estimated(checked(page.run()))
     assert page.dataframe[1].value["detectability"].max() < 0.2
+
+
+def test_a_run_that_is_cancelled_leaves_all_as_it_was(visible):
+    page = sent(visible)
+    page = checked(page.button(key="driver_estimate").click().run())
+    space = page.session_state["workspace"]
+    job = space.job("driver_run")
+    job.discard()  # cancelled, also if it was quick
+    job.join()
+    assert not [*space.folder.glob("driver-*/annotations")]
+    assert space.opened.session.driver.detectability is None
+
+
+def test_files_of_an_upload_are_named_from_its_folder(tmp_path: Path):
+    folder = tmp_path / "driver-1"
+    names = ("session.toml", "detectability.csv", "features.csv", "driver.json")
+    written = WrittenEstimates(*(folder / name for name in names), run=None)
+    session = Session(folder=tmp_path, truth=Source("truth.csv"), systems=())
+    named = [
+        with_estimates(session, written, is_upload=is_upload).driver for is_upload in (True, False)
+    ]
+    assert named[0].detectability == "driver-1/detectability.csv"
+    assert named[1].provenance == str(folder / "driver.json")
 
 
 def test_a_file_that_is_no_estimator_is_refused(visible):
