@@ -4,7 +4,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.report.verdict.driver import describe_driver
-from ui.driver import course, listed, missing, regions
+from ui.driver import course, listed, missing, regions, run
 from ui.session import state
 from ui.shell.messages import draw_as_set_note, draw_warnings, needs_comparison
 from ui.widgets.text import docs_link, plain
@@ -20,8 +20,11 @@ def draw(result: Result) -> None:
             "who would see him: 0 nobody, 1 everybody."
         )
     )
+    run.draw_notes()
     if not result.driver.has_any:
         missing.draw()
+        run.draw()
+        missing.draw_commands()
         return
     draw_warnings(result)
     draw_as_set_note(result)
@@ -30,6 +33,7 @@ def draw(result: Result) -> None:
     encounter = listed.draw(result, region)
     if encounter is not None:
         course.draw(result, encounter)
+    run.draw()
 
 
 st.title("Driver")

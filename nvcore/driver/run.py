@@ -10,16 +10,10 @@ import numpy as np
 import pandas as pd
 
 from nvcore.dataset import Dataset
+from nvcore.driver.clock import AdaptationClock, adaptation_clock
 from nvcore.driver.features import FEATURE_KEYS, features_of
 from nvcore.driver.features.view import luminance_of
-from nvcore.driver.illumination import (
-    NO_CHANGES,
-    Changes,
-    Light,
-    LightSource,
-    changes_of,
-    picture_level,
-)
+from nvcore.driver.illumination import Light, LightSource, picture_level
 from nvcore.driver.recording import DriverRecording, open_recordings
 from nvcore.driver.settings import DriverSettings
 from nvcore.inputs.session import Session
@@ -55,6 +49,10 @@ class RecordingFeatures:
         What was taken for what, in sentences.
     may_be_of_heat
         Whether its pictures are grey and nobody says that they are of visible light.
+    clock
+        Light and adaptation in each of its frames; None: nothing is known of the light.
+    name_in_data
+        As the data call it; the table does, too.
     """
 
     name: str
@@ -62,6 +60,8 @@ class RecordingFeatures:
     n_unseen: int
     notes: tuple[str, ...]
     may_be_of_heat: bool = False
+    clock: AdaptationClock | None = None
+    name_in_data: str = ""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -195,16 +195,25 @@ class _Pass:
                 tell(1)
             clock.n_pictures -= len(faults)
         light = self._light()
-        changes = NO_CHANGES if light is None else changes_of(light, self.settings.light)
+        adaptation = (
+            None
+            if light is None
+            else adaptation_clock(light, self.frame, self.fps, self.settings.light)
+        )
         n_unseen = int(np.count_nonzero(~self.is_seen[self.frame_of_box]))
         notes = [
             *self._picture_notes(faults, n_unseen),
             self._fixation_note(),
-            self._light_note(light, len(changes)),
+            self._light_note(light, 0 if adaptation is None else len(adaptation.change_s)),
         ]
-        table = self._table(light, changes)
         return RecordingFeatures(
-            recording.name, table, n_unseen, tuple(notes), recording.may_be_of_heat
+            recording.name,
+            self._table(adaptation),
+            n_unseen,
+            tuple(notes),
+            recording.may_be_of_heat,
+            adaptation,
+            recording.name_in_data,
         )
 
     def _look(self, row: int, picture: Picture) -> int:
@@ -235,13 +244,11 @@ class _Pass:
         times, level = self.frame[is_known] / self.fps, self.level[is_known]
         return Light(times, level, LightSource.PICTURE)
 
-    def _table(self, light: Light | None, changes: Changes) -> pd.DataFrame:
+    def _table(self, clock: AdaptationClock | None) -> pd.DataFrame:
         frame = self.frame[self.frame_of_box]
-        begin_s, end_s = frame / self.fps, (frame + 1) / self.fps
         period_s = level = np.full(len(frame), np.nan)
-        if light is not None:
-            level = light.at(begin_s)
-            period_s = np.where(begin_s <= light.end_s, changes.period_s(end_s), np.nan)
+        if clock is not None:
+            level, period_s = clock.level[self.frame_of_box], clock.period_s[self.frame_of_box]
         values: dict[str, object] = {
             "recording": pd.Categorical([self.recording.name_in_data] * len(frame)),
             "frame": frame,
@@ -250,7 +257,7 @@ class _Pass:
             **dict(zip(FEATURE_KEYS, self.features.T, strict=True)),
             "period_s": period_s,
             "illumination": level,
-            "illumination_by": "" if light is None else light.source.value,
+            "illumination_by": "" if clock is None else clock.source.value,
         }
         return pd.DataFrame(values, index=pd.RangeIndex(len(frame)))
 

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from nvcore.driver.clock import period_after
 from nvcore.driver.estimators import Estimator
 from nvcore.driver.features import FEATURE_KEYS
 from nvcore.errors import ParameterError
@@ -48,10 +49,8 @@ def simulate_change(
     """
     if not np.isfinite(change_s):
         raise ParameterError(f"change: expected seconds from frame 0, found {change_s:g}")
-    since_s = np.asarray(end_s, np.float64) - change_s
-    period_s = features["period_s"].to_numpy(np.float64)
-    is_simulated = (since_s >= 0) & ~(period_s < since_s)
-    period_s = np.where(is_simulated, since_s, period_s)
+    known_s = features["period_s"].to_numpy(np.float64)
+    period_s, is_simulated = period_after(known_s, end_s, change_s)
     estimates = estimator.estimate(
         features[list(FEATURE_KEYS)].to_numpy(np.float64), period_s, interpolate=interpolate
     )

@@ -27,7 +27,7 @@ from nvcore.overlay.brush import (
 )
 from nvcore.overlay.draw import DrawnDetections, DrawnTruth, TruthMark, draw_boxes
 from nvcore.palette import Shade
-from nvcore.pictures.base import Picture, Pictures
+from nvcore.pictures.base import Picture, PictureReader
 from nvcore.pictures.stretch import png, stretch
 from nvcore.schema import NO_TRACK, TruthState
 from nvcore.tables.boxes.states import DetectedBoxes, TruthBoxes, gather_boxes
@@ -40,7 +40,7 @@ _LONGEST_NAME: Final = 40
 
 def annotate(
     result: Result,
-    pictures: Pictures | None,
+    pictures: PictureReader | None,
     index: int,
     row: int,
     *,
@@ -102,7 +102,7 @@ def inks_of(result: Result, shade: Shade) -> Inks:
 
 
 def frame_picture(
-    pictures: Pictures | None, index: int, lo: float, hi: float
+    pictures: PictureReader | None, index: int, lo: float, hi: float
 ) -> tuple[Picture | None, str]:
     """The picture of an index in 8 bit, or None and why there is none."""
     if pictures is None or index < 0:

@@ -19,7 +19,21 @@ _CACHED_PICTURES: Final = 16
 _CACHED_BYTES: Final = 1 << 26
 
 
-class Pictures(Protocol):
+class PictureReader(Protocol):
+    """Pictures by their index, and no more."""
+
+    def read(self, index: int) -> Picture:
+        """The picture `index` (0-based).
+
+        Raises
+        ------
+        MediaError
+            If there is no such picture, or it cannot be decoded.
+        """
+        ...
+
+
+class Pictures(PictureReader, Protocol):
     """Pictures of one recording; any thread may read.
 
     Attributes
@@ -49,16 +63,6 @@ class Pictures(Protocol):
     numbers: NDArray[np.int64] | None
     fps: float | None
     note: str
-
-    def read(self, index: int) -> Picture:
-        """The picture `index` (0-based).
-
-        Raises
-        ------
-        MediaError
-            If there is no such picture, or it cannot be decoded.
-        """
-        ...
 
     def file_names(self, indices: Sequence[int]) -> list[str] | None:
         """File name of each of these pictures, without folders; None: they are of one video."""

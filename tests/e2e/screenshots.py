@@ -1,6 +1,6 @@
 """Makes the pictures of the documentation.
 
-    PYTHONPATH=tests/e2e/helpers .venv/bin/python tests/e2e/screenshots.py
+    PYTHONPATH=tests/e2e/helpers .venv/bin/python tests/e2e/screenshots.py [NAME ...]
 
 Every page of the sample at 1280 x 800, Overview and Timeline in the dark theme as well, into
 ``docs/images/``, with 256 colours so that the files stay small.
@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import io
 import re
+import sys
 from pathlib import Path
 
 from app_server import ROOT, open_chromium, serve
@@ -31,13 +32,15 @@ PAGES = {
     "detection": "detection",
     "detectors": "detectors?recording=urban_crossing&frame=120",
     "stability": "stability",
+    "driver": "driver",
     "ratings": "ratings",
+    "study": "study",
     "export": f"export?{MOMENT}",
     "metrics": "metrics",
 }
 DARK = ("overview", "timeline")
 # below the top of the page: what is then the first to be seen
-FIRST_SEEN = {"detectors": "Try it on a frame"}
+FIRST_SEEN = {"detectors": "Try it on a frame", "driver": "Pedestrian 3 of urban_sidewalk"}
 IS_WHOLE = """() => document.fonts.status === "loaded"
   && [...document.images].every(image => image.complete && image.naturalWidth)"""
 TWO_PAINTS = """() => new Promise(
@@ -45,14 +48,17 @@ TWO_PAINTS = """() => new Promise(
 
 
 def main() -> None:
-    """Write all pictures."""
+    """Write all pictures, or those that are named."""
+    chosen = sys.argv[1:]
     FOLDER.mkdir(parents=True, exist_ok=True)
     with serve(ROOT / "app.py") as address, open_chromium() as chromium:
         for theme, names in (("light", tuple(PAGES)), ("dark", DARK)):
-            for name in names:
+            for name in names if not chosen else [name for name in names if name in chosen]:
                 suffix = "" if theme == "light" else f"-{theme}"
                 one = Visit(chromium, address, theme=theme)
                 one.go(PAGES[name])
+                if name in BEFORE:
+                    BEFORE[name](one)
                 one.page.wait_for_function(IS_WHOLE)
                 if one.viewer.count():
                     expect(one.viewer).to_have_attribute("data-shown-row", re.compile("[0-9]"))
@@ -62,6 +68,17 @@ def main() -> None:
                 one.page.evaluate(TWO_PAINTS)
                 save(one.page.screenshot(), FOLDER / f"{name}{suffix}.png")
                 one.close()
+
+
+def estimate(one: Visit) -> None:
+    """Let the sample's estimator say whom the driver sees."""
+    one.page.get_by_role("button", name="Estimate", exact=True).click()
+    expect(one.page.get_by_text(re.compile("^By the estimates"))).to_be_visible()
+    one.wait_until_drawn()
+
+
+# what is done on a page before
+BEFORE = {"driver": estimate}
 
 
 def save(png: bytes, path: Path) -> None:

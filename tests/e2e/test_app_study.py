@@ -11,17 +11,20 @@ import pytest
 import study_pictures
 from app_server import ROOT, serve
 from app_visit import Visit
-from playwright.sync_api import BrowserContext, Locator, expect
+from playwright.sync_api import BrowserContext, expect
+from study_visit import (
+    answer_both,
+    begins,
+    choose_folder,
+    join,
+    phase,
+    pixel_on_screen,
+    practise,
+    shorten,
+    start,
+)
 
 N_PICTURES = 6  # so that every participant has three runs of two pictures
-SHORT = {
-    "Bright screen, s": "0.1",
-    "Coarse picture, s": "0.1",
-    "Cross before dark, s": "0.1",
-    "Picture, s": "0.2",
-    "Answer (0: no limit), s": "0",
-    "Cross before the second picture, s": "0.1",
-}
 TIMES = (0, 0.1, 0.2, 0.3, 0.4, 0.5)
 
 
@@ -42,21 +45,10 @@ def links(person: BrowserContext, app: str) -> tuple[str, str]:
     """Pages of the participants and of the conductor of a study that takes seconds."""
     one = Visit(person, app)
     one.go("study")
-    choose_folder(one)
-    one.page.get_by_text("Times", exact=True).click()
-    for label, value in {
-        **SHORT, "Seconds from dark to each picture": ", ".join(map(str, TIMES)),
-    }.items():  # fmt: skip
-        field = one.page.get_by_label(label, exact=True)
-        field.fill(value)
-        field.press("Enter")
-        one.wait_until_drawn()
+    choose_folder(one, "dusk")
+    shorten(one, TIMES)
     expect(one.page.get_by_text("6 pictures in 3 runs")).to_be_visible()
-    one.keyed("study_start").get_by_role("button").click()
-    expect(one.heading("The study")).to_be_visible()
-    codes = one.page.get_by_test_id("stCode").locator("code")
-    expect(codes).to_have_count(2)
-    study, conduct = (code.inner_text().strip().rpartition("/")[2] for code in codes.all())
+    study, conduct = start(one)
     assert study.startswith("study?study=")
     assert conduct.startswith("study?conduct=")
     assert one.complaints == []
@@ -64,53 +56,9 @@ def links(person: BrowserContext, app: str) -> tuple[str, str]:
     return study, conduct
 
 
-def choose_folder(one: Visit) -> None:
-    """The test's own pictures, also where the sample has some."""
-    field = one.page.get_by_role("combobox", name="Pictures")
-    field.fill("dusk")
-    field.press("Enter")
-    one.wait_until_drawn()
-
-
-def join(one: Visit) -> str:
-    """Agree and take part; the participant's code."""
-    one.page.get_by_role("spinbutton", name="Age in years").fill("31")
-    one.page.get_by_text("I have read this and agree").click()
-    one.page.get_by_role("button", name="Take part", exact=True).click()
-    expect(one.heading("Practice")).to_be_visible()
-    return re.search("participant=(.+)", one.page.url)[1]
-
-
-def begins(one: Visit, name: str) -> None:
-    """Begin the run of that name when its pictures are there, wherever its button is."""
-    expect(phase(one, "ready")).to_have_count(1)
-    one.page.get_by_role("button", name=name, exact=True).last.click()
-
-
-def practise(one: Visit) -> None:
-    begins(one, "Begin the practice")
-    answer_both(one)
-
-
-def answer_both(one: Visit) -> None:
-    """Answer that nobody was seen, by keyboard."""
-    for _ in range(2):
-        expect(phase(one, "answer")).to_have_count(1)
-        one.page.keyboard.press("n")
-        expect(phase(one, "answer")).to_have_count(0)
-
-
-def phase(one: Visit, name: str) -> Locator:
-    return one.page.locator(f'.nv-study[data-phase="{name}"]')
-
-
 def place_on_screen(one: Visit, x: float, y: float) -> tuple[float, float]:
     """Where a pixel of a picture is in the window."""
-    box = one.page.locator(".nv-study canvas").bounding_box()
-    scale = min(box["width"] / study_pictures.WIDTH, box["height"] / study_pictures.HEIGHT)
-    left = box["x"] + (box["width"] - scale * study_pictures.WIDTH) / 2
-    top = box["y"] + (box["height"] - scale * study_pictures.HEIGHT) / 2
-    return left + scale * x, top + scale * y
+    return pixel_on_screen(one, x, y, (study_pictures.WIDTH, study_pictures.HEIGHT))
 
 
 def kept(place: int, kind: str) -> re.Pattern[str]:
@@ -216,7 +164,7 @@ def check_trials(rows: list[dict[str, str]], code: str) -> None:
 def test_the_pages_have_no_accessibility_fault(visit, links, theme):
     study, conduct = links
     one = visit("study", theme=theme)
-    choose_folder(one)
+    choose_folder(one, "dusk")
     assert one.accessibility_faults() == []
     one.go(study)
     assert one.accessibility_faults() == []

@@ -69,7 +69,7 @@ def test_after_a_simulated_change_of_light_the_time_runs_with_the_frames(page):
     choose_two_pictures(page)
     press(page, "d")
     told(page, "picture='visible', blend=0.5, seen_s=0.5")
-    button = page.get_by_role("button", name="A tunnel begins here")
+    button = page.get_by_role("button", name="A tunnel ends here")
     button.click()
     page.get_by_text("simulated: 0.0 s after the change", exact=True).wait_for()
     press(page, "Shift+ArrowRight")
@@ -93,3 +93,20 @@ def test_as_the_driver_sees_it_is_visible_light_from_another_address(page):
     page.get_by_role("button", name="As the driver sees it").click()
     told(page, "picture='visible', blend=0.5, seen_s=None")
     assert colour(page, 0.4) == "red"
+
+
+def test_the_recordings_own_light_is_followed_unless_a_time_is_set_by_hand(page):
+    choose(page, "light known")
+    assert painted(page, 5) == 5
+    press(page, "d")
+    told(page, "picture='visible', blend=0.5, seen_s='clock'")
+    page.get_by_text("eyes adapted", exact=True).wait_for()
+    assert colour(page, 0.4) == "red"
+    press(page, "Shift+ArrowRight")
+    assert painted(page, 25) == 25
+    page.get_by_text("0.8 s after the change", exact=True).wait_for()
+    assert colour(page, 0.4) == "blue"
+    sync_api.expect(page.get_by_role("slider", name="Seconds since")).not_to_be_visible()
+    page.get_by_role("button", name="By hand").click()
+    sync_api.expect(page.get_by_role("slider", name="Seconds since")).to_be_visible()
+    told(page, "picture='visible', blend=0.5, seen_s=0.5")

@@ -6,6 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from nvcore.driver.clock import adaptation_clock, with_change
+from nvcore.driver.illumination import Light, LightSource
 from nvcore.figures import detectability_course_plot, driver_venn_plot
 from nvcore.metrics.driver import DriverVenn
 from nvcore.schema import DriverRegion
@@ -59,3 +61,27 @@ def test_a_course_of_which_nothing_is_known_says_so():
     unknown = COURSE.assign(detectability=np.nan)
     figure = detectability_course_plot(unknown, threshold=0.5, theme="light")
     assert "not known how detectable" in figure.layout.annotations[0].text.replace("<br>", " ")
+
+
+@pytest.mark.parametrize("source", LightSource)
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_light_and_clock_stand_below_the_course_with_changes_marked(theme, source):
+    times = np.arange(-50, 20) / 10
+    light = Light(times, np.where(times < 0.4, 0.9, 0.002), source)
+    clock = with_change(adaptation_clock(light, np.arange(20), 10), 10, 0.6)
+    simulated = pd.DataFrame(
+        {"detectability": [0.1, 0.3, 0.4], "is_simulated": [False, False, True]}
+    )
+    figure = detectability_course_plot(
+        COURSE, threshold=0.5, theme=theme, clock=clock, simulated=simulated
+    )
+    would = next(trace for trace in figure.data if trace.name == "simulated")
+    assert (list(would.customdata), list(would.y)) == ([12], [0.4])
+    assert {trace.yaxis for trace in figure.data} == {None, "y2", "y3"}
+    dotted = [shape.x0 for shape in figure.layout.shapes if shape.line.dash == "dot"]
+    assert 0.6 in dotted
+    assert any("simulated" in str(text.text) for text in figure.layout.annotations)
+    is_meter = source is LightSource.METER
+    assert ("by the light meter" in figure.layout.title.text) == is_meter
+    assert ("a stand-in" in figure.layout.title.text) != is_meter
+    assert len(dotted) == len(clock.change_s)

@@ -26,6 +26,7 @@ from nvcore.schema import DriverRegion
 from nvcore.tables.encounters.driver import (
     detectability_course,
     driver_venn_table,
+    features_of_course,
     saved_encounters,
 )
 from nvcore.tables.result import encounters_table, recordings_table
@@ -172,6 +173,29 @@ def test_the_course_of_an_encounter_is_given_from_frame_to_frame():
     course = detectability_course(result_of(make_dataset(truth), proximity="height"), 0)
     assert course["detectability"].tolist() == pytest.approx([0.1, NAN, 0.3, 0.8], nan_ok=True)
     assert course["is_up_to_relevant"].tolist() == [True, True, True, False]
+
+
+def test_features_are_those_of_the_frames_of_the_course():
+    truth = [
+        box
+        for f in range(3)
+        for box in (
+            at(f, 20, track=1, ignore=True),
+            at(f, 50, track=2, detectability=0.3),
+            at(f, 80, track=3, detectability=0.4),
+        )
+    ]
+    result = result_of(make_dataset(truth))
+    course = detectability_course(result, result.encounters.track.tolist().index(2))
+    boxes = result.dataset.boxes.iloc[: len(truth)]
+    kept = boxes[~boxes["ignore"]].reset_index(drop=True)
+    features = kept[["x", "y", "w", "h"]].assign(frame=kept["frame_index"], width_px=np.arange(6.0))
+    own = features_of_course(result, course, features)
+    assert own["width_px"].tolist() == (
+        [0.0, 2.0, 4.0] if course["truth_row"][0] == 1 else [1, 3, 5]
+    )
+    assert features_of_course(result, course, features.iloc[1:]) is None
+    assert features_of_course(result, course, features.assign(x=-5.0)) is None
 
 
 def test_a_rule_of_the_gate_is_judged_and_undefined_where_nothing_is_known():

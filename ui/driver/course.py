@@ -1,30 +1,135 @@
-"""Driver page: how detectable the chosen pedestrian is from frame to frame."""
+"""Driver page: the chosen pedestrian in the picture and over time, with the light meanwhile."""
 
 from __future__ import annotations
 
+from typing import Final
+
+import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.driver.clock import AdaptationClock, unknown_clock, with_change
 from nvcore.figures.driver.course import detectability_course_plot
-from nvcore.tables.encounters.driver import detectability_course
+from nvcore.tables.encounters.driver import detectability_course, features_of_course
+from ui.driver import panel, tunnel
 from ui.session import state
-from ui.session.chosen import choose_encounter, name_of
-from ui.shell.navigate import open_row
+from ui.session.chosen import chosen_encounter, name_of
+from ui.session.drawing import visible_of
+from ui.session.look import Look, VisiblePictures, look
+from ui.session.results.driver import clock_of, features_of
+from ui.widgets import compared_viewer
 from ui.widgets.charts import clicked_chart
-from ui.widgets.text import plain
+from ui.widgets.text import docs_link, plain
+
+KEY: Final = "driver_viewer"
+HEIGHT_PX: Final = 520
+PANEL_PX: Final = 620
+SHOWN: Final = "driver_shown"
+"""Whom the page showed last, and who was chosen then."""
 
 
 def draw(result: Result, encounter: int) -> None:
-    """Detectability over time; a click opens the frame in the Timeline."""
-    recording, _, track = name_of(result, encounter).rpartition(":")
-    st.subheader(f"{state.words('Pedestrian')} {track} of {plain(recording)}")
+    """The pedestrian, beginning at the frame by which the driver has to see him."""
+    course = detectability_course(result, encounter)
+    name = state.workspace().n_opened, name_of(result, encounter)
+    is_new = st.session_state.get(SHOWN, (None,))[0] != name
+    st.session_state[SHOWN] = name, chosen_encounter(result)
+    recording = int(result.encounters.recording[encounter])
+    if is_new:
+        tunnel.forget()
+    is_there = state.recording() == recording and not (
+        is_new and state.row_in_all() not in course["row"].to_numpy()
+    )
+    if not is_there:
+        state.go_to(*state.place_of(_first_shown(course)))
+    recording_name, _, track = name[1].rpartition(":")
+    st.header(f"{state.words('Pedestrian')} {track} of {plain(recording_name)}")
+    _draw_moving(result, encounter, course)
+
+
+def _first_shown(course: pd.DataFrame) -> int:
+    """Row of the first relevant frame; of a distant one, of the first."""
+    before = course["row"][course["is_up_to_relevant"]]
+    return int(before.iloc[-1] if len(before) else course["row"].iloc[0])
+
+
+@st.fragment
+def _draw_moving(result: Result, encounter: int, course: pd.DataFrame) -> None:
+    """What shows the current frame; a click in one part moves all."""
+    if chosen_encounter(result) != st.session_state[SHOWN][1]:  # another was chosen in the picture
+        st.rerun()
+    settled = compared_viewer.settled(KEY)
+    if settled != state.row():
+        state.settle(state.recording(), settled)
+    recording = state.recording()
+    known = features_of(recording)
+    features = None if known is None else features_of_course(result, course, known)
+    left, right = st.columns([5, 2], gap="medium")
+    below = st.container()
+    with below:
+        change = tunnel.draw(result, course, features)
+    clock = _clock(result, recording, change)
+    with left:
+        compared_viewer.draw(
+            result,
+            KEY,
+            height_px=HEIGHT_PX,
+            seen=_look(),
+            visible=_visible(recording, clock, is_simulated=change is not None),
+            encounter=encounter,
+        )
+    with right, st.container(height=PANEL_PX, border=False):
+        panel.draw(course, features, clock, None if change is None else change.estimates)
+    with below:
+        _draw_plot(result, encounter, course, clock, change)
+
+
+def _look() -> Look:
+    """Visible light, unless something else than a recording's own pictures was chosen."""
+    chosen = look()
+    return chosen._replace(picture="visible") if chosen.picture == "own" else chosen
+
+
+def _clock(result: Result, recording: int, change: tunnel.Change | None) -> AdaptationClock | None:
+    clock = clock_of(recording)
+    if change is None:
+        return clock
+    frames = result.dataset.frame_columns
+    fps = float(frames.fps[recording])
+    if clock is None:
+        clock = unknown_clock(frames.frame[frames.rows_of(recording)], fps)
+    return with_change(clock, fps, change.time_s)
+
+
+def _visible(
+    recording: int, clock: AdaptationClock | None, *, is_simulated: bool
+) -> VisiblePictures | None:
+    visible = visible_of(recording)
+    if visible is None or clock is None:
+        return visible
+    return visible._replace(seen_s=clock.period_s, is_simulated=is_simulated)
+
+
+def _draw_plot(
+    result: Result,
+    encounter: int,
+    course: pd.DataFrame,
+    clock: AdaptationClock | None,
+    change: tunnel.Change | None,
+) -> None:
     figure = detectability_course_plot(
-        detectability_course(result, encounter),
+        course,
         threshold=result.params.driver_threshold,
         theme=state.theme(),
+        clock=clock,
+        simulated=None if change is None else change.estimates,
     )
-    row = clicked_chart(figure, f"driver_course_{encounter}", clicks="driver_course")
-    st.caption("Click a mark to open its frame in the Timeline.")
+    row = clicked_chart(figure, f"driver_course_{encounter}", clicks="driver_course", time_axis="x")
+    adapting = docs_link("Adapting", "illumination", doc="driver")
+    st.caption(
+        f"Click a mark to see its frame. {adapting}: seconds from the last change from bright to "
+        "dark to the end of the frame; none where the eyes count as adapted."
+    )
     if row is not None:
-        choose_encounter(result, encounter)
-        open_row(int(row))
+        state.go_to(*state.place_of(int(row)))
+        st.rerun(scope="fragment")

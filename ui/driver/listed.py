@@ -19,7 +19,7 @@ from ui.widgets.table_columns import MOST_ROWS, as_shown, column_config, rows_to
 from ui.widgets.text import UNDEFINED
 
 COLUMNS: Final = (
-    *("recording", "track", "driver_region", "detectability", "detectability_sd"),
+    *("recording", "track", "driver_region", "detectability"),
     *("driver_sees", "driver_frame", "driver_in_time", "severity_s_x", "severity_s_y"),
 )
 

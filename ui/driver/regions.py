@@ -16,12 +16,13 @@ from ui.widgets.table_columns import as_shown
 
 REGION: Final = "driver_region"
 """Key of the choice of a region; None: all."""
+USEFUL: Final = (DriverRegion.X, DriverRegion.Y)
+"""Where one of the systems is worth most: their meaning is told unless another is chosen."""
 HEADINGS: Final[dict[str, Any]] = {
     "who": "Seen by",
     "encounters": "Encounters",
     "severity_x": st.column_config.NumberColumn("Severity X (s)", format="%.2f"),
     "severity_y": st.column_config.NumberColumn("Severity Y (s)", format="%.2f"),
-    "meaning": st.column_config.TextColumn("What it means", width="large"),
 }
 
 
@@ -52,4 +53,12 @@ def draw(result: Result) -> DriverRegion | None:
             key=REGION,
             persist_state="session",
         )
+        told = USEFUL if chosen is None else (chosen,)
+        meanings = table.set_index("region")["meaning"]
+        lines = [f"**{_sentence(REGION_NAMES[region])}**: {meanings[region]}" for region in told]
+        st.caption(state.words("  \n".join(lines)))
     return chosen
+
+
+def _sentence(name: str) -> str:
+    return f"{name[0].upper()}{name[1:]}"

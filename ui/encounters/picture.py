@@ -2,28 +2,46 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.pictures import jpeg
 from nvcore.tables.moments import encounter_box
 from ui.session import drawing, state
+from ui.session.look import keep_look, look
+
+VISIBLE: Final = "encounters_visible"
+OF_VISIBLE: Final = ("visible", "blended")
+"""Ways to see the pictures in which the cut-out is of visible light."""
 
 
 def draw(result: Result, encounter: int, row: int) -> None:
-    """The part of a frame around the pedestrian; without pictures, the boxes on a blank."""
-    key = (state.workspace().version, drawing.stretch(), row, encounter)
+    """The part of a frame around the pedestrian; without pictures, the boxes on a blank.
+
+    Of the recording's own pictures or those of visible light, as chosen here or in a viewer.
+    """
+    is_visible = drawing.has_visible(row) and look().picture in OF_VISIBLE
+    key = (state.workspace().version, drawing.stretch(), row, encounter, is_visible)
     content = state.cached(
         "encounter_picture",
         key,
-        lambda: _picture(result, encounter, row),
+        lambda: _picture(result, encounter, row, is_visible=is_visible),
         most=drawing.MOST_THUMBNAILS,
     )
     st.image(
         content, width="stretch", alt=state.words("The pedestrian with the boxes of truth, X and Y")
     )
+    if drawing.has_visible(row):
+        st.session_state[VISIBLE] = is_visible
+        st.toggle("Visible light", key=VISIBLE, on_change=_choose)
 
 
-def _picture(result: Result, encounter: int, row: int) -> bytes:
+def _choose() -> None:
+    keep_look(look()._replace(picture="visible" if st.session_state[VISIBLE] else "own"))
+
+
+def _picture(result: Result, encounter: int, row: int, *, is_visible: bool) -> bytes:
     xywh = encounter_box(result, encounter, row)
-    return jpeg(drawing.part_of_frame(result, row, xywh, labels=True))
+    return jpeg(drawing.part_of_frame(result, row, xywh, labels=True, is_visible=is_visible))

@@ -13,9 +13,12 @@ from nvcore.metrics.cost_map import CostMap, map_cost
 from nvcore.metrics.proximity.borrowing import weighing_truth
 from nvcore.overlay.annotate import LAYERS, annotate
 from nvcore.params.metadata import COST
+from nvcore.pictures.base import PictureReader
+from nvcore.pictures.mapped import MappedPictures
 from nvcore.pictures.recordings import STRETCH
 from ui.session import state
 from ui.session.look import VisiblePictures
+from ui.session.results.driver import clock_of
 
 MOST_THUMBNAILS: Final = 64
 HEIGHTS: Final = 2.2
@@ -47,14 +50,30 @@ def thumbnail(what: Hashable, draw: Callable[[], bytes]) -> bytes:
     return state.cached("thumbnails", key, draw, most=MOST_THUMBNAILS)
 
 
-def part_of_frame(result: Result, row: int, xywh: np.ndarray | None, *, labels: bool) -> np.ndarray:
+def part_of_frame(
+    result: Result,
+    row: int,
+    xywh: np.ndarray | None,
+    *,
+    labels: bool,
+    is_visible: bool = False,
+) -> np.ndarray:
     """The part of a frame around a box of the recording, px, with the boxes of truth, X and Y.
 
     Without a box the whole frame; without pictures the boxes on a blank.
+
+    Parameters
+    ----------
+    is_visible
+        Whether of visible light, which the frame `has_visible`.
     """
     recording, in_recording = state.place_of(row)
+    pictures: PictureReader | None
     pictures, picture = state.workspace().picture_of(recording, in_recording)
     lo, hi = stretch()
+    if is_visible:
+        pictures, picture = _visible_in_place(result, recording, in_recording)
+        lo, hi = 0.0, 100.0
     annotated = annotate(
         result, pictures, picture, row, lo=lo, hi=hi, layers=LAYERS, labels=labels, caption=False
     )
@@ -110,9 +129,31 @@ def viewer_arguments(result: Result, recording: int) -> dict[str, Any]:
     }
 
 
+def has_visible(row: int) -> bool:
+    """Whether a frame has a picture of visible light beside its own."""
+    recording, in_recording = state.place_of(row)
+    visible = state.workspace().visible
+    return recording in visible.sources and bool(visible.indices[recording][in_recording] >= 0)
+
+
+def _visible_in_place(
+    result: Result, recording: int, in_recording: int
+) -> tuple[PictureReader, int]:
+    """Pictures of visible light, cut to those of the recording, and which shows that frame."""
+    visible, frames = state.workspace().visible, result.dataset.frame_columns
+    size = float(frames.width[recording]), float(frames.height[recording])
+    source = MappedPictures(visible.sources[recording], visible.maps[recording], size)
+    return source, int(visible.indices[recording][in_recording])
+
+
 def visible_of(recording: int) -> VisiblePictures | None:
     """Pictures of visible light of a recording; None: it has none beside its own."""
     pictures = state.workspace().visible
     if recording not in pictures.sources:
         return None
-    return VisiblePictures(pictures.area_of(recording), pictures.indices[recording] >= 0)
+    clock = clock_of(recording)
+    return VisiblePictures(
+        pictures.area_of(recording),
+        pictures.indices[recording] >= 0,
+        None if clock is None else clock.period_s,
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, Literal, NamedTuple
 
 import numpy as np
 import streamlit as st
@@ -17,6 +17,8 @@ CHOICES: Final = ("own", "visible", "blended", "both")
 MOST_SECONDS: Final = 10.0
 """Longest time after a change of light that can be chosen."""
 KEY: Final = "look"
+CLOCK: Final = "clock"
+"""In place of seconds: those since the recording's own change of light, frame by frame."""
 
 
 class VisiblePictures(NamedTuple):
@@ -28,10 +30,17 @@ class VisiblePictures(NamedTuple):
         x, y, w, h of what they show, px of the recording.
     has_picture
         Whether a row has one, bool, shape (n_rows,).
+    seen_s
+        Seconds since a change of light at the end of each row, NaN: none, float64, shape
+        (n_rows,). None: nothing is known of the light.
+    is_simulated
+        Whether these are of a change that never was.
     """
 
     area: tuple[float, float, float, float]
     has_picture: np.ndarray
+    seen_s: np.ndarray | None = None
+    is_simulated: bool = False
 
 
 class Look(NamedTuple):
@@ -46,12 +55,12 @@ class Look(NamedTuple):
         Share of visible light where they are blended, 0..1.
     seen_s
         Seconds after a change of light for which visible light is shown as the driver sees it;
-        None: as it is.
+        `CLOCK`: those of the recording at each frame. None: as it is.
     """
 
     picture: str = "own"
     blend: float = 0.5
-    seen_s: float | None = None
+    seen_s: float | Literal["clock"] | None = None
 
 
 OWN_PICTURES: Final = Look()
@@ -61,7 +70,7 @@ def look() -> Look:
     """How they are seen in this browser session: as chosen, else as the address says."""
     if KEY not in st.session_state:
         query = st.query_params.to_dict()
-        sent = {name: _number(text) for name, text in query.items() if name in NAMES[1:]}
+        sent = {name: _sent(text) for name, text in query.items() if name in NAMES[1:]}
         st.session_state[KEY] = read_look({"picture": query.get("picture"), **sent}) or OWN_PICTURES
     known: Look = st.session_state[KEY]
     return known
@@ -80,6 +89,8 @@ def to_address(chosen: Look) -> dict[str, str]:
     --------
     >>> to_address(Look("visible", seen_s=1.5))
     {'picture': 'visible', 'seen_s': '1.5'}
+    >>> to_address(Look("visible", seen_s=CLOCK))
+    {'picture': 'visible', 'seen_s': 'clock'}
     >>> to_address(Look())
     {}
     """
@@ -89,7 +100,8 @@ def to_address(chosen: Look) -> dict[str, str]:
     if chosen.picture == "blended":
         entries["blend"] = f"{chosen.blend:g}"
     if chosen.seen_s is not None:
-        entries["seen_s"] = f"{chosen.seen_s:g}"
+        seen_s = chosen.seen_s
+        entries["seen_s"] = seen_s if isinstance(seen_s, str) else f"{seen_s:g}"
     return entries
 
 
@@ -98,7 +110,9 @@ def read_look(sent: Any) -> Look | None:
     if not isinstance(sent, Mapping) or sent.get("picture") not in CHOICES:
         return None
     blend = _within(sent.get("blend"), 1.0)
-    seen_s = _within(sent.get("seen_s"), MOST_SECONDS)
+    seen_s: float | Literal["clock"] | None = _within(sent.get("seen_s"), MOST_SECONDS)
+    if sent.get("seen_s") == CLOCK:
+        seen_s = CLOCK
     return Look(sent["picture"], OWN_PICTURES.blend if blend is None else blend, seen_s)
 
 
@@ -108,7 +122,9 @@ def _within(value: Any, greatest: float) -> float | None:
     return float(value) if math.isfinite(value) and 0 <= value <= greatest else None
 
 
-def _number(text: str) -> float | None:
+def _sent(text: str) -> float | str | None:
+    if text == CLOCK:
+        return text
     try:
         return float(text)
     except ValueError:

@@ -4,8 +4,8 @@
     FOLDER/pictures/images/           single pictures
     FOLDER/upload-N/SLOT/annotations/data/
                                       ground truth and detections of the N-th form sent
-    FOLDER/model-N/model/annotations/data/
-                                      the model of a detector
+    FOLDER/KIND-model-N/model/annotations/data/
+                                      a model, such as that of a detector
 
 Names from a browser are never joined as they come. A safe base name is kept, since recordings
 are named after their files.
@@ -248,26 +248,26 @@ def new_upload(space: Workspace) -> Path:
     return folder
 
 
-def store_model(space: Workspace, file: SentFile) -> Path:
-    """Write a detector's model, in place of the one that was sent before.
+def store_model(space: Workspace, file: SentFile, kind: str) -> Path:
+    """Write a model, in place of the one of its kind that was sent before.
 
     Raises
     ------
     UploadError
         If there is no room.
     """
-    remove_model(space)
+    remove_model(space, kind)
     with space.lock:
         space.n_received += 1
-        folder = space.folder / f"model-{space.n_received}"
+        folder = space.folder / f"{kind}-model-{space.n_received}"
     folder.mkdir(mode=0o700)
     (path,) = store_annotations(space, folder, "model", [file])
     return folder / path
 
 
-def remove_model(space: Workspace) -> None:
-    """Remove the model that was sent, if there is one."""
-    for folder in space.folder.glob("model-*"):
+def remove_model(space: Workspace, kind: str) -> None:
+    """Remove the model of a kind that was sent, if there is one."""
+    for folder in space.folder.glob(f"{kind}-model-*"):
         remove_folder(space, folder)
 
 

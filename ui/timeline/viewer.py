@@ -2,71 +2,23 @@
 
 from __future__ import annotations
 
-from functools import partial
-
-import numpy as np
-import pandas as pd
+from typing import Final
 
 from nvcore.comparison import Result
-from nvcore.tables.boxes.states import gather_boxes
-from nvcore.tables.moments import next_misses
-from ui.session import drawing, state
-from ui.session.chosen import choose_encounter, chosen_encounter
-from ui.session.drawing import cost_map_of, viewer_arguments
-from ui.session.look import keep_look, look
+from ui.session import state
 from ui.timeline import listed
-from ui.widgets.viewer import settled_in, viewer
+from ui.widgets import compared_viewer
 
-HEIGHT_PX = 700
-KEY = "viewer"
+HEIGHT_PX: Final = 700
+KEY: Final = "viewer"
 
 
 def settled() -> int:
     """Row within the recording that the viewer has settled on, also before it is drawn."""
-    recording = state.recording()
-    n_rows = len(state.frame_numbers(recording))
-    if not n_rows:
-        return 0
-    return settled_in(KEY, recording=recording, n_rows=n_rows, seek=(state.row(), state.seek()))
+    return compared_viewer.settled(KEY)
 
 
 def draw(result: Result) -> None:
     """The viewer."""
-    recording = state.recording()
-    rows = result.dataset.frame_columns.rows_of(recording)
-    lo, hi = drawing.stretch()
-    viewer(
-        **viewer_arguments(result, recording),
-        traces={letter: system.similarity[rows] for letter, system in result.sides},
-        low=result.params.low,
-        intervals=[_spans(system.intervals, recording, rows.start) for _, system in result.sides],
-        misses=next_misses(result, recording),
-        names=[system.name for _, system in result.sides],
-        seek=(state.row(), state.seek()),
-        lo=lo,
-        hi=hi,
-        cost=cost_map_of(recording),
-        chosen=_chosen_track(result, recording),
-        on_choose=partial(choose_encounter, result),
-        listed=listed.box_in(recording),
-        look=look(),
-        on_look=keep_look,
-        height_px=HEIGHT_PX,
-        key=KEY,
-    )
-
-
-def _chosen_track(result: Result, recording: int) -> int | None:
-    """Track of the chosen pedestrian, as the boxes say it, in the recording that is shown."""
-    encounter = chosen_encounter(result)
-    if encounter is None or result.encounters.recording[encounter] != recording:
-        return None
-    row = int(result.encounters.first_row[encounter])
-    rows = result.dataset.truth.rows_of(row, row + 1)
-    is_chosen = result.encounters.encounter_of[rows] == encounter
-    return int(gather_boxes(result, row, row + 1).truth.track[is_chosen][0])
-
-
-def _spans(intervals: pd.DataFrame, recording: int, first: int) -> np.ndarray:
-    mine = intervals[intervals["recording"].to_numpy() == recording]
-    return np.column_stack([mine["first_row"] - first, mine["last_row"] - first + 1])
+    box = listed.box_in(state.recording())
+    compared_viewer.draw(result, KEY, height_px=HEIGHT_PX, listed=box)

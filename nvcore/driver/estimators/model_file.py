@@ -31,6 +31,8 @@ VERSION: Final = 1
 MAX_BYTES: Final = 1 << 24
 """Size of a model file, and of all that is in it."""
 LONGEST_NAME: Final = 200
+SAMPLE_ESTIMATOR: Final = Path(__file__).parents[1] / "models" / "sample.npz"
+"""Of the sample's simulated observer; written by scripts/train_sample_driver.py."""
 _WHAT: Final = "an estimator of nvcore"
 _MOST: Final = {"periods": 1000, "regressions": 1001, "vectors": 200_000}
 _ARRAYS: Final[Kinds] = {

@@ -1,22 +1,48 @@
-"""How detectable a pedestrian is from frame to frame, against what the driver needs to see him."""
+"""How detectable a pedestrian is from frame to frame, and the light and adaptation meanwhile."""
 
 from __future__ import annotations
 
-from typing import Final
+import math
+from typing import Any, Final
 
+import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
+from numpy.typing import NDArray
 
-from nvcore.figures.marks import marks, steady_marker
-from nvcore.figures.style import LOOK, axis, draw, empty_figure, faded
-from nvcore.palette import Theme
+from nvcore.driver.clock import AdaptationClock
+from nvcore.driver.illumination import LightSource
+from nvcore.figures.marks import marks, steady_marker, still_line
+from nvcore.figures.over_time.similarity import decimate
+from nvcore.figures.style import LOOK, axis, draw, empty_figure, faded, written
+from nvcore.palette import Shade, Theme, scheme_of
 from nvcore.wording import count_text
 
 HEIGHT_PX: Final = 300
+WITH_LIGHT_PX: Final = 540
+LEAST_TOP_S: Final = 5.0
+"""The axis of the adaptation reaches so far at least, seconds."""
+ROOM_S: Final = 0.5
+"""Before and after the pedestrian."""
+SOURCES: Final = {
+    LightSource.METER: "light (lx)",
+    LightSource.PICTURE: "picture's mean",
+}
+SIMULATED: Final[dict[Shade, str]] = {"light": "#8E3A8A", "dark": "#D68FD0"}
+"""Neither X's nor Y's colour, nor the truth's."""
+STAND_IN: Final = "light by the pictures' mean luminance, a stand-in"
+BY_METER: Final = "light by the light meter"
 
 
-def detectability_course_plot(course: pd.DataFrame, *, threshold: float, theme: Theme) -> go.Figure:
-    """Detectability over time, with its uncertainty.
+def detectability_course_plot(
+    course: pd.DataFrame,
+    *,
+    threshold: float,
+    theme: Theme,
+    clock: AdaptationClock | None = None,
+    simulated: pd.DataFrame | None = None,
+) -> go.Figure:
+    """Detectability over time, with its uncertainty; below it, the light and the adaptation.
 
     A click on a mark gives its row of the frames table as `customdata`.
 
@@ -26,11 +52,56 @@ def detectability_course_plot(course: pd.DataFrame, *, threshold: float, theme: 
         Of `nvcore.tables.encounters.driver.detectability_course`.
     threshold
         From which the driver is taken to see him, 0..1.
+    clock
+        Of his recording; None: nothing is known of the light.
+    simulated
+        Rows as of the course, with what `detectability` would be after a simulated change of light
+        (`nvcore.driver.simulation.simulate_change`), which is the clock's, too.
     """
     known = course[course["detectability"].notna()]
     if known.empty:
         text = "It is not known how detectable this pedestrian is, in any frame."
         return empty_figure(text, theme=theme)
+    traces = [
+        *_course(known, theme),
+        *([] if simulated is None else _simulated(course, simulated, theme)),
+    ]
+    subtitle = f"{count_text(len(known), 'frame')} in which it is known, of {len(course):,}"
+    span = [float(course["time_s"].min()) - ROOM_S, float(course["time_s"].max()) + ROOM_S]
+    more: dict[str, Any] = {}
+    if clock is not None:
+        traces += _light(clock, span, theme)
+        more = _lower_axes(clock, theme)
+        subtitle += f"; {BY_METER if clock.source is LightSource.METER else STAND_IN}"
+    title = "share of drivers who see him"
+    figure = draw(
+        traces,
+        theme,
+        title="Detectability over time",
+        subtitle=subtitle,
+        height=HEIGHT_PX if clock is None else WITH_LIGHT_PX,
+        xaxis=axis(theme, "time (s)", range=span, anchor="y" if clock is None else "y3"),
+        yaxis=axis(
+            theme,
+            title,
+            range=[-0.04, 1.04],
+            fixedrange=True,
+            domain=[0 if clock is None else 0.5, 1],
+        ),
+        **more,
+    )
+    figure.add_hline(
+        y=threshold,
+        line={"color": LOOK[theme].muted, "width": 1.5, "dash": "dash"},
+        annotation_text=f"sees from {threshold:g} on",
+        annotation_position="bottom right",
+    )
+    if clock is not None:
+        _mark_changes(figure, clock, span, theme)
+    return figure
+
+
+def _course(known: pd.DataFrame, theme: Theme) -> list[go.Scatter]:
     look = LOOK[theme]
     sd = known["sd"].fillna(0.0)
     low = (known["detectability"] - sd).clip(0, 1)
@@ -49,9 +120,9 @@ def detectability_course_plot(course: pd.DataFrame, *, threshold: float, theme: 
         (known[known["is_up_to_relevant"]], "up to the first frame that counts", "circle"),
         (known[~known["is_up_to_relevant"]], "later, or distant", "circle-open"),
     ]
-    traces = [band]
-    for frames, name, symbol in parts:
-        traces.append(
+    return [
+        band,
+        *(
             marks(
                 frames["time_s"],
                 frames["detectability"],
@@ -62,20 +133,97 @@ def detectability_course_plot(course: pd.DataFrame, *, threshold: float, theme: 
                 showlegend=len(frames) > 0,
                 **steady_marker(color=look.ink, size=6, symbol=symbol),
             )
+            for frames, name, symbol in parts
+        ),
+    ]
+
+
+def _simulated(course: pd.DataFrame, simulated: pd.DataFrame, theme: Theme) -> list[go.Scatter]:
+    """What would be, in the frames of which the change is."""
+    own = simulated["is_simulated"].to_numpy(bool) & simulated["detectability"].notna().to_numpy()
+    return [
+        marks(
+            course["time_s"][own],
+            simulated["detectability"][own],
+            None,
+            hover="simulated, %{x:.2f} s: %{y:.2f}<extra></extra>",
+            customdata=course["row"][own],
+            name="simulated",
+            **steady_marker(color=SIMULATED[scheme_of(theme).shade], size=6, symbol="diamond"),
         )
-    figure = draw(
-        traces,
-        theme,
-        title="Detectability over time",
-        subtitle=f"{count_text(len(known), 'frame')} in which it is known, of {len(course):,}",
-        height=HEIGHT_PX,
-        xaxis=axis(theme, "time (s)"),
-        yaxis=axis(theme, "share of drivers who see him", range=[-0.04, 1.04], fixedrange=True),
-    )
-    figure.add_hline(
-        y=threshold,
-        line={"color": look.muted, "width": 1.5, "dash": "dash"},
-        annotation_text=f"sees from {threshold:g} on",
-        annotation_position="bottom right",
-    )
-    return figure
+    ]
+
+
+def _light(clock: AdaptationClock, span: list[float], theme: Theme) -> list[Any]:
+    """How bright it is, and the seconds since it became dark."""
+    look = LOOK[theme]
+    lines = []
+    inside = (clock.time_s >= span[0]) & (clock.time_s <= span[1])
+    for values, place, name in (
+        (clock.level, "y2", "light"),
+        (clock.period_s, "y3", "seconds since the change"),
+    ):
+        known = np.where(inside, values, np.nan)
+        rows = decimate(np.nan_to_num(known, nan=-1.0))
+        lines.append(
+            still_line(
+                clock.time_s[rows],
+                known[rows],
+                name,
+                yaxis=place,
+                line={"color": look.ink, "width": 1.5, "shape": "hv"},
+            )
+        )
+    return lines
+
+
+def _lower_axes(clock: AdaptationClock, theme: Theme) -> dict[str, Any]:
+    return {
+        "yaxis2": axis(
+            theme,
+            SOURCES[clock.source],
+            domain=[0.25, 0.42],
+            type="log",
+            dtick=1,
+            exponentformat="none",
+            fixedrange=True,
+            range=_decades(clock.level),
+        ),
+        "yaxis3": axis(
+            theme,
+            "adapting (s)",
+            domain=[0, 0.17],
+            fixedrange=True,
+            range=[0, max(LEAST_TOP_S, float(np.nanmax(clock.period_s, initial=0.0)))],
+        ),
+    }
+
+
+def _decades(level: NDArray[np.float64]) -> list[int]:
+    """Ends of a logarithmic axis: whole powers of ten around all readings."""
+    bright = level[level > 0]
+    if not len(bright):
+        return [-1, 0]
+    low, high = math.floor(np.log10(bright.min())), math.ceil(np.log10(bright.max()))
+    return [low, max(high, low + 1)]
+
+
+def _mark_changes(
+    figure: go.Figure, clock: AdaptationClock, span: list[float], theme: Theme
+) -> None:
+    """A line where it became dark, over the whole height; the simulated one apart."""
+    look = LOOK[theme]
+    place = {"yref": "paper", "yanchor": "bottom", "xanchor": "left", "y": 0.42}
+    texts = []
+    for time_s in clock.change_s.tolist():
+        if not span[0] <= time_s <= span[1]:
+            continue
+        is_simulated = time_s == clock.simulated_s
+        colour = SIMULATED[scheme_of(theme).shade] if is_simulated else look.muted
+        figure.add_shape(
+            type="line", x0=time_s, x1=time_s, yref="paper", y0=0, y1=1,
+            line={"color": colour, "width": 1.5, "dash": "dot"},
+        )  # fmt: skip
+        text = "simulated: dark" if is_simulated else "dark"
+        texts.append(written(text, size=12, color=colour, x=time_s, **place))
+    figure.layout.annotations = (*figure.layout.annotations, *texts)

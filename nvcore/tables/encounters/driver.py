@@ -56,9 +56,10 @@ def detectability_course(result: Result, encounter: int) -> pd.DataFrame:
 
     Returns
     -------
-    One row per annotated frame: row (of the frames table), time_s, detectability, sd (0..1, NaN
-    unknown), is_outside (estimated outside the range of the training), is_up_to_relevant (up to the
-    first relevant frame, by which the driver has to see him; False throughout for a distant one).
+    One row per annotated frame: row (of the frames table), truth_row (of the truth's boxes),
+    time_s, detectability, sd (0..1, NaN unknown), is_outside (estimated outside the range of the
+    training), is_up_to_relevant (up to the first relevant frame, by which the driver has to see
+    him; False throughout for a distant one).
     Of a track id given twice in a frame, the box of the larger detectability.
     """
     encounters, known = result.encounters, result.dataset.detectability
@@ -75,6 +76,7 @@ def detectability_course(result: Result, encounter: int) -> pd.DataFrame:
     return pd.DataFrame(
         {
             "row": row,
+            "truth_row": truth_row,
             "time_s": result.dataset.frames["time_s"].to_numpy()[row],
             "detectability": known.value[truth_row],
             "sd": known.sd[truth_row],
@@ -82,6 +84,44 @@ def detectability_course(result: Result, encounter: int) -> pd.DataFrame:
             "is_up_to_relevant": row <= last,
         }
     )
+
+
+def features_of_course(
+    result: Result, course: pd.DataFrame, features: pd.DataFrame
+) -> pd.DataFrame | None:
+    """The features of a pedestrian from frame to frame.
+
+    Parameters
+    ----------
+    course
+        Of `detectability_course`.
+    features
+        Of his recording (`nvcore.driver.run.FEATURE_COLUMNS`): a row for each of its boxes that is
+        not ignored.
+
+    Returns
+    -------
+    A row for each of the course, with its index; NaN where the box is ignored. None where the
+    features are of other boxes.
+    """
+    truth, frames = result.dataset.truth, result.dataset.frame_columns
+    recording = int(frames.recording[int(course["row"].iloc[0])])
+    rows = frames.rows_of(recording)
+    boxes = truth.rows_of(rows.start, rows.stop)
+    rank = np.cumsum(~truth.ignore[boxes]) - 1
+    if len(features) != rank[-1] + 1:
+        return None
+    truth_row = course["truth_row"].to_numpy()
+    own: pd.DataFrame = features.iloc[rank[truth_row - boxes.start]].set_index(course.index)
+    is_same = own["frame"].to_numpy() == frames.frame[course["row"].to_numpy()]
+    for name, side in zip("xywh", truth.xywh, strict=True):
+        is_same &= np.isclose(own[name], side[truth_row], atol=1e-3)
+    is_ignored = truth.ignore[truth_row]
+    if not (is_same | is_ignored).all():
+        return None
+    if is_ignored.any():
+        own = own.mask(is_ignored)
+    return own
 
 
 def saved_encounters(result: Result) -> pd.DataFrame:

@@ -12,7 +12,10 @@ import viewer_scene as scene
 from ui.session.look import Look, VisiblePictures
 from ui.widgets.viewer import ListedBox, viewer
 
-RECORDINGS = ["video", "boxes only", "sampled", "long", "slow", "ended", "empty", "two pictures"]
+RECORDINGS = [
+    *("video", "boxes only", "sampled", "long", "slow", "ended", "empty", "two pictures"),
+    "light known",
+]
 
 st.set_page_config(layout="wide")
 START = {"seek": (5, 0), "alpha": 0.7, "kind": RECORDINGS[0], "hi": 100.0, "show": True, "runs": 0}
@@ -48,6 +51,11 @@ frames = scene.FIRST_FRAME + rows
 traces = scene.similarities(alpha, n_rows)
 spans = (scene.MISSED_BY_X, scene.MISSED_BY_Y, scene.MISSED_BY_BOTH)
 pairs = [[(span.start, span.stop) for span in (own, spans[2])] for own in spans[:2]]
+visible = None
+if kind in ("two pictures", "light known"):
+    # dark from row 10 on
+    seen_s = np.where(rows < 10, np.nan, (rows + 1 - 10) / fps) if kind == "light known" else None
+    visible = VisiblePictures(scene.VISIBLE_AREA, has_picture, seen_s)
 settled = viewer(
     token="gone" if kind == "ended" else "token-of-the-test",
     recording=RECORDINGS.index(kind),
@@ -72,7 +80,7 @@ settled = viewer(
     key=f"viewer_{state.visit}",
     chosen=state.chosen,
     on_choose=lambda encounter: state.update(chosen=encounter),
-    visible=VisiblePictures(scene.VISIBLE_AREA, has_picture) if kind == "two pictures" else None,
+    visible=visible,
     on_look=lambda look: state.update(look=look),
     listed=ListedBox(5, scene.LISTED) if is_listed else None,
 )

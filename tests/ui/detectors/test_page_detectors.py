@@ -16,9 +16,9 @@ from nvcore.errors import InputError
 from nvcore.findings import Severity
 from pages import FRAMES, begin_with, checked, opened, press, rows, texts, to_page, write
 from ui.detectors import run
-from ui.detectors.choose import models_below
 from ui.detectors.trial import LEVELS
 from ui.session.local_files import LocalRoot
+from ui.widgets.models import models_below
 
 PEOPLE = {"recording": "urban_crossing", "frame": "120"}
 
@@ -163,7 +163,7 @@ def test_networks_are_run_from_the_local_folder_alone(
     blob_model(tmp_path / "models" / "blob.onnx", 640, 480)
     small_icf.write(tmp_path / "bars.npz")
     (tmp_path / "notes.txt").write_text("no model")
-    assert models_below(LocalRoot(tmp_path)) == ["bars.npz", "models/blob.onnx"]
+    assert models_below(LocalRoot(tmp_path), (".npz", ".onnx")) == ["bars.npz", "models/blob.onnx"]
     monkeypatch.setenv("NVCORE_LOCAL_ROOT", str(tmp_path))
     page = checked(opened("detectors", is_folded=True, **PEOPLE))
     checked(page.selectbox(key="detector").set_value("local models/blob.onnx").run())

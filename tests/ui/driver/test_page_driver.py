@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
+import small_estimator
 
+from nvcore.driver.writing import WrittenEstimates
+from nvcore.inputs.session import Session, Source
 from nvcore.schema import DriverRegion
 from pages import FRAMES, alone, begin_with, checked, texts, write
+from ui.driver.run import with_estimates
 
 
 def rows(x: int, detectability: float) -> str:
@@ -42,7 +47,7 @@ def test_regions_and_encounters_say_who_sees_whom(page):
     counts = dict(zip(regions["who"], regions["encounters"], strict=True))
     assert {who: n for who, n in counts.items() if n} == {"driver, X and Y": 1, "Y alone": 1}
     assert encounters["detectability"].tolist() == [0.2, 0.8]
-    assert "Pedestrian 100 of night" in [item.value for item in page.subheader]
+    assert "Pedestrian 100 of night" in [item.value for item in page.header]
 
 
 def test_a_region_is_chosen_and_its_encounters_are_listed(page):
@@ -57,3 +62,95 @@ def test_without_detectability_the_page_says_how_to_get_it():
     assert "is not known here" in texts(page)
     assert "nvcore driver estimate" in page.code[0].value
     assert not page.dataframe
+
+
+@pytest.fixture
+def visible(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Two pedestrians in pictures of visible light, of whom nobody has said who sees them."""
+    begin_with(small_estimator.write_session(tmp_path), monkeypatch)
+    return tmp_path
+
+
+def sent(folder: Path, late: float = 1.0):
+    """The page, to which an estimator was sent."""
+    page = checked(alone("driver").run())
+    content = small_estimator.write_model(folder / "small.npz", late).read_bytes()
+    page.file_uploader(key="estimator_file").set_value([("small.npz", content, "")])
+    return checked(page.run())
+
+
+def estimated(page):
+    page = checked(page.button(key="driver_estimate").click().run())
+    page.session_state["workspace"].job("driver_run").join()
+    return checked(page.run())
+
+
+def test_an_estimator_that_was_sent_is_run_and_says_whom_the_driver_sees(visible):
+    page = estimated(sent(visible))
+    regions, encounters = (table.value for table in page.dataframe)
+    counts = dict(zip(regions["who"], regions["encounters"], strict=True))
+    assert {who: n for who, n in counts.items() if n} == {"driver, X and Y": 1, "X alone": 1}
+    assert encounters["detectability"].tolist() == pytest.approx([0.1, 0.8], abs=0.01)
+    assert "Light by the light meter: 1 change from bright to dark" in texts(page)
+    # and anew, by one that says that nobody is ever seen
+    content = small_estimator.write_model(visible / "dim.npz", 0.2).read_bytes()
+    page.file_uploader(key="estimator_file").set_value([("dim.npz", content, "")])
+    page = estimated(checked(page.run()))
+    assert page.dataframe[1].value["detectability"].max() < 0.2
+
+
+def test_a_run_that_is_cancelled_leaves_all_as_it_was(visible):
+    page = sent(visible)
+    page = checked(page.button(key="driver_estimate").click().run())
+    space = page.session_state["workspace"]
+    job = space.job("driver_run")
+    job.discard()  # cancelled, also if it was quick
+    job.join()
+    assert not [*space.folder.glob("driver-*/annotations")]
+    assert space.opened.session.driver.detectability is None
+
+
+def test_files_of_an_upload_are_named_from_its_folder(tmp_path: Path):
+    folder = tmp_path / "driver-1"
+    names = ("session.toml", "detectability.csv", "features.csv", "driver.json")
+    written = WrittenEstimates(*(folder / name for name in names), run=None)
+    session = Session(folder=tmp_path, truth=Source("truth.csv"), systems=())
+    named = [
+        with_estimates(session, written, is_upload=is_upload).driver for is_upload in (True, False)
+    ]
+    assert named[0].detectability == "driver-1/detectability.csv"
+    assert named[1].provenance == str(folder / "driver.json")
+
+
+def test_a_file_that_is_no_estimator_is_refused(visible):
+    page = checked(alone("driver").run())
+    page.file_uploader(key="estimator_file").set_value([("other.npz", b"PK no estimator", "")])
+    page = checked(page.run())
+    assert "other.npz: is not an estimator of nvcore" in texts(page)
+
+
+def panel(page) -> str:
+    tables = [item.proto.body for item in page.get("html") if "nv-numbers" in item.proto.body]
+    return re.sub("<[^>]*>", " ", " ".join(tables))
+
+
+def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(visible):
+    page = estimated(sent(visible))
+    page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
+    assert "Pedestrian 1 of drive" in [item.value for item in page.header]
+    assert re.search(r"Drivers who see him\s+0\.80 ± 0\.10", panel(page))
+    assert re.search(r"Luminance contrast\s+80\.0 grey levels", panel(page))
+    assert "eyes adapted" in panel(page)
+    page = checked(page.toggle(key="driver_tunnel").set_value(True).run())
+    # at once it is dark: the estimator of 0.5 s until 2.5 s later
+    assert re.search(r"the same, simulated\s+0\.16 ± 0\.10", panel(page))
+    assert "dark from 0.00 s on" in texts(page)
+    assert "25 frames (2.50 s) later; as it was, at once" in texts(page)
+    assert "he would **not** have seen him; as it was, he had" in texts(page)
+    page = checked(page.slider(key="driver_tunnel_s").set_value(1.0).run())
+    assert "dark from 1.00 s on" in texts(page)
+
+
+def test_where_only_estimates_are_known_the_page_says_what_a_simulation_needs(page):
+    assert page.toggle(key="driver_tunnel").disabled
+    assert "features and an estimator are needed" in texts(page)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+import small_estimator
 from streamlit.testing.v1 import AppTest
 
 import pages
@@ -440,3 +441,12 @@ def test_what_neither_horizon_nor_distance_tell_is_a_dash(tmp_path, monkeypatch)
     assert set(weighed["Horizon"]) | set(weighed["Distance"]) == {"–"}
     assert "The row of the horizon is not known: the page Data estimates it" in texts(page)
     assert "No distance of this pedestrian is known: give" in texts(page)
+
+
+def test_the_pedestrian_is_cut_out_of_visible_light_as_chosen(tmp_path, monkeypatch):
+    begin_with(small_estimator.write_session(tmp_path), monkeypatch)
+    page = checked(alone("encounters").run())
+    assert not page.toggle(key="encounters_visible").value
+    page = checked(page.toggle(key="encounters_visible").set_value(True).run())
+    assert page.toggle(key="encounters_visible").value
+    assert only(page, "picture") == "visible"

@@ -11,7 +11,10 @@ from ui.session.look import Look, read_look, to_address
 
 @pytest.mark.parametrize(
     "look",
-    [Look(), Look("visible", seen_s=0.5), Look("blended", 0.25), Look("both", seen_s=10.0)],
+    [
+        *(Look(), Look("visible", seen_s=0.5), Look("blended", 0.25), Look("both", seen_s=10.0)),
+        Look("visible", seen_s="clock"),
+    ],
 )
 def test_what_the_browser_sends_is_taken(look: Look):
     assert read_look(look._asdict()) == look

@@ -279,9 +279,9 @@ def test_the_files_of_the_open_comparison_stay_counted(space: Workspace):
 
 
 def test_a_model_takes_the_place_of_the_one_before_and_of_its_bytes(space: Workspace):
-    first = store_model(space, Sent("../one.npz", b"PK\3\4 no archive to unpack"))
+    first = store_model(space, Sent("../one.npz", b"PK\3\4 no archive to unpack"), "detector")
     assert (first.name, space.used_bytes) == ("one.npz", 25)
-    second = store_model(space, Sent("two.npz", b"1234"))
+    second = store_model(space, Sent("two.npz", b"1234"), "detector")
     assert not first.exists()
     assert second.read_bytes() == b"1234"
     assert space.used_bytes == 4

@@ -230,7 +230,12 @@ def viewer(
 
 def _pack_visible(visible: VisiblePictures) -> dict[str, Any]:
     spans = pack(find_spans(visible.has_picture), "i4")
-    return {"area": [float(side) for side in visible.area], "spans": spans}
+    return {
+        "area": [float(side) for side in visible.area],
+        "spans": spans,
+        "seen_s": None if visible.seen_s is None else pack(visible.seen_s, "f4"),
+        "is_simulated": visible.is_simulated,
+    }
 
 
 def settled_in(key: str, *, recording: int, n_rows: int, seek: tuple[int, int]) -> int:

@@ -2,6 +2,7 @@
 
 const DRIVER_HINT = "As the driver sees it after the light has changed: contrast and sharpness come back "
   + "while the eyes adapt (a model with numbers of ours)";
+const BY_HAND_HINT = "The time since the light has changed by a slider, in place of that of the recording";
 const TUNNEL_HINT = "Simulate a change from bright to dark at this frame, and see the eyes adapt while it plays. "
   + "Press again to end it";
 
@@ -23,17 +24,21 @@ function makeSources(actions) {
   });
   driver.addEventListener("click", () => actions.driver());
   const tunnel = make("button", {
-    type: "button", class: "icon text", text: "A tunnel begins here", title: TUNNEL_HINT, "aria-pressed": "false",
+    type: "button", class: "icon text", text: "A tunnel ends here", title: TUNNEL_HINT, "aria-pressed": "false",
   });
   tunnel.addEventListener("click", () => actions.tunnel());
+  const byHand = make("button", {
+    type: "button", class: "icon text", text: "By hand", title: BY_HAND_HINT, "aria-pressed": "false",
+  });
+  byHand.addEventListener("click", () => actions.byHand());
   const clock = make("span", { class: "clock" });
   const root = make("div", { class: "sources", role: "group", "aria-label": "Pictures", hidden: "" }, [
-    choice, blend.part, driver, since.part, tunnel, clock,
+    choice, blend.part, driver, byHand, since.part, tunnel, clock,
   ]);
-  return { root, choice, blend, driver, since, tunnel, clock };
+  return { root, choice, blend, driver, byHand, since, tunnel, clock };
 }
 
-function showSources({ root, choice, blend, driver, since, tunnel }, look) {
+function showSources({ root, choice, blend, driver, byHand, since, tunnel }, look) {
   root.hidden = look.visible === null;
   choice.value = look.picture;
   blend.part.hidden = look.mode !== "blended";
@@ -42,18 +47,25 @@ function showSources({ root, choice, blend, driver, since, tunnel }, look) {
   driver.hidden = !look.needsVisible;
   driver.setAttribute("aria-pressed", String(look.isDriver));
   const isDriver = look.needsVisible && look.isDriver;
-  since.part.hidden = !isDriver || look.changeAt !== null;
+  const isSet = look.changeAt !== null;
+  byHand.hidden = !isDriver || isSet || !look.hasClock;
+  byHand.setAttribute("aria-pressed", String(look.isByHand));
+  since.part.hidden = !isDriver || isSet || look.followsClock;
   tunnel.hidden = !isDriver;
-  tunnel.setAttribute("aria-pressed", String(look.changeAt !== null));
+  tunnel.setAttribute("aria-pressed", String(isSet));
   since.field.value = String(look.sinceS);
   since.shown.textContent = `${look.sinceS.toFixed(1)} s`;
 }
 
-// The time since a simulated change of light, in the row that is painted.
-function showClock({ clock }, look, time) {
-  const isSimulated = look.needsVisible && look.isDriver && look.changeAt !== null;
-  const seconds = look.seenAt(time);
-  const text = seconds === null ? "before the change" : `${seconds.toFixed(1)} s after the change`;
-  clock.hidden = !isSimulated;
-  clock.textContent = isSimulated ? `simulated: ${text}` : "";
+// The time since the change of light, in the row that is painted; where a slider says it, it does.
+function showClock({ clock }, look, row, time) {
+  const isKnown = look.needsVisible && look.isDriver && (look.changeAt !== null || look.followsClock);
+  clock.hidden = !isKnown;
+  clock.textContent = isKnown ? `${look.isSimulated ? "simulated: " : ""}${sinceText(look, row, time)}` : "";
+}
+
+function sinceText(look, row, time) {
+  const seconds = look.seenAt(row, time);
+  if (seconds !== null) return `${seconds.toFixed(1)} s after the change`;
+  return look.changeAt === null ? "eyes adapted" : "before the change";
 }

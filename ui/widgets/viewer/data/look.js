@@ -1,5 +1,6 @@
 // Which of a recording's two pictures are seen, its own or that of visible light, and how.
 
+const CLOCK = "clock"; // in place of seconds: those of the recording
 const LOOKS = [["own", "Own pictures"], ["visible", "Visible light"], ["blended", "Blended"], ["both", "Side by side"]];
 
 class Look {
@@ -8,26 +9,44 @@ class Look {
     this.blend = 0.5; // share of visible light where both are blended
     this.isDriver = false; // whether visible light is shown as the driver sees it
     this.sinceS = 0.5; // seconds since the light has changed
-    this.changeAt = null; // time of a simulated change of light, s; null: `sinceS` holds for all rows
+    this.isByHand = false; // whether `sinceS` holds though the recording's own times are known
+    this.changeAt = null; // time of a simulated change of light, s; null: none
     this.visible = null; // what Python sends of it; null: the recording has none
     this.spans = new Int32Array(0);
+    this.periods = new Float32Array(0); // seconds since the light has changed, by row; NaN: adapted
   }
 
   take({ picture, blend, seen_s: seenS }) {
     this.picture = picture;
     this.blend = blend;
     this.isDriver = seenS !== null;
-    this.sinceS = seenS ?? this.sinceS;
+    this.isByHand = typeof seenS === "number";
+    if (this.isByHand) this.sinceS = seenS;
   }
 
   set(visible) {
     this.visible = visible;
     this.spans = visible ? unpack(visible.spans, Int32Array) : new Int32Array(0);
+    this.periods = visible?.seen_s ? unpack(visible.seen_s, Float32Array) : new Float32Array(0);
+  }
+
+  // Whether it is known how long ago the light has changed in this recording.
+  get hasClock() {
+    return this.periods.length > 0;
+  }
+
+  get followsClock() {
+    return this.hasClock && !this.isByHand;
+  }
+
+  get isSimulated() {
+    return this.changeAt !== null || (this.followsClock && this.visible.is_simulated);
   }
 
   // What is kept by the page.
   get choice() {
-    return { picture: this.picture, blend: this.blend, seen_s: this.isDriver ? this.sinceS : null };
+    const seenS = this.followsClock ? CLOCK : this.sinceS;
+    return { picture: this.picture, blend: this.blend, seen_s: this.isDriver ? seenS : null };
   }
 
   get mode() {
@@ -46,11 +65,13 @@ class Look {
     return countUpTo(this.spans, row) % 2 === 1;
   }
 
-  // Seconds since the light has changed, at a time of the recording; null: the eyes are adapted.
-  seenAt(time) {
+  // Seconds since the light has changed, in a row that begins at this time; null: the eyes are adapted.
+  seenAt(row, time) {
     if (!this.isDriver) return null;
-    if (this.changeAt === null) return this.sinceS;
-    return time < this.changeAt ? null : time - this.changeAt;
+    if (this.changeAt !== null) return time < this.changeAt ? null : time - this.changeAt;
+    if (!this.followsClock) return this.sinceS;
+    const seconds = this.periods[row];
+    return seconds >= 0 ? seconds : null;
   }
 
   get nPanes() {

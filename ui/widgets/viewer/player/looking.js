@@ -7,10 +7,10 @@ class Looking extends Player {
   }
 
   changeLook(changes) {
-    const { sinceS, isDriver, changeAt } = this.look;
+    const { sinceS, isDriver, isByHand, changeAt } = this.look;
     Object.assign(this.look, changes);
     const isSeenOtherwise = this.look.sinceS !== sinceS || this.look.isDriver !== isDriver
-      || this.look.changeAt !== changeAt;
+      || this.look.isByHand !== isByHand || this.look.changeAt !== changeAt;
     if (isSeenOtherwise) this.resetVisible();
     this.showLook();
     this.showView();
@@ -39,6 +39,11 @@ class Looking extends Player {
     this.changeLook({ picture, isDriver: !this.look.isDriver });
   }
 
+  // The recording's own times, or those of the slider.
+  toggleByHand() {
+    this.changeLook({ isByHand: !this.look.isByHand });
+  }
+
   // The light changes, as it were, at this row, or no longer does.
   toggleTunnel() {
     const isOver = this.look.changeAt !== null;
@@ -49,7 +54,7 @@ class Looking extends Player {
     const { look, recording } = this;
     this.visible.reset((row) => {
       const query = new URLSearchParams({ v: this.sent.picture_version });
-      const seconds = look.seenAt(recording.times[row]);
+      const seconds = look.seenAt(row, recording.times[row]);
       if (seconds !== null) query.set("seen_s", seconds.toFixed(1));
       return `${this.addressOfVisible}/${row}.jpg?${query}`;
     });

@@ -25,6 +25,7 @@ class Viewer extends Looking {
       light: () => this.toggleLight(),
       look: (changes) => this.changeLook(changes),
       driver: () => this.toggleDriver(),
+      byHand: () => this.toggleByHand(),
       tunnel: () => this.toggleTunnel(),
       follow: () => this.toggleFollow(),
       large: () => this.dock.open(),
@@ -224,7 +225,7 @@ class Viewer extends Looking {
     this.visible.pin(visible ?? null);
     this.shown = { row, entry, visible, found };
     if (this.isReady(row)) this.root.dataset.picture = this.look.mode;
-    showClock(this.parts.sources, this.look, this.recording.times[row]);
+    showClock(this.parts.sources, this.look, row, this.recording.times[row]);
     this.isStale = false;
     this.root.dataset.shownRow = String(row);
     if (this.isSpokenEarly && row === this.row) this.speak();

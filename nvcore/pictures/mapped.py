@@ -1,0 +1,41 @@
+"""Pictures of another camera, cut to what the recording's own pictures show."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from nvcore.pictures.base import Picture, PictureReader
+
+
+class MappedPictures:
+    """Pictures in which boxes of the recording lie where their shares of its size say.
+
+    What the other camera does not show is black.
+    """
+
+    def __init__(
+        self,
+        pictures: PictureReader,
+        to_picture: tuple[float, float, float, float],
+        size: tuple[float, float],
+    ) -> None:
+        """Take the pictures.
+
+        Parameters
+        ----------
+        to_picture
+            (sx, sy, dx, dy): what is at (x, y) of the recording, px, is at (sx x + dx, sy y + dy)
+            of the pictures.
+        size
+            Width and height of the recording, px.
+        """
+        across, down, right, lower = to_picture
+        self._pictures = pictures
+        self._move = np.array([[1, 0, -right], [0, 1, -lower]], np.float64)
+        self._size = max(1, round(across * size[0])), max(1, round(down * size[1]))
+
+    def read(self, index: int) -> Picture:
+        """The picture of that index, cut; see `Pictures.read`."""
+        picture = self._pictures.read(index)
+        return np.asarray(cv2.warpAffine(picture, self._move, self._size))

@@ -1,0 +1,110 @@
+"""Driver page: which estimator of detectability, and what it is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+import streamlit as st
+
+from nvcore.driver.estimators.model_file import MAX_BYTES, SAMPLE_ESTIMATOR
+from nvcore.driver.features import FEATURES
+from nvcore.errors import NvcoreError
+from nvcore.wording import count_text, listed
+from ui.confined.driver import EstimatorFacts, EstimatorSpec, describe_estimator
+from ui.session import state
+from ui.shell.page_words import page_text
+from ui.widgets.models import ModelKind, draw_field, model_files
+from ui.widgets.text import docs_link, plain
+
+SAMPLE: Final = "sample"
+SIMULATED: Final = {
+    "no": "",
+    "some": " Part of the subjects were simulated.",
+    "all": " The subjects were **simulated**: this is no person's eye.",
+}
+LABELS: Final = {feature.key: feature.label for feature in FEATURES}
+
+
+def described(spec: EstimatorSpec) -> EstimatorFacts:
+    """What an estimator is.
+
+    Raises
+    ------
+    NvcoreError
+        If the file is none that can be used.
+    """
+    space = state.workspace()
+
+    def ask() -> EstimatorFacts:
+        what = "opening the estimator"
+        return space.detector_process.call(describe_estimator, spec, what=what)
+
+    return space.cached("estimator", spec, ask, most=8)
+
+
+def _check(path: Path) -> None:
+    described(EstimatorSpec(path, ""))
+
+
+KIND: Final = ModelKind("estimator", (".npz",), MAX_BYTES, _check)
+
+
+def draw() -> EstimatorSpec | None:
+    """The choice; None: there is none yet, or what was chosen cannot be used, and why is said."""
+    left, right = st.columns([3, 2], gap="large")
+    with right, st.expander("An estimator of your own"):
+        _draw_field()
+    options = _options()  # once more: the field may have taken one
+    with left:
+        if not options:
+            st.markdown("There is no estimator yet: send one, or train one on trials with people.")
+            return None
+        key = st.selectbox(
+            "Estimator",
+            list(options),
+            format_func=lambda option: options[option][0],
+            key=KIND.name,
+            persist_state="session",
+        )
+        spec = options[key][1]
+        try:
+            facts = described(spec)
+        except NvcoreError as error:
+            st.error(plain(page_text(error)), icon=":material/error:")
+            return None
+        _draw_facts(facts)
+    return spec
+
+
+def _options() -> dict[str, tuple[str, EstimatorSpec]]:
+    """What can be chosen: words, and which estimator that is."""
+    options = {
+        key: (file.name, EstimatorSpec(file.path, file.version))
+        for key, file in model_files(KIND).items()
+    }
+    if state.opened().session.folder == state.SAMPLE.parent:
+        words = "sample: trained on a simulated observer, not on people"
+        return {SAMPLE: (words, EstimatorSpec(SAMPLE_ESTIMATOR, SAMPLE)), **options}
+    return options
+
+
+def _draw_field() -> None:
+    draw_field(KIND, "Estimator (.npz, as nvcore driver train writes it)", shown=page_text)
+    st.caption(
+        "It stays on this server while the tab is open. How one is trained: by trials of the page "
+        f"Study ({docs_link('how', 'estimators', doc='driver')})."
+    )
+
+
+def _draw_facts(facts: EstimatorFacts) -> None:
+    """On what it was trained, what it looks at, by which digits it is known."""
+    origin = facts.origin
+    periods = ", ".join(f"{period:g}" for period in facts.periods_s)
+    st.caption(
+        f"Trained on {count_text(origin.n_trials, 'trial')} of "
+        f"{count_text(origin.n_subjects, 'subject')} with "
+        f"{count_text(origin.n_pedestrians, 'pedestrian')}.{SIMULATED.get(origin.simulated, '')} "
+        f"Features: {plain(listed([LABELS[key] for key in facts.features]))}. Adaptation periods: "
+        f"{periods} s. Fingerprint {facts.fingerprint[:12]}."
+    )

@@ -1,0 +1,236 @@
+"""Driver page: features and estimates of the open recordings, in the background."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import streamlit as st
+
+from nvcore.dataset import Dataset
+from nvcore.driver.writing import WrittenEstimates, write_estimates
+from nvcore.errors import NvcoreError
+from nvcore.inputs.driver.session import DriverTable
+from nvcore.inputs.session import Session
+from nvcore.progress import Progress
+from nvcore.wording import count_text
+from ui.confined.driver import EstimatorSpec, run_confined
+from ui.driver import estimator
+from ui.jobs.background import BackgroundJob, JobState, while_open
+from ui.jobs.progress import draw_job
+from ui.session import state
+from ui.session.opening import live_session, relative_path
+from ui.session.results.driver import RUN, OpenedRun, opened_run
+from ui.session.uploads import ANNOTATION_FOLDERS, remove_folder
+from ui.session.workspace import Workspace
+from ui.shell.messages import shown_error, without_paths
+from ui.widgets.text import docs_link, plain
+
+JOB: Final = "driver_run"
+FOLDER: Final = "driver"
+MODEL: Final = "estimator.npz"
+
+
+class EstimateJob(BackgroundJob[WrittenEstimates]):
+    """A run; its files go with it unless they were opened.
+
+    Attributes
+    ----------
+    spec
+        The estimator, copied to the files.
+    is_opened
+        Whether what it wrote is what the session has open.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        spec: EstimatorSpec,
+        work: Callable[[Progress], WrittenEstimates],
+        is_wanted: Callable[[], bool],
+    ):
+        """Start to run; see `BackgroundJob`. The files are in the folder."""
+        self.folder, self.spec, self.is_opened = folder, spec, False
+        super().__init__(work, is_wanted)
+
+    def _remove(self) -> None:
+        if not self.is_opened:
+            shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def draw() -> None:
+    """The estimator, the recordings, and the run; one that has ended becomes what is open."""
+    job: EstimateJob | None = state.workspace().job(JOB)
+    st.header("Features and estimate")
+    spec = estimator.draw()
+    chosen = _choose_recordings()
+    is_busy = job is not None and job.is_busy
+    interpolate = st.checkbox(
+        "Interpolate between the estimators of two periods",
+        key="driver_interpolate",
+        help="Else that of the nearest adaptation period is taken.",
+    )
+    if (
+        st.button(
+            "Estimate",
+            icon=":material/visibility:",
+            key="driver_estimate",
+            type="primary",
+            disabled=is_busy or spec is None or not chosen,
+        )
+        and spec is not None
+        and not is_busy
+        and chosen
+    ):  # a browser can be made to click what is disabled
+        _start(spec, chosen, interpolate=interpolate)
+        st.rerun()
+    if job is None:
+        st.caption(
+            "It looks at every pedestrian in every frame, and goes on while you look at other "
+            "pages. Then the comparison has whom the driver sees."
+        )
+        return
+    doing = "Looking at the pedestrians"
+    if draw_job(job, JOB, thing="estimate", doing=doing, with_steps=True) is JobState.DONE:
+        _open(job)
+
+
+def draw_notes() -> None:
+    """What the open estimates rest on, and the files; nothing where they come from elsewhere."""
+    known = opened_run()
+    if known is None:
+        return
+    head, *lines = str(known.run).splitlines()
+    with st.expander(f"How it was estimated: {plain(head)}"):
+        st.markdown("\n".join(f"- {plain(without_paths(line))}" for line in lines))
+        columns = st.columns(3)
+        for place, path in zip(columns, known.files, strict=False):
+            place.download_button(
+                path.name,
+                path.read_bytes,
+                path.name,
+                "application/json" if path.suffix == ".json" else "text/csv",
+                on_click="ignore",
+                icon=":material/download:",
+                key=f"download_{path.stem}",
+                width="stretch",
+            )
+        st.caption(f"What the columns mean: {docs_link('the files', 'the-files', doc='driver')}.")
+
+
+def _choose_recordings() -> tuple[str, ...]:
+    """Those with pictures; at first those with pictures of visible light, where there are any."""
+    space, names = state.workspace(), state.recording_names()
+    visible = [names[number] for number in sorted(space.visible.sources)]
+    usable = [
+        name
+        for number, name in enumerate(names)
+        if number in space.visible.sources or number in space.pictures
+    ]
+    chosen = st.multiselect(
+        "Recordings",
+        usable,
+        visible or usable,
+        key=f"driver_recordings_{space.n_opened}_{len(names)}",
+    )
+    own = [name for name in chosen if name not in visible]
+    text = f"{len(visible)} of {len(names)} recordings have pictures of visible light"
+    how = docs_link("in the session", "pictures", doc="driver")
+    if not usable:
+        st.caption(f"No recording has pictures. They are named {how}.")
+    elif own:
+        st.caption(
+            f"{text}; of {count_text(len(own), 'chosen one')} the own pictures are taken. Where "
+            f"these are grey, nothing is estimated ({how})."
+        )
+    else:
+        st.caption(f"{text} ({how}).")
+    return tuple(name for name in usable if name in chosen)
+
+
+def _start(spec: EstimatorSpec, names: Sequence[str], *, interpolate: bool) -> None:
+    space, opened = state.workspace(), state.opened()
+    x, y = state.systems()
+    session = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
+    dataset = opened.dataset.with_settings(session)
+    if set(names) != set(state.recording_names()):
+        dataset = dataset.only(names=names)
+    folder = _new_folder(space, session)
+    place = folder / ANNOTATION_FOLDERS
+    own = EstimatorSpec(place / MODEL, f"{folder.name} {spec.version}")
+    shutil.copyfile(spec.path, own.path)  # another may be sent meanwhile
+    space.put_job(JOB, start_job(space, own, dataset, folder, interpolate=interpolate))
+
+
+def start_job(
+    space: Workspace, spec: EstimatorSpec, dataset: Dataset, folder: Path, *, interpolate: bool
+) -> EstimateJob:
+    """Start; it ends with the session, and when the session opens something else."""
+
+    def work(progress: Progress) -> WrittenEstimates:
+        run = run_confined(dataset, spec, interpolate=interpolate, progress=progress)
+        return write_estimates(run, dataset, folder / ANNOTATION_FOLDERS)
+
+    return EstimateJob(folder, spec, work, while_open(space))
+
+
+def _new_folder(space: Workspace, session: Session) -> Path:
+    """Where the files go; those of earlier runs that are not open are removed.
+
+    Beside the other files of an upload, so that the session is exported as it.
+    """
+    space.drop_job(JOB)
+    base = session.folder if _is_upload(space, session) else space.folder
+    in_use = [session.folder / path for path in session.paths()]
+    for folder in base.glob(f"{FOLDER}-*"):
+        if not any(path.is_relative_to(folder) for path in in_use):
+            remove_folder(space, folder)
+    with space.lock:
+        space.n_received += 1
+        folder = base / f"{FOLDER}-{space.n_received}"
+    (folder / ANNOTATION_FOLDERS).mkdir(mode=0o700, parents=True)
+    return folder
+
+
+def _is_upload(space: Workspace, session: Session) -> bool:
+    return session.folder.is_relative_to(space.folder)
+
+
+def _open(job: EstimateJob) -> None:
+    """Go on with what is open, and the estimates as what is known of the driver."""
+    written, space, opened = job.output, state.workspace(), state.opened()
+    assert written is not None
+    x, y = state.systems()
+    live = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
+    session = with_estimates(live, written, is_upload=_is_upload(space, live))
+    named = session.driver.detectability
+    assert named is not None
+    files = (written.features, written.detectability, written.record)
+    job.is_opened = True
+    n_bytes = sum(path.stat().st_size for path in (*files, job.spec.path))
+    with space.lock:
+        space.used_bytes += n_bytes - space.upload_bytes.get(job.folder, 0)
+        space.upload_bytes[job.folder] = n_bytes
+    space.notes[RUN] = OpenedRun(named, written.run, job.spec, files)
+    try:
+        state.open_session(session, label=opened.label)
+    except NvcoreError as error:
+        job.is_opened = False
+        st.error(shown_error(error), icon=":material/error:")
+
+
+def with_estimates(session: Session, written: WrittenEstimates, *, is_upload: bool) -> Session:
+    """The session as it is shown, with the estimates.
+
+    Parameters
+    ----------
+    is_upload
+        Whether its files are uploads, and those of the run lie beside them: they are then named
+        from its folder.
+    """
+    paths = written.detectability, written.record
+    named = [relative_path(path, session.folder) if is_upload else str(path) for path in paths]
+    return replace(session, driver=DriverTable(*named))

@@ -1,0 +1,111 @@
+"""Driver page: a change of light that never was, at a time of the recording."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.errors import NvcoreError
+from nvcore.figures.over_time.similarity import end_of
+from nvcore.report.verdict.simulated import describe_change
+from ui.confined.driver import simulate
+from ui.session import state
+from ui.session.results.driver import OpenedRun, opened_run
+from ui.shell.messages import shown_error
+
+TUNNEL: Final = "driver_tunnel"
+TIME: Final = "driver_tunnel_s"
+MOST_KEPT: Final = 64
+
+
+class Change(NamedTuple):
+    """A simulated change of light: when, and what would be, row by row of the course."""
+
+    time_s: float
+    estimates: pd.DataFrame
+
+
+def forget() -> None:
+    """End the simulation: somebody else is shown."""
+    st.session_state[TUNNEL] = False
+
+
+def draw(result: Result, course: pd.DataFrame, features: pd.DataFrame | None) -> Change | None:
+    """The switch, the time, and what would be; None: nothing is simulated."""
+    known = opened_run()
+    left, right = st.columns([1, 2], vertical_alignment="center")
+    is_on = left.toggle(
+        "A tunnel ends here",
+        key=TUNNEL,
+        disabled=known is None or features is None,
+        on_change=_begin_here,
+        help="Simulates that it becomes dark at the frame that is shown, as where a lit tunnel "
+        "ends. The pictures stay what they are: only the time that the eyes have had to adapt is "
+        "another. Nothing of the session changes.",
+    )
+    if known is None or features is None:
+        right.caption(_missing(known))
+        return None
+    if not is_on:
+        right.caption("Simulates a change from bright to dark at the frame that is shown.")
+        return None
+    fps = float(result.dataset.frame_columns.fps[state.recording()])
+    with right:
+        change_s = st.slider(
+            "Dark from (s)",
+            0.0,
+            end_of(result, state.recording()),
+            step=1 / fps,
+            format="%.2f",
+            key=TIME,
+        )
+    try:
+        estimates = _estimates(known, course, features, fps, change_s)
+    except NvcoreError as error:
+        st.error(shown_error(error), icon=":material/error:")
+        return None
+    threshold = result.params.driver_threshold
+    text = describe_change(course, estimates, threshold=threshold, change_s=change_s)
+    st.info(state.words(text), icon=":material/dark_mode:")
+    return Change(change_s, estimates)
+
+
+def _begin_here() -> None:
+    """The change is at the frame that is shown, until the slider says another time."""
+    time_s = state.opened().dataset.frames["time_s"].to_numpy()[state.row_in_all()]
+    st.session_state[TIME] = float(time_s)
+
+
+def _missing(known: OpenedRun | None) -> str:
+    if known is None:
+        return (
+            "To simulate a change of light, features and an estimator are needed, and the session "
+            "has estimates alone: press *Estimate* below."
+        )
+    return "Features of this recording are not known: choose it below, and press *Estimate*."
+
+
+def _estimates(
+    known: OpenedRun, course: pd.DataFrame, features: pd.DataFrame, fps: float, change_s: float
+) -> pd.DataFrame:
+    """What would be, by the estimator of the run, in its confined process."""
+    space = state.workspace()
+    end_s = course["time_s"].to_numpy(np.float64) + 1 / fps
+
+    def ask() -> pd.DataFrame:
+        return space.detector_process.call(
+            simulate,
+            known.spec,
+            features,
+            end_s,
+            change_s,
+            known.run.is_interpolated,
+            what="simulating a change of light",
+        )
+
+    key = known.named, int(course["truth_row"].iloc[0]), change_s
+    return space.cached("driver_tunnel", key, ask, most=MOST_KEPT)

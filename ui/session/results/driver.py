@@ -1,0 +1,92 @@
+"""What the session has estimated of the driver's view, and what is known of the light."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import pandas as pd
+
+from nvcore.driver.clock import AdaptationClock
+from nvcore.driver.estimate import EstimateRun
+from nvcore.driver.run import RecordingFeatures
+from nvcore.errors import NvcoreError
+from ui.confined.driver import EstimatorSpec, clock_by_meter
+from ui.session import state
+from ui.session.opening import recording_entry
+
+RUN: Final = "driver_estimates"
+"""What the workspace remembers of the run whose estimates were opened."""
+MOST_CLOCKS: Final = 50
+
+
+class OpenedRun(NamedTuple):
+    """A run whose estimates were opened.
+
+    Attributes
+    ----------
+    named
+        How the session names the file of the estimates.
+    run
+        What came out.
+    spec
+        The estimator, as a file that stays as long as the estimates.
+    files
+        What was written for people: features, estimates and the record of how they were made.
+    """
+
+    named: str
+    run: EstimateRun
+    spec: EstimatorSpec
+    files: tuple[Path, ...]
+
+
+def opened_run() -> OpenedRun | None:
+    """The run that the open session's estimates come from; None: they come from elsewhere."""
+    run: OpenedRun | None = state.workspace().notes.get(RUN)
+    named = state.opened().session.driver.detectability
+    return run if run is not None and run.named == named else None
+
+
+def features_of(recording: int) -> pd.DataFrame | None:
+    """Features of the pedestrians of a recording (`FEATURE_COLUMNS`); None: not known."""
+    part = _part_of(recording)
+    return None if part is None else part.table
+
+
+def clock_of(recording: int) -> AdaptationClock | None:
+    """Light and adaptation in the frames of a recording; None: nothing is known of the light.
+
+    By the run of this session, else by the recording's light meter, by our defaults.
+    """
+    part = _part_of(recording)
+    if part is not None:
+        return part.clock
+    return state.cached("driver_clock", recording, lambda: _by_meter(recording), most=MOST_CLOCKS)
+
+
+def _part_of(recording: int) -> RecordingFeatures | None:
+    known = opened_run()
+    if known is None:
+        return None
+    name = _name_in_data(recording)
+    parts = known.run.features.recordings
+    return next((part for part in parts if part.name_in_data == name), None)
+
+
+def _name_in_data(recording: int) -> str:
+    names = state.recording_names()
+    return recording_entry(state.opened().session, names, names[recording]).name
+
+
+def _by_meter(recording: int) -> AdaptationClock | None:
+    session, names = state.opened().session, state.recording_names()
+    path = recording_entry(session, names, names[recording]).light
+    if path is None:
+        return None
+    frames = state.opened().dataset.frame_columns
+    numbers, fps = frames.frame[frames.rows_of(recording)], float(frames.fps[recording])
+    try:
+        return clock_by_meter(session.folder / path, numbers, fps)
+    except NvcoreError:  # said where estimates are made
+        return None

@@ -1,0 +1,92 @@
+"""The frame viewer with X and Y of a comparison, on whichever page."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.tables.boxes.states import gather_boxes
+from nvcore.tables.moments import next_misses
+from ui.session import drawing, state
+from ui.session.chosen import choose_encounter, chosen_encounter
+from ui.session.drawing import cost_map_of, viewer_arguments
+from ui.session.look import Look, VisiblePictures, keep_look, look
+from ui.widgets.viewer import ListedBox, settled_in, viewer
+
+
+def settled(key: str) -> int:
+    """Row within the recording that the viewer has settled on, also before it is drawn."""
+    recording = state.recording()
+    n_rows = len(state.frame_numbers(recording))
+    if not n_rows:
+        return 0
+    return settled_in(key, recording=recording, n_rows=n_rows, seek=(state.row(), state.seek()))
+
+
+def draw(
+    result: Result,
+    key: str,
+    *,
+    height_px: int,
+    listed: ListedBox | None = None,
+    seen: Look | None = None,
+    visible: VisiblePictures | None = None,
+    encounter: int | None = None,
+) -> None:
+    """The viewer, at the current recording and frame.
+
+    Parameters
+    ----------
+    listed
+        As of `viewer`.
+    seen
+        How the pictures are seen at first; None: as chosen in this browser session.
+    visible
+        In place of what the recording has.
+    encounter
+        Whose pedestrian is marked; None: that of the chosen one.
+    """
+    recording = state.recording()
+    rows = result.dataset.frame_columns.rows_of(recording)
+    lo, hi = drawing.stretch()
+    arguments = viewer_arguments(result, recording)
+    if visible is not None:
+        arguments["visible"] = visible
+    viewer(
+        **arguments,
+        traces={letter: system.similarity[rows] for letter, system in result.sides},
+        low=result.params.low,
+        intervals=[_spans(system.intervals, recording, rows.start) for _, system in result.sides],
+        misses=next_misses(result, recording),
+        names=[system.name for _, system in result.sides],
+        seek=(state.row(), state.seek()),
+        lo=lo,
+        hi=hi,
+        cost=cost_map_of(recording),
+        chosen=_track_of(result, recording, encounter),
+        on_choose=partial(choose_encounter, result),
+        listed=listed,
+        look=look() if seen is None else seen,
+        on_look=keep_look,
+        height_px=height_px,
+        key=key,
+    )
+
+
+def _track_of(result: Result, recording: int, encounter: int | None) -> int | None:
+    """Track of the pedestrian, as the boxes say it, in the recording that is shown."""
+    encounter = chosen_encounter(result) if encounter is None else encounter
+    if encounter is None or result.encounters.recording[encounter] != recording:
+        return None
+    row = int(result.encounters.first_row[encounter])
+    rows = result.dataset.truth.rows_of(row, row + 1)
+    is_chosen = result.encounters.encounter_of[rows] == encounter
+    return int(gather_boxes(result, row, row + 1).truth.track[is_chosen][0])
+
+
+def _spans(intervals: pd.DataFrame, recording: int, first: int) -> np.ndarray:
+    mine = intervals[intervals["recording"].to_numpy() == recording]
+    return np.column_stack([mine["first_row"] - first, mine["last_row"] - first + 1])

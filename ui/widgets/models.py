@@ -1,0 +1,158 @@
+"""Files of models that a page may take: one that was sent, and those below the local folder."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import streamlit as st
+from streamlit.runtime.uploaded_file_manager import UploadedFile
+
+from nvcore.errors import InputError, NvcoreError
+from ui.session import state
+from ui.session.local_files import LocalRoot, local_root
+from ui.session.uploads import remove_model, store_model
+from ui.widgets.text import plain
+
+MOST_FOLDERS: Final = 200
+MOST_MODELS: Final = 500
+
+
+@dataclass(frozen=True)
+class ModelKind:
+    """Which files a page takes.
+
+    Attributes
+    ----------
+    name
+        Begins the keys of its widgets; the choice of the model has it as its key.
+    endings
+        What the files below the local folder end with.
+    max_bytes
+        Size of a file that is sent.
+    check
+        Raises `NvcoreError` where a file that was sent, called so, may not be used.
+    """
+
+    name: str
+    endings: tuple[str, ...]
+    max_bytes: int
+    check: Callable[[Path], object]
+
+    @property
+    def field(self) -> str:
+        """Key of the field for a file."""
+        return f"{self.name}_file"
+
+    @property
+    def sent(self) -> str:
+        """What the workspace remembers the model by that was sent."""
+        return f"{self.name}_sent"
+
+
+class ModelFile(NamedTuple):
+    """A file of a model: where it lies, what it is called, and of which content it is."""
+
+    path: Path
+    name: str
+    version: str
+
+
+def draw_field(kind: ModelKind, label: str, *, shown: Callable[[NvcoreError], str]) -> None:
+    """The field for a file; what was sent stays until another is, and is chosen.
+
+    Parameters
+    ----------
+    shown
+        An error as the page says it, not yet plain.
+    """
+    seen, trouble = f"{kind.field}_seen", f"{kind.field}_trouble"
+    file = st.file_uploader(
+        label, type=["npz"], max_upload_size=kind.max_bytes >> 20, key=kind.field
+    )
+    if file is not None and st.session_state.get(seen) != file.file_id:
+        st.session_state[seen] = file.file_id
+        st.session_state[trouble] = _take(kind, file, shown)
+    if file is not None and (text := st.session_state.get(trouble, "")):
+        st.error(plain(text), icon=":material/error:")
+
+
+def model_files(kind: ModelKind) -> dict[str, ModelFile]:
+    """The files that may be chosen, by the value of the choice; one that was sent first."""
+    files: dict[str, ModelFile] = {}
+    sent: ModelFile | None = state.workspace().notes.get(kind.sent)
+    if sent is not None:
+        files[f"sent {sent.version}"] = sent._replace(name=f"{sent.name}, as sent")
+    try:
+        root = local_root()
+    except NvcoreError:  # said on the Data page
+        return files
+    for path in [] if root is None else models_below(root, kind.endings):
+        assert root is not None
+        place = root.find(path)
+        status = place.stat()
+        version = f"{status.st_mtime_ns} {status.st_size}"
+        files[f"local {path}"] = ModelFile(place, path, version)
+    return files
+
+
+def is_sent(key: str) -> bool:
+    """Whether a key of `model_files` is that of the file that was sent."""
+    return key.startswith("sent ")
+
+
+def models_below(root: LocalRoot, endings: tuple[str, ...]) -> list[str]:
+    """Paths of the files below the local folder that are called like models."""
+    folders = [""]
+    models: list[str] = []
+    for number, folder in enumerate(folders):  # grows meanwhile
+        if number >= MOST_FOLDERS or len(models) >= MOST_MODELS:
+            break
+        try:
+            entries = root.entries(folder)
+        except NvcoreError:  # it may not be looked into
+            continue
+        folders += [entry.path for entry in entries if entry.is_folder]
+        models += [
+            entry.path
+            for entry in entries
+            if not entry.is_folder and entry.path.lower().endswith(endings)
+        ]
+    return models[:MOST_MODELS]
+
+
+def _take(kind: ModelKind, file: UploadedFile, shown: Callable[[NvcoreError], str]) -> str:
+    """Store the model and choose it; why that cannot be done, empty: it is done."""
+    notes = state.workspace().notes
+    notes.pop(kind.sent, None)
+    st.session_state.pop(kind.name, None)
+    try:
+        notes[kind.sent] = model = _stored(kind, file)
+    except NvcoreError as error:
+        return shown(error)
+    st.session_state[kind.name] = f"sent {model.version}"
+    return ""
+
+
+def _stored(kind: ModelKind, file: UploadedFile) -> ModelFile:
+    """The model on disk.
+
+    Raises
+    ------
+    NvcoreError
+        If it is too large, no model that may be sent, or there is no room.
+    """
+    content = file.getbuffer()
+    if len(content) > kind.max_bytes:
+        raise InputError(f"a model has at most {kind.max_bytes >> 20} MiB", file=file.name)
+    space = state.workspace()
+    path = store_model(space, file, kind.name)
+    try:
+        kind.check(path)
+    except NvcoreError:
+        remove_model(space, kind.name)
+        raise
+    return ModelFile(path, path.name, hashlib.sha256(content).hexdigest()[:12])
