@@ -6,6 +6,8 @@ from typing import Final
 
 import streamlit as st
 
+from ui.session import state
+
 COMMANDS: Final = """nvcore driver train trials.csv --features study.csv --out driver.npz
 nvcore driver estimate session.toml --model driver.npz --out seen
 nvcore app seen/session.toml"""
@@ -13,10 +15,13 @@ nvcore app seen/session.toml"""
 
 def draw() -> None:
     """What is missing."""
-    st.info(
+    text = (
         "How detectable pedestrians are is not known here: the ground truth has no column "
         "`detectability`, and the session names no estimates (`detectability` under `[driver]`). "
-        "An estimator, trained on trials with people, estimates it from pictures of visible light.",
+        "An estimator, trained on trials with people, estimates it from pictures of visible light."
+    )
+    st.info(
+        state.words(text),
         icon=":material/visibility_off:",
     )
 

@@ -46,7 +46,7 @@ def draw(
         return
     at = int(here[0])
     estimate = course.iloc[at]
-    rows = [("Drivers who see him", _share(estimate))]
+    rows = [(state.words("Drivers who see the pedestrian"), _share(estimate))]
     would = None if simulated is None else simulated.iloc[at]
     if would is not None:
         rows.append(("the same, simulated", _share(would)))
