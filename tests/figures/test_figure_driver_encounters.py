@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from nvcore.driver.clock import adaptation_clock, with_change
+from nvcore.driver.clock import adaptation_clock, unknown_clock, with_change
 from nvcore.driver.illumination import Light, LightSource
 from nvcore.figures import detectability_course_plot, driver_venn_plot
 from nvcore.metrics.driver import DriverVenn
@@ -85,3 +85,10 @@ def test_light_and_clock_stand_below_the_course_with_changes_marked(theme, sourc
     assert ("by the light meter" in figure.layout.title.text) == is_meter
     assert ("a stand-in" in figure.layout.title.text) != is_meter
     assert len(dotted) == len(clock.change_s)
+
+
+def test_where_nothing_is_known_of_the_light_a_simulated_change_is_drawn_all_the_same():
+    clock = with_change(unknown_clock(np.arange(20), 10), 10, 0.55)
+    figure = detectability_course_plot(COURSE, threshold=0.5, theme="light", clock=clock)
+    assert "nothing is known of the light" in figure.layout.title.text
+    assert 0.55 in [shape.x0 for shape in figure.layout.shapes]

@@ -24,6 +24,7 @@ from nvcore.driver.estimators import Estimator, fingerprint, read_estimator
 from nvcore.driver.estimators.model import Origin
 from nvcore.driver.illumination import read_light
 from nvcore.driver.run import run_features
+from nvcore.driver.settings import settings_from
 from nvcore.driver.simulation import simulate_change
 from nvcore.errors import InputError
 from nvcore.progress import Progress
@@ -137,7 +138,8 @@ class _Run:
     def _run(self, dataset: Dataset, spec: EstimatorSpec, interpolate: bool) -> EstimateRun:
         estimator = read_estimator(spec.path)
         n_threads = max(1, (os.cpu_count() or 1) // SHARE_OF_CORES)
-        features = run_features(dataset, n_threads=n_threads, progress=self._progress)
+        settings = settings_from({}, features=estimator.feature_settings)
+        features = run_features(dataset, settings, n_threads=n_threads, progress=self._progress)
         return run_estimate(features, estimator, interpolate=interpolate)
 
     def _progress(self, share: float, step: str) -> None:

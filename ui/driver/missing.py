@@ -15,13 +15,13 @@ nvcore app seen/session.toml"""
 
 def draw() -> None:
     """What is missing."""
+    text = (
+        "How detectable pedestrians are is not known here: the ground truth has no column "
+        "`detectability`, and the session names no estimates (`detectability` under `[driver]`). "
+        "An estimator, trained on trials with people, estimates it from pictures of visible light."
+    )
     st.info(
-        state.words(
-            "How detectable pedestrians are is not known here: the ground truth has no column "
-            "`detectability`, and the session names no estimates (`detectability` under "
-            "`[driver]`). An estimator, trained on trials with people, estimates it from pictures "
-            "of visible light."
-        ),
+        state.words(text),
         icon=":material/visibility_off:",
     )
 

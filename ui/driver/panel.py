@@ -46,12 +46,12 @@ def draw(
         return
     at = int(here[0])
     estimate = course.iloc[at]
-    rows = [("Drivers who see him", _share(estimate))]
+    rows = [("Detectability", _share(estimate))]
     would = None if simulated is None else simulated.iloc[at]
     if would is not None:
         rows.append(("the same, simulated", _share(would)))
     is_simulated = would is not None and bool(would["is_simulated"])
-    rows.append(("Since the change of light", _since(clock, is_simulated=is_simulated)))
+    rows.append(("Since the change", _since(clock, is_simulated=is_simulated)))
     st.html(_table(rows))
     if estimate["is_outside"] or (would is not None and would["is_outside"]):
         st.warning(state.words(OUTSIDE), icon=":material/warning:")

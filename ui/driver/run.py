@@ -88,12 +88,10 @@ def draw() -> None:
         _start(spec, chosen, interpolate=interpolate)
         st.rerun()
     if job is None:
-        st.caption(
-            "It looks at every pedestrian in every frame, and goes on while you look at other "
-            "pages. Then the comparison has whom the driver sees."
-        )
+        text = "It looks at every pedestrian in every frame, and goes on while you look at other"
+        st.caption(state.words(f"{text} pages. The comparison is then made anew."))
         return
-    doing = "Looking at the pedestrians"
+    doing = "Looking at the pictures"
     if draw_job(job, JOB, thing="estimate", doing=doing, with_steps=True) is JobState.DONE:
         _open(job)
 

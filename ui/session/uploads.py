@@ -4,7 +4,7 @@
     FOLDER/pictures/images/           single pictures
     FOLDER/upload-N/SLOT/annotations/data/
                                       ground truth and detections of the N-th form sent
-    FOLDER/KIND-model-N/model/annotations/data/
+    FOLDER/model-KIND-N/model/annotations/data/
                                       a model, such as that of a detector
 
 Names from a browser are never joined as they come. A safe base name is kept, since recordings
@@ -259,7 +259,7 @@ def store_model(space: Workspace, file: SentFile, kind: str) -> Path:
     remove_model(space, kind)
     with space.lock:
         space.n_received += 1
-        folder = space.folder / f"{kind}-model-{space.n_received}"
+        folder = space.folder / f"model-{kind}-{space.n_received}"
     folder.mkdir(mode=0o700)
     (path,) = store_annotations(space, folder, "model", [file])
     return folder / path
@@ -267,7 +267,7 @@ def store_model(space: Workspace, file: SentFile, kind: str) -> Path:
 
 def remove_model(space: Workspace, kind: str) -> None:
     """Remove the model of a kind that was sent, if there is one."""
-    for folder in space.folder.glob(f"{kind}-model-*"):
+    for folder in space.folder.glob(f"model-{kind}-*"):
         remove_folder(space, folder)
 
 

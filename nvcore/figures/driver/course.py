@@ -32,6 +32,7 @@ SIMULATED: Final[dict[Shade, str]] = {"light": "#8E3A8A", "dark": "#D68FD0"}
 """Neither X's nor Y's colour, nor the truth's."""
 STAND_IN: Final = "light by the pictures' mean luminance, a stand-in"
 BY_METER: Final = "light by the light meter"
+UNKNOWN: Final = "nothing is known of the light"
 
 
 def detectability_course_plot(
@@ -72,7 +73,7 @@ def detectability_course_plot(
     if clock is not None:
         traces += _light(clock, span, theme)
         more = _lower_axes(clock, theme)
-        subtitle += f"; {BY_METER if clock.source is LightSource.METER else STAND_IN}"
+        subtitle += f"; {_light_words(clock)}"
     title = "share of drivers who see him"
     figure = draw(
         traces,
@@ -175,6 +176,12 @@ def _light(clock: AdaptationClock, span: list[float], theme: Theme) -> list[Any]
             )
         )
     return lines
+
+
+def _light_words(clock: AdaptationClock) -> str:
+    if np.isnan(clock.level).all():
+        return UNKNOWN
+    return BY_METER if clock.source is LightSource.METER else STAND_IN
 
 
 def _lower_axes(clock: AdaptationClock, theme: Theme) -> dict[str, Any]:

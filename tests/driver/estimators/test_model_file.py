@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from nvcore.driver.estimators import Training, fingerprint, read_estimator, write_estimator
-from nvcore.driver.estimators.model_file import from_bytes, to_bytes
+from nvcore.driver.estimators.model_file import SAMPLE_ESTIMATOR, from_bytes, to_bytes
 from nvcore.driver.features import FeatureSettings
 from nvcore.errors import EstimatorError
 
@@ -156,3 +156,11 @@ def test_a_cut_model_is_refused(training: Training):
 def test_a_file_that_is_not_there_is_named(tmp_path: Path):
     with pytest.raises(EstimatorError, match=r"gone\.npz: cannot be opened"):
         read_estimator(tmp_path / "gone.npz")
+
+
+def test_the_samples_estimator_says_that_its_observer_is_simulated():
+    estimator = read_estimator(SAMPLE_ESTIMATOR)
+    assert (estimator.origin.simulated, estimator.origin.n_pedestrians) == ("all", 51)
+    assert estimator.periods_s.tolist() == [0.5, 1.5, 3.0, 4.5, 6.0, 7.5]
+    for quality in estimator.qualities[:-1]:
+        assert quality.error < quality.constant_error

@@ -138,7 +138,7 @@ def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(visi
     page = estimated(sent(visible))
     page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
     assert "Pedestrian 1 of drive" in [item.value for item in page.header]
-    assert re.search(r"Drivers who see him\s+0\.80 ± 0\.10", panel(page))
+    assert re.search(r"Detectability\s+0\.80 ± 0\.10", panel(page))
     assert re.search(r"Luminance contrast\s+80\.0 grey levels", panel(page))
     assert "eyes adapted" in panel(page)
     page = checked(page.toggle(key="driver_tunnel").set_value(True).run())
