@@ -26,14 +26,19 @@ from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import read_session
 from nvcore.pictures import Picture, RecordingPictures, session_pictures
 
-LOCK = threading.Lock()
+LOCK = threading.Condition()
+PATIENCE_S = 60.0
 
 
 @dataclass
 class Numbers:
-    """Finds as many boxes as the number in the picture says, up to 3; slower for odd ones."""
+    """Finds as many boxes as the number in the picture says, up to 3; slower for odd ones.
+
+    The first pictures wait until as many are looked at at once as `together` says.
+    """
 
     about: About = field(default_factory=lambda: About("test", "Numbers", ("sign",), {}, "f"))
+    together: int = 1
     delay_s: float = 0.0
     n_now: int = 0
     most_at_once: int = 0
@@ -45,6 +50,8 @@ class Numbers:
             self.n_now += 1
             self.most_at_once = max(self.most_at_once, self.n_now)
             self.seen.append(number)
+            LOCK.notify_all()
+            LOCK.wait_for(lambda: self.most_at_once >= self.together, PATIENCE_S)
         time.sleep(self.delay_s * (1 + number % 2))
         with LOCK:
             self.n_now -= 1
@@ -78,7 +85,7 @@ def opened(place: Path) -> tuple[Dataset, RecordingPictures]:
 
 @pytest.mark.parametrize("n_threads", [1, 3])
 def test_every_frame_with_a_picture_is_run_in_order(place: Path, n_threads: int):
-    detector = Numbers(delay_s=0.002)
+    detector = Numbers(together=n_threads)
     run = run_detector(detector, *opened(place), n_threads=n_threads)
     night, day = run.recordings
     assert (night.name, day.name) == ("night", "day")

@@ -279,7 +279,7 @@ def test_a_class_is_listed_counted_and_kept_in_the_address():
 
 def test_filters_and_the_selection_hold_when_recordings_are_chosen_by_tag():
     page = opened(only="rural_road,urban_crossing", encounter="rural_road:4")
-    page.session_state["workspace"].opened = tagged(page, "rural_road")
+    page.session_state["workspace"].look_at(tagged(page, "rural_road"))
     checked(page.run())
     assert set(listed(page)["recording"]) == {"rural_road"}
     assert only(page, "only") == "rural_road"

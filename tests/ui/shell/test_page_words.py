@@ -11,7 +11,8 @@ from places import ROOT
 from ui.shell.page_words import page_text
 
 ROOMS = ("auditing", "inputs", "metrics", "detection", "pictures")
-COMMANDS_ONLY = ("conversion.py", "writers.py")
+COMMANDS_ONLY = ("conversion.py", "writers")
+"""Files and folders."""
 FLAG = re.compile(r"(?<![\w-])--[a-z]")
 
 
@@ -20,7 +21,7 @@ def messages() -> list[tuple[str, str]]:
     texts = []
     for room in ROOMS:
         for path in sorted((ROOT / "nvcore" / room).rglob("*.py")):
-            if path.name in COMMANDS_ONLY:
+            if {path.name, path.parent.name} & {*COMMANDS_ONLY}:
                 continue
             tree = ast.parse(path.read_text(encoding="utf-8"))
             docs = {
