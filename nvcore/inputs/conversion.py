@@ -209,7 +209,12 @@ def _lost(lost: LostFrames, to: str, frames_out: Path | None) -> list[str]:
     if lost.is_same:
         return []
     advice = "; write the list too, with --frames-out PATH" if frames_out is None else ""
+    why = (
+        f"{lost.n_empty} of {lost.n_frames} evaluated frames have no box"
+        if lost.n_empty
+        else f"the {lost.n_frames} evaluated frames do not follow one another"
+    )
     return [
-        f"{lost.n_empty} of {lost.n_frames} evaluated frames have no box, and {to} cannot list "
-        f"frames: read back by itself, {lost.n_again} frames are evaluated{advice}"
+        f"{why}, and {to} cannot list frames: read back by itself, {lost.n_again} frames are "
+        f"evaluated{advice}"
     ]

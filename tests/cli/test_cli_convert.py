@@ -173,6 +173,14 @@ def test_frames_that_the_format_cannot_list_are_counted(tmp_path: Path, to: str)
     assert "by itself, 3 frames are evaluated; write the list too, with --frames-out" in text
 
 
+def test_single_frames_that_come_back_with_those_between_are_counted(tmp_path: Path):
+    scenes = write(tmp_path / "gt.txt", "00003.ppm;1;2;9;9;1\n00009.ppm;1;2;9;9;2\n")
+    write(tmp_path / "scenes.txt", "00003.ppm\n00009.ppm\n")
+    text = convert(scenes, tmp_path / "a.csv", "csv", "--objects", "speed sign")
+    assert "the 2 evaluated frames do not follow one another, and csv cannot list frames" in text
+    assert "by itself, 7 frames are evaluated" in text
+
+
 def test_frames_that_would_be_told_again_need_no_warning(tmp_path: Path):
     text = convert(drive(tmp_path) / "truth.csv", tmp_path / "a", "mot")
     assert "warning" not in text.replace("frame 1", "")
