@@ -196,8 +196,8 @@ def estimate_driver(
     source, settings, only, tags, size, fps, frames, n_threads, progress
         As of `driver_features`.
     model
-        An estimator that ``nvcore driver train`` wrote. The settings of its features are taken
-        where they are not given.
+        An estimator that ``nvcore driver train`` wrote, or ``sample``: that of the sample's
+        simulated observer. The settings of its features are taken where they are not given.
     out
         Folder for ``detectability.csv``, ``features.csv``, ``driver.json`` and ``session.toml``:
         the session with the estimates, which `compare` takes.
@@ -252,15 +252,16 @@ def estimate_job(
     """
     with needs("driver", "estimates of what the driver sees need"):
         from nvcore.driver.estimate import check_settings, run_estimate
-        from nvcore.driver.estimators import read_estimator
+        from nvcore.driver.estimators import estimator_path, read_estimator
         from nvcore.driver.run import run_features
         from nvcore.driver.settings import settings_from
         from nvcore.driver.writing import ESTIMATE_OUTPUTS, write_estimates
 
-    folder, estimator = Path(out), read_estimator(Path(model))
+    folder, path = Path(out), estimator_path(model)
+    estimator = read_estimator(path)
     values = settings_from(settings or {}, features=estimator.feature_settings)
     check_settings(values.features, estimator)
-    files = [*inputs, Path(model)]
+    files = [*inputs, path]
     dataset = _dataset_to_run(source, folder, ESTIMATE_OUTPUTS, part, files, loading)
 
     def run(progress: Progress) -> WrittenEstimates:

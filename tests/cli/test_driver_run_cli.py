@@ -131,6 +131,14 @@ def test_inputs_are_never_replaced(tmp_path: Path):
     assert boxes.read_text().startswith(IMAGES_HEAD)
 
 
+def test_the_estimator_of_the_sample_has_a_name(tmp_path: Path):
+    flags = ("--only", "rural_child", "--frames", "100:101", "--out", tmp_path / "seen")
+    result = nvcore("driver", "estimate", SAMPLE, "--model", "sample", *flags)
+    assert result.exit_code == 0, result.output
+    assert "simulated observer" in result.stdout
+    assert (tmp_path / "seen" / "detectability.csv").is_file()
+
+
 def test_a_model_that_is_none_is_refused_before_pictures_are_read(tmp_path: Path):
     (tmp_path / "driver.npz").write_text("no model")
     flags = ("--model", tmp_path / "driver.npz", "--out", tmp_path / "out")

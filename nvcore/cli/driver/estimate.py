@@ -40,7 +40,8 @@ from nvcore.wording import one_line
     required=True,
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE",
-    help="An estimator that nvcore driver train wrote (.npz).",
+    help="An estimator that nvcore driver train wrote (.npz), or sample: that of the sample's "
+    "simulated observer.",
 )
 @grouped_option(
     INPUTS,

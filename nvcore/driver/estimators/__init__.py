@@ -1,7 +1,12 @@
 """Estimators of detectability: one for each adaptation period, and one for all."""
 
 from nvcore.driver.estimators.model import Estimates, Estimator, Origin, Quality, Regression
-from nvcore.driver.estimators.model_file import fingerprint, read_estimator, write_estimator
+from nvcore.driver.estimators.model_file import (
+    estimator_path,
+    fingerprint,
+    read_estimator,
+    write_estimator,
+)
 from nvcore.driver.estimators.search import QUICK, Search
 from nvcore.driver.estimators.training import Training, train_estimator
 
@@ -14,6 +19,7 @@ __all__ = [
     "Regression",
     "Search",
     "Training",
+    "estimator_path",
     "fingerprint",
     "read_estimator",
     "train_estimator",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
+from os import PathLike, fspath
 from pathlib import Path
 from typing import Any, Final
 
@@ -33,6 +34,8 @@ MAX_BYTES: Final = 1 << 24
 LONGEST_NAME: Final = 200
 SAMPLE_ESTIMATOR: Final = Path(__file__).parents[1] / "models" / "sample.npz"
 """Of the sample's simulated observer; written by scripts/train_sample_driver.py."""
+SAMPLE_NAME: Final = "sample"
+"""What that one is called where a file is asked for."""
 _WHAT: Final = "an estimator of nvcore"
 _MOST: Final = {"periods": 1000, "regressions": 1001, "vectors": 200_000}
 _ARRAYS: Final[Kinds] = {
@@ -82,6 +85,11 @@ def write_estimator(estimator: Estimator, path: Path) -> None:
         If it cannot be written.
     """
     write_whole(path, to_bytes(estimator))
+
+
+def estimator_path(model: str | PathLike[str]) -> Path:
+    """Where an estimator lies: at its path, or with the package if it is called ``sample``."""
+    return SAMPLE_ESTIMATOR if fspath(model) == SAMPLE_NAME else Path(model)
 
 
 def read_estimator(path: Path) -> Estimator:
