@@ -148,7 +148,7 @@ async def receive(
     """
     assert slot in SLOTS
     if n_bytes is not None:
-        _check_room(space, n_bytes, so_far=0)
+        check_room(space, n_bytes)
     folder = space.folder / PICTURES
     part = _PartialFile(space, folder)
     try:
@@ -195,7 +195,7 @@ class _PartialFile:
                 )
             (self._path.parent / "images").mkdir(parents=True, exist_ok=True)
             self._file = self._path.open("xb")
-        _check_room(self.space, len(chunk), so_far=self.n_bytes)
+        check_room(self.space, len(chunk), so_far=self.n_bytes)
         self._file.write(chunk)
         self.n_bytes += len(chunk)
         with self.space.lock:
@@ -278,6 +278,22 @@ def remove_folder(space: Workspace, folder: Path) -> None:
         space.used_bytes -= space.upload_bytes.pop(folder, 0)
 
 
+def count_folder(space: Workspace, folder: Path) -> None:
+    """Count what a run has written into a folder of the session, until `remove_folder`.
+
+    Raises
+    ------
+    UploadError
+        If there is no room for it.
+    """
+    n_bytes = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+    n_more = n_bytes - space.upload_bytes.get(folder, 0)
+    check_room(space, n_more)
+    with space.lock:
+        space.used_bytes += n_more
+        space.upload_bytes[folder] = n_bytes
+
+
 def store_annotations(
     space: Workspace, folder: Path, slot: str, files: Sequence[SentFile]
 ) -> tuple[str, ...]:
@@ -299,7 +315,7 @@ def store_annotations(
     for file in files:
         content = file.getbuffer()
         try:
-            _check_room(space, len(content), so_far=0)
+            check_room(space, len(content))
         except UploadError as error:
             raise UploadError(f"{safe_name(file.name)}: {error}", error.status) from error
         name = free_name(safe_name(file.name), (path.name for path in target.iterdir()))
@@ -352,7 +368,14 @@ def _room(space: Workspace) -> int:
     return max(min(MAX_SESSION_BYTES - space.used_bytes, on_disk, of_all), 0)
 
 
-def _check_room(space: Workspace, n_bytes: int, *, so_far: int) -> None:
+def check_room(space: Workspace, n_bytes: int, *, so_far: int = 0) -> None:
+    """Raise UploadError where the session cannot take so many bytes more.
+
+    Parameters
+    ----------
+    so_far
+        What of the same file is counted already.
+    """
     if so_far + n_bytes > MAX_FILE_BYTES:
         raise UploadError(
             f"The file is larger than {MAX_FILE_BYTES / 2**30:g} GiB; send the recordings one by "

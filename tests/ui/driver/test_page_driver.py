@@ -9,10 +9,12 @@ import pytest
 import small_estimator
 
 from nvcore.driver.writing import WrittenEstimates
+from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source
 from nvcore.schema import DriverRegion
 from pages import FRAMES, alone, begin_with, checked, texts, write
 from ui.driver.run import with_estimates
+from ui.session import state, uploads
 
 
 def rows(x: int, detectability: float) -> str:
@@ -108,6 +110,44 @@ def test_a_run_that_is_cancelled_leaves_all_as_it_was(visible):
     job.join()
     assert not [*space.folder.glob("driver-*/annotations")]
     assert space.opened.session.driver.detectability is None
+
+
+def test_estimates_that_cannot_be_opened_leave_nothing_and_are_not_tried_again(
+    visible, monkeypatch: pytest.MonkeyPatch
+):
+    def refuse(*_: object, **__: object) -> None:
+        raise InputError("it cannot be opened")
+
+    page = sent(visible)
+    space = page.session_state["workspace"]
+    used = space.used_bytes
+    page = checked(page.button(key="driver_estimate").click().run())
+    assert space.used_bytes > used  # the estimator was copied
+    space.job("driver_run").join()
+    monkeypatch.setattr(state, "open_session", refuse)
+    assert "it cannot be opened" in texts(checked(page.run()))
+    assert (space.used_bytes, space.job("driver_run")) == (used, None)
+    assert not [*space.folder.glob("driver-*")]
+    assert "it cannot be opened" not in texts(checked(page.run()))
+
+
+@pytest.mark.parametrize(
+    ("trouble", "words"), [("gone", "cannot be copied"), ("full", "A session takes")]
+)
+def test_an_estimator_that_cannot_be_copied_is_said(
+    visible, monkeypatch: pytest.MonkeyPatch, trouble: str, words: str
+):
+    page = sent(visible)
+    space = page.session_state["workspace"]
+    used = space.used_bytes
+    if trouble == "gone":
+        next(space.folder.rglob("small.npz")).unlink()
+    else:
+        monkeypatch.setattr(uploads, "MAX_SESSION_BYTES", used)
+    page = checked(page.button(key="driver_estimate").click().run())
+    assert words in texts(page)
+    assert (space.used_bytes, space.job("driver_run")) == (used, None)
+    assert not [*space.folder.glob("driver-*")]
 
 
 def test_files_of_an_upload_are_named_from_its_folder(tmp_path: Path):
