@@ -16,7 +16,7 @@ from __future__ import annotations
 import re
 import shutil
 import unicodedata
-from collections.abc import AsyncIterable, Iterable, Sequence
+from collections.abc import AsyncIterable, Callable, Iterable, Sequence
 from http import HTTPStatus
 from pathlib import Path, PurePosixPath
 from typing import IO, Final, Protocol
@@ -47,7 +47,6 @@ HEAD_BYTES: Final = 400
 
 # the readers name no recording after these folders (nvcore.inputs.readers.meaning.names)
 ANNOTATION_FOLDERS: Final = PurePosixPath("annotations", "data")
-
 
 _MAGIC: Final[tuple[tuple[int, bytes, Kind], ...]] = (
     (0, b"\x89PNG\r\n\x1a\n", "image"),
@@ -248,27 +247,30 @@ def new_upload(space: Workspace) -> Path:
     return folder
 
 
-def store_model(space: Workspace, file: SentFile, kind: str) -> Path:
+def store_model(
+    space: Workspace, file: SentFile, kind: str, check: Callable[[Path], object]
+) -> Path:
     """Write a model, in place of the one of its kind that was sent before.
 
     Raises
     ------
-    UploadError
-        If there is no room.
+    NvcoreError
+        If there is no room, or `check` raises it: the one before then stays.
     """
-    remove_model(space, kind)
+    before = [*space.folder.glob(f"{kind}-model-*")]
     with space.lock:
         space.n_received += 1
         folder = space.folder / f"{kind}-model-{space.n_received}"
     folder.mkdir(mode=0o700)
-    (path,) = store_annotations(space, folder, "model", [file])
-    return folder / path
-
-
-def remove_model(space: Workspace, kind: str) -> None:
-    """Remove the model of a kind that was sent, if there is one."""
-    for folder in space.folder.glob(f"{kind}-model-*"):
+    try:
+        (name,) = store_annotations(space, folder, "model", [file])
+        check(folder / name)
+    except NvcoreError:
         remove_folder(space, folder)
+        raise
+    for old in before:
+        remove_folder(space, old)
+    return folder / name
 
 
 def remove_folder(space: Workspace, folder: Path) -> None:
@@ -369,13 +371,7 @@ def _room(space: Workspace) -> int:
 
 
 def check_room(space: Workspace, n_bytes: int, *, so_far: int = 0) -> None:
-    """Raise UploadError where the session cannot take so many bytes more.
-
-    Parameters
-    ----------
-    so_far
-        What of the same file is counted already.
-    """
+    """Raise UploadError where so many bytes have no room, beside `so_far` of the same file."""
     if so_far + n_bytes > MAX_FILE_BYTES:
         raise UploadError(
             f"The file is larger than {MAX_FILE_BYTES / 2**30:g} GiB; send the recordings one by "

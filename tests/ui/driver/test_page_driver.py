@@ -169,6 +169,16 @@ def test_a_file_that_is_no_estimator_is_refused(visible):
     assert "other.npz: is not an estimator of nvcore" in texts(page)
 
 
+def test_an_estimator_that_is_refused_leaves_the_one_before(visible):
+    page = sent(visible)
+    chosen = page.selectbox(key="estimator").value
+    page.file_uploader(key="estimator_file").set_value([("other.npz", b"PK no estimator", "")])
+    page = checked(page.run())
+    assert "other.npz: is not an estimator of nvcore" in texts(page)
+    assert page.selectbox(key="estimator").value == chosen
+    assert "Trained on 306 trials" in texts(page)
+
+
 def panel(page) -> str:
     tables = [item.proto.body for item in page.get("html") if "nv-numbers" in item.proto.body]
     return re.sub("<[^>]*>", " ", " ".join(tables))
