@@ -11,12 +11,13 @@ from typing import Final
 import streamlit as st
 
 from nvcore.dataset import Dataset
+from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.writing import WrittenEstimates, write_estimates
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.driver.session import DriverTable
 from nvcore.inputs.session import Session
 from nvcore.progress import Progress
-from nvcore.wording import count_text
+from nvcore.wording import count_text, listed
 from ui.confined.driver import EstimatorSpec, run_confined
 from ui.driver import estimator
 from ui.jobs.background import JobState
@@ -147,7 +148,24 @@ def _choose_recordings() -> tuple[str, ...]:
         )
     else:
         st.caption(f"{text} ({how}).")
+    if warning := lost_words(state.opened().dataset.estimate, names, chosen):
+        st.caption(plain(warning))
     return tuple(name for name in usable if name in chosen)
+
+
+def lost_words(estimate: EstimateRecord | None, names: Sequence[str], chosen: Sequence[str]) -> str:
+    """Which recordings lose the estimates that they have, in words; empty: none.
+
+    Parameters
+    ----------
+    names, chosen
+        All recordings, and those that are estimated anew; where none is, nothing is lost.
+    """
+    had = frozenset[str]() if estimate is None else estimate.estimated_in
+    lost = [name for name in names if name in had and name not in chosen]
+    if not lost or not chosen:
+        return ""
+    return f"New estimates take the place of all there are: {listed(lost)} would lose theirs."
 
 
 def _start(spec: EstimatorSpec, names: Sequence[str], *, interpolate: bool) -> None:

@@ -8,12 +8,13 @@ from pathlib import Path
 import pytest
 import small_estimator
 
+from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.writing import WrittenEstimates
 from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source
 from nvcore.schema import DriverRegion
 from pages import FRAMES, alone, begin_with, checked, texts, write
-from ui.driver.run import with_estimates
+from ui.driver.run import lost_words, with_estimates
 from ui.session import state, uploads
 
 
@@ -160,6 +161,15 @@ def test_files_of_an_upload_are_named_from_its_folder(tmp_path: Path):
     ]
     assert named[0].detectability == "driver-1/detectability.csv"
     assert named[1].provenance == str(folder / "driver.json")
+
+
+def test_recordings_that_are_not_chosen_are_said_to_lose_their_estimates():
+    names = ["a", "b", "c"]
+    record = EstimateRecord(estimated_in=frozenset("ab"), stated_in=frozenset("c"))
+    assert lost_words(record, names, ["c"]).endswith(": a and b would lose theirs.")
+    assert lost_words(record, names, ["a", "c"]).endswith(": b would lose theirs.")
+    for estimate, chosen in ((record, ["a", "b"]), (record, []), (None, ["a"])):
+        assert lost_words(estimate, names, chosen) == ""
 
 
 def test_a_file_that_is_no_estimator_is_refused(visible):
