@@ -16,6 +16,7 @@ from nvcore.schema import DriverRegion
 from pages import FRAMES, alone, begin_with, checked, texts, write
 from ui.driver.run import lost_words, with_estimates
 from ui.session import state, uploads
+from ui.session.chosen import CHOSEN
 
 
 def rows(x: int, detectability: float) -> str:
@@ -58,6 +59,19 @@ def test_a_region_is_chosen_and_its_encounters_are_listed(page):
     assert page.dataframe[1].value["detectability"].tolist() == [0.8]
     checked(page.selectbox(key="driver_region").set_value(DriverRegion.NOBODY).run())
     assert "No pedestrian is seen so." in texts(page)
+
+
+def test_a_chosen_encounter_that_is_not_listed_is_said(page):
+    checked(page.selectbox(key="driver_region").set_value(DriverRegion.Y).run())
+    page.session_state[CHOSEN] = (page.session_state["workspace"].n_opened, "night:300")
+    checked(page.run())
+    assert "Pedestrian 100 of night" in [item.value for item in page.header]
+    assert (
+        "Pedestrian 300 of night is chosen, but is not in this list: the encounter is among those "
+        "of driver, X and Y." in texts(page)
+    )
+    page.session_state[CHOSEN] = (page.session_state["workspace"].n_opened, "night:100")
+    assert "not in this list" not in texts(checked(page.run()))
 
 
 def test_without_detectability_the_page_says_how_to_get_it():
