@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import small_estimator
+from builders import at, make_dataset, result_of
 
 from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.writing import WrittenEstimates
@@ -15,8 +17,9 @@ from nvcore.inputs.session import Session, Source
 from nvcore.schema import DriverRegion
 from pages import FRAMES, alone, begin_with, checked, texts, write
 from ui.driver.run import lost_words, with_estimates
-from ui.session import state, uploads
+from ui.session import drawing, state, uploads
 from ui.session.chosen import CHOSEN
+from ui.session.workspace import Workspace
 
 
 def rows(x: int, detectability: float) -> str:
@@ -223,6 +226,27 @@ def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(visi
     assert "he would **not** have seen him; as it was, he had" in texts(page)
     page = checked(page.slider(key="driver_tunnel_s").set_value(1.0).run())
     assert "dark from 1.00 s on" in texts(page)
+
+
+def test_a_light_meter_that_cannot_be_read_is_said_under_the_viewer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    path = small_estimator.write_session(tmp_path, stated=0.5)
+    (tmp_path / "lux.csv").write_text("time_s,lux\n0,bright\n")
+    begin_with(path, monkeypatch)
+    page = checked(alone("driver").run())
+    assert "How long ago the light has changed is not known: lux.csv, line 2" in texts(page)
+
+
+def test_clips_that_are_rated_do_not_ask_for_the_light(monkeypatch: pytest.MonkeyPatch):
+    asked: list[int] = []
+    monkeypatch.setattr(drawing, "visible_of", asked.append)
+    result = result_of(make_dataset(truth=[at(0, 50)], x=[at(0, 50)], n_frames=1))
+    monkeypatch.setattr(drawing, "state", SimpleNamespace(workspace=Workspace, theme=str))
+    assert drawing.viewer_arguments(result, 0, with_visible=False)["visible"] is None
+    assert asked == []
+    drawing.viewer_arguments(result, 0)
+    assert asked == [0]
 
 
 def test_where_only_estimates_are_known_the_page_says_what_a_simulation_needs(page):
