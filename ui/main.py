@@ -7,6 +7,7 @@ import streamlit as st
 from nvcore.errors import NvcoreError
 from ui.session import state
 from ui.session.studies import links
+from ui.session.studies.on_screen import leave_screen
 from ui.shell import (
     account,
     live_params,
@@ -47,6 +48,8 @@ try:
     follow_wish()
     state.begin_run()
     back.follow()
+    if page.url_path != "study" or not links.is_participant():
+        leave_screen(state.workspace())
     if not links.is_participant():
         with st.sidebar:  # before the page, so that its room is kept from the start
             systems.draw()

@@ -45,6 +45,9 @@ class EstimateRecord:
         sha256 of each file that it is about, by name.
     written_by
         Program and version.
+    estimated_in, stated_in
+        Names of the dataset's recordings in which values are estimates, and of those in which some
+        are the ground truth's own; no part of the record itself.
     """
 
     name: str = ""
@@ -53,6 +56,8 @@ class EstimateRecord:
     n_subjects: int = 0
     files: Mapping[str, str] = field(default_factory=dict)
     written_by: str = ""
+    estimated_in: frozenset[str] = field(default=frozenset(), compare=False)
+    stated_in: frozenset[str] = field(default=frozenset(), compare=False)
 
     def __post_init__(self) -> None:
         if self.simulated not in SIMULATED:

@@ -63,13 +63,20 @@ def settings_from_json(content: Mapping[str, Any]) -> FeatureSettings:
     names = {spec.name for spec in fields(FeatureSettings)}
     if set(content) != names:
         raise ValueError("settings of the features: its keys are others")
-    for name, value in content.items():
-        if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
-            raise ValueError(f"{name}: expected a number, found {str(value)[:30]!r}")
+    values = {name: _number(value, name) for name, value in content.items()}
     try:
-        return FeatureSettings(**{name: float(value) for name, value in content.items()})
+        return FeatureSettings(**values)
     except ParameterError as error:
         raise ValueError(str(error)) from error
+
+
+def _number(value: object, name: str) -> float:
+    try:
+        if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value):
+            return float(value)
+    except OverflowError:  # a whole number of hundreds of digits
+        pass
+    raise ValueError(f"{name}: expected a number, found {str(value)[:30]!r}")
 
 
 def settings_words(settings: FeatureSettings) -> str:

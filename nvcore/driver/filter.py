@@ -62,8 +62,8 @@ class FilterSettings:
         Visual angle of the details that blur at the change, minutes of arc.
     blur_decay_s
         In so many seconds that angle falls to 1/e.
-    px_per_degree
-        Pixels of the picture in a degree of the driver's view: 960 px over 48 degrees.
+    width_degrees
+        Angle of the driver's view that a picture shows from side to side, degrees.
     gamma
         Of the display: light is the grey level to that power.
     veil_level
@@ -74,7 +74,7 @@ class FilterSettings:
     threshold_decay_s: float = 1.5
     blur_arcmin: float = 15.0
     blur_decay_s: float = 1.5
-    px_per_degree: float = 20.0
+    width_degrees: float = 48.0
     gamma: float = 2.2
     veil_level: float = 4.0
 
@@ -83,7 +83,8 @@ class FilterSettings:
         for name in (field.name for field in fields(self)):
             value = getattr(self, name)
             if not math.isfinite(value) or value < 0 or (value == 0 and name not in may_be_zero):
-                raise ParameterError(f"{name}: expected a number above 0, found {value:g}")
+                least = "of 0 or more" if name in may_be_zero else "above 0"
+                raise ParameterError(f"{name}: expected a number {least}, found {value:g}")
 
 
 def contrast_threshold(period_s: float, settings: FilterSettings | None = None) -> float:
@@ -92,14 +93,19 @@ def contrast_threshold(period_s: float, settings: FilterSettings | None = None) 
     return settings.threshold * _left(period_s, settings.threshold_decay_s)
 
 
-def blur_px(period_s: float, settings: FilterSettings | None = None) -> float:
+def blur_px(period_s: float, width_px: int, settings: FilterSettings | None = None) -> float:
     """Standard deviation of the blur so many seconds after the change, px; NaN seconds: 0.
 
     Half the angle of the details that blur: of bars that wide 0.3 of the contrast is left.
+
+    Parameters
+    ----------
+    width_px
+        Of the picture: a larger one of the same scene blurs over as many pixels more.
     """
     settings = settings or FilterSettings()
     angle = settings.blur_arcmin * _left(period_s, settings.blur_decay_s)
-    return angle / 60 * settings.px_per_degree / 2
+    return angle / 60 * width_px / settings.width_degrees / 2
 
 
 def as_the_driver_sees(
@@ -133,7 +139,8 @@ def as_the_driver_sees(
     """
     assert picture.dtype == np.uint8, picture.dtype
     settings = settings or FilterSettings()
-    threshold, sigma = contrast_threshold(period_s, settings), blur_px(period_s, settings)
+    threshold = contrast_threshold(period_s, settings)
+    sigma = blur_px(period_s, picture.shape[1], settings)
     if sigma >= LEAST_SIGMA_PX:
         picture = _uint8(cv2.GaussianBlur(picture, (0, 0), sigma))
     if threshold < LEAST_THRESHOLD:

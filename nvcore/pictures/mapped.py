@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import cv2
 import numpy as np
 
 from nvcore.pictures.base import Picture, PictureReader
 
+LONGEST_SIDE_PX: Final = 4096
+"""Of what is cut: where the other camera sees but a small part, all of it in full would be huge."""
+
 
 class MappedPictures:
     """Pictures in which boxes of the recording lie where their shares of its size say.
 
-    What the other camera does not show is black.
+    What the other camera does not show is black. They are as fine as the other camera's, but no
+    side is longer than `LONGEST_SIDE_PX`.
     """
 
     def __init__(
@@ -31,9 +37,11 @@ class MappedPictures:
             Width and height of the recording, px.
         """
         across, down, right, lower = to_picture
+        width, height = across * size[0], down * size[1]
+        shrink = min(1.0, LONGEST_SIDE_PX / max(width, height))
         self._pictures = pictures
-        self._move = np.array([[1, 0, -right], [0, 1, -lower]], np.float64)
-        self._size = max(1, round(across * size[0])), max(1, round(down * size[1]))
+        self._move = shrink * np.array([[1, 0, -right], [0, 1, -lower]], np.float64)
+        self._size = max(1, round(shrink * width)), max(1, round(shrink * height))
 
     def read(self, index: int) -> Picture:
         """The picture of that index, cut; see `Pictures.read`."""

@@ -47,6 +47,7 @@ def test_a_record_of_another_content_says_nothing(features: Path):
         ({"surround": 3.0}, "settings of the features: its keys are others"),
         ({**WIDE, "more": 1}, "its keys are others"),
         ({**WIDE, "surround": "3"}, "surround: expected a number, found '3'"),
+        ({**WIDE, "surround": 10**400}, "surround: expected a number, found '1000"),
         ({**WIDE, "surround": 1.0}, "surround: expected 1.1 to 10, found 1"),
         ([], "features: expected an object"),
     ],

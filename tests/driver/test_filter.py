@@ -54,20 +54,31 @@ def test_the_threshold_is_that_of_the_contrast_not_of_the_difference():
 
 
 def test_fine_bars_blur_and_wide_ones_stay():
-    blurred = FilterSettings(threshold=0, blur_arcmin=12, px_per_degree=20)  # sigma of 2 px
-    assert blur_px(0, blurred) == pytest.approx(2)
+    blurred = FilterSettings(threshold=0, blur_arcmin=12, width_degrees=6.4)  # sigma of 2 px
+    assert blur_px(0, 128, blurred) == pytest.approx(2)
     # exp(-2 (pi sigma / period)^2): 0.007 of bars of 4 px, 0.926 of those of 32 px
     assert amplitude_of(as_the_driver_sees(grating(60, 4), 0, blurred)) <= 1
     left = amplitude_of(as_the_driver_sees(grating(60, 32), 0, blurred)) / 60
     assert left == pytest.approx(math.exp(-2 * (math.pi * 2 / 32) ** 2), abs=0.03)
 
 
+def test_a_scene_blurs_alike_in_pictures_of_any_size():
+    blurred = FilterSettings(threshold=0, blur_arcmin=300)
+    small = grating(60, 32)
+    large = small.repeat(2, axis=0).repeat(2, axis=1)
+    assert blur_px(0, 1920) == 2 * blur_px(0, 960) == 5.0
+    left = [amplitude_of(as_the_driver_sees(small, 0, blurred))]
+    left.append(float(np.ptp(as_the_driver_sees(large, 0, blurred)[64:192, 64:192])) / 2)
+    assert left[0] < 50
+    assert left[1] == pytest.approx(left[0], abs=1)
+
+
 def test_contrast_and_acuity_come_back_as_exponentials():
     settings = FilterSettings(threshold=0.5, threshold_decay_s=2, blur_arcmin=6, blur_decay_s=3)
     assert contrast_threshold(0, settings) == 0.5
     assert contrast_threshold(2 * math.log(2), settings) == pytest.approx(0.25)
-    assert blur_px(3 * math.log(2), settings) == pytest.approx(blur_px(0, settings) / 2)
-    assert contrast_threshold(math.nan, settings) == blur_px(math.inf, settings) == 0
+    assert blur_px(3 * math.log(2), 99, settings) == pytest.approx(blur_px(0, 99, settings) / 2)
+    assert contrast_threshold(math.nan, settings) == blur_px(math.inf, 99, settings) == 0
 
 
 @pytest.mark.parametrize("shape", [(15, 20), (15, 20, 3)])
@@ -94,7 +105,11 @@ def test_a_period_before_the_change_is_refused():
 
 
 def test_settings_that_mean_nothing_are_refused():
-    with pytest.raises(ParameterError, match="px_per_degree: expected a number above 0"):
-        FilterSettings(px_per_degree=0)
-    with pytest.raises(ParameterError, match="threshold: expected"):
-        FilterSettings(threshold=math.nan)
+    with pytest.raises(ParameterError, match="width_degrees: expected a number above 0, found 0"):
+        FilterSettings(width_degrees=0)
+    for value, text in ((math.nan, "nan"), (-1, "-1")):
+        with pytest.raises(
+            ParameterError, match=f"threshold: expected a number of 0 or more, found {text}"
+        ):
+            FilterSettings(threshold=value)
+    assert FilterSettings(threshold=0).threshold == 0

@@ -68,7 +68,7 @@ def test_a_key_goes_through_own_visible_blended_and_side_by_side(page):
 def test_after_a_simulated_change_of_light_the_time_runs_with_the_frames(page):
     choose_two_pictures(page)
     press(page, "d")
-    told(page, "picture='visible', blend=0.5, seen_s=0.5")
+    told(page, "picture='visible', blend=0.5, seen_s='clock'")
     button = page.get_by_role("button", name="A tunnel ends here")
     button.click()
     page.get_by_text("simulated: 0.0 s after the change", exact=True).wait_for()
@@ -88,11 +88,19 @@ def test_as_the_driver_sees_it_is_visible_light_from_another_address(page):
     choose_two_pictures(page)
     press(page, "d")
     shown(page, "visible")
-    told(page, "picture='visible', blend=0.5, seen_s=0.5")
+    told(page, "picture='visible', blend=0.5, seen_s='clock'")
     assert colour(page, 0.4) == "blue"
     page.get_by_role("button", name="As the driver sees it").click()
     told(page, "picture='visible', blend=0.5, seen_s=None")
     assert colour(page, 0.4) == "red"
+
+
+def test_where_the_light_is_not_known_only_a_time_that_is_set_is_kept(page):
+    choose_two_pictures(page)
+    press(page, "d")
+    told(page, "picture='visible', blend=0.5, seen_s='clock'")
+    page.get_by_role("slider", name="Seconds since").fill("1.5")
+    told(page, "picture='visible', blend=0.5, seen_s=1.5")
 
 
 def test_the_recordings_own_light_is_followed_unless_a_time_is_set_by_hand(page):

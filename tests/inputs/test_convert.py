@@ -291,3 +291,21 @@ def test_coco_results_of_classes_that_cannot_be_numbered_are_refused(tmp_path, c
     given = {"role": "detections", "truth": of_truth, "objects": SPEED_SIGN}
     with pytest.raises(InputError, match=words):
         write(signs("detections"), "coco", path, **given)
+
+
+@pytest.mark.parametrize(("number", "category"), [("30", 7), ("50", None)])
+def test_coco_results_of_one_class_have_its_category_of_the_truth_and_no_other(
+    tmp_path: Path, number: str, category: int | None
+):
+    of_truth = replace(signs("truth"), categories={"1": "car", "7": "speed limit 30"})
+    detected = signs("detections")
+    label = np.zeros(3, np.int32)
+    detected = replace(detected, boxes=detected.boxes.assign(label=label), labels=(number,))
+    path = tmp_path / "signs.json"
+    given = {"role": "detections", "truth": of_truth, "objects": SPEED_SIGN}
+    if category is None:
+        with pytest.raises(InputError, match="no category for speed sign 50"):
+            write(detected, "coco", path, **given)
+    else:
+        write(detected, "coco", path, **given)
+        assert {row["category_id"] for row in json.loads(path.read_text())} == {category}

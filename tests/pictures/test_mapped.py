@@ -29,3 +29,12 @@ def test_what_the_other_camera_does_not_show_is_black():
     read = MappedPictures(OnePicture(picture), (1.0, 1.0, -4.0, 0.0), (12.0, 8.0)).read(3)
     assert read[:, :4].max() == 0
     assert read[:, 4:].min() == 100
+
+
+def test_a_camera_that_sees_only_a_small_part_of_the_recording_does_not_make_a_huge_picture():
+    picture = np.full((60, 80, 3), 100, np.uint8)  # columns 400 to 401 of the recording
+    read = MappedPictures(OnePicture(picture), (60.0, 60.0, -24_000.0, 0.0), (640.0, 8.0)).read(3)
+    assert read.shape == (51, 4096, 3)
+    columns = np.flatnonzero(read[2, :, 0] > 50)
+    assert abs(columns.min() / 4096 - 400 / 640) < 1e-3
+    assert 4096 * 80 / 38_400 - 2 < len(columns) < 4096 * 80 / 38_400 + 2

@@ -88,6 +88,27 @@ def test_estimated_and_simulated_are_said():
     assert describe_source(plain) == ("Detectability is estimated; he is taken to see from 0.5 on.")
 
 
+def test_what_is_estimated_and_what_the_truth_states_are_told_apart():
+    result = eight(unknown=0)
+    (name,) = result.dataset.recordings["name"]
+    own, other = frozenset([name]), frozenset(["elsewhere"])
+    record = EstimateRecord("m", "", "all", 12)
+    both = with_estimate(result, replace(record, estimated_in=own, stated_in=own))
+    assert describe_driver(both)[0].startswith(
+        "By estimates in 1 recording (learnt from simulated subjects) and the ground truth in 1, "
+        "the driver sees"
+    )
+    assert describe_source(both).startswith(
+        "Detectability is estimated by m, learnt from simulated subjects, in 1 recording, and as "
+        "the ground truth states it in 1;"
+    )
+    stated = with_estimate(result, replace(record, estimated_in=other, stated_in=own))
+    assert describe_driver(stated)[0].startswith("By the ground truth,")
+    assert describe_source(stated).startswith("Detectability is as the ground truth states it;")
+    estimated = with_estimate(result, replace(record, estimated_in=own, stated_in=other))
+    assert describe_driver(estimated)[0].startswith("By the estimates (learnt from simulated")
+
+
 def test_the_regions_stand_in_the_terminal_and_the_unknown_only_where_there_are_some():
     assert regions_text(eight()) == (
         "driver, X and Y 1, driver and X 1, driver and Y 1, driver alone 1, X and Y 1, X alone 1, "

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import os
-import shutil
 import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -28,9 +27,10 @@ from ui.detectors.asking import described
 from ui.detectors.trial import Levels, levels_of
 from ui.jobs.background import BackgroundJob, JobState, while_open
 from ui.jobs.progress import draw_job
+from ui.jobs.runs import FolderJob, is_uploaded, new_run_folder, open_written
 from ui.session import state
 from ui.session.opening import live_session, relative_path
-from ui.session.uploads import ANNOTATION_FOLDERS, remove_folder, safe_name
+from ui.session.uploads import ANNOTATION_FOLDERS, safe_name
 from ui.session.workspace import Workspace
 from ui.shell.messages import shown_error
 from ui.shell.navigate import ask_for_page
@@ -51,33 +51,27 @@ class RunKey:
     recordings: tuple[str, ...]
 
 
-class RunJob(BackgroundJob[WrittenRun]):
-    """A run; its files go with it unless they were opened.
+class RunJob(FolderJob[WrittenRun]):
+    """A run.
 
     Attributes
     ----------
     threshold
         Of the new system.
-    is_opened
-        Whether what it wrote is what the session has open.
     """
 
     def __init__(
         self,
+        space: Workspace,
         folder: Path,
         threshold: float,
         work: Callable[[Progress], WrittenRun],
-        is_wanted: Callable[[], bool],
         *,
         key: str,
     ):
-        """Start to run; see `BackgroundJob`. The files are in the folder, `key` is the name."""
-        self.folder, self.threshold, self.is_opened = folder, threshold, False
-        super().__init__(work, is_wanted, key=key)
-
-    def _remove(self) -> None:
-        if not self.is_opened:
-            shutil.rmtree(self.folder, ignore_errors=True)
+        """Start to run; see `FolderJob`. `key` is the name."""
+        self.threshold = threshold
+        super().__init__(space, folder, work, key=key)
 
 
 def draw(spec: DetectorSpec, what: DetectorFacts) -> None:
@@ -225,7 +219,7 @@ def _start_run(key: RunKey, about: About, levels: Levels) -> None:
     if set(key.recordings) != set(state.recording_names()):
         dataset = dataset.only(names=key.recordings)
     pictures = _pictures(space, key.recordings)
-    folder = _new_folder(space, session)
+    folder = new_run_folder(space, session, RUN, FOLDER)
     job = start_job(space, key, about, levels, dataset, pictures, folder, x)
     space.put_job(RUN, job)
 
@@ -257,29 +251,7 @@ def start_job(
         finally:
             detector.close()
 
-    return RunJob(folder, levels.threshold, work, while_open(space), key=about.name)
-
-
-def _new_folder(space: Workspace, session: Session) -> Path:
-    """Where the boxes go; those of earlier runs that are not open are removed.
-
-    Beside the other files of an upload, so that the session is exported as it.
-    """
-    space.drop_job(RUN)
-    base = session.folder if _is_upload(space, session) else space.folder
-    in_use = [session.folder / path for path in session.paths()]
-    for folder in base.glob(f"{FOLDER}-*"):
-        if not any(path.is_relative_to(folder) for path in in_use):
-            remove_folder(space, folder)
-    with space.lock:
-        space.n_received += 1
-        folder = base / f"{FOLDER}-{space.n_received}"
-    (folder / ANNOTATION_FOLDERS).mkdir(mode=0o700, parents=True)
-    return folder
-
-
-def _is_upload(space: Workspace, session: Session) -> bool:
-    return session.folder.is_relative_to(space.folder)
+    return RunJob(space, folder, levels.threshold, work, key=about.name)
 
 
 def _draw_done(job: RunJob) -> None:
@@ -335,19 +307,13 @@ def _open(job: RunJob, written: WrittenRun) -> None:
         written,
         x=x,
         threshold=job.threshold,
-        is_upload=_is_upload(space, live),
+        is_upload=is_uploaded(space, live),
     )
-    job.is_opened = True
-    n_bytes = sum(path.stat().st_size for path in (*written.files, written.provenance))
-    with space.lock:
-        space.used_bytes += n_bytes - space.upload_bytes.get(job.folder, 0)
-        space.upload_bytes[job.folder] = n_bytes
     ask_for_page("overview")
     try:
-        state.open_session(session, label=f"{label}, with {written.name}")
+        open_written(space, job, session, label=f"{label}, with {written.name}")
     except NvcoreError as error:
         st.session_state.pop("wanted_page", None)
-        job.is_opened = False
         st.error(shown_error(error), icon=":material/error:")
 
 

@@ -13,10 +13,10 @@ from nvcore.schema import DriverRegion
 from nvcore.tables.encounters.driver import REGION_NAMES
 from nvcore.tables.result import encounters_table
 from ui.session import state
-from ui.session.chosen import choose_encounter, chosen_encounter
+from ui.session.chosen import choose_encounter, chosen_encounter, name_of
 from ui.widgets.clicks import clicked_row
 from ui.widgets.table_columns import MOST_ROWS, as_shown, column_config, rows_told, table_height
-from ui.widgets.text import UNDEFINED
+from ui.widgets.text import UNDEFINED, plain
 
 COLUMNS: Final = (
     *("recording", "track", "driver_region", "detectability"),
@@ -52,7 +52,23 @@ def draw(result: Result, region: DriverRegion | None) -> int | None:
     )
     st.caption(f"Click a row to see its course. {rows_told(len(listed), 'least detectable')}")
     chosen = chosen_encounter(result)
-    return chosen if chosen in rows else rows[0]
+    if chosen is None or chosen in rows:
+        return rows[0] if chosen is None else chosen
+    st.caption(plain(state.words(_why_not_listed(result, chosen, region))))
+    return rows[0]
+
+
+def _why_not_listed(result: Result, encounter: int, region: DriverRegion | None) -> str:
+    """Why the list does not have the chosen encounter, in words."""
+    recording, _, track = name_of(result, encounter).rpartition(":")
+    own = DriverRegion(result.driver.region[encounter])
+    if own == DriverRegion.DISTANT:
+        why = "the encounter stays distant"
+    elif region is not None and own != region:
+        why = f"the encounter is among those of {REGION_NAMES[own]}"
+    else:
+        why = "others are less detectable"
+    return f"Pedestrian {track} of {recording} is chosen, but is not in this list: {why}."
 
 
 def _choose(result: Result, key: str, rows: list[int]) -> None:

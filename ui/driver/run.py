@@ -11,20 +11,22 @@ from typing import Final
 import streamlit as st
 
 from nvcore.dataset import Dataset
+from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.writing import WrittenEstimates, write_estimates
-from nvcore.errors import NvcoreError
+from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.driver.session import DriverTable
 from nvcore.inputs.session import Session
 from nvcore.progress import Progress
-from nvcore.wording import count_text
+from nvcore.wording import count_text, listed
 from ui.confined.driver import EstimatorSpec, run_confined
 from ui.driver import estimator
-from ui.jobs.background import BackgroundJob, JobState, while_open
+from ui.jobs.background import JobState
 from ui.jobs.progress import draw_job
+from ui.jobs.runs import FolderJob, is_uploaded, new_run_folder, open_written
 from ui.session import state
 from ui.session.opening import live_session, relative_path
 from ui.session.results.driver import RUN, OpenedRun, opened_run
-from ui.session.uploads import ANNOTATION_FOLDERS, remove_folder
+from ui.session.uploads import ANNOTATION_FOLDERS, check_room, count_folder, remove_folder
 from ui.session.workspace import Workspace
 from ui.shell.messages import shown_error, without_paths
 from ui.widgets.text import docs_link, plain
@@ -34,31 +36,25 @@ FOLDER: Final = "driver"
 MODEL: Final = "estimator.npz"
 
 
-class EstimateJob(BackgroundJob[WrittenEstimates]):
-    """A run; its files go with it unless they were opened.
+class EstimateJob(FolderJob[WrittenEstimates]):
+    """A run.
 
     Attributes
     ----------
     spec
         The estimator, copied to the files.
-    is_opened
-        Whether what it wrote is what the session has open.
     """
 
     def __init__(
         self,
+        space: Workspace,
         folder: Path,
         spec: EstimatorSpec,
         work: Callable[[Progress], WrittenEstimates],
-        is_wanted: Callable[[], bool],
     ):
-        """Start to run; see `BackgroundJob`. The files are in the folder."""
-        self.folder, self.spec, self.is_opened = folder, spec, False
-        super().__init__(work, is_wanted)
-
-    def _remove(self) -> None:
-        if not self.is_opened:
-            shutil.rmtree(self.folder, ignore_errors=True)
+        """Start to run; see `FolderJob`."""
+        self.spec = spec
+        super().__init__(space, folder, work)
 
 
 def draw() -> None:
@@ -85,8 +81,12 @@ def draw() -> None:
         and not is_busy
         and chosen
     ):  # a browser can be made to click what is disabled
-        _start(spec, chosen, interpolate=interpolate)
-        st.rerun()
+        try:
+            _start(spec, chosen, interpolate=interpolate)
+        except NvcoreError as error:
+            st.error(shown_error(error), icon=":material/error:")
+        else:
+            st.rerun()
     if job is None:
         text = "It looks at every pedestrian in every frame, and goes on while you look at other"
         st.caption(state.words(f"{text} pages. The comparison is then made anew."))
@@ -146,7 +146,24 @@ def _choose_recordings() -> tuple[str, ...]:
         )
     else:
         st.caption(f"{text} ({how}).")
+    if warning := lost_words(state.opened().dataset.estimate, names, chosen):
+        st.caption(plain(warning))
     return tuple(name for name in usable if name in chosen)
+
+
+def lost_words(estimate: EstimateRecord | None, names: Sequence[str], chosen: Sequence[str]) -> str:
+    """Which recordings lose the estimates that they have, in words; empty: none.
+
+    Parameters
+    ----------
+    names, chosen
+        All recordings, and those that are estimated anew; where none is, nothing is lost.
+    """
+    had = frozenset[str]() if estimate is None else estimate.estimated_in
+    lost = [name for name in names if name in had and name not in chosen]
+    if not lost or not chosen:
+        return ""
+    return f"New estimates take the place of all there are: {listed(lost)} would lose theirs."
 
 
 def _start(spec: EstimatorSpec, names: Sequence[str], *, interpolate: bool) -> None:
@@ -156,11 +173,31 @@ def _start(spec: EstimatorSpec, names: Sequence[str], *, interpolate: bool) -> N
     dataset = opened.dataset.with_settings(session)
     if set(names) != set(state.recording_names()):
         dataset = dataset.only(names=names)
-    folder = _new_folder(space, session)
-    place = folder / ANNOTATION_FOLDERS
-    own = EstimatorSpec(place / MODEL, f"{folder.name} {spec.version}")
-    shutil.copyfile(spec.path, own.path)  # another may be sent meanwhile
+    folder = new_run_folder(space, session, JOB, FOLDER)
+    try:
+        own = _copied(space, spec, folder)
+    except NvcoreError:
+        remove_folder(space, folder)
+        raise
     space.put_job(JOB, start_job(space, own, dataset, folder, interpolate=interpolate))
+
+
+def _copied(space: Workspace, spec: EstimatorSpec, folder: Path) -> EstimatorSpec:
+    """A copy of the estimator among the files of the run: another may be sent meanwhile.
+
+    Raises
+    ------
+    NvcoreError
+        If the file is gone, or there is no room.
+    """
+    own = EstimatorSpec(folder / ANNOTATION_FOLDERS / MODEL, f"{folder.name} {spec.version}")
+    try:
+        check_room(space, spec.path.stat().st_size)
+        shutil.copyfile(spec.path, own.path)
+    except OSError as error:
+        raise InputError(f"cannot be copied ({error.strerror})", file=spec.path.name) from error
+    count_folder(space, folder)
+    return own
 
 
 def start_job(
@@ -172,29 +209,7 @@ def start_job(
         run = run_confined(dataset, spec, interpolate=interpolate, progress=progress)
         return write_estimates(run, dataset, folder / ANNOTATION_FOLDERS)
 
-    return EstimateJob(folder, spec, work, while_open(space))
-
-
-def _new_folder(space: Workspace, session: Session) -> Path:
-    """Where the files go; those of earlier runs that are not open are removed.
-
-    Beside the other files of an upload, so that the session is exported as it.
-    """
-    space.drop_job(JOB)
-    base = session.folder if _is_upload(space, session) else space.folder
-    in_use = [session.folder / path for path in session.paths()]
-    for folder in base.glob(f"{FOLDER}-*"):
-        if not any(path.is_relative_to(folder) for path in in_use):
-            remove_folder(space, folder)
-    with space.lock:
-        space.n_received += 1
-        folder = base / f"{FOLDER}-{space.n_received}"
-    (folder / ANNOTATION_FOLDERS).mkdir(mode=0o700, parents=True)
-    return folder
-
-
-def _is_upload(space: Workspace, session: Session) -> bool:
-    return session.folder.is_relative_to(space.folder)
+    return EstimateJob(space, folder, spec, work)
 
 
 def _open(job: EstimateJob) -> None:
@@ -203,20 +218,17 @@ def _open(job: EstimateJob) -> None:
     assert written is not None
     x, y = state.systems()
     live = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
-    session = with_estimates(live, written, is_upload=_is_upload(space, live))
+    session = with_estimates(live, written, is_upload=is_uploaded(space, live))
     named = session.driver.detectability
     assert named is not None
     files = (written.features, written.detectability, written.record)
-    job.is_opened = True
-    n_bytes = sum(path.stat().st_size for path in (*files, job.spec.path))
-    with space.lock:
-        space.used_bytes += n_bytes - space.upload_bytes.get(job.folder, 0)
-        space.upload_bytes[job.folder] = n_bytes
+    before = space.notes.get(RUN)
     space.notes[RUN] = OpenedRun(named, written.run, job.spec, files)
     try:
-        state.open_session(session, label=opened.label)
+        open_written(space, job, session, label=opened.label)
     except NvcoreError as error:
-        job.is_opened = False
+        space.notes[RUN] = before
+        space.drop_job(JOB)  # else each run of the page would try again
         st.error(shown_error(error), icon=":material/error:")
 
 

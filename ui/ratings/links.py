@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Final
 
 from nvcore.studies.ratings.store import RatingStore, Study
@@ -12,15 +13,20 @@ from ui.session.studies.links import StudyLinks, answer_file
 VARIABLE: Final = "NVCORE_RATINGS"
 
 
+def file() -> Path:
+    """The file of all rating sessions: ``$NVCORE_RATINGS``, or in the user's own folder."""
+    return answer_file(VARIABLE, "ratings.sqlite")
+
+
 def store() -> RatingStore:
-    """The file of all rating sessions: ``$NVCORE_RATINGS``, or in the user's own folder.
+    """All rating sessions, in their file; those that are over are deleted.
 
     Raises
     ------
     InputError
         If it cannot be used.
     """
-    return RatingStore(answer_file(VARIABLE, "ratings.sqlite"))
+    return RatingStore(file())
 
 
 LINKS: Final = StudyLinks[Study](

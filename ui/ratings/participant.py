@@ -244,7 +244,7 @@ def _played(result: Result, study: Study, clip: int, key: str) -> bool:
     lo, hi = STRETCH
     nothing = np.full(n_rows, np.nan)
     row = viewer(
-        **viewer_arguments(result, recording),
+        **viewer_arguments(result, recording, with_visible=False),
         traces={"x": nothing, "y": nothing},
         low=0.0,
         intervals=((), ()),

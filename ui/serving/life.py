@@ -10,6 +10,7 @@ from contextlib import asynccontextmanager
 from types import FrameType
 from typing import Any
 
+from ui.serving.answers import keep_deleting_ended
 from ui.serving.preparing import begin_to_prepare
 from ui.session import ending, folders
 
@@ -44,11 +45,16 @@ def _heard(handler: Any) -> Callable[[int, FrameType | None], Any]:
 
 @asynccontextmanager
 async def lifespan(_app: Any) -> AsyncIterator[None]:
-    """Ends sessions on the server's own loop; uploads go with the server, however it is stopped."""
+    """Ends sessions on the server's own loop, and studies that are over.
+
+    Uploads go with the server, however it is stopped.
+    """
     ending.close_sessions_on(asyncio.get_running_loop())
     hear_of_the_end()
     begin_to_prepare()
+    deleting = asyncio.create_task(keep_deleting_ended())
     try:
         yield
     finally:
+        deleting.cancel()
         folders.remove_own()

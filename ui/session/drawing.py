@@ -105,8 +105,16 @@ def stretch() -> tuple[float, float]:
     return lo, max(float(hi), lo + LEAST_STRETCH)
 
 
-def viewer_arguments(result: Result, recording: int) -> dict[str, Any]:
-    """The arguments of `viewer` that say which pictures, frames and boxes there are."""
+def viewer_arguments(
+    result: Result, recording: int, *, with_visible: bool = True
+) -> dict[str, Any]:
+    """The arguments of `viewer` that say which pictures, frames and boxes there are.
+
+    Parameters
+    ----------
+    with_visible
+        Whether pictures of visible light may be seen, too: what is known of the light takes time.
+    """
     space, frames = state.workspace(), result.dataset.frame_columns
     in_recording = frames.rows_of(recording)
     numbers = frames.frame[in_recording]
@@ -125,7 +133,7 @@ def viewer_arguments(result: Result, recording: int) -> dict[str, Any]:
         "picture_version": space.pictures_version,
         "theme": state.theme(),
         "objects": result.dataset.objects,
-        "visible": visible_of(recording),
+        "visible": visible_of(recording) if with_visible else None,
     }
 
 

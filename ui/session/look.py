@@ -70,8 +70,7 @@ def look() -> Look:
     """How they are seen in this browser session: as chosen, else as the address says."""
     if KEY not in st.session_state:
         query = st.query_params.to_dict()
-        sent = {name: _sent(text) for name, text in query.items() if name in NAMES[1:]}
-        st.session_state[KEY] = read_look({"picture": query.get("picture"), **sent}) or OWN_PICTURES
+        st.session_state[KEY] = from_address(query) or OWN_PICTURES
     known: Look = st.session_state[KEY]
     return known
 
@@ -103,6 +102,15 @@ def to_address(chosen: Look) -> dict[str, str]:
         seen_s = chosen.seen_s
         entries["seen_s"] = seen_s if isinstance(seen_s, str) else f"{seen_s:g}"
     return entries
+
+
+def from_address(query: Mapping[str, str]) -> Look | None:
+    """What `to_address` wrote, checked; None: the address says nothing that can be."""
+    sent = {name: query[name] for name in NAMES if name in query}
+    if not sent:
+        return None
+    numbers = {name: _sent(text) for name, text in sent.items() if name in NAMES[1:]}
+    return read_look({"picture": sent.get("picture", OWN_PICTURES.picture), **numbers})
 
 
 def read_look(sent: Any) -> Look | None:

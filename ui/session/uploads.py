@@ -16,7 +16,7 @@ from __future__ import annotations
 import re
 import shutil
 import unicodedata
-from collections.abc import AsyncIterable, Iterable, Sequence
+from collections.abc import AsyncIterable, Callable, Iterable, Sequence
 from http import HTTPStatus
 from pathlib import Path, PurePosixPath
 from typing import IO, Final, Protocol
@@ -47,7 +47,6 @@ HEAD_BYTES: Final = 400
 
 # the readers name no recording after these folders (nvcore.inputs.readers.meaning.names)
 ANNOTATION_FOLDERS: Final = PurePosixPath("annotations", "data")
-
 
 _MAGIC: Final[tuple[tuple[int, bytes, Kind], ...]] = (
     (0, b"\x89PNG\r\n\x1a\n", "image"),
@@ -148,7 +147,7 @@ async def receive(
     """
     assert slot in SLOTS
     if n_bytes is not None:
-        _check_room(space, n_bytes, so_far=0)
+        check_room(space, n_bytes)
     folder = space.folder / PICTURES
     part = _PartialFile(space, folder)
     try:
@@ -195,7 +194,7 @@ class _PartialFile:
                 )
             (self._path.parent / "images").mkdir(parents=True, exist_ok=True)
             self._file = self._path.open("xb")
-        _check_room(self.space, len(chunk), so_far=self.n_bytes)
+        check_room(self.space, len(chunk), so_far=self.n_bytes)
         self._file.write(chunk)
         self.n_bytes += len(chunk)
         with self.space.lock:
@@ -248,27 +247,30 @@ def new_upload(space: Workspace) -> Path:
     return folder
 
 
-def store_model(space: Workspace, file: SentFile, kind: str) -> Path:
+def store_model(
+    space: Workspace, file: SentFile, kind: str, check: Callable[[Path], object]
+) -> Path:
     """Write a model, in place of the one of its kind that was sent before.
 
     Raises
     ------
-    UploadError
-        If there is no room.
+    NvcoreError
+        If there is no room, or `check` raises it: the one before then stays.
     """
-    remove_model(space, kind)
+    before = [*space.folder.glob(f"model-{kind}-*")]
     with space.lock:
         space.n_received += 1
         folder = space.folder / f"model-{kind}-{space.n_received}"
     folder.mkdir(mode=0o700)
-    (path,) = store_annotations(space, folder, "model", [file])
-    return folder / path
-
-
-def remove_model(space: Workspace, kind: str) -> None:
-    """Remove the model of a kind that was sent, if there is one."""
-    for folder in space.folder.glob(f"model-{kind}-*"):
+    try:
+        (name,) = store_annotations(space, folder, "model", [file])
+        check(folder / name)
+    except NvcoreError:
         remove_folder(space, folder)
+        raise
+    for old in before:
+        remove_folder(space, old)
+    return folder / name
 
 
 def remove_folder(space: Workspace, folder: Path) -> None:
@@ -276,6 +278,22 @@ def remove_folder(space: Workspace, folder: Path) -> None:
     shutil.rmtree(folder, ignore_errors=True)
     with space.lock:
         space.used_bytes -= space.upload_bytes.pop(folder, 0)
+
+
+def count_folder(space: Workspace, folder: Path) -> None:
+    """Count what a run has written into a folder of the session, until `remove_folder`.
+
+    Raises
+    ------
+    UploadError
+        If there is no room for it.
+    """
+    n_bytes = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+    n_more = n_bytes - space.upload_bytes.get(folder, 0)
+    check_room(space, n_more)
+    with space.lock:
+        space.used_bytes += n_more
+        space.upload_bytes[folder] = n_bytes
 
 
 def store_annotations(
@@ -299,7 +317,7 @@ def store_annotations(
     for file in files:
         content = file.getbuffer()
         try:
-            _check_room(space, len(content), so_far=0)
+            check_room(space, len(content))
         except UploadError as error:
             raise UploadError(f"{safe_name(file.name)}: {error}", error.status) from error
         name = free_name(safe_name(file.name), (path.name for path in target.iterdir()))
@@ -352,7 +370,8 @@ def _room(space: Workspace) -> int:
     return max(min(MAX_SESSION_BYTES - space.used_bytes, on_disk, of_all), 0)
 
 
-def _check_room(space: Workspace, n_bytes: int, *, so_far: int) -> None:
+def check_room(space: Workspace, n_bytes: int, *, so_far: int = 0) -> None:
+    """Raise UploadError where so many bytes have no room, beside `so_far` of the same file."""
     if so_far + n_bytes > MAX_FILE_BYTES:
         raise UploadError(
             f"The file is larger than {MAX_FILE_BYTES / 2**30:g} GiB; send the recordings one by "

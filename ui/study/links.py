@@ -23,15 +23,20 @@ MOST_FOLDERS: Final = 500
 """Folders that are looked into."""
 
 
+def file() -> Path:
+    """The file of all studies: ``$NVCORE_STUDIES``, or in the user's own folder."""
+    return answer_file(VARIABLE, "studies.sqlite")
+
+
 def store() -> DetectabilityStore:
-    """The file of all studies: ``$NVCORE_STUDIES``, or in the user's own folder.
+    """All studies, in their file; those that are over are deleted.
 
     Raises
     ------
     InputError
         If it cannot be used.
     """
-    return DetectabilityStore(answer_file(VARIABLE, "studies.sqlite"))
+    return DetectabilityStore(file())
 
 
 LINKS: Final = StudyLinks[DetectabilityStudy](

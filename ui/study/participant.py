@@ -18,7 +18,7 @@ from nvcore.studies.participants import MOST_NAME
 from nvcore.wording import count_text
 from ui.session import state
 from ui.session.studies.links import PARTICIPANT, STUDY
-from ui.session.studies.on_screen import NOTE, PRACTICE, OnScreen
+from ui.session.studies.on_screen import NOTE, PRACTICE, OnScreen, leave_screen
 from ui.shell.messages import shown_error
 from ui.study import links
 from ui.study.screen import draw_run
@@ -40,6 +40,7 @@ def draw() -> None:
     store = links.store()
     study = store.study(st.query_params[STUDY])
     if study is None:
+        leave_screen(state.workspace())
         st.title("Take part in a study")
         st.error("This link leads to no study, or the study is over. Ask for it again.")
         return
@@ -53,6 +54,7 @@ def draw() -> None:
     try:
         folder = links.folder_of(study.folder)
     except InputError as error:
+        leave_screen(state.workspace())
         st.error(shown_error(error))
         return
     screen = study.settings.facts.screen_text(dict(participant.form))
@@ -69,6 +71,7 @@ def enter(token: str, code: str | None = None) -> None:
 
 
 def _welcome(study: DetectabilityStudy, store: DetectabilityStore) -> None:
+    leave_screen(state.workspace())
     settings = study.settings
     st.title("Take part in a study")
     trials = plan_trials(len(study.pictures), 0, design=settings.design, timing=settings.timing)
@@ -215,6 +218,7 @@ def _draw_instructions() -> None:
 
 
 def _thanks(study: DetectabilityStudy, person: Participant) -> None:
+    leave_screen(state.workspace())
     st.title("Thank you")
     st.success(f"You have answered to all {len(person.plan)} pictures, and your answers are kept.")
     _draw_code(person)

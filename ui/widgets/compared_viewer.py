@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 import pandas as pd
+import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.tables.boxes.states import gather_boxes
@@ -14,6 +15,8 @@ from ui.session import drawing, state
 from ui.session.chosen import choose_encounter, chosen_encounter
 from ui.session.drawing import cost_map_of, viewer_arguments
 from ui.session.look import Look, VisiblePictures, keep_look, look
+from ui.session.results.driver import light_trouble
+from ui.widgets.text import plain
 from ui.widgets.viewer import ListedBox, settled_in, viewer
 
 
@@ -52,7 +55,7 @@ def draw(
     recording = state.recording()
     rows = result.dataset.frame_columns.rows_of(recording)
     lo, hi = drawing.stretch()
-    arguments = viewer_arguments(result, recording)
+    arguments = viewer_arguments(result, recording, with_visible=visible is None)
     if visible is not None:
         arguments["visible"] = visible
     viewer(
@@ -74,6 +77,8 @@ def draw(
         height_px=height_px,
         key=key,
     )
+    if arguments["visible"] is not None and (trouble := light_trouble(recording)):
+        st.caption(plain(f"How long ago the light has changed is not known: {trouble}"))
 
 
 def _track_of(result: Result, recording: int, encounter: int | None) -> int | None:

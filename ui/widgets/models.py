@@ -14,7 +14,7 @@ from streamlit.runtime.uploaded_file_manager import UploadedFile
 from nvcore.errors import InputError, NvcoreError
 from ui.session import state
 from ui.session.local_files import LocalRoot, local_root
-from ui.session.uploads import remove_model, store_model
+from ui.session.uploads import store_model
 from ui.widgets.text import plain
 
 MOST_FOLDERS: Final = 200
@@ -35,12 +35,15 @@ class ModelKind:
         Size of a file that is sent.
     check
         Raises `NvcoreError` where a file that was sent, called so, may not be used.
+    sent_endings
+        What a file that is sent may end with.
     """
 
     name: str
     endings: tuple[str, ...]
     max_bytes: int
     check: Callable[[Path], object]
+    sent_endings: tuple[str, ...] = (".npz",)
 
     @property
     def field(self) -> str:
@@ -71,7 +74,7 @@ def draw_field(kind: ModelKind, label: str, *, shown: Callable[[NvcoreError], st
     """
     seen, trouble = f"{kind.field}_seen", f"{kind.field}_trouble"
     file = st.file_uploader(
-        label, type=["npz"], max_upload_size=kind.max_bytes >> 20, key=kind.field
+        label, type=[*kind.sent_endings], max_upload_size=kind.max_bytes >> 20, key=kind.field
     )
     if file is not None and st.session_state.get(seen) != file.file_id:
         st.session_state[seen] = file.file_id
@@ -125,14 +128,12 @@ def models_below(root: LocalRoot, endings: tuple[str, ...]) -> list[str]:
 
 
 def _take(kind: ModelKind, file: UploadedFile, shown: Callable[[NvcoreError], str]) -> str:
-    """Store the model and choose it; why that cannot be done, empty: it is done."""
-    notes = state.workspace().notes
-    notes.pop(kind.sent, None)
-    st.session_state.pop(kind.name, None)
+    """Store the model and choose it; else why that cannot be done: what was sent before stays."""
     try:
-        notes[kind.sent] = model = _stored(kind, file)
+        model = _stored(kind, file)
     except NvcoreError as error:
         return shown(error)
+    state.workspace().notes[kind.sent] = model
     st.session_state[kind.name] = f"sent {model.version}"
     return ""
 
@@ -148,11 +149,5 @@ def _stored(kind: ModelKind, file: UploadedFile) -> ModelFile:
     content = file.getbuffer()
     if len(content) > kind.max_bytes:
         raise InputError(f"a model has at most {kind.max_bytes >> 20} MiB", file=file.name)
-    space = state.workspace()
-    path = store_model(space, file, kind.name)
-    try:
-        kind.check(path)
-    except NvcoreError:
-        remove_model(space, kind.name)
-        raise
+    path = store_model(state.workspace(), file, kind.name, kind.check)
     return ModelFile(path, path.name, hashlib.sha256(content).hexdigest()[:12])

@@ -63,6 +63,8 @@ _OF_REGRESSIONS: Final = ("centre", "scale", "low", "high")
 _OF_SETTINGS: Final = ("cost", "epsilon", "gamma")
 _OF_QUALITIES: Final = ("n_rows", "error", "constant", "constant_error")
 _FACTS: Final[dict[str, type]] = {"name": str, "features": list, "origin": dict}
+_GREATEST: Final = 2**32
+"""Of the numbers that say what it was trained on."""
 _ORIGIN: Final[dict[str, type]] = {
     "n_pedestrians": int,
     "n_subjects": int,
@@ -248,4 +250,7 @@ def _origin(content: Mapping[str, Any]) -> Origin:
     archives.check_facts(content, _ORIGIN)
     if content["simulated"] not in ("no", "all", "some"):
         raise BadArchiveError("simulated: expected no, all or some")
+    for name, kind in _ORIGIN.items():
+        if kind is not str and not 0 <= content[name] <= _GREATEST:
+            raise BadArchiveError(f"{name}: expected 0 to {_GREATEST}, got {content[name]!r:.80}")
     return Origin(**content)

@@ -46,8 +46,8 @@ def with_detectability(dataset: Dataset, session: Session) -> Dataset:
 
     Each row is joined to the truth's box of the same recording and frame whose four coordinates
     differ by no more than a thousandth of a pixel, and whose track is the same where both have one.
-    Rows without such a box are left out, and reported. A file goes before what the truth itself
-    says of the same box.
+    Rows without such a box are left out, and reported. A value of the file goes before what the
+    truth itself says of the same box; where the file has none, that stays.
 
     Raises
     ------
@@ -112,10 +112,11 @@ def _joined(
 ) -> Dataset:
     table, name = estimates.table, estimates.file.name
     is_joined = row_of >= 0
+    has_value = is_joined & table["detectability"].notna().to_numpy()
     columns: dict[str, Any] = {}
     for column in DETECTABILITY_COLUMNS:
         columns[column] = dataset.boxes[column].to_numpy(copy=True)
-        columns[column][row_of[is_joined]] = table[column].to_numpy()[is_joined]
+        columns[column][row_of[has_value]] = table[column].to_numpy()[has_value]
     lost = table[~is_joined]
     left_out = pd.DataFrame(
         {
@@ -148,7 +149,33 @@ def _joined(
             *_of_other_file(estimates),
         ),
         fingerprint=hashlib.sha256(text).hexdigest(),
-        estimate=record or EstimateRecord(),
+        estimate=_with_origins(
+            record or EstimateRecord(), dataset, columns["detectability"], row_of[has_value]
+        ),
+    )
+
+
+def _with_origins(
+    record: EstimateRecord, dataset: Dataset, detectability: np.ndarray, estimated: np.ndarray
+) -> EstimateRecord:
+    """The record with the recordings whose values it is about, and those of the truth's own.
+
+    Parameters
+    ----------
+    detectability
+        Of all boxes, those of the truth first, shape (n_boxes,).
+    estimated
+        Rows of the truth's boxes that the file has a value of.
+    """
+    is_known = ~np.isnan(detectability[: len(dataset.truth)])
+    is_estimated = np.zeros_like(is_known)
+    is_estimated[estimated] = True
+    recording = dataset.frame_columns.recording[dataset.truth.frame_index]
+    names = dataset.recordings["name"].to_numpy()
+    return replace(
+        record,
+        estimated_in=frozenset(names[np.unique(recording[is_estimated])]),
+        stated_in=frozenset(names[np.unique(recording[is_known & ~is_estimated])]),
     )
 
 

@@ -13,13 +13,17 @@ provenance = "detectability.json"    a record of how
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 from nvcore.errors import SessionError
 from nvcore.inputs.facts import check_path
+
+GREATEST_SCALE: Final = 100.0
+"""Of `visible_map`: pixels of the visible picture in one of the recording."""
+GREATEST_OFFSET_PX: Final = 100_000.0
+"""Of `visible_map`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,11 +55,15 @@ class DriverEntry:
             check_path(name, getattr(self, name))
         if self.visible_map is None:
             return
-        if not all(map(math.isfinite, self.visible_map)) or min(self.visible_map[:2]) <= 0:
+        scales, offsets = self.visible_map[:2], self.visible_map[2:]
+        if not (
+            all(0 < scale <= GREATEST_SCALE for scale in scales)
+            and all(abs(offset) <= GREATEST_OFFSET_PX for offset in offsets)
+        ):  # nan is within nothing
             numbers = ", ".join(f"{value:g}" for value in self.visible_map)
             raise SessionError(
-                "visible_map: expected two positive scales and two offsets in px, found "
-                f"[{numbers}]"
+                f"visible_map: expected two positive scales of at most {GREATEST_SCALE:g} and two "
+                f"offsets of at most {GREATEST_OFFSET_PX:.0f} px, found [{numbers}]"
             )
 
     @property

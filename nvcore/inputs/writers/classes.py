@@ -41,7 +41,8 @@ def category_ids(reading: Reading, truth: Reading | None, objects: Objects) -> l
     Raises
     ------
     InputError
-        If there are several classes, and the truth is not given or does not have one of them.
+        If the truth has categories but none for one of the classes; or if there are several
+        classes, and the truth is not given.
     """
     ids: dict[str, int | str] = {}
     if truth is not None and truth.categories:
@@ -50,7 +51,8 @@ def category_ids(reading: Reading, truth: Reading | None, objects: Objects) -> l
     elif truth is not None:
         ids |= {objects.label_of(name): key for name, key in categories(truth, objects)[0].items()}
     missing = [label for label in reading.labels if label not in ids]
-    if missing and len(reading.labels) > 1:
+    has_categories = truth is not None and len(truth.categories) > 0
+    if missing and (has_categories or len(reading.labels) > 1):
         classes = ", ".join(_name(label, objects) for label in missing)
         raise InputError(
             "results of COCO number their classes as the truth does; give it with --truth, or "

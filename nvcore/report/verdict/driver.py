@@ -38,9 +38,23 @@ def _alerts(result: Result) -> str:
 def _by(result: Result) -> str:
     """On whose word it rests what the driver sees."""
     estimate = result.dataset.estimate
-    if estimate is None:
+    n_estimated, n_stated = _origins(result)
+    if estimate is None or (n_stated and not n_estimated):
         return "By the ground truth"
-    return "By the estimates" + (f" ({estimate.caution})" if estimate.caution else "")
+    caution = f" ({estimate.caution})" if estimate.caution else ""
+    if not n_stated:
+        return f"By the estimates{caution}"
+    among = count_text(n_estimated, "recording")
+    return f"By estimates in {among}{caution} and the ground truth in {n_stated}"
+
+
+def _origins(result: Result) -> tuple[int, int]:
+    """In how many recordings values are estimates, and in how many the ground truth's own."""
+    estimate = result.dataset.estimate
+    if estimate is None:
+        return 0, 0
+    names = frozenset(result.dataset.recordings["name"])
+    return len(names & estimate.estimated_in), len(names & estimate.stated_in)
 
 
 def _in_time(result: Result) -> str:
@@ -60,12 +74,18 @@ def describe_source(result: Result) -> str:
     """Where detectability comes from, and how far it can be trusted."""
     estimate, venn = result.dataset.estimate, result.driver.venn
     threshold = f"he is taken to see from {result.params.driver_threshold:g} on"
-    if estimate is None:
+    n_estimated, n_stated = _origins(result)
+    if estimate is None or (n_stated and not n_estimated):
         text = f"Detectability is as the ground truth states it; {threshold}"
     else:
         by = estimate.made_by or "estimated"
-        cautions = filter(None, (by, estimate.caution))
-        text = f"Detectability is {', '.join(cautions)}; {threshold}"
+        words = ", ".join(filter(None, (by, estimate.caution)))
+        if n_stated:
+            words = (
+                f"{words}, in {count_text(n_estimated, 'recording')}, and as the ground truth "
+                f"states it in {n_stated}"
+            )
+        text = f"Detectability is {words}; {threshold}"
     parts = []
     if result.driver.n_outside:
         parts.append(f"{result.driver.n_outside} outside the range of the training")

@@ -117,6 +117,13 @@ def of_origin(**facts: object):
         ),
         (of_origin(seed="x"), "seed: expected int, got 'x'"),
         (of_origin(simulated="perhaps"), "simulated: expected no, all or some"),
+        (of_origin(n_subjects=-1), "n_subjects: expected 0 to 4294967296, got -1"),
+        (of_origin(display_s=float("inf")), "Infinity is not a number"),
+        (of_origin(seed=10**400), "seed: expected 0 to 4294967296, got 1000"),
+        (
+            told(feature_settings={"surround": 10**400, "bin_distance": 1}),
+            "surround: expected a number",
+        ),
         (of_origin(more=1), "origin: its keys are others"),
         (put("periods_s", 0, 9.0), "periods_s: expected ascending"),
         (put("periods_s", 0, -1.0), "periods_s: expected ascending"),

@@ -317,3 +317,13 @@ def test_a_record_about_another_file_is_a_warning(tmp_path, is_own: bool):
     files = {"detectability.csv": hashlib.sha256(content).hexdigest()}
     (tmp_path / "d.json").write_bytes(estimate_json(EstimateRecord("m", files=files)))
     assert ("detectability-other-record" in codes(load(session))) is not is_own
+
+
+def test_a_row_without_a_value_leaves_what_the_truth_states(tmp_path):
+    session = stated(tmp_path, "0.25", "0.5", "")
+    rows = row("urban", 0, ""), row("urban", 2, "0.75"), row("rural", 0, "")
+    write(tmp_path / "detectability.csv", HEAD, *rows)
+    dataset = load(replace(session, driver=DriverTable("detectability.csv")))
+    assert known(dataset) == {("urban", 0): 0.25, ("urban", 1): 0.5, ("urban", 2): 0.75}
+    assert dataset.estimate is not None
+    assert dataset.estimate.estimated_in == dataset.estimate.stated_in == {"urban"}

@@ -70,6 +70,8 @@ def test_its_files_are_among_those_that_are_read(tmp_path: Path):
         ("visible_map = [1, 1, 0]", "visible_map: expected four numbers"),
         ("visible_map = [0, 1, 0, 0]", "visible_map: expected two positive scales"),
         ("visible_map = [1, 1, nan, 0]", "visible_map: expected two positive scales"),
+        ("visible_map = [1, 101, 0, 0]", "scales of at most 100"),
+        ("visible_map = [1, 1, 0, -1e9]", "offsets of at most 100000 px"),
         ("visible = 3", "visible: expected a text"),
         ('gaze = "a\\u0000b"', "gaze: expected a path"),
     ],

@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import small_estimator
+from builders import at, make_dataset, result_of
 
+from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.writing import WrittenEstimates
+from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source
 from nvcore.schema import DriverRegion
 from pages import FRAMES, alone, begin_with, checked, texts, write
-from ui.driver.run import with_estimates
+from ui.driver.run import lost_words, with_estimates
+from ui.session import drawing, state, uploads
+from ui.session.chosen import CHOSEN
+from ui.session.workspace import Workspace
 
 
 def rows(x: int, detectability: float) -> str:
@@ -55,6 +62,19 @@ def test_a_region_is_chosen_and_its_encounters_are_listed(page):
     assert page.dataframe[1].value["detectability"].tolist() == [0.8]
     checked(page.selectbox(key="driver_region").set_value(DriverRegion.NOBODY).run())
     assert "No pedestrian is seen so." in texts(page)
+
+
+def test_a_chosen_encounter_that_is_not_listed_is_said(page):
+    checked(page.selectbox(key="driver_region").set_value(DriverRegion.Y).run())
+    page.session_state[CHOSEN] = (page.session_state["workspace"].n_opened, "night:300")
+    checked(page.run())
+    assert "Pedestrian 100 of night" in [item.value for item in page.header]
+    assert (
+        "Pedestrian 300 of night is chosen, but is not in this list: the encounter is among those "
+        "of driver, X and Y." in texts(page)
+    )
+    page.session_state[CHOSEN] = (page.session_state["workspace"].n_opened, "night:100")
+    assert "not in this list" not in texts(checked(page.run()))
 
 
 def test_without_detectability_the_page_says_how_to_get_it():
@@ -110,6 +130,44 @@ def test_a_run_that_is_cancelled_leaves_all_as_it_was(visible):
     assert space.opened.session.driver.detectability is None
 
 
+def test_estimates_that_cannot_be_opened_leave_nothing_and_are_not_tried_again(
+    visible, monkeypatch: pytest.MonkeyPatch
+):
+    def refuse(*_: object, **__: object) -> None:
+        raise InputError("it cannot be opened")
+
+    page = sent(visible)
+    space = page.session_state["workspace"]
+    used = space.used_bytes
+    page = checked(page.button(key="driver_estimate").click().run())
+    assert space.used_bytes > used  # the estimator was copied
+    space.job("driver_run").join()
+    monkeypatch.setattr(state, "open_session", refuse)
+    assert "it cannot be opened" in texts(checked(page.run()))
+    assert (space.used_bytes, space.job("driver_run")) == (used, None)
+    assert not [*space.folder.glob("driver-*")]
+    assert "it cannot be opened" not in texts(checked(page.run()))
+
+
+@pytest.mark.parametrize(
+    ("trouble", "words"), [("gone", "cannot be copied"), ("full", "A session takes")]
+)
+def test_an_estimator_that_cannot_be_copied_is_said(
+    visible, monkeypatch: pytest.MonkeyPatch, trouble: str, words: str
+):
+    page = sent(visible)
+    space = page.session_state["workspace"]
+    used = space.used_bytes
+    if trouble == "gone":
+        next(space.folder.rglob("small.npz")).unlink()
+    else:
+        monkeypatch.setattr(uploads, "MAX_SESSION_BYTES", used)
+    page = checked(page.button(key="driver_estimate").click().run())
+    assert words in texts(page)
+    assert (space.used_bytes, space.job("driver_run")) == (used, None)
+    assert not [*space.folder.glob("driver-*")]
+
+
 def test_files_of_an_upload_are_named_from_its_folder(tmp_path: Path):
     folder = tmp_path / "driver-1"
     names = ("session.toml", "detectability.csv", "features.csv", "driver.json")
@@ -122,11 +180,30 @@ def test_files_of_an_upload_are_named_from_its_folder(tmp_path: Path):
     assert named[1].provenance == str(folder / "driver.json")
 
 
+def test_recordings_that_are_not_chosen_are_said_to_lose_their_estimates():
+    names = ["a", "b", "c"]
+    record = EstimateRecord(estimated_in=frozenset("ab"), stated_in=frozenset("c"))
+    assert lost_words(record, names, ["c"]).endswith(": a and b would lose theirs.")
+    assert lost_words(record, names, ["a", "c"]).endswith(": b would lose theirs.")
+    for estimate, chosen in ((record, ["a", "b"]), (record, []), (None, ["a"])):
+        assert lost_words(estimate, names, chosen) == ""
+
+
 def test_a_file_that_is_no_estimator_is_refused(visible):
     page = checked(alone("driver").run())
     page.file_uploader(key="estimator_file").set_value([("other.npz", b"PK no estimator", "")])
     page = checked(page.run())
     assert "other.npz: is not an estimator of nvcore" in texts(page)
+
+
+def test_an_estimator_that_is_refused_leaves_the_one_before(visible):
+    page = sent(visible)
+    chosen = page.selectbox(key="estimator").value
+    page.file_uploader(key="estimator_file").set_value([("other.npz", b"PK no estimator", "")])
+    page = checked(page.run())
+    assert "other.npz: is not an estimator of nvcore" in texts(page)
+    assert page.selectbox(key="estimator").value == chosen
+    assert "Trained on 306 trials" in texts(page)
 
 
 def panel(page) -> str:
@@ -149,6 +226,27 @@ def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(visi
     assert "he would **not** have seen him; as it was, he had" in texts(page)
     page = checked(page.slider(key="driver_tunnel_s").set_value(1.0).run())
     assert "dark from 1.00 s on" in texts(page)
+
+
+def test_a_light_meter_that_cannot_be_read_is_said_under_the_viewer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    path = small_estimator.write_session(tmp_path, stated=0.5)
+    (tmp_path / "lux.csv").write_text("time_s,lux\n0,bright\n")
+    begin_with(path, monkeypatch)
+    page = checked(alone("driver").run())
+    assert "How long ago the light has changed is not known: lux.csv, line 2" in texts(page)
+
+
+def test_clips_that_are_rated_do_not_ask_for_the_light(monkeypatch: pytest.MonkeyPatch):
+    asked: list[int] = []
+    monkeypatch.setattr(drawing, "visible_of", asked.append)
+    result = result_of(make_dataset(truth=[at(0, 50)], x=[at(0, 50)], n_frames=1))
+    monkeypatch.setattr(drawing, "state", SimpleNamespace(workspace=Workspace, theme=str))
+    assert drawing.viewer_arguments(result, 0, with_visible=False)["visible"] is None
+    assert asked == []
+    drawing.viewer_arguments(result, 0)
+    assert asked == [0]
 
 
 def test_where_only_estimates_are_known_the_page_says_what_a_simulation_needs(page):

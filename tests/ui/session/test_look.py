@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from ui.session.look import Look, read_look, to_address
+from ui.session.look import Look, from_address, read_look, to_address
 
 
 @pytest.mark.parametrize(
@@ -35,3 +35,19 @@ def test_an_address_says_only_what_is_not_as_usual():
     assert to_address(Look(blend=0.3)) == {}
     assert to_address(Look("blended", 0.3)) == {"picture": "blended", "blend": "0.3"}
     assert to_address(Look("both", seen_s=1.5)) == {"picture": "both", "seen_s": "1.5"}
+
+
+@pytest.mark.parametrize(
+    "look",
+    [
+        *(Look("own", seen_s=1.5), Look("own", seen_s="clock"), Look("both", seen_s=0.0)),
+        *(Look("visible"), Look("blended", 0.3, 2.0), Look("blended", 0.3, "clock")),
+    ],
+)
+def test_a_look_comes_back_from_its_address(look: Look):
+    assert from_address(to_address(look)) == look
+
+
+@pytest.mark.parametrize("query", [{}, {"alpha": "0.4"}, {"picture": "x", "seen_s": "clock"}])
+def test_an_address_that_says_nothing_of_it_is_no_look(query: dict[str, str]):
+    assert from_address(query) is None

@@ -13,7 +13,7 @@ import pytest
 from builders import at, make_dataset
 from sent_files import Sent
 
-from nvcore.errors import MediaError
+from nvcore.errors import InputError, MediaError
 from nvcore.inputs.readers.meaning.names import NEUTRAL
 from nvcore.inputs.session import Session, Source
 from ui.session import uploads, workspace
@@ -279,9 +279,26 @@ def test_the_files_of_the_open_comparison_stay_counted(space: Workspace):
 
 
 def test_a_model_takes_the_place_of_the_one_before_and_of_its_bytes(space: Workspace):
-    first = store_model(space, Sent("../one.npz", b"PK\3\4 no archive to unpack"), "detector")
+    first = store_model(space, Sent("../one.npz", b"PK\3\4 no archive to unpack"), "detector", str)
     assert (first.name, space.used_bytes) == ("one.npz", 25)
-    second = store_model(space, Sent("two.npz", b"1234"), "detector")
+    second = store_model(space, Sent("two.npz", b"1234"), "detector", str)
     assert not first.exists()
     assert second.read_bytes() == b"1234"
     assert space.used_bytes == 4
+
+
+def test_a_model_that_is_refused_leaves_the_one_before(
+    space: Workspace, monkeypatch: pytest.MonkeyPatch
+):
+    def refuse(path: Path) -> None:
+        raise InputError("is no model", file=path.name)
+
+    first = store_model(space, Sent("one.npz", b"1234"), "detector", str)
+    with pytest.raises(InputError, match=r"two\.npz: is no model"):
+        store_model(space, Sent("two.npz", b"12345678"), "detector", refuse)
+    monkeypatch.setattr(uploads, "MAX_SESSION_BYTES", 8)
+    with pytest.raises(UploadError, match="A session takes"):
+        store_model(space, Sent("three.npz", b"12345678"), "detector", str)
+    assert first.read_bytes() == b"1234"
+    assert space.used_bytes == 4
+    assert len([*space.folder.glob("detector-model-*")]) == 1

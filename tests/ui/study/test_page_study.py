@@ -225,6 +225,38 @@ def test_the_browser_may_answer_for_this_participant_only(
     assert note.folder.name == "dusk"
 
 
+@pytest.mark.parametrize("way", ["next", "conductor", "other page", "ratings"])
+def test_who_has_left_the_screen_can_no_longer_be_answered_for(
+    store: DetectabilityStore, runs: list[dict], way: str
+):
+    study = begun(store)
+    page = joined(study)
+    notes = page.session_state["workspace"].notes
+    assert NOTE in notes
+    if way in ("next", "conductor"):
+        page.query_params.clear()
+        page.query_params.update({"study" if way == "next" else "conduct": study.token})
+        checked(page.run())
+    else:
+        page.query_params.clear()
+        if way == "ratings":
+            page.query_params["study"] = "guess"
+        checked(pages.to_page(page, "ratings"))
+    assert NOTE not in notes
+
+
+def test_whoever_has_seen_all_pictures_answers_no_more(store: DetectabilityStore, runs: list[dict]):
+    study = begun(store)
+    page = joined(study)
+    (person,) = store.participants(study)
+    store.end_practice(study, person.code)
+    for trial in person.plan:
+        store.answer(study, person.code, trial.order, SEEN)
+    checked(page.run())
+    assert page.title[0].value == "Thank you"
+    assert NOTE not in page.session_state["workspace"].notes
+
+
 def test_strange_links_and_codes_lead_nowhere(store: DetectabilityStore, runs: list[dict]):
     study = begun(store)
     assert "leads to no study" in texts(opened(study="guess"))

@@ -13,7 +13,7 @@ from nvcore.driver.run import RecordingFeatures
 from nvcore.errors import NvcoreError
 from ui.confined.driver import EstimatorSpec, clock_by_meter
 from ui.session import state
-from ui.session.opening import recording_entry
+from ui.session.opening import public_text, recording_entry
 
 RUN: Final = "driver_estimates"
 """What the workspace remembers of the run whose estimates were opened."""
@@ -60,9 +60,14 @@ def clock_of(recording: int) -> AdaptationClock | None:
     By the run of this session, else by the recording's light meter, by our defaults.
     """
     part = _part_of(recording)
-    if part is not None:
-        return part.clock
-    return state.cached("driver_clock", recording, lambda: _by_meter(recording), most=MOST_CLOCKS)
+    clock = _cached_by_meter(recording) if part is None else part.clock
+    return None if isinstance(clock, str) else clock
+
+
+def light_trouble(recording: int) -> str:
+    """Why the file of a recording's light meter cannot be used, without paths; empty: it can."""
+    trouble = _cached_by_meter(recording) if _part_of(recording) is None else None
+    return trouble if isinstance(trouble, str) else ""
 
 
 def _part_of(recording: int) -> RecordingFeatures | None:
@@ -79,7 +84,12 @@ def _name_in_data(recording: int) -> str:
     return recording_entry(state.opened().session, names, names[recording]).name
 
 
-def _by_meter(recording: int) -> AdaptationClock | None:
+def _cached_by_meter(recording: int) -> AdaptationClock | str | None:
+    return state.cached("driver_clock", recording, lambda: _by_meter(recording), most=MOST_CLOCKS)
+
+
+def _by_meter(recording: int) -> AdaptationClock | str | None:
+    """By the light meter; why its file cannot be used; None: there is none."""
     session, names = state.opened().session, state.recording_names()
     path = recording_entry(session, names, names[recording]).light
     if path is None:
@@ -88,5 +98,5 @@ def _by_meter(recording: int) -> AdaptationClock | None:
     numbers, fps = frames.frame[frames.rows_of(recording)], float(frames.fps[recording])
     try:
         return clock_by_meter(session.folder / path, numbers, fps)
-    except NvcoreError:  # said where estimates are made
-        return None
+    except NvcoreError as error:
+        return public_text(error, (session.folder,))

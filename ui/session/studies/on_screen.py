@@ -15,6 +15,7 @@ from nvcore.studies.detectability.pictures import coarse, load_picture
 from nvcore.studies.detectability.practice import FIGURES, practice_picture
 from nvcore.studies.detectability.records import Answer, DetectabilityStudy
 from nvcore.studies.detectability.store import DetectabilityStore
+from ui.session.workspace import Workspace
 
 NOTE: Final = "study_on_screen"
 """Name among the workspace's notes."""
@@ -87,6 +88,11 @@ class OnScreen:
             If it is none, or the participant has no such trial.
         """
         self.store.answer(self.study, self.code, place, answer_of(content, self.screen))
+
+
+def leave_screen(space: Workspace) -> None:
+    """Nobody takes part before this screen any more: the browser gets and sends nothing."""
+    space.notes.pop(NOTE, None)
 
 
 def answer_of(content: bytes, screen: str = "") -> Answer:

@@ -18,7 +18,7 @@ function makeSources(actions) {
   };
   const blend = slider("Share of visible light", { min: "0", max: "1", step: "0.05" }, (value) => actions.look({ blend: value }));
   const since = slider("Seconds since the light has changed", { min: "0", max: "10", step: "0.1" },
-    (value) => actions.look({ sinceS: value }));
+    (value) => actions.look({ sinceS: value, isByHand: true }));
   const driver = make("button", {
     type: "button", class: "icon text", text: "As the driver sees it", title: `${DRIVER_HINT} (d)`, "aria-pressed": "false",
   });

@@ -9,7 +9,7 @@ class Look {
     this.blend = 0.5; // share of visible light where both are blended
     this.isDriver = false; // whether visible light is shown as the driver sees it
     this.sinceS = 0.5; // seconds since the light has changed
-    this.isByHand = false; // whether `sinceS` holds though the recording's own times are known
+    this.isByHand = false; // whether `sinceS` holds also where the recording's own times are known
     this.changeAt = null; // time of a simulated change of light, s; null: none
     this.visible = null; // what Python sends of it; null: the recording has none
     this.spans = new Int32Array(0);
@@ -45,7 +45,7 @@ class Look {
 
   // What is kept by the page.
   get choice() {
-    const seenS = this.followsClock ? CLOCK : this.sinceS;
+    const seenS = this.isByHand ? this.sinceS : CLOCK; // also where it is not known here
     return { picture: this.picture, blend: this.blend, seen_s: this.isDriver ? seenS : null };
   }
 
