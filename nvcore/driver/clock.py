@@ -89,8 +89,8 @@ def period_after(
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Adaptation periods had it become dark at `change_s`, and which of them run from then.
 
-    Frames that end before the change keep theirs; so do those that a real change comes before,
-    after the simulated one.
+    Frames that end before or at the change keep theirs; so do those that a real change comes
+    before, after the simulated one.
 
     Parameters
     ----------
@@ -99,6 +99,6 @@ def period_after(
     end_s
         When the frames end, float64, shape (n,).
     """
-    since_s = np.asarray(end_s, np.float64) - change_s
-    is_simulated = (since_s >= 0) & ~(period_s < since_s)
+    since_s = Changes(np.array([change_s]), np.array([np.nan])).period_s(end_s)
+    is_simulated = np.isfinite(since_s) & ~(period_s < since_s)
     return np.where(is_simulated, since_s, period_s), is_simulated

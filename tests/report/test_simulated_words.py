@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from nvcore.driver.clock import period_after
 from nvcore.report.verdict.simulated import NOBODY_THERE, describe_change
 
 
@@ -56,3 +57,39 @@ def test_a_distant_pedestrian_need_not_be_seen_by_a_certain_frame():
 
 def test_a_change_after_the_last_frame_changes_nothing():
     assert NOBODY_THERE in words(course(0.9, 0.9), simulated(0.9, 0.9, since=2))
+
+
+@pytest.mark.parametrize("fps", [10.0, 20.0, 25.0, 29.97])
+def test_the_frame_before_the_change_is_seen_as_it_was(fps: float):
+    frames = np.arange(60)
+    table = pd.DataFrame(
+        {"time_s": frames / fps, "detectability": 0.9, "is_up_to_relevant": frames < 20}
+    )
+    for k in range(1, 60):
+        change_s = k / fps
+        end_s = table["time_s"].to_numpy() + 1 / fps
+        period_s, is_simulated = period_after(np.full(60, np.nan), end_s, change_s)
+        would = np.where(period_s < 5.5 / fps, 0.1, 0.9)  # not in five frames
+        after = pd.DataFrame({"detectability": would, "is_simulated": is_simulated})
+        text = describe_change(table, after, threshold=0.5, change_s=change_s)
+        if k < 55:
+            assert f"5 frames ({5 / fps:.2f} s) later" in text
+        assert "he would have seen him, as it was" in text
+    text = describe_change(
+        table, after.assign(is_simulated=False), threshold=0.5, change_s=60 / fps
+    )
+    assert NOBODY_THERE in text
+
+
+def test_who_was_seen_by_the_frame_that_counts_still_is_where_it_becomes_dark_after_it():
+    was = course(*[0.1, 0.1, 0.9, *[0.9] * 7])
+    end_s = was["time_s"].to_numpy() + 0.1
+    _, is_simulated = period_after(np.full(10, np.nan), end_s, 0.3)
+    would = pd.DataFrame(
+        {
+            "detectability": np.where(is_simulated, 0.1, was["detectability"]),
+            "is_simulated": is_simulated,
+        }
+    )
+    text = describe_change(was, would, threshold=0.5, change_s=0.3)
+    assert "at 0.20 s, he would have seen him, as it was" in text

@@ -139,8 +139,8 @@ def test_readings_at_uneven_times_are_taken_by_their_times():
 
 def test_the_period_runs_from_the_change_and_ends_with_the_dark():
     changes = changes_of(light((10, 20_000), (6, 20), (10, 20_000)), LightSettings())
-    period_s = changes.period_s(np.array([0, 9.9, 10, 10.5, 15.9, 16, 20]))
-    expected = [np.nan, np.nan, 0, 0.5, 5.9, np.nan, np.nan]
+    period_s = changes.period_s(np.array([0, 9.9, 10, 10.5, 15.9, 16, 16.1, 20]))
+    expected = [np.nan, np.nan, np.nan, 0.5, 5.9, 6, np.nan, np.nan]
     np.testing.assert_allclose(period_s, expected, atol=1e-9)
 
 
