@@ -17,14 +17,15 @@ class AdaptationClock:
     Attributes
     ----------
     time_s
-        When each frame begins, seconds from frame 0, float64, shape (n,).
+        When each frame begins, seconds from the first of them, float64, shape (n,): the times of
+        the dataset's frames.
     level
         Last reading then, in the unit of the source (`LIGHT_UNIT`), float64, shape (n,); NaN: none.
     period_s
         Seconds from the last change from bright to dark to the end of the frame, float64, shape
         (n,). NaN: none is known, or the light is back, or the readings have ended.
     change_s
-        When it became dark, seconds from frame 0, float64, ascending.
+        When it became dark, on the same axis as `time_s`, float64, ascending.
     source
         What told how bright it was.
     simulated_s
@@ -47,9 +48,9 @@ def adaptation_clock(
     Parameters
     ----------
     light
-        Readings over the recording.
+        Readings over the recording, with times from frame 0.
     frame
-        Numbers of its evaluated frames, int64, shape (n,).
+        Numbers of its evaluated frames, int64, ascending, shape (n,).
     fps
         Frames per second.
     settings
@@ -58,13 +59,26 @@ def adaptation_clock(
     changes: Changes = changes_of(light, settings or LightSettings())
     begin_s, end_s = frame / fps, (frame + 1) / fps
     period_s = np.where(begin_s <= light.end_s, changes.period_s(end_s), np.nan)
-    return AdaptationClock(begin_s, light.at(begin_s), period_s, changes.start_s, light.source)
+    first_s = begin_s[0] if len(frame) else 0.0
+    return AdaptationClock(
+        _from_first(frame, fps),
+        light.at(begin_s),
+        period_s,
+        changes.start_s - first_s,
+        light.source,
+    )
 
 
 def unknown_clock(frame: NDArray[np.int64], fps: float) -> AdaptationClock:
     """The clock where nothing is known of the light."""
     nothing = np.full(len(frame), np.nan)
-    return AdaptationClock(frame / fps, nothing, nothing, np.empty(0), LightSource.PICTURE)
+    time_s = _from_first(frame, fps)
+    return AdaptationClock(time_s, nothing, nothing, np.empty(0), LightSource.PICTURE)
+
+
+def _from_first(frame: NDArray[np.int64], fps: float) -> NDArray[np.float64]:
+    """When frames begin, as a dataset says it: seconds from the first of them."""
+    return (frame - frame[:1].sum()) / fps
 
 
 def with_change(clock: AdaptationClock, fps: float, change_s: float) -> AdaptationClock:
@@ -77,7 +91,7 @@ def with_change(clock: AdaptationClock, fps: float, change_s: float) -> Adaptati
     fps
         Frames per second.
     change_s
-        Seconds from frame 0.
+        Seconds from the first frame, as `clock.time_s`.
     """
     period_s, _ = period_after(clock.period_s, clock.time_s + 1 / fps, change_s)
     times = np.sort(np.append(clock.change_s, change_s))
@@ -97,7 +111,7 @@ def period_after(
     period_s
         As they are, seconds, NaN none, float64, shape (n,).
     end_s
-        When the frames end, float64, shape (n,).
+        When the frames end, on the axis of `change_s`, seconds, float64, shape (n,).
     """
     since_s = Changes(np.array([change_s]), np.array([np.nan])).period_s(end_s)
     is_simulated = np.isfinite(since_s) & ~(period_s < since_s)

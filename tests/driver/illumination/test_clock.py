@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from nvcore.dataset.tables import frames_table
 from nvcore.driver.clock import adaptation_clock, period_after, unknown_clock, with_change
 from nvcore.driver.illumination import Light, LightSource
 
@@ -79,3 +80,27 @@ def test_a_drop_at_a_frame_leaves_the_frame_before_in_the_light(fps: float, sour
         clock = adaptation_clock(Light(frames / fps, level, source), frames, fps)
         assert np.isnan(clock.period_s[:dark_from]).all()
         assert clock.period_s[dark_from] == pytest.approx(1 / fps)
+
+
+@pytest.mark.parametrize("first", [0, 1, 600])
+def test_times_are_those_of_the_dataset_which_begin_with_the_first_frame(first: int):
+    """Frames of 20 a second; by the light's own time it is dark from 5 s after the first on."""
+    frames = np.arange(first, first + 200)
+    begin_s = first / 20
+    times = np.arange(-100, 300) / 20 + begin_s
+    readings = Light(times, np.where(times < begin_s + 5 - 1e-9, 1000.0, 10.0))
+    clock = adaptation_clock(readings, frames, 20.0)
+    listed = frames_table([frames], [20.0])["time_s"].to_numpy()
+    assert clock.time_s.tolist() == listed.tolist()
+    assert clock.change_s == pytest.approx([5.0])
+    assert clock.level[[99, 100]].tolist() == [1000.0, 10.0]
+    assert np.isnan(clock.period_s[99])
+    assert clock.period_s[100] == pytest.approx(0.05)
+    assert unknown_clock(frames, 20.0).time_s.tolist() == listed.tolist()
+    simulated = with_change(clock, 20.0, float(listed[40]))
+    assert np.isnan(simulated.period_s[39])
+    assert simulated.period_s[[40, 99, 100]] == pytest.approx([0.05, 3.0, 0.05])
+
+
+def test_without_frames_there_is_an_empty_clock():
+    assert not len(adaptation_clock(light(), np.empty(0, np.int64), FPS).time_s)
