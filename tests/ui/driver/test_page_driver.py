@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -145,10 +146,24 @@ def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(visi
     # at once it is dark: the estimator of 0.5 s until 2.5 s later
     assert re.search(r"the same, simulated\s+0\.16 ± 0\.10", panel(page))
     assert "dark from 0.00 s on" in texts(page)
-    assert "25 frames (2.50 s) later; as it was, at once" in texts(page)
-    assert "he would **not** have seen him; as it was, he had" in texts(page)
+    assert "25 frames (2.50 s) later; without the change, at once" in texts(page)
+    assert "he would **not** have seen him; without the change he would have" in texts(page)
     page = checked(page.slider(key="driver_tunnel_s").set_value(1.0).run())
     assert "dark from 1.00 s on" in texts(page)
+
+
+def test_panel_plot_and_words_count_from_the_first_frame_whatever_its_number(tmp_path, monkeypatch):
+    begin_with(small_estimator.write_session(tmp_path, first=600), monkeypatch)
+    page = estimated(sent(tmp_path))
+    page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
+    page = checked(page.toggle(key="driver_tunnel").set_value(True).run())
+    assert re.search(r"Since the change of light\s+0\.10 s, simulated", panel(page))
+    page = checked(page.slider(key="driver_tunnel_s").set_value(1.0).run())
+    assert "dark from 1.00 s on" in texts(page)
+    assert re.search(r"Since the change of light\s+eyes adapted", panel(page))
+    (plot,) = (item for item in page.get("plotly_chart") if "light" in item.proto.spec)
+    changes = json.loads(plot.proto.spec)["layout"]["shapes"]
+    assert [round(line["x0"], 6) for line in changes if line["line"]["dash"] == "dot"] == [1, 4]
 
 
 def test_where_only_estimates_are_known_the_page_says_what_a_simulation_needs(page):
