@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from nvcore.driver.clock import period_after
 from nvcore.driver.estimators import Estimator
 from nvcore.driver.features import FEATURE_KEYS
+from nvcore.driver.illumination.clock import period_after
 from nvcore.errors import ParameterError
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from nvcore.driver.clock import adaptation_clock, with_change
 from nvcore.driver.illumination import Light, LightSource
+from nvcore.driver.illumination.clock import adaptation_clock, with_change
 from nvcore.figures import detectability_course_plot, driver_venn_plot
 from nvcore.metrics.driver import DriverVenn
 from nvcore.schema import DriverRegion

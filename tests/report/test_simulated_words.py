@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from nvcore.driver.clock import period_after
+from nvcore.driver.illumination.clock import period_after
 from nvcore.report.verdict.simulated import NOBODY_THERE, describe_change
 
 

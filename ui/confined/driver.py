@@ -18,11 +18,11 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from nvcore.dataset import Dataset
-from nvcore.driver.clock import AdaptationClock, adaptation_clock
 from nvcore.driver.estimate import EstimateRun, run_estimate
 from nvcore.driver.estimators import Estimator, fingerprint, read_estimator
 from nvcore.driver.estimators.model import Origin
 from nvcore.driver.illumination import read_light
+from nvcore.driver.illumination.clock import AdaptationClock, adaptation_clock
 from nvcore.driver.run import run_features
 from nvcore.driver.simulation import simulate_change
 from nvcore.errors import InputError

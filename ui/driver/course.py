@@ -8,7 +8,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.driver.clock import AdaptationClock, unknown_clock, with_change
+from nvcore.driver.illumination.clock import AdaptationClock, unknown_clock, with_change
 from nvcore.figures.driver.course import detectability_course_plot
 from nvcore.tables.encounters.driver import detectability_course, features_of_course
 from ui.driver import panel, tunnel

@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 import streamlit as st
 
-from nvcore.driver.clock import AdaptationClock
 from nvcore.driver.features import FEATURES
+from nvcore.driver.illumination.clock import AdaptationClock
 from ui.session import state
 from ui.widgets.text import UNDEFINED, docs_link, number
 

@@ -10,8 +10,8 @@ import pandas as pd
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from nvcore.driver.clock import AdaptationClock
 from nvcore.driver.illumination import LightSource
+from nvcore.driver.illumination.clock import AdaptationClock
 from nvcore.figures.marks import marks, steady_marker, still_line
 from nvcore.figures.over_time.similarity import decimate
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, faded, written

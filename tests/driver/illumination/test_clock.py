@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 
 from nvcore.dataset.tables import frames_table
-from nvcore.driver.clock import adaptation_clock, period_after, unknown_clock, with_change
 from nvcore.driver.illumination import Light, LightSource
+from nvcore.driver.illumination.clock import (
+    adaptation_clock,
+    period_after,
+    unknown_clock,
+    with_change,
+)
 
 FPS = 10.0
 FRAMES = np.arange(100)

@@ -7,8 +7,8 @@ from typing import Final, NamedTuple
 
 import pandas as pd
 
-from nvcore.driver.clock import AdaptationClock
 from nvcore.driver.estimate import EstimateRun
+from nvcore.driver.illumination.clock import AdaptationClock
 from nvcore.driver.run import RecordingFeatures
 from nvcore.errors import NvcoreError
 from ui.confined.driver import EstimatorSpec, clock_by_meter

@@ -7,7 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.driver.illumination import Changes, Light, LightSettings, LightSource, changes_of
+from nvcore.driver.illumination.changes import Changes, changes_of
+from nvcore.driver.illumination.meter import Light, LightSource
+from nvcore.driver.illumination.settings import LightSettings
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +80,8 @@ def unknown_clock(frame: NDArray[np.int64], fps: float) -> AdaptationClock:
 
 def _from_first(frame: NDArray[np.int64], fps: float) -> NDArray[np.float64]:
     """When frames begin, as a dataset says it: seconds from the first of them."""
-    return (frame - frame[:1].sum()) / fps
+    time_s: NDArray[np.float64] = (frame - frame[:1].sum()) / fps
+    return time_s
 
 
 def with_change(clock: AdaptationClock, fps: float, change_s: float) -> AdaptationClock:
