@@ -89,7 +89,8 @@ def test_grey_pictures_that_nobody_calls_visible_give_no_estimate(place: Path):
 def test_print_says_what_to_take_with_care(place: Path):
     text = str(run(place, estimator(simulated="all")))
     assert "detectability of 40 of 40 pedestrian boxes: 0.53 on average" in text
-    assert "trained on a simulated observer" in text
+    assert "estimates are learnt from simulated subjects" in text
+    assert "learnt in part from simulated subjects" in str(run(place, estimator(simulated="some")))
     assert "20 of them without a known change of light" in text
     assert "outside the range" not in text
     assert "simulated" not in str(run(place, estimator()))

@@ -114,3 +114,14 @@ def test_frames_in_which_it_is_not_known_are_neither_seen_nor_unseen():
     later = words(course(NAN, NAN, NAN, 0.9), simulated(0.1, NAN, 0.1, 0.9))
     assert "at the latest 2 frames (0.20 s) later, as without the change" in later
     assert "he would **not** have seen him; without the change it is not known." in later
+
+
+def test_a_simulated_observer_is_named():
+    text = describe_change(
+        course(0.9, 0.9),
+        simulated(0.9, 0.1),
+        threshold=0.5,
+        change_s=0.1,
+        caution="learnt from simulated subjects",
+    )
+    assert "Estimates are learnt from simulated subjects." in text

@@ -14,7 +14,12 @@ NOBODY_THERE: Final = "The pedestrian is in no frame after it: nothing changes."
 
 
 def describe_change(
-    course: pd.DataFrame, simulated: pd.DataFrame, *, threshold: float, change_s: float
+    course: pd.DataFrame,
+    simulated: pd.DataFrame,
+    *,
+    threshold: float,
+    change_s: float,
+    caution: str = "",
 ) -> str:
     """What would be, had it become dark at `change_s`, beside what was.
 
@@ -28,6 +33,9 @@ def describe_change(
         From which detectability on the driver is taken to see the pedestrian, 0..1.
     change_s
         Seconds from the recording's first frame, as those of the course.
+    caution
+        Whose answers the estimates rest on, where some were simulated
+        (`nvcore.dataset.estimates.EstimateRecord.caution`).
     """
     is_after = simulated["is_simulated"].to_numpy(bool)
     head = f"Simulated: dark from {change_s:.2f} s on."
@@ -36,7 +44,7 @@ def describe_change(
     later_s = course["time_s"].to_numpy(float)[is_after] - change_s
     was, would = (table["detectability"].to_numpy(float) for table in (course, simulated))
     before, soon = (_when(share[is_after], threshold, later_s) for share in (was, would))
-    text = f"{head} {_compared(soon, before)}"
+    text = f"{head}{f' Estimates are {caution}.' if caution else ''} {_compared(soon, before)}"
     is_up_to = course["is_up_to_relevant"].to_numpy(bool)
     if not is_up_to.any():
         return f"{text} The encounter is distant: there is no frame by which he has to."
