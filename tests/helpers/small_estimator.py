@@ -23,14 +23,14 @@ FIGURE = (20, 60)
 BRIGHT, DIM = 120, 50
 
 
-def write_model(path: Path, late: float = 1.0) -> Path:
+def write_model(path: Path, late: float = 1.0, simulated: str = "no") -> Path:
     """An estimator: soon after a change 0.2 of the contrast over 100, from 4.5 s on `late` of it.
 
     With `late` = 1 who is 80 brighter than his surround is seen by 0.8 of all adapted drivers.
     """
     regressions = tuple(_by_contrast(share) for share in (0.2, late, late))
     qualities = (Quality(51, 0.01, 0.5, 0.1),) * 3
-    origin = Origin(51, 4, 306, "no", 200.0, 0.5, 0.5, 0, "ab")
+    origin = Origin(51, 4, 306, simulated, 200.0, 0.5, 0.5, 0, "ab")
     estimator = Estimator("small", np.array([0.5, 4.5]), regressions, qualities, origin)
     write_estimator(estimator, path)
     return path
