@@ -168,7 +168,7 @@ def test_from_a_study_to_whom_the_driver_sees(
     one.keyed("driver_tunnel").locator("label").first.click()
     expect(one.page.get_by_text("Simulated: dark from 0.00 s on")).to_be_visible()
     one.viewer.press("d")
-    expect(one.page.get_by_text("simulated: 0.1 s after the change")).to_be_visible()
+    expect(one.page.get_by_text("simulated: 0.10 s after the change")).to_be_visible()
     assert one.accessibility_faults() == []
     for visit in (conductor, subject, one):
         assert visit.complaints == []

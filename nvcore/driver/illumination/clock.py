@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.driver.illumination.changes import Changes, changes_of
+from nvcore.driver.illumination.changes import SAME_S, Changes, changes_of
 from nvcore.driver.illumination.meter import Light, LightSource
 from nvcore.driver.illumination.settings import LightSettings
 
@@ -25,21 +25,33 @@ class AdaptationClock:
         Last reading then, in the unit of the source (`LIGHT_UNIT`), float64, shape (n,); NaN: none.
     period_s
         Seconds from the last change from bright to dark to the end of the frame, float64, shape
-        (n,). NaN: none is known, or the light is back, or the readings have ended.
+        (n,). NaN: the eyes are adapted, or it is not known.
+    is_known
+        Whether a change would be known, bool, shape (n,): not before there were readings for long
+        enough, nor after they have ended.
     change_s
         When it became dark, on the same axis as `time_s`, float64, ascending.
     source
         What told how bright it was.
     simulated_s
         Which of the changes never was; None: all were.
+    is_simulated
+        Frames whose period runs from that one, bool, shape (n,); None: no frame's does.
     """
 
     time_s: NDArray[np.float64]
     level: NDArray[np.float64]
     period_s: NDArray[np.float64]
+    is_known: NDArray[np.bool_]
     change_s: NDArray[np.float64]
     source: LightSource
     simulated_s: float | None = None
+    is_simulated: NDArray[np.bool_] | None = None
+
+    @property
+    def seen_s(self) -> NDArray[np.float64]:
+        """Periods in which adapted eyes are those of long ago, inf; NaN: not known."""
+        return np.where(self.is_known & np.isnan(self.period_s), np.inf, self.period_s)
 
 
 def adaptation_clock(
@@ -58,14 +70,18 @@ def adaptation_clock(
     settings
         What counts as a change; None: our defaults.
     """
-    changes: Changes = changes_of(light, settings or LightSettings())
+    settings = settings or LightSettings()
+    changes = changes_of(light, settings)
     begin_s, end_s = frame / fps, (frame + 1) / fps
     period_s = np.where(begin_s <= light.end_s, changes.period_s(end_s), np.nan)
+    known_from_s = light.time_s[0] + settings.bright_for_s if len(light.time_s) else np.inf
+    is_in_time = (begin_s >= known_from_s - SAME_S) & (begin_s <= light.end_s)
     first_s = begin_s[0] if len(frame) else 0.0
     return AdaptationClock(
         _from_first(frame, fps),
         light.at(begin_s),
         period_s,
+        is_in_time | ~np.isnan(period_s),
         changes.start_s - first_s,
         light.source,
     )
@@ -74,8 +90,14 @@ def adaptation_clock(
 def unknown_clock(frame: NDArray[np.int64], fps: float) -> AdaptationClock:
     """The clock where nothing is known of the light."""
     nothing = np.full(len(frame), np.nan)
-    time_s = _from_first(frame, fps)
-    return AdaptationClock(time_s, nothing, nothing, np.empty(0), LightSource.PICTURE)
+    return AdaptationClock(
+        _from_first(frame, fps),
+        nothing,
+        nothing,
+        np.zeros(len(frame), bool),
+        np.empty(0),
+        LightSource.PICTURE,
+    )
 
 
 def _from_first(frame: NDArray[np.int64], fps: float) -> NDArray[np.float64]:
@@ -96,9 +118,16 @@ def with_change(clock: AdaptationClock, fps: float, change_s: float) -> Adaptati
     change_s
         Seconds from the first frame, as `clock.time_s`.
     """
-    period_s, _ = period_after(clock.period_s, clock.time_s + 1 / fps, change_s)
+    period_s, is_simulated = period_after(clock.period_s, clock.time_s + 1 / fps, change_s)
     times = np.sort(np.append(clock.change_s, change_s))
-    return replace(clock, period_s=period_s, change_s=times, simulated_s=change_s)
+    return replace(
+        clock,
+        period_s=period_s,
+        is_known=clock.is_known | is_simulated,
+        change_s=times,
+        simulated_s=change_s,
+        is_simulated=is_simulated,
+    )
 
 
 def period_after(

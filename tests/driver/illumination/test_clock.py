@@ -109,3 +109,25 @@ def test_times_are_those_of_the_dataset_which_begin_with_the_first_frame(first: 
 
 def test_without_frames_there_is_an_empty_clock():
     assert not len(adaptation_clock(light(), np.empty(0, np.int64), FPS).time_s)
+
+
+def test_adapted_eyes_are_told_from_what_is_not_known():
+    clock = adaptation_clock(light(), FRAMES - 40, FPS)  # from 4 s before frame 0 on
+    assert not clock.is_known[:20].any()  # readings begin 5 s before it, and 3 s are needed
+    assert clock.is_known[20:].all()
+    assert np.isnan(clock.seen_s[:20]).all()
+    assert np.isposinf(clock.seen_s[20:90]).all()
+    assert clock.seen_s[90] == pytest.approx(0.1)
+    after = adaptation_clock(light(), FRAMES, FPS)  # readings end at 7.9 s, and hold a second
+    assert after.is_known[:90].all()
+    assert np.isnan(after.seen_s[90:]).all()
+    assert not after.is_known[90:].any()
+
+
+def test_only_frames_from_the_simulated_change_to_a_real_one_are_simulated():
+    clock = with_change(adaptation_clock(light(), FRAMES, FPS), FPS, 2.0)
+    assert clock.is_simulated is not None
+    assert np.flatnonzero(clock.is_simulated[:90]).tolist() == list(range(20, 50))
+    nothing = with_change(unknown_clock(FRAMES, FPS), FPS, 3.0)
+    assert nothing.is_known.tolist() == (FRAMES >= 30).tolist()
+    assert np.isnan(nothing.seen_s[:30]).all()
