@@ -3,6 +3,7 @@
     {"written_by": "nvcore 0.1.0",
      "estimator": {"name": "driver", "fingerprint": "5f1c...", "simulated": "all",
                    "n_subjects": 12},
+     "settings": {"light": {"drop_factor": 10.0}},
      "files": {"detectability.csv": "9e07..."}}
 
 Every entry may be missing: it is not known then. Others are not read.
@@ -45,6 +46,9 @@ class EstimateRecord:
         sha256 of each file that it is about, by name.
     written_by
         Program and version.
+    light
+        What counted as a change of light (`nvcore.driver.illumination.LightSettings`), as it stands
+        there, unchecked; empty: not known.
     estimated_in, stated_in
         Names of the dataset's recordings in which values are estimates, and of those in which some
         are the ground truth's own; no part of the record itself.
@@ -56,6 +60,7 @@ class EstimateRecord:
     n_subjects: int = 0
     files: Mapping[str, str] = field(default_factory=dict)
     written_by: str = ""
+    light: Mapping[str, object] = field(default_factory=dict)
     estimated_in: frozenset[str] = field(default=frozenset(), compare=False)
     stated_in: frozenset[str] = field(default=frozenset(), compare=False)
 
@@ -116,4 +121,5 @@ def _record(content: object) -> EstimateRecord:
         **{key: value_of(estimator, key, kind) for key, kind in _OF_ESTIMATOR.items()},
         files={name: typed(digest, str, "files") for name, digest in files.items()},
         written_by=value_of(record, "written_by", str),
+        light=value_of(value_of(record, "settings", dict), "light", dict),
     )

@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
+from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.estimators import Estimator, fingerprint
 from nvcore.driver.feature_record import settings_words
 from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
@@ -58,10 +59,8 @@ class EstimateRun:
                 f"{listed([one_line(name) for name in of_heat], most=MOST_NAMED)}; where they are "
                 "of visible light, name them as visible in the session"
             )
-        if self.estimator.origin.simulated != "no":
-            lines.append(
-                "the estimator was trained on a simulated observer: this is no person's eye"
-            )
+        if caution := EstimateRecord(simulated=self.estimator.origin.simulated).caution:
+            lines.append(f"estimates are {caution}")
         if self.estimator.feature_settings is None:
             lines.append(
                 "the estimator does not say with which settings its features were computed; "

@@ -10,10 +10,10 @@ import numpy as np
 import pandas as pd
 
 from nvcore.dataset import Dataset
-from nvcore.driver.clock import AdaptationClock, adaptation_clock
 from nvcore.driver.features import FEATURE_KEYS, features_of
 from nvcore.driver.features.view import luminance_of
 from nvcore.driver.illumination import Light, LightSource, picture_level
+from nvcore.driver.illumination.clock import AdaptationClock, adaptation_clock
 from nvcore.driver.recording import DriverRecording, open_recordings
 from nvcore.driver.settings import DriverSettings
 from nvcore.inputs.session import Session

@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from nvcore.driver.clock import period_after
 from nvcore.driver.estimators import Estimator
 from nvcore.driver.features import FEATURE_KEYS
+from nvcore.driver.illumination.clock import period_after
 from nvcore.errors import ParameterError
 
 
@@ -31,9 +31,10 @@ def simulate_change(
     features
         Rows of one recording of a features file (`nvcore.driver.run.FEATURE_COLUMNS`).
     end_s
-        When the frame of each row ends, seconds from frame 0, shape (n,).
+        When the frame of each row ends, seconds from the recording's first frame, as the dataset
+        counts them, shape (n,).
     change_s
-        Seconds from frame 0.
+        On the same axis.
     interpolate
         As in `Estimator.estimate`.
 
@@ -48,7 +49,7 @@ def simulate_change(
         Unless the time is finite.
     """
     if not np.isfinite(change_s):
-        raise ParameterError(f"change: expected seconds from frame 0, found {change_s:g}")
+        raise ParameterError(f"change: expected seconds from the first frame, found {change_s:g}")
     known_s = features["period_s"].to_numpy(np.float64)
     period_s, is_simulated = period_after(known_s, end_s, change_s)
     estimates = estimator.estimate(

@@ -51,13 +51,13 @@ def test_each_box_has_the_estimate_of_its_adaptation_period(place: Path):
     table = run(place, estimator()).table
     assert tuple(table.columns) == DETECTABILITY_COLUMNS
     # before the change the eyes are adapted: the longest period; frame 19 ends at the change
-    assert table["period_s"][:19].isna().all()
-    np.testing.assert_allclose(table["detectability"][:19], 0.6)
+    assert table["period_s"][:20].isna().all()
+    np.testing.assert_allclose(table["detectability"][:20], 0.6)
     # from 0 s to 2.5 s after it the nearest estimator is that of 0.5 s, then that of 4.5 s
-    assert table["period_s"][[19, 29, 30]].tolist() == pytest.approx([0.0, 2.5, 2.75])
-    np.testing.assert_allclose(table["detectability"][19:30], 0.3)
+    assert table["period_s"][[20, 29, 30]].tolist() == pytest.approx([0.25, 2.5, 2.75])
+    np.testing.assert_allclose(table["detectability"][20:30], 0.3)
     np.testing.assert_allclose(table["detectability"][30:], 0.6)
-    np.testing.assert_allclose(table["sd"][[19, 39]], [0.1, 0.2])
+    np.testing.assert_allclose(table["sd"][[20, 39]], [0.1, 0.2])
     assert not table["is_outside"].any()
 
 
@@ -88,9 +88,10 @@ def test_grey_pictures_that_nobody_calls_visible_give_no_estimate(place: Path):
 
 def test_print_says_what_to_take_with_care(place: Path):
     text = str(run(place, estimator(simulated="all")))
-    assert "detectability of 40 of 40 pedestrian boxes: 0.52 on average" in text
-    assert "trained on a simulated observer" in text
-    assert "19 of them without a known change of light" in text
+    assert "detectability of 40 of 40 pedestrian boxes: 0.53 on average" in text
+    assert "estimates are learnt from simulated subjects" in text
+    assert "learnt in part from simulated subjects" in str(run(place, estimator(simulated="some")))
+    assert "20 of them without a known change of light" in text
     assert "outside the range" not in text
     assert "simulated" not in str(run(place, estimator()))
 

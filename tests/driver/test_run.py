@@ -132,8 +132,8 @@ def test_the_adaptation_period_is_that_at_the_end_of_the_frame(place: Path):
     (place / "lux.csv").write_text("\n".join(["time_s,lux", *rows]) + "\n")
     part = run(place, 'pictures = "drive"\nlight = "lux.csv"\n').recordings[0]
     table = part.table  # it becomes dark at 6 s; frame 24 begins then
-    assert table["period_s"][:23].isna().all()
-    assert table["period_s"][23:27].tolist() == pytest.approx([0.0, 0.25, 0.5, 0.75])
+    assert table["period_s"][:24].isna().all()
+    assert table["period_s"][24:27].tolist() == pytest.approx([0.25, 0.5, 0.75])
     assert table["illumination"][[0, 23, 24]].tolist() == [1000, 1000, 10]
     assert set(table["illumination_by"]) == {"meter"}
     assert "Light by the light meter: 1 change from bright to dark." in part.notes
@@ -144,7 +144,7 @@ def test_where_the_readings_end_nothing_is_known(place: Path):
     (place / "lux.csv").write_text("\n".join(["time_s,lux", *rows]) + "\n")
     part = run(place, 'pictures = "drive"\nlight = "lux.csv"\n').recordings[0]
     known = part.table["period_s"].notna()  # from 4 s to 6 s: a second after the last reading
-    assert np.flatnonzero(known).tolist() == [*range(15, 25)]
+    assert np.flatnonzero(known).tolist() == [*range(16, 25)]
     assert part.table["illumination"].notna().tolist() == [True] * 25 + [False] * 15
     assert any(
         note.endswith("1 change from bright to dark, known until 5 s.") for note in part.notes

@@ -67,5 +67,5 @@ def test_the_features_file_stays_as_it_is():
 
 
 def test_a_change_at_no_time_is_refused():
-    with pytest.raises(ParameterError, match="seconds from frame 0, found nan"):
+    with pytest.raises(ParameterError, match="seconds from the first frame, found nan"):
         simulate_change(features(math.nan), END_S, math.nan, ESTIMATOR)

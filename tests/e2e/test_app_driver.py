@@ -163,12 +163,12 @@ def test_from_a_study_to_whom_the_driver_sees(
     assert [plot.evaluate(COUNT, name) for name in ("x_y", "driver_x_y", "x")] == [0, 1, 1]
     expect(one.page.get_by_text(re.compile("How it was estimated"))).to_be_visible()
 
-    # each of them in the picture; and it becomes dark, as it were
+    # each of them in the picture; and a change of light is simulated
     expect(one.viewer).to_have_attribute("data-picture", "visible")
     one.keyed("driver_tunnel").locator("label").first.click()
     expect(one.page.get_by_text("Simulated: dark from 0.00 s on")).to_be_visible()
     one.viewer.press("d")
-    expect(one.page.get_by_text("simulated: 0.1 s after the change")).to_be_visible()
+    expect(one.page.get_by_text("simulated: 0.10 s after the change")).to_be_visible()
     assert one.accessibility_faults() == []
     for visit in (conductor, subject, one):
         assert visit.complaints == []

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from nvcore.driver.clock import adaptation_clock, unknown_clock, with_change
 from nvcore.driver.illumination import Light, LightSource
+from nvcore.driver.illumination.clock import adaptation_clock, unknown_clock, with_change
 from nvcore.figures import detectability_course_plot, driver_venn_plot
 from nvcore.metrics.driver import DriverVenn
 from nvcore.schema import DriverRegion
@@ -51,7 +51,8 @@ def test_where_nothing_is_known_the_diagram_says_so():
 def test_a_course_marks_known_frames_and_its_band_ends_at_0_and_1():
     figure = detectability_course_plot(COURSE, threshold=0.5, theme="light")
     band, before, later = figure.data
-    assert (min(band.y), max(band.y)) == (0, 1)
+    shares = [share for share in band.y if share is not None]
+    assert (min(shares), max(shares)) == (0, 1)
     assert (list(before.customdata), list(later.customdata)) == ([10], [12])
     assert "2 frames in which it is known, of 3" in figure.layout.title.text
     assert figure.layout.shapes[0].y0 == 0.5
@@ -92,3 +93,47 @@ def test_where_nothing_is_known_of_the_light_a_simulated_change_is_drawn_all_the
     figure = detectability_course_plot(COURSE, threshold=0.5, theme="light", clock=clock)
     assert "nothing is known of the light" in figure.layout.title.text
     assert 0.55 in [shape.x0 for shape in figure.layout.shapes]
+
+
+def test_the_band_is_drawn_only_where_the_deviation_is_known():
+    course = pd.DataFrame(
+        {
+            "row": [10, 11, 12, 13, 15],
+            "time_s": [0.0, 0.1, 0.2, 0.3, 0.5],
+            "detectability": 0.5,
+            "sd": [0.1, 0.1, np.nan, 0.2, 0.2],
+            "is_outside": False,
+            "is_up_to_relevant": True,
+        }
+    )
+    band = detectability_course_plot(course, threshold=0.5, theme="light").data[0]
+    assert list(band.x) == [0.0, 0.1, 0.1, 0.0, None, 0.3, 0.3, None, 0.5, 0.5, None]
+    assert [None if y is None else round(y, 6) for y in band.y[5:]] == [
+        *(0.7, 0.3, None),
+        *(0.7, 0.3, None),
+    ]
+    unknown = course.assign(sd=np.nan)
+    band = detectability_course_plot(unknown, threshold=0.5, theme="light").data[0]
+    assert not band.x
+    assert not band.showlegend
+
+
+def test_the_axis_of_adaptation_ends_at_ten_seconds_and_no_light_lies_at_its_bottom():
+    times = np.arange(-50, 1000) / 10
+    level = np.where(times < 0.4, 900.0, 0.0)
+    frames = np.arange(1000)
+    clock = adaptation_clock(Light(times, level), frames, 10)
+    course = COURSE.assign(time_s=[60.0, 60.1, 60.2])
+    figure = detectability_course_plot(course, threshold=0.5, theme="light", clock=clock)
+    assert figure.layout.yaxis3.range == (0, 10)
+    (light,) = (trace for trace in figure.data if trace.name == "light")
+    assert np.nanmin(np.array(light.y, float)) == 10.0 ** figure.layout.yaxis2.range[0]
+    early = detectability_course_plot(COURSE, threshold=0.5, theme="light", clock=clock)
+    assert early.layout.yaxis3.range == (0, 5)
+
+
+def test_a_simulated_observer_is_named_where_the_numbers_stand():
+    figure = detectability_course_plot(
+        COURSE, threshold=0.5, theme="light", caution="learnt from simulated subjects"
+    )
+    assert "learnt from simulated subjects" in figure.layout.title.text

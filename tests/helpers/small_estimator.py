@@ -23,14 +23,14 @@ FIGURE = (20, 60)
 BRIGHT, DIM = 120, 50
 
 
-def write_model(path: Path, late: float = 1.0) -> Path:
+def write_model(path: Path, late: float = 1.0, simulated: str = "no") -> Path:
     """An estimator: soon after a change 0.2 of the contrast over 100, from 4.5 s on `late` of it.
 
     With `late` = 1 who is 80 brighter than his surround is seen by 0.8 of all adapted drivers.
     """
     regressions = tuple(_by_contrast(share) for share in (0.2, late, late))
     qualities = (Quality(51, 0.01, 0.5, 0.1),) * 3
-    origin = Origin(51, 4, 306, "no", 200.0, 0.5, 0.5, 0, "ab")
+    origin = Origin(51, 4, 306, simulated, 200.0, 0.5, 0.5, 0, "ab")
     estimator = Estimator("small", np.array([0.5, 4.5]), regressions, qualities, origin)
     write_estimator(estimator, path)
     return path
@@ -59,10 +59,11 @@ def scene(*figures: tuple[int, int, int]) -> np.ndarray:
     return picture
 
 
-def write_session(folder: Path, stated: float | None = None) -> Path:
+def write_session(folder: Path, stated: float | None = None, first: int = 0) -> Path:
     """X detects both pedestrians, Y the bright one; by the light meter it is dark from 4 s on.
 
-    The truth says of both that the share `stated` of all drivers sees them; None: nothing.
+    Frames are numbered from `first` on; seconds are from its beginning. The truth says of both that
+    the share `stated` of all drivers sees them; None: nothing.
     """
     picture = scene((PLACES[1], 80, BRIGHT), (PLACES[2], 80, DIM))
     (folder / "visible").mkdir()
@@ -75,7 +76,7 @@ def write_session(folder: Path, stated: float | None = None) -> Path:
         ("y", [1], ("score", dict.fromkeys(PLACES, "0.9"))),
     ):
         lines = [
-            f"drive,{frame},{PLACES[track]},80,20,60,{values[track]}"
+            f"drive,{first + frame},{PLACES[track]},80,20,60,{values[track]}"
             for frame in range(N_FRAMES)
             for track in tracks
         ]
@@ -83,12 +84,13 @@ def write_session(folder: Path, stated: float | None = None) -> Path:
         (folder / f"{name}.csv").write_text("\n".join([head, *lines]) + "\n")
     times = np.arange(-4, N_FRAMES / FPS, 0.1)
     levels = np.where(times < DARK_FROM_S, 1000, 10)
-    readings = [f"{time:.1f},{lux}" for time, lux in zip(times, levels, strict=True)]
+    readings = [f"{first / FPS + time:.1f},{lux}" for time, lux in zip(times, levels, strict=True)]
     (folder / "lux.csv").write_text("\n".join(["time_s,lux", *readings]) + "\n")
     session = folder / "session.toml"
     session.write_text(
-        f'[defaults]\nsize = "320x240"\nfps = {FPS}\nframes = "0:{N_FRAMES - 1}"\n'
-        '[[recording]]\nname = "drive"\nvisible = "visible"\nlight = "lux.csv"\n'
+        f'[defaults]\nsize = "320x240"\nfps = {FPS}\nframes = "{first}:{first + N_FRAMES - 1}"\n'
+        f'[[recording]]\nname = "drive"\nvisible = "visible"\nfirst_picture = {first}\n'
+        'light = "lux.csv"\n'
         '[truth]\npath = "truth.csv"\n'
         '[[system]]\nname = "one"\npath = "x.csv"\n[[system]]\nname = "two"\npath = "y.csv"\n'
     )

@@ -219,6 +219,34 @@ def test_features_are_those_of_the_frames_of_the_course():
     assert features_of_course(result, course, features.assign(x=-5.0)) is None
 
 
+def test_features_are_found_in_a_later_recording_with_gaps_between_its_frames():
+    frames = [600, 603, 604, 610]
+    truth = [
+        box
+        for f in frames
+        for box in (
+            at(f, 20, track=1, ignore=True, recording=1),
+            at(f, 80, track=3, detectability=0.4, recording=1),
+        )
+    ]
+    earlier = [at(f, 50, track=2, detectability=0.3) for f in range(3)]
+    result = result_of(
+        make_dataset([*earlier, *truth], places=[Place(range(3)), Place(frames, fps=20.0)])
+    )
+    course = detectability_course(result, result.encounters.track.tolist().index(3))
+    assert course["row"].tolist() == [3, 4, 5, 6]
+    assert course["time_s"].tolist() == pytest.approx([0, 0.15, 0.2, 0.5])
+    boxes = result.dataset.boxes.iloc[3 : 3 + len(truth)]
+    features = boxes.loc[~boxes["ignore"], ["x", "y", "w", "h"]].assign(
+        frame=frames, width_px=np.arange(4.0)
+    )
+    own = features_of_course(result, course, features)
+    assert own["width_px"].tolist() == [0, 1, 2, 3]
+    assert own["frame"].tolist() == frames
+    late = features.assign(frame=np.array(frames) + 1)
+    assert features_of_course(result, course, late) is None
+
+
 def test_a_rule_of_the_gate_is_judged_and_undefined_where_nothing_is_known():
     rules = [parse_rule("unprotected_y <= 2"), parse_rule("driver_venn.nobody == 1")]
     outcomes, _ = run_gate(rules, eight(), (), strict=False)

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from nvcore.driver.illumination.clock import period_after
 from nvcore.report.verdict.simulated import NOBODY_THERE, describe_change
 
 
@@ -31,18 +32,18 @@ def words(was: pd.DataFrame, would: pd.DataFrame) -> str:
 
 def test_frames_until_he_sees_the_pedestrian_are_counted_from_the_change():
     text = words(course(0.1, 0.8, 0.8, 0.8, 0.8), simulated(0.1, 0.1, 0.2, 0.4, 0.5))
-    assert "3 frames (0.30 s) later; as it was, at once" in text
+    assert "3 frames (0.30 s) later; without the change, at once" in text
     assert "By the first frame that counts, at 0.20 s, he would **not** have seen him" in text
 
 
 @pytest.mark.parametrize(
     ("was", "would", "expected"),
     [
-        ((0.9, 0.9), (0.9, 0.1), "in none of 1 frame; as it was, at once"),
-        ((0.9, 0.9), (0.9, 0.1), "he would have seen him, as it was"),
-        ((0.1, 0.1), (0.1, 0.1), "he would not have seen him, as it was"),
-        ((0.1, 0.1), (0.1, 0.9), "he would have seen him; as it was, he had not"),
-        ((0.9, 0.9), (0.9, 0.9), "at once; so he does as it was"),
+        ((0.9, 0.9), (0.9, 0.1), "in none of 1 frame; without the change, at once"),
+        ((0.9, 0.9), (0.9, 0.1), "he would have seen him, with the change or without"),
+        ((0.1, 0.1), (0.1, 0.1), "he would not have seen him, with the change or without"),
+        ((0.1, 0.1), (0.1, 0.9), "he would have seen him; without the change he would not have"),
+        ((0.9, 0.9), (0.9, 0.9), "at once, as without the change"),
     ],
 )
 def test_what_would_be_stands_beside_what_was(was, would, expected):
@@ -56,3 +57,71 @@ def test_a_distant_pedestrian_need_not_be_seen_by_a_certain_frame():
 
 def test_a_change_after_the_last_frame_changes_nothing():
     assert NOBODY_THERE in words(course(0.9, 0.9), simulated(0.9, 0.9, since=2))
+
+
+@pytest.mark.parametrize("fps", [10.0, 20.0, 25.0, 29.97])
+def test_the_frame_before_the_change_is_seen_as_it_was(fps: float):
+    frames = np.arange(60)
+    table = pd.DataFrame(
+        {"time_s": frames / fps, "detectability": 0.9, "is_up_to_relevant": frames < 20}
+    )
+    for k in range(1, 60):
+        change_s = k / fps
+        end_s = table["time_s"].to_numpy() + 1 / fps
+        period_s, is_simulated = period_after(np.full(60, np.nan), end_s, change_s)
+        would = np.where(period_s < 5.5 / fps, 0.1, 0.9)  # not in five frames
+        after = pd.DataFrame({"detectability": would, "is_simulated": is_simulated})
+        text = describe_change(table, after, threshold=0.5, change_s=change_s)
+        if k < 55:
+            assert f"5 frames ({5 / fps:.2f} s) later" in text
+        assert "he would have seen him, with the change or without" in text
+    text = describe_change(
+        table, after.assign(is_simulated=False), threshold=0.5, change_s=60 / fps
+    )
+    assert NOBODY_THERE in text
+
+
+def test_who_was_seen_by_the_frame_that_counts_still_is_where_it_becomes_dark_after_it():
+    was = course(*[0.1, 0.1, 0.9, *[0.9] * 7])
+    end_s = was["time_s"].to_numpy() + 0.1
+    _, is_simulated = period_after(np.full(10, np.nan), end_s, 0.3)
+    would = pd.DataFrame(
+        {
+            "detectability": np.where(is_simulated, 0.1, was["detectability"]),
+            "is_simulated": is_simulated,
+        }
+    )
+    text = describe_change(was, would, threshold=0.5, change_s=0.3)
+    assert "at 0.20 s, he would have seen him, with the change or without" in text
+
+
+NAN = np.nan
+
+
+def test_where_nothing_is_known_after_the_change_nothing_is_said_of_who_sees():
+    text = words(course(NAN, NAN, NAN), simulated(NAN, NAN, NAN))
+    assert "the pedestrian is not known in any frame after it." in text
+    assert "at 0.20 s, it is not known whether he would have seen him." in text
+    assert "none of" not in text
+
+
+def test_frames_in_which_it_is_not_known_are_neither_seen_nor_unseen():
+    text = words(course(0.9, NAN, NAN, NAN), simulated(0.1, 0.1, NAN, NAN))
+    assert (
+        "in none of 1 frame in which it is known, of 3; without the change, it is not known" in text
+    )
+    assert "he would **not** have seen him; without the change he would have." in text
+    later = words(course(NAN, NAN, NAN, 0.9), simulated(0.1, NAN, 0.1, 0.9))
+    assert "at the latest 2 frames (0.20 s) later, as without the change" in later
+    assert "he would **not** have seen him; without the change it is not known." in later
+
+
+def test_a_simulated_observer_is_named():
+    text = describe_change(
+        course(0.9, 0.9),
+        simulated(0.9, 0.1),
+        threshold=0.5,
+        change_s=0.1,
+        caution="learnt from simulated subjects",
+    )
+    assert "Estimates are learnt from simulated subjects." in text

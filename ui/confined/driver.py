@@ -18,11 +18,11 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from nvcore.dataset import Dataset
-from nvcore.driver.clock import AdaptationClock, adaptation_clock
 from nvcore.driver.estimate import EstimateRun, run_estimate
 from nvcore.driver.estimators import Estimator, fingerprint, read_estimator
 from nvcore.driver.estimators.model import Origin
-from nvcore.driver.illumination import read_light
+from nvcore.driver.illumination import LightSettings, read_light
+from nvcore.driver.illumination.clock import AdaptationClock, adaptation_clock
 from nvcore.driver.run import run_features
 from nvcore.driver.settings import settings_from
 from nvcore.driver.simulation import simulate_change
@@ -107,7 +107,9 @@ def run_confined(
         process.end()
 
 
-def clock_by_meter(path: Path, frame: NDArray[np.int64], fps: float) -> AdaptationClock:
+def clock_by_meter(
+    path: Path, frame: NDArray[np.int64], fps: float, settings: LightSettings
+) -> AdaptationClock:
     """Light and adaptation in the frames of a recording, by the file of a light meter.
 
     Raises
@@ -116,7 +118,7 @@ def clock_by_meter(path: Path, frame: NDArray[np.int64], fps: float) -> Adaptati
         If it cannot be used, or takes more than it may.
     """
     what = "reading the light meter"
-    return call(_clock, path, frame, fps, allowance=SMALL, what=what)
+    return call(_clock, path, frame, fps, settings, allowance=SMALL, what=what)
 
 
 def _of_truth(dataset: Dataset) -> Dataset:
@@ -201,5 +203,7 @@ def simulate(
     return simulate_change(features, end_s, change_s, estimator, interpolate=interpolate)
 
 
-def _clock(path: Path, frame: NDArray[np.int64], fps: float) -> AdaptationClock:
-    return adaptation_clock(read_light(path), frame, fps)
+def _clock(
+    path: Path, frame: NDArray[np.int64], fps: float, settings: LightSettings
+) -> AdaptationClock:
+    return adaptation_clock(read_light(path), frame, fps, settings)

@@ -8,7 +8,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.driver.clock import AdaptationClock, unknown_clock, with_change
+from nvcore.driver.illumination.clock import AdaptationClock, unknown_clock, with_change
 from nvcore.figures.driver.course import detectability_course_plot
 from nvcore.tables.encounters.driver import detectability_course, features_of_course
 from ui.driver import panel, tunnel
@@ -16,7 +16,7 @@ from ui.session import state
 from ui.session.chosen import chosen_encounter, name_of
 from ui.session.drawing import visible_of
 from ui.session.look import Look, VisiblePictures, look
-from ui.session.results.driver import clock_of, features_of
+from ui.session.results.driver import caution_of, clock_of, features_of, may_be_another_clock
 from ui.widgets import compared_viewer
 from ui.widgets.charts import clicked_chart
 from ui.widgets.text import docs_link, plain
@@ -24,6 +24,10 @@ from ui.widgets.text import docs_link, plain
 KEY: Final = "driver_viewer"
 HEIGHT_PX: Final = 520
 PANEL_PX: Final = 620
+OTHER_CLOCK: Final = (
+    "Light and adaptation are by our default settings: no record says with which ones the "
+    "estimates were made, so they may rest on others."
+)
 SHOWN: Final = "driver_shown"
 """Whom the page showed last, and who was chosen then."""
 
@@ -75,11 +79,17 @@ def _draw_moving(result: Result, encounter: int, course: pd.DataFrame) -> None:
             KEY,
             height_px=HEIGHT_PX,
             seen=_look(),
-            visible=_visible(recording, clock, is_simulated=change is not None),
+            visible=_visible(recording, clock),
             encounter=encounter,
         )
     with right, st.container(height=PANEL_PX, border=False):
-        panel.draw(course, features, clock, None if change is None else change.estimates)
+        panel.draw(
+            course,
+            features,
+            clock,
+            None if change is None else change.estimates,
+            caution=caution_of(result),
+        )
     with below:
         _draw_plot(result, encounter, course, clock, change)
 
@@ -101,13 +111,15 @@ def _clock(result: Result, recording: int, change: tunnel.Change | None) -> Adap
     return with_change(clock, fps, change.time_s)
 
 
-def _visible(
-    recording: int, clock: AdaptationClock | None, *, is_simulated: bool
-) -> VisiblePictures | None:
+def _visible(recording: int, clock: AdaptationClock | None) -> VisiblePictures | None:
+    """As the page's own switch says, without that of the viewer."""
     visible = visible_of(recording)
-    if visible is None or clock is None:
+    if visible is None:
+        return None
+    visible = visible._replace(can_simulate=False)
+    if clock is None:
         return visible
-    return visible._replace(seen_s=clock.period_s, is_simulated=is_simulated)
+    return visible._replace(seen_s=clock.seen_s, is_simulated=clock.is_simulated)
 
 
 def _draw_plot(
@@ -122,13 +134,16 @@ def _draw_plot(
         threshold=result.params.driver_threshold,
         theme=state.theme(),
         clock=clock,
+        caution=caution_of(result),
         simulated=None if change is None else change.estimates,
     )
+    if may_be_another_clock(state.recording()):
+        st.caption(OTHER_CLOCK)
     row = clicked_chart(figure, f"driver_course_{encounter}", clicks="driver_course", time_axis="x")
     adapting = docs_link("Adapting", "illumination", doc="driver")
     st.caption(
         f"Click a mark to see its frame. {adapting}: seconds from the last change from bright to "
-        "dark to the end of the frame; none where the eyes count as adapted."
+        "dark to the end of the frame; none where the eyes count as adapted, or it is not known."
     )
     if row is not None:
         state.go_to(*state.place_of(int(row)))

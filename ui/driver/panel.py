@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 import streamlit as st
 
-from nvcore.driver.clock import AdaptationClock
 from nvcore.driver.features import FEATURES
+from nvcore.driver.illumination.clock import AdaptationClock
 from ui.session import state
 from ui.widgets.text import UNDEFINED, docs_link, number
 
@@ -25,6 +25,8 @@ def draw(
     features: pd.DataFrame | None,
     clock: AdaptationClock | None,
     simulated: pd.DataFrame | None,
+    *,
+    caution: str = "",
 ) -> None:
     """What is known of the pedestrian on the frame that is shown.
 
@@ -36,6 +38,8 @@ def draw(
         Rows as of the course; None: not known, nothing is simulated.
     clock
         Of the recording; None: nothing is known of the light.
+    caution
+        Whose answers the estimates rest on, where some were simulated.
     """
     row = state.row_in_all()
     frames = state.opened().dataset.frames
@@ -46,10 +50,11 @@ def draw(
         return
     at = int(here[0])
     estimate = course.iloc[at]
-    rows = [("Detectability", _share(estimate))]
+    label = f"Detectability{f' ({caution})' if caution else ''}"
+    rows = [(label, _share(estimate))]
     would = None if simulated is None else simulated.iloc[at]
     if would is not None:
-        rows.append(("the same, simulated", _share(would)))
+        rows.append(("the same, after a simulated change", _share(would)))
     is_simulated = would is not None and bool(would["is_simulated"])
     rows.append(("Since the change", _since(clock, is_simulated=is_simulated)))
     st.html(_table(rows))
@@ -78,10 +83,10 @@ def _share(estimate: pd.Series) -> str:
 
 
 def _since(clock: AdaptationClock | None, *, is_simulated: bool) -> str:
-    if clock is None:
-        return UNDEFINED
+    if clock is None or not clock.is_known[state.row()]:
+        return "not known"
     seconds = clock.period_s[state.row()]
-    if not np.isfinite(seconds):
+    if np.isnan(seconds):
         return "eyes adapted"
     return f"{seconds:.2f} s{', simulated' if is_simulated else ''}"
 

@@ -14,7 +14,7 @@ from nvcore.figures.over_time.similarity import end_of
 from nvcore.report.verdict.simulated import describe_change
 from ui.confined.driver import simulate
 from ui.session import state
-from ui.session.results.driver import OpenedRun, opened_run
+from ui.session.results.driver import OpenedRun, caution_of, opened_run
 from ui.shell.messages import shown_error
 
 TUNNEL: Final = "driver_tunnel"
@@ -69,7 +69,13 @@ def draw(result: Result, course: pd.DataFrame, features: pd.DataFrame | None) ->
         st.error(shown_error(error), icon=":material/error:")
         return None
     threshold = result.params.driver_threshold
-    text = describe_change(course, estimates, threshold=threshold, change_s=change_s)
+    text = describe_change(
+        course,
+        estimates,
+        threshold=threshold,
+        change_s=change_s,
+        caution=caution_of(result),
+    )
     st.info(state.words(text), icon=":material/dark_mode:")
     return Change(change_s, estimates)
 

@@ -163,5 +163,5 @@ def visible_of(recording: int) -> VisiblePictures | None:
     return VisiblePictures(
         pictures.area_of(recording),
         pictures.indices[recording] >= 0,
-        None if clock is None else clock.period_s,
+        None if clock is None else clock.seen_s,
     )

@@ -31,16 +31,19 @@ class VisiblePictures(NamedTuple):
     has_picture
         Whether a row has one, bool, shape (n_rows,).
     seen_s
-        Seconds since a change of light at the end of each row, NaN: none, float64, shape
-        (n_rows,). None: nothing is known of the light.
+        Seconds since a change of light at the end of each row, inf: the eyes are adapted, NaN: not
+        known, float64, shape (n_rows,). None: nothing is known of the light.
     is_simulated
-        Whether these are of a change that never was.
+        Rows whose seconds are of a change that never was, bool, shape (n_rows,); None: none.
+    can_simulate
+        Whether the viewer offers a change of light of its own; not where the page does.
     """
 
     area: tuple[float, float, float, float]
     has_picture: np.ndarray
     seen_s: np.ndarray | None = None
-    is_simulated: bool = False
+    is_simulated: np.ndarray | None = None
+    can_simulate: bool = True
 
 
 class Look(NamedTuple):

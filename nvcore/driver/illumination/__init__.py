@@ -8,7 +8,7 @@ from nvcore.driver.illumination.meter import (
     picture_level,
     read_light,
 )
-from nvcore.driver.illumination.settings import LightSettings
+from nvcore.driver.illumination.settings import LightSettings, light_settings
 
 __all__ = [
     "LIGHT_UNIT",
@@ -18,6 +18,7 @@ __all__ = [
     "LightSettings",
     "LightSource",
     "changes_of",
+    "light_settings",
     "picture_level",
     "read_light",
 ]

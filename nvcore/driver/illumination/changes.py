@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import pandas as pd
@@ -11,6 +12,9 @@ from numpy.typing import NDArray
 from nvcore.driver.illumination.kernels import find_changes
 from nvcore.driver.illumination.meter import PICTURE_LEAST, Light, LightSource
 from nvcore.driver.illumination.settings import LightSettings
+
+SAME_S: Final = 1e-6
+"""Times closer than this are the same: they differ by rounding alone."""
 
 
 @dataclass(frozen=True)
@@ -34,15 +38,16 @@ class Changes:
     def period_s(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
         """Seconds since the last change at these times, float64, shape (n,).
 
-        NaN before the first, and from when the light is back until the next: the eyes are then
-        adapted, as far as is known.
+        NaN until the first, and after the light is back until the next: the eyes are then adapted,
+        as far as is known. The moment of a change still belongs to what was before it: a frame
+        that ends there lies wholly before.
         """
         time_s = np.asarray(time_s, np.float64)
-        last = np.searchsorted(self.start_s, time_s, side="right") - 1
+        last = np.searchsorted(self.start_s, time_s - SAME_S, side="left") - 1
         period_s = np.full(len(time_s), np.nan)
         after = np.flatnonzero(last >= 0)
         start_s, end_s = self.start_s[last[after]], self.end_s[last[after]]
-        is_over = time_s[after] >= end_s  # never where the end is NaN
+        is_over = time_s[after] > end_s + SAME_S  # never where the end is NaN
         period_s[after] = np.where(is_over, np.nan, time_s[after] - start_s)
         return period_s
 

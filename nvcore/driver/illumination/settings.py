@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
 from typing import Final
 
 from nvcore.errors import ParameterError
@@ -16,6 +17,8 @@ _RANGES: Final = {
     "smooth_s": (0.0, 10.0),
     "least_lux": (1e-6, 1e5),
 }
+_MOST: Final = 1e9
+"""More than any of these may be."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,3 +57,24 @@ class LightSettings:
             value = getattr(self, name)
             if not (math.isfinite(value) and low <= value <= high):
                 raise ParameterError(f"{name}: expected {low:g} to {high:g}, found {value:g}")
+
+
+def light_settings(content: Mapping[str, object]) -> LightSettings:
+    """Settings from a record, where they stand as `dataclasses.asdict` gives them.
+
+    Raises
+    ------
+    ParameterError
+        If one is missing, unknown, no number or outside its range.
+    """
+    names = {spec.name for spec in fields(LightSettings)}
+    if set(content) != names:
+        raise ParameterError("settings of the light: the record has others than there are")
+    values: dict[str, float] = {}
+    for name, value in content.items():
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise ParameterError(f"{name}: expected a number, found {str(value)[:30]!r}")
+        if abs(value) > _MOST:  # also what no float can be
+            raise ParameterError(f"{name}: expected {_RANGES[name][0]:g} to {_RANGES[name][1]:g}")
+        values[name] = float(value)
+    return LightSettings(**values)

@@ -10,8 +10,8 @@ import pandas as pd
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from nvcore.driver.clock import AdaptationClock
 from nvcore.driver.illumination import LightSource
+from nvcore.driver.illumination.clock import AdaptationClock
 from nvcore.figures.marks import marks, steady_marker, still_line
 from nvcore.figures.over_time.similarity import decimate
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, faded, written
@@ -22,6 +22,8 @@ HEIGHT_PX: Final = 300
 WITH_LIGHT_PX: Final = 540
 LEAST_TOP_S: Final = 5.0
 """The axis of the adaptation reaches so far at least, seconds."""
+MOST_TOP_S: Final = 10.0
+"""And no further: what matters happens in the first seconds."""
 ROOM_S: Final = 0.5
 """Before and after the pedestrian."""
 SOURCES: Final = {
@@ -42,6 +44,7 @@ def detectability_course_plot(
     theme: Theme,
     clock: AdaptationClock | None = None,
     simulated: pd.DataFrame | None = None,
+    caution: str = "",
 ) -> go.Figure:
     """Detectability over time, with its uncertainty; below it, the light and the adaptation.
 
@@ -58,6 +61,8 @@ def detectability_course_plot(
     simulated
         Rows as of the course, with what `detectability` would be after a simulated change of light
         (`nvcore.driver.simulation.simulate_change`), which is the clock's, too.
+    caution
+        Whose answers the estimates rest on, where some were simulated.
     """
     known = course[course["detectability"].notna()]
     if known.empty:
@@ -69,10 +74,12 @@ def detectability_course_plot(
     ]
     subtitle = f"{count_text(len(known), 'frame')} in which it is known, of {len(course):,}"
     span = [float(course["time_s"].min()) - ROOM_S, float(course["time_s"].max()) + ROOM_S]
+    if caution:
+        subtitle += f"; {caution}"
     more: dict[str, Any] = {}
     if clock is not None:
         traces += _light(clock, span, theme)
-        more = _lower_axes(clock, theme)
+        more = _lower_axes(clock, span, theme)
         subtitle += f"; {_light_words(clock)}"
     title = "share of drivers who see him"
     figure = draw(
@@ -104,18 +111,17 @@ def detectability_course_plot(
 
 def _course(known: pd.DataFrame, theme: Theme) -> list[go.Scatter]:
     look = LOOK[theme]
-    sd = known["sd"].fillna(0.0)
-    low = (known["detectability"] - sd).clip(0, 1)
-    high = (known["detectability"] + sd).clip(0, 1)
+    x, y = _band(known)
     band = go.Scatter(
-        x=[*known["time_s"], *known["time_s"][::-1]],
-        y=[*high, *low[::-1]],
+        x=x,
+        y=y,
         fill="toself",
         fillcolor=faded(look.muted, 0.2),
-        mode="none",
+        mode="lines",
+        line={"color": faded(look.muted, 0.2), "width": 1},  # all there is of a single frame
         hoverinfo="skip",
         name="± 1 standard deviation",
-        showlegend=bool((sd > 0).any()),
+        showlegend=bool((known["sd"] > 0).any()),
     )
     parts = [
         (known[known["is_up_to_relevant"]], "up to the first frame that counts", "circle"),
@@ -139,6 +145,20 @@ def _course(known: pd.DataFrame, theme: Theme) -> list[go.Scatter]:
     ]
 
 
+def _band(known: pd.DataFrame) -> tuple[list[float | None], list[float | None]]:
+    """Outlines of one standard deviation, one for each stretch of frames in which it is known."""
+    known = known[known["sd"].notna()]
+    stretch = np.cumsum(known["row"].diff().ne(1))
+    x: list[float | None] = []
+    y: list[float | None] = []
+    for _, frames in known.groupby(stretch):  # a handful for each encounter
+        low = (frames["detectability"] - frames["sd"]).clip(0, 1)
+        high = (frames["detectability"] + frames["sd"]).clip(0, 1)
+        x += [*frames["time_s"], *frames["time_s"][::-1], None]
+        y += [*high, *low[::-1], None]
+    return x, y
+
+
 def _simulated(course: pd.DataFrame, simulated: pd.DataFrame, theme: Theme) -> list[go.Scatter]:
     """What would be, in the frames of which the change is."""
     own = simulated["is_simulated"].to_numpy(bool) & simulated["detectability"].notna().to_numpy()
@@ -159,9 +179,11 @@ def _light(clock: AdaptationClock, span: list[float], theme: Theme) -> list[Any]
     """How bright it is, and the seconds since it became dark."""
     look = LOOK[theme]
     lines = []
-    inside = (clock.time_s >= span[0]) & (clock.time_s <= span[1])
+    inside = _is_inside(clock, span)
+    low, _ = _decades(clock.level)
+    level = np.where(clock.level <= 0, 10.0**low, clock.level)  # 0 has no place on such an axis
     for values, place, name in (
-        (clock.level, "y2", "light"),
+        (level, "y2", "light"),
         (clock.period_s, "y3", "seconds since the change"),
     ):
         known = np.where(inside, values, np.nan)
@@ -184,7 +206,13 @@ def _light_words(clock: AdaptationClock) -> str:
     return BY_METER if clock.source is LightSource.METER else STAND_IN
 
 
-def _lower_axes(clock: AdaptationClock, theme: Theme) -> dict[str, Any]:
+def _is_inside(clock: AdaptationClock, span: list[float]) -> NDArray[np.bool_]:
+    return (clock.time_s >= span[0]) & (clock.time_s <= span[1])
+
+
+def _lower_axes(clock: AdaptationClock, span: list[float], theme: Theme) -> dict[str, Any]:
+    shown = clock.period_s[_is_inside(clock, span)]
+    longest_s = float(np.nanmax(shown, initial=0.0))
     return {
         "yaxis2": axis(
             theme,
@@ -201,7 +229,7 @@ def _lower_axes(clock: AdaptationClock, theme: Theme) -> dict[str, Any]:
             "adapting (s)",
             domain=[0, 0.17],
             fixedrange=True,
-            range=[0, max(LEAST_TOP_S, float(np.nanmax(clock.period_s, initial=0.0)))],
+            range=[0, min(max(LEAST_TOP_S, longest_s), MOST_TOP_S)],
         ),
     }
 

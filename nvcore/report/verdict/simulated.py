@@ -14,7 +14,12 @@ NOBODY_THERE: Final = "The pedestrian is in no frame after it: nothing changes."
 
 
 def describe_change(
-    course: pd.DataFrame, simulated: pd.DataFrame, *, threshold: float, change_s: float
+    course: pd.DataFrame,
+    simulated: pd.DataFrame,
+    *,
+    threshold: float,
+    change_s: float,
+    caution: str = "",
 ) -> str:
     """What would be, had it become dark at `change_s`, beside what was.
 
@@ -27,42 +32,67 @@ def describe_change(
     threshold
         From which detectability on the driver is taken to see the pedestrian, 0..1.
     change_s
-        Seconds from frame 0.
+        Seconds from the recording's first frame, as those of the course.
+    caution
+        Whose answers the estimates rest on, where some were simulated
+        (`nvcore.dataset.estimates.EstimateRecord.caution`).
     """
     is_after = simulated["is_simulated"].to_numpy(bool)
     head = f"Simulated: dark from {change_s:.2f} s on."
     if not is_after.any():
         return f"{head} {NOBODY_THERE}"
-    time_s = course["time_s"].to_numpy(float)[is_after]
-    was, would = (
-        table["detectability"].to_numpy(float) >= threshold for table in (course, simulated)
-    )
-    soon = _first(would[is_after], time_s, change_s)
-    before = _first(was[is_after], time_s, change_s)
-    as_it_was = "; so he does as it was" if soon == before else f"; as it was, {before}"
-    text = f"{head} After it the driver sees the pedestrian {soon}{as_it_was}."
+    later_s = course["time_s"].to_numpy(float)[is_after] - change_s
+    was, would = (table["detectability"].to_numpy(float) for table in (course, simulated))
+    before, soon = (_when(share[is_after], threshold, later_s) for share in (was, would))
+    text = f"{head}{f' Estimates are {caution}.' if caution else ''} {_compared(soon, before)}"
     is_up_to = course["is_up_to_relevant"].to_numpy(bool)
     if not is_up_to.any():
         return f"{text} The encounter is distant: there is no frame by which he has to."
     relevant_s = float(course["time_s"].to_numpy(float)[is_up_to][-1])
-    return f"{text} {_in_time(bool(was[is_up_to].any()), bool(would[is_up_to].any()), relevant_s)}"
+    in_time = _in_time(_is_seen(was[is_up_to], threshold), _is_seen(would[is_up_to], threshold))
+    return f"{text} By the first frame that counts, at {relevant_s:.2f} s, {in_time}"
 
 
-def _first(sees: NDArray[np.bool_], time_s: NDArray[np.float64], change_s: float) -> str:
-    """After how many frames he sees the pedestrian first."""
+def _when(share: NDArray[np.float64], threshold: float, later_s: NDArray[np.float64]) -> str:
+    """After how many frames he sees the pedestrian first; empty: it is known of none of them."""
+    is_known = np.isfinite(share)
+    if not is_known.any():
+        return ""
+    sees = share >= threshold  # never where it is unknown
+    n_known, n = int(is_known.sum()), len(share)
     if not sees.any():
-        return f"in none of {count_text(len(sees), 'frame')}"
+        known = "" if n_known == n else f" in which it is known, of {n:,}"
+        return f"in none of {count_text(n_known, 'frame')}{known}"
     n_frames = int(np.argmax(sees))
     if not n_frames:
         return "at once"
-    later_s = float(time_s[n_frames]) - change_s
-    return f"{count_text(n_frames, 'frame')} ({later_s:.2f} s) later"
+    sooner = "" if is_known[:n_frames].all() else "at the latest "
+    return f"{sooner}{count_text(n_frames, 'frame')} ({later_s[n_frames]:.2f} s) later"
 
 
-def _in_time(was: bool, would: bool, relevant_s: float) -> str:
-    by = f"By the first frame that counts, at {relevant_s:.2f} s,"
+def _compared(soon: str, before: str) -> str:
+    """When he would see the pedestrian, beside when he does; empty: it is not known."""
+    if not soon:
+        return "Whether the driver would see the pedestrian is not known in any frame after it."
+    without = f"; without the change, {before or 'it is not known'}"
+    same = ", as without the change"
+    return (
+        f"After it the driver would see the pedestrian {soon}{same if soon == before else without}."
+    )
+
+
+def _is_seen(share: NDArray[np.float64], threshold: float) -> bool | None:
+    """Whether he sees the pedestrian in a frame; None: it is known of none of them."""
+    return bool((share >= threshold).any()) if np.isfinite(share).any() else None
+
+
+def _in_time(was: bool | None, would: bool | None) -> str:
+    if would is None:
+        return "it is not known whether he would have seen him."
     if was == would:
-        return f"{by} he {'would have seen' if would else 'would not have seen'} him, as it was."
-    if would:
-        return f"{by} he would have seen him; as it was, he had not."
-    return f"{by} he would **not** have seen him; as it was, he had."
+        negated = "" if would else "not "
+        return f"he would {negated}have seen him, with the change or without."
+    text = f"he would {'' if would else '**not** '}have seen him; without the change"
+    if was is None:
+        return f"{text} it is not known."
+    return f"{text} he would {'have' if was else 'not have'}."

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 
-from nvcore.driver.illumination import Light, LightSettings, LightSource, changes_of
+from nvcore.driver.illumination import Light, LightSettings, LightSource, changes_of, light_settings
 from nvcore.errors import ParameterError
 
 RATE = 20
@@ -139,8 +141,8 @@ def test_readings_at_uneven_times_are_taken_by_their_times():
 
 def test_the_period_runs_from_the_change_and_ends_with_the_dark():
     changes = changes_of(light((10, 20_000), (6, 20), (10, 20_000)), LightSettings())
-    period_s = changes.period_s(np.array([0, 9.9, 10, 10.5, 15.9, 16, 20]))
-    expected = [np.nan, np.nan, 0, 0.5, 5.9, np.nan, np.nan]
+    period_s = changes.period_s(np.array([0, 9.9, 10, 10.5, 15.9, 16, 16.1, 20]))
+    expected = [np.nan, np.nan, np.nan, 0.5, 5.9, 6, np.nan, np.nan]
     np.testing.assert_allclose(period_s, expected, atol=1e-9)
 
 
@@ -162,3 +164,17 @@ def test_a_million_readings_take_seconds():
 def test_settings_outside_their_range_are_refused(given: dict[str, float]):
     with pytest.raises(ParameterError, match=f"{next(iter(given))}: expected"):
         LightSettings(**given)
+
+
+def test_settings_of_a_record_come_back():
+    settings = LightSettings(drop_factor=5.0)
+    assert light_settings(asdict(settings)) == settings
+
+
+@pytest.mark.parametrize("value", ["ten", True, None, 10**400, float("nan")])
+def test_a_record_with_other_settings_is_refused(value: object):
+    content = {**asdict(LightSettings()), "drop_factor": value}
+    with pytest.raises(ParameterError, match="drop_factor: expected"):
+        light_settings(content)
+    with pytest.raises(ParameterError, match="others than there are"):
+        light_settings({"drop_factor": 10.0})

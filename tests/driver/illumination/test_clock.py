@@ -5,8 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nvcore.driver.clock import adaptation_clock, period_after, unknown_clock, with_change
+from nvcore.dataset.tables import frames_table
 from nvcore.driver.illumination import Light, LightSource
+from nvcore.driver.illumination.clock import (
+    adaptation_clock,
+    period_after,
+    unknown_clock,
+    with_change,
+)
 
 FPS = 10.0
 FRAMES = np.arange(100)
@@ -20,8 +26,8 @@ def light(dark_from_s: float = 5.0) -> Light:
 def test_the_period_runs_to_the_end_of_each_frame():
     clock = adaptation_clock(light(), FRAMES, FPS)
     assert clock.change_s == pytest.approx([5.0])
-    assert np.isnan(clock.period_s[:49]).all()
-    assert clock.period_s[[49, 50, 60]] == pytest.approx([0.0, 0.1, 1.1])
+    assert np.isnan(clock.period_s[:50]).all()
+    assert clock.period_s[[50, 60]] == pytest.approx([0.1, 1.1])
     assert clock.level[[49, 50]].tolist() == [1000.0, 10.0]
     assert clock.source is LightSource.METER
 
@@ -37,21 +43,91 @@ def test_a_simulated_change_restarts_the_clock_until_a_real_one():
     clock = with_change(adaptation_clock(light(), FRAMES, FPS), FPS, 2.0)
     assert clock.change_s == pytest.approx([2.0, 5.0])
     assert clock.simulated_s == 2.0
-    assert clock.period_s[[19, 20, 48, 50]] == pytest.approx([0.0, 0.1, 2.9, 0.1])
+    assert np.isnan(clock.period_s[19])
+    assert clock.period_s[[20, 49, 50]] == pytest.approx([0.1, 3.0, 0.1])
     later = with_change(adaptation_clock(light(), FRAMES, FPS), FPS, 6.0)
-    assert later.period_s[[58, 61]] == pytest.approx([0.9, 0.2])
+    assert later.period_s[[59, 60, 61]] == pytest.approx([1.0, 0.1, 0.2])
 
 
 def test_where_nothing_is_known_of_the_light_only_the_simulated_change_is():
     clock = with_change(unknown_clock(FRAMES, FPS), FPS, 3.0)
     assert np.isnan(clock.level).all()
-    assert np.isnan(clock.period_s[:29]).all()
+    assert np.isnan(clock.period_s[:30]).all()
     assert clock.period_s[99] == pytest.approx(7.0)
 
 
-def test_frames_that_end_before_the_change_keep_their_period():
+def test_frames_that_end_before_or_at_the_change_keep_their_period():
     period_s, is_simulated = period_after(
         np.array([np.nan, 4.0, 4.1]), np.array([1.0, 2.0, 2.1]), 2.0
     )
-    assert is_simulated.tolist() == [False, True, True]
-    np.testing.assert_allclose(period_s, [np.nan, 0.0, 0.1])
+    assert is_simulated.tolist() == [False, False, True]
+    np.testing.assert_allclose(period_s, [np.nan, 4.0, 0.1])
+
+
+@pytest.mark.parametrize("fps", [10.0, 20.0, 25.0, 29.97])
+def test_of_a_change_at_any_frame_that_frame_is_the_first_after_it(fps: float):
+    frames = np.arange(300)
+    nothing = np.full(300, np.nan)
+    by_hand = [period_after(nothing, (frames + 1) / fps, k / fps)[1].argmax() for k in frames]
+    assert by_hand == frames.tolist()
+    by_added_time = [
+        period_after(nothing, frames / fps + 1 / fps, k / fps)[1].argmax() for k in frames
+    ]
+    assert by_added_time == frames.tolist()
+
+
+@pytest.mark.parametrize("fps", [10.0, 20.0, 25.0, 29.97])
+@pytest.mark.parametrize("source", LightSource)
+def test_a_drop_at_a_frame_leaves_the_frame_before_in_the_light(fps: float, source: LightSource):
+    frames = np.arange(300)
+    for dark_from in range(140, 180):
+        level = np.where(frames < dark_from, 1000.0, 10.0)
+        clock = adaptation_clock(Light(frames / fps, level, source), frames, fps)
+        assert np.isnan(clock.period_s[:dark_from]).all()
+        assert clock.period_s[dark_from] == pytest.approx(1 / fps)
+
+
+@pytest.mark.parametrize("first", [0, 1, 600])
+def test_times_are_those_of_the_dataset_which_begin_with_the_first_frame(first: int):
+    """Frames of 20 a second; by the light's own time it is dark from 5 s after the first on."""
+    frames = np.arange(first, first + 200)
+    begin_s = first / 20
+    times = np.arange(-100, 300) / 20 + begin_s
+    readings = Light(times, np.where(times < begin_s + 5 - 1e-9, 1000.0, 10.0))
+    clock = adaptation_clock(readings, frames, 20.0)
+    listed = frames_table([frames], [20.0])["time_s"].to_numpy()
+    assert clock.time_s.tolist() == listed.tolist()
+    assert clock.change_s == pytest.approx([5.0])
+    assert clock.level[[99, 100]].tolist() == [1000.0, 10.0]
+    assert np.isnan(clock.period_s[99])
+    assert clock.period_s[100] == pytest.approx(0.05)
+    assert unknown_clock(frames, 20.0).time_s.tolist() == listed.tolist()
+    simulated = with_change(clock, 20.0, float(listed[40]))
+    assert np.isnan(simulated.period_s[39])
+    assert simulated.period_s[[40, 99, 100]] == pytest.approx([0.05, 3.0, 0.05])
+
+
+def test_without_frames_there_is_an_empty_clock():
+    assert not len(adaptation_clock(light(), np.empty(0, np.int64), FPS).time_s)
+
+
+def test_adapted_eyes_are_told_from_what_is_not_known():
+    clock = adaptation_clock(light(), FRAMES - 40, FPS)  # from 4 s before frame 0 on
+    assert not clock.is_known[:20].any()  # readings begin 5 s before it, and 3 s are needed
+    assert clock.is_known[20:].all()
+    assert np.isnan(clock.seen_s[:20]).all()
+    assert np.isposinf(clock.seen_s[20:90]).all()
+    assert clock.seen_s[90] == pytest.approx(0.1)
+    after = adaptation_clock(light(), FRAMES, FPS)  # readings end at 7.9 s, and hold a second
+    assert after.is_known[:90].all()
+    assert np.isnan(after.seen_s[90:]).all()
+    assert not after.is_known[90:].any()
+
+
+def test_only_frames_from_the_simulated_change_to_a_real_one_are_simulated():
+    clock = with_change(adaptation_clock(light(), FRAMES, FPS), FPS, 2.0)
+    assert clock.is_simulated is not None
+    assert np.flatnonzero(clock.is_simulated[:90]).tolist() == list(range(20, 50))
+    nothing = with_change(unknown_clock(FRAMES, FPS), FPS, 3.0)
+    assert nothing.is_known.tolist() == (FRAMES >= 30).tolist()
+    assert np.isnan(nothing.seen_s[:30]).all()

@@ -54,7 +54,9 @@ pairs = [[(span.start, span.stop) for span in (own, spans[2])] for own in spans[
 visible = None
 if kind in ("two pictures", "light known"):
     # dark from row 10 on
-    seen_s = np.where(rows < 10, np.nan, (rows + 1 - 10) / fps) if kind == "light known" else None
+    seen_s = np.where(rows < 10, np.inf, (rows + 1 - 10) / fps) if kind == "light known" else None
+    if seen_s is not None:
+        seen_s[:3] = np.nan
     visible = VisiblePictures(scene.VISIBLE_AREA, has_picture, seen_s)
 settled = viewer(
     token="gone" if kind == "ended" else "token-of-the-test",

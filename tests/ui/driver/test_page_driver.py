@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 from types import SimpleNamespace
@@ -10,6 +11,7 @@ import pytest
 import small_estimator
 from builders import at, make_dataset, result_of
 
+from nvcore.api.driver_run import estimate_driver
 from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.writing import WrittenEstimates
 from nvcore.errors import InputError
@@ -220,10 +222,10 @@ def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(visi
     assert "eyes adapted" in panel(page)
     page = checked(page.toggle(key="driver_tunnel").set_value(True).run())
     # at once it is dark: the estimator of 0.5 s until 2.5 s later
-    assert re.search(r"the same, simulated\s+0\.16 ± 0\.10", panel(page))
+    assert re.search(r"the same, after a simulated change\s+0\.16 ± 0\.10", panel(page))
     assert "dark from 0.00 s on" in texts(page)
-    assert "25 frames (2.50 s) later; as it was, at once" in texts(page)
-    assert "he would **not** have seen him; as it was, he had" in texts(page)
+    assert "25 frames (2.50 s) later; without the change, at once" in texts(page)
+    assert "he would **not** have seen him; without the change he would have" in texts(page)
     page = checked(page.slider(key="driver_tunnel_s").set_value(1.0).run())
     assert "dark from 1.00 s on" in texts(page)
 
@@ -247,6 +249,61 @@ def test_clips_that_are_rated_do_not_ask_for_the_light(monkeypatch: pytest.Monke
     assert asked == []
     drawing.viewer_arguments(result, 0)
     assert asked == [0]
+
+
+def test_panel_plot_and_words_count_from_the_first_frame_whatever_its_number(tmp_path, monkeypatch):
+    begin_with(small_estimator.write_session(tmp_path, first=600), monkeypatch)
+    page = estimated(sent(tmp_path))
+    page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
+    page = checked(page.toggle(key="driver_tunnel").set_value(True).run())
+    assert re.search(r"Since the change\s+0\.10 s, simulated", panel(page))
+    page = checked(page.slider(key="driver_tunnel_s").set_value(1.0).run())
+    assert "dark from 1.00 s on" in texts(page)
+    assert re.search(r"Since the change\s+eyes adapted", panel(page))
+    (plot,) = (item for item in page.get("plotly_chart") if "light" in item.proto.spec)
+    changes = json.loads(plot.proto.spec)["layout"]["shapes"]
+    assert [round(line["x0"], 6) for line in changes if line["line"]["dash"] == "dot"] == [1, 4]
+
+
+def test_where_the_light_is_not_known_the_eyes_are_not_called_adapted(tmp_path, monkeypatch):
+    session = small_estimator.write_session(tmp_path, stated=0.8)
+    (tmp_path / "lux.csv").write_text("time_s,lux\n100,1000\n101,1000\n")
+    begin_with(session, monkeypatch)
+    page = checked(alone("driver").run())
+    assert re.search(r"Since the change\s+not known", panel(page))
+
+
+def with_estimates_of_a_file(folder: Path, simulated: str = "no", **light: float) -> Path:
+    """The session with estimates that the command line made."""
+    session = small_estimator.write_session(folder)
+    small_estimator.write_model(folder / "small.npz", simulated=simulated)
+    return estimate_driver(session, folder / "small.npz", folder / "out", settings=light).session
+
+
+@pytest.mark.parametrize(("factor", "since"), [(10, "2.00 s"), (1000, "eyes adapted")])
+def test_the_clock_beside_estimates_of_a_file_is_that_of_their_record(
+    tmp_path, monkeypatch, factor, since
+):
+    begin_with(with_estimates_of_a_file(tmp_path, drop_factor=factor), monkeypatch)
+    page = alone("driver")
+    page.query_params.update({"recording": "drive", "frame": "59"})
+    page = checked(page.run())
+    assert re.search(rf"Since the change\s+{since}", panel(page))
+    assert "by our default settings" not in texts(page)
+
+
+def test_the_panel_names_a_simulated_observer(tmp_path, monkeypatch):
+    begin_with(with_estimates_of_a_file(tmp_path, "some"), monkeypatch)
+    page = checked(alone("driver").run())
+    assert "Detectability (learnt in part from simulated subjects)" in panel(page)
+
+
+def test_where_no_record_says_how_light_was_judged_the_page_does(tmp_path, monkeypatch):
+    session = with_estimates_of_a_file(tmp_path)
+    lines = session.read_text().splitlines()
+    session.write_text("\n".join(line for line in lines if not line.startswith("provenance")))
+    begin_with(session, monkeypatch)
+    assert "by our default settings" in texts(checked(alone("driver").run()))
 
 
 def test_where_only_estimates_are_known_the_page_says_what_a_simulation_needs(page):

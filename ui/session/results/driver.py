@@ -7,10 +7,12 @@ from typing import Final, NamedTuple
 
 import pandas as pd
 
-from nvcore.driver.clock import AdaptationClock
+from nvcore.comparison import Result
 from nvcore.driver.estimate import EstimateRun
+from nvcore.driver.illumination import LightSettings, light_settings
+from nvcore.driver.illumination.clock import AdaptationClock
 from nvcore.driver.run import RecordingFeatures
-from nvcore.errors import NvcoreError
+from nvcore.errors import NvcoreError, ParameterError
 from ui.confined.driver import EstimatorSpec, clock_by_meter
 from ui.session import state
 from ui.session.opening import public_text, recording_entry
@@ -57,7 +59,8 @@ def features_of(recording: int) -> pd.DataFrame | None:
 def clock_of(recording: int) -> AdaptationClock | None:
     """Light and adaptation in the frames of a recording; None: nothing is known of the light.
 
-    By the run of this session, else by the recording's light meter, by our defaults.
+    By the run of this session, else by the recording's light meter, with the settings of
+    `recorded_light`, else our defaults.
     """
     part = _part_of(recording)
     clock = _cached_by_meter(recording) if part is None else part.clock
@@ -68,6 +71,30 @@ def light_trouble(recording: int) -> str:
     """Why the file of a recording's light meter cannot be used, without paths; empty: it can."""
     trouble = _cached_by_meter(recording) if _part_of(recording) is None else None
     return trouble if isinstance(trouble, str) else ""
+
+
+def caution_of(result: Result) -> str:
+    """Whose answers the estimates rest on, where some were simulated; empty: none were."""
+    record = result.dataset.estimate
+    return "" if record is None else record.caution
+
+
+def recorded_light() -> LightSettings | None:
+    """What counted as a change of light where the estimates were made; None: nobody says it."""
+    record = state.opened().dataset.estimate
+    if record is None or not record.light:
+        return None
+    try:
+        return light_settings(record.light)
+    except ParameterError:  # of another version, or by hand: as if it said nothing
+        return None
+
+
+def may_be_another_clock(recording: int) -> bool:
+    """Whether estimates may rest on another clock than `clock_of` shows beside them."""
+    dataset = state.opened().dataset
+    is_of_file = dataset.estimate is not None and _part_of(recording) is None
+    return is_of_file and recorded_light() is None and clock_of(recording) is not None
 
 
 def _part_of(recording: int) -> RecordingFeatures | None:
@@ -97,6 +124,7 @@ def _by_meter(recording: int) -> AdaptationClock | str | None:
     frames = state.opened().dataset.frame_columns
     numbers, fps = frames.frame[frames.rows_of(recording)], float(frames.fps[recording])
     try:
-        return clock_by_meter(session.folder / path, numbers, fps)
+        settings = recorded_light() or LightSettings()
+        return clock_by_meter(session.folder / path, numbers, fps, settings)
     except NvcoreError as error:
         return public_text(error, (session.folder,))

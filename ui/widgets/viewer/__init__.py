@@ -230,11 +230,13 @@ def viewer(
 
 def _pack_visible(visible: VisiblePictures) -> dict[str, Any]:
     spans = pack(find_spans(visible.has_picture), "i4")
+    is_simulated = np.zeros(0, bool) if visible.is_simulated is None else visible.is_simulated
     return {
         "area": [float(side) for side in visible.area],
         "spans": spans,
         "seen_s": None if visible.seen_s is None else pack(visible.seen_s, "f4"),
-        "is_simulated": visible.is_simulated,
+        "simulated": pack(find_spans(is_simulated), "i4"),
+        "can_simulate": visible.can_simulate,
     }
 
 

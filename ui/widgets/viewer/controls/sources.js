@@ -51,21 +51,22 @@ function showSources({ root, choice, blend, driver, byHand, since, tunnel }, loo
   byHand.hidden = !isDriver || isSet || !look.hasClock;
   byHand.setAttribute("aria-pressed", String(look.isByHand));
   since.part.hidden = !isDriver || isSet || look.followsClock;
-  tunnel.hidden = !isDriver;
+  tunnel.hidden = !isDriver || !look.visible.can_simulate;
   tunnel.setAttribute("aria-pressed", String(isSet));
   since.field.value = String(look.sinceS);
   since.shown.textContent = `${look.sinceS.toFixed(1)} s`;
 }
 
 // The time since the change of light, in the row that is painted; where a slider says it, it does.
-function showClock({ clock }, look, row, time) {
+function showClock({ clock }, look, row, endS) {
   const isKnown = look.needsVisible && look.isDriver && (look.changeAt !== null || look.followsClock);
   clock.hidden = !isKnown;
-  clock.textContent = isKnown ? `${look.isSimulated ? "simulated: " : ""}${sinceText(look, row, time)}` : "";
+  clock.textContent = isKnown ? `${look.isSimulatedAt(row, endS) ? "simulated: " : ""}${sinceText(look, row, endS)}` : "";
 }
 
-function sinceText(look, row, time) {
-  const seconds = look.seenAt(row, time);
-  if (seconds !== null) return `${seconds.toFixed(1)} s after the change`;
-  return look.changeAt === null ? "eyes adapted" : "before the change";
+function sinceText(look, row, endS) {
+  const seconds = look.seenAt(row, endS);
+  if (seconds !== null) return `${seconds.toFixed(2)} s after the change`;
+  if (!look.followsClock) return "before the change";
+  return Number.isNaN(look.ownSeconds(row)) ? "change of light not known" : "eyes adapted";
 }

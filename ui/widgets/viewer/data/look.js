@@ -1,6 +1,7 @@
 // Which of a recording's two pictures are seen, its own or that of visible light, and how.
 
 const CLOCK = "clock"; // in place of seconds: those of the recording
+const SAME_S = 1e-6; // times closer than this differ by rounding alone
 const LOOKS = [["own", "Own pictures"], ["visible", "Visible light"], ["blended", "Blended"], ["both", "Side by side"]];
 
 class Look {
@@ -13,7 +14,8 @@ class Look {
     this.changeAt = null; // time of a simulated change of light, s; null: none
     this.visible = null; // what Python sends of it; null: the recording has none
     this.spans = new Int32Array(0);
-    this.periods = new Float32Array(0); // seconds since the light has changed, by row; NaN: adapted
+    this.periods = new Float32Array(0); // seconds since the light has changed, by row; see `ownSeconds`
+    this.simulated = new Int32Array(0); // spans of rows whose seconds are of a change that never was
   }
 
   take({ picture, blend, seen_s: seenS }) {
@@ -27,6 +29,7 @@ class Look {
   set(visible) {
     this.visible = visible;
     this.spans = visible ? unpack(visible.spans, Int32Array) : new Int32Array(0);
+    this.simulated = visible ? unpack(visible.simulated, Int32Array) : new Int32Array(0);
     this.periods = visible?.seen_s ? unpack(visible.seen_s, Float32Array) : new Float32Array(0);
   }
 
@@ -37,10 +40,6 @@ class Look {
 
   get followsClock() {
     return this.hasClock && !this.isByHand;
-  }
-
-  get isSimulated() {
-    return this.changeAt !== null || (this.followsClock && this.visible.is_simulated);
   }
 
   // What is kept by the page.
@@ -65,13 +64,29 @@ class Look {
     return countUpTo(this.spans, row) % 2 === 1;
   }
 
-  // Seconds since the light has changed, in a row that begins at this time; null: the eyes are adapted.
-  seenAt(row, time) {
+  // Seconds since the recording's own change of light; Infinity: the eyes are adapted; NaN: not known.
+  ownSeconds(row) {
+    return this.followsClock ? this.periods[row] : NaN;
+  }
+
+  // Seconds since the change that is simulated here, at the end of a row; null: a real one is later, or none is.
+  sinceChange(row, endS) {
+    const seconds = this.changeAt === null ? 0 : endS - this.changeAt;
+    return seconds > SAME_S && !(this.ownSeconds(row) < seconds) ? seconds : null;
+  }
+
+  isSimulatedAt(row, endS) {
+    return this.sinceChange(row, endS) !== null || (this.followsClock && countUpTo(this.simulated, row) % 2 === 1);
+  }
+
+  // Seconds since the light has changed, at the end of a row; null: the picture is seen as it is.
+  seenAt(row, endS) {
     if (!this.isDriver) return null;
-    if (this.changeAt !== null) return time < this.changeAt ? null : time - this.changeAt;
-    if (!this.followsClock) return this.sinceS;
-    const seconds = this.periods[row];
-    return seconds >= 0 ? seconds : null;
+    const simulated = this.sinceChange(row, endS);
+    if (simulated !== null) return simulated;
+    if (this.changeAt === null && !this.followsClock) return this.sinceS;
+    const seconds = this.ownSeconds(row);
+    return Number.isFinite(seconds) ? seconds : null;
   }
 
   get nPanes() {

@@ -37,6 +37,12 @@ class Recording {
       this.clock[row] = this.clock[row - 1] + Math.min(Math.max(gap, 0.001), LONGEST_GAP_S);
     }
     this.pictureSpans = unpack(sent.picture_spans, Int32Array);
+    this.frameS = sent.fps ? 1 / sent.fps : 0;
+  }
+
+  // When the frame of a row ends.
+  endOf(row) {
+    return this.times[row] + this.frameS;
   }
 
   // Frame numbers are sent as runs of a constant step.

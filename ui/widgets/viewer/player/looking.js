@@ -44,7 +44,7 @@ class Looking extends Player {
     this.changeLook({ isByHand: !this.look.isByHand });
   }
 
-  // The light changes, as it were, at this row, or no longer does.
+  // Simulate that it becomes dark at this row, or no longer.
   toggleTunnel() {
     const isOver = this.look.changeAt !== null;
     this.changeLook({ changeAt: isOver ? null : this.recording.times[this.row] });
@@ -54,7 +54,7 @@ class Looking extends Player {
     const { look, recording } = this;
     this.visible.reset((row) => {
       const query = new URLSearchParams({ v: this.sent.picture_version });
-      const seconds = look.seenAt(row, recording.times[row]);
+      const seconds = look.seenAt(row, recording.endOf(row));
       if (seconds !== null) query.set("seen_s", seconds.toFixed(1));
       return `${this.addressOfVisible}/${row}.jpg?${query}`;
     });

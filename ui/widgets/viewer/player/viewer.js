@@ -225,7 +225,7 @@ class Viewer extends Looking {
     this.visible.pin(visible ?? null);
     this.shown = { row, entry, visible, found };
     if (this.isReady(row)) this.root.dataset.picture = this.look.mode;
-    showClock(this.parts.sources, this.look, row, this.recording.times[row]);
+    showClock(this.parts.sources, this.look, row, this.recording.endOf(row));
     this.isStale = false;
     this.root.dataset.shownRow = String(row);
     if (this.isSpokenEarly && row === this.row) this.speak();
