@@ -301,4 +301,4 @@ def test_a_model_that_is_refused_leaves_the_one_before(
         store_model(space, Sent("three.npz", b"12345678"), "detector", str)
     assert first.read_bytes() == b"1234"
     assert space.used_bytes == 4
-    assert len([*space.folder.glob("detector-model-*")]) == 1
+    assert len([*space.folder.glob("model-detector-*")]) == 1
