@@ -1,4 +1,9 @@
-"""Estimators on the sample's simulated trials: what they have to reach on unseen pedestrians."""
+"""Estimators on the sample's simulated trials: what they have to reach on unseen pedestrians.
+
+To be done within seconds they are searched for in few settings (`QUICK`) and trained without every
+fifth of the pedestrians (`OUTER_FOLDS`). The sample's own estimator is searched for in all settings
+and trained on all pedestrians: here only what it says that it was trained on is compared.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +14,13 @@ import pandas as pd
 import pytest
 from places import SAMPLE
 
-from nvcore.driver.estimators import QUICK
+from nvcore.driver.estimators import QUICK, Search, read_estimator
+from nvcore.driver.estimators.model_file import SAMPLE_ESTIMATOR
 from nvcore.driver.estimators.nested import OutOfFold, Samples, out_of_fold, samples_of
 from nvcore.driver.estimators.search import folds_of
-from nvcore.driver.estimators.training import OUTER_FOLDS, errors_by_period
+from nvcore.driver.estimators.training import OUTER_FOLDS, errors_by_period, origin_of
 from nvcore.driver.images import image_features
-from nvcore.driver.trials import training_table
+from nvcore.driver.trials import TrainingTable, training_table
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.progress import no_progress
 
@@ -25,6 +31,7 @@ FOLDER = SAMPLE.parent
 class LeftOut:
     """Estimates of pedestrians that had no part in them, and what the simulated observer says."""
 
+    table: TrainingTable
     samples: Samples
     estimates: OutOfFold
     truth: np.ndarray
@@ -39,7 +46,7 @@ def left_out(tmp_path_factory: pytest.TempPathFactory) -> LeftOut:
     samples = samples_of(table)
     fold = folds_of(samples.group, OUTER_FOLDS, QUICK.seed + 1)
     estimates = out_of_fold(samples, fold, QUICK, n_threads=2, progress=no_progress)
-    return LeftOut(samples, estimates, truth_of(table.rows))
+    return LeftOut(table, samples, estimates, truth_of(table.rows))
 
 
 def truth_of(rows: pd.DataFrame) -> np.ndarray:
@@ -67,3 +74,7 @@ def test_over_all_periods_both_beat_the_constant(left_out: LeftOut):
 
 def test_estimates_correlate_with_what_the_simulated_observer_sees(left_out: LeftOut):
     assert np.corrcoef(left_out.estimates.switched, left_out.truth)[0, 1] >= 0.8
+
+
+def test_the_samples_estimator_was_trained_on_the_samples_trials(left_out: LeftOut):
+    assert read_estimator(SAMPLE_ESTIMATOR).origin == origin_of(left_out.table, Search())

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 from collections.abc import Iterator
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
 import pytest
-from asgi import ask, put
+from asgi import Answer, ask
 from people import cookies, header, log_in_by
 from starlette.applications import Starlette
 from starlette.responses import PlainTextResponse
+from starlette.routing import Route
 from starlette.types import Receive, Scope, Send
 from streamlit.proto.ForwardMsg_pb2 import ForwardMsg
 from streamlit.web.server.starlette.starlette_routes import create_host_config_routes
@@ -22,7 +25,7 @@ from ui.access.origins import own_names
 from ui.access.people import end_log_in, key_of
 from ui.serving import gate
 from ui.serving.gate import Gate, OwnPages
-from ui.session.routes import address
+from ui.session.routes import routes_below
 from ui.session.workspace import Workspace
 
 PAGE = {"accept": "text/html,*/*"}
@@ -212,18 +215,26 @@ def test_an_open_page_hears_of_the_end_of_the_log_in_with_its_next_message(behin
         assert is_sent_away(answered)
 
 
-def test_frames_boxes_and_uploads_are_for_the_owner_alone(space: Workspace, behind: Gate):
+@pytest.mark.parametrize(
+    "route",
+    [route for route in routes_below("") if "{token}" in route.path],
+    ids=attrgetter("path"),
+)
+def test_what_a_session_has_is_for_its_owner_alone(space: Workspace, behind: Gate, route: Route):
     owner = key_of(cookies("anna"))
     assert owner is not None
     space.owner = owner
+    (method,) = set(route.methods) - {"HEAD"}
 
-    def statuses(**headers: str) -> list[int]:
-        rests = ("frame/0/0.jpg", "boxes/0/0", "reasons/0/0")
-        asked = [ask(f"{address(space)}/{rest}", headers=headers).status for rest in rests]
-        return [*asked, put(f"{address(space)}/upload/pictures?name=a", b"x", **headers).status]
+    def answer(token: str, **headers: str) -> Answer:
+        place = re.sub("{.*?}", "0", route.path.replace("{token}", token))
+        return ask(place, method=method, headers=headers)
 
-    assert statuses() == statuses(**header(cookies("bert"))) == [403] * 4
-    assert statuses(**header(cookies("anna"))) == [404, 404, 404, 415]
+    assert answer(space.token).status == 403
+    assert answer(space.token, **header(cookies("bert"))).status == 403
+    assert answer(space.token, **header(cookies("anna"))).status not in (200, 403)  # has nothing
+    unknown = answer("guess", **header(cookies("anna")))
+    assert (unknown.status, space.token in unknown.text) == (404, False)
 
 
 def test_the_machine_s_name_is_asked_for_before_the_first_request(

@@ -117,10 +117,11 @@ def test_a_stretch_is_applied_or_refused(space: Workspace, query: str, status: i
     assert frame(space, 1, query).status == status
 
 
-@pytest.mark.parametrize("rest", ["frame/0/1.jpg", "boxes/0/0", "reasons/0/3"])
+@pytest.mark.parametrize("rest", ["frame/0/1.jpg", "visible/0/1.jpg", "boxes/0/0", "reasons/0/3"])
 def test_neither_another_token_nor_that_of_an_ended_session_finds_anything(
     space: Workspace, rest: str
 ):
+    space.visible = RecordingPictures({0: Edge()}, {0: np.array([-1, 0])}, maps={0: (1, 1, 0, 0)})
     start = address(space)
     assert ask(f"{start}/{rest}").status == 200
     assert ask(f"/nv/guess/{rest}").status == 404
