@@ -135,7 +135,7 @@ def test_the_estimator_of_the_sample_has_a_name(tmp_path: Path):
     flags = ("--only", "rural_child", "--frames", "100:101", "--out", tmp_path / "seen")
     result = nvcore("driver", "estimate", SAMPLE, "--model", "sample", *flags)
     assert result.exit_code == 0, result.output
-    assert "simulated observer" in result.stdout
+    assert "simulated subjects" in result.stdout
     assert (tmp_path / "seen" / "detectability.csv").is_file()
 
 
