@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
@@ -56,3 +57,25 @@ def typed(value: object, kind: type, where: str) -> Any:
     if not isinstance(value, kind) or isinstance(value, bool):
         raise ValueError(f"{where}: expected {_WORDS[kind]}, found {str(value)[:30]!r}")
     return value
+
+
+def numbers_of(table: Mapping[str, object], names: Collection[str], where: str) -> dict[str, float]:
+    """The finite numbers that a JSON object has under these keys, and no others.
+
+    Raises
+    ------
+    ValueError
+        If a key is missing or unknown, or has no number; `where` says of what the keys are.
+    """
+    if set(table) != set(names):
+        raise ValueError(f"{where}: its keys are others than there are")
+    return {name: _number(value, name) for name, value in table.items()}
+
+
+def _number(value: object, where: str) -> float:
+    try:
+        if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value):
+            return float(value)
+    except OverflowError:  # a whole number of hundreds of digits
+        pass
+    raise ValueError(f"{where}: expected a number, found {str(value)[:30]!r}")

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import asdict, fields
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from nvcore.dataset.records import read_record, typed, value_of
+from nvcore.dataset.records import numbers_of, read_record, typed, value_of
 from nvcore.driver.features import FeatureSettings
 from nvcore.errors import ParameterError
 
@@ -60,23 +59,12 @@ def settings_from_json(content: Mapping[str, Any]) -> FeatureSettings:
     ValueError
         If one is missing, unknown, no number or outside its range.
     """
-    names = {spec.name for spec in fields(FeatureSettings)}
-    if set(content) != names:
-        raise ValueError("settings of the features: its keys are others")
-    values = {name: _number(value, name) for name, value in content.items()}
+    names = [spec.name for spec in fields(FeatureSettings)]
+    values = numbers_of(content, names, "settings of the features")
     try:
         return FeatureSettings(**values)
     except ParameterError as error:
         raise ValueError(str(error)) from error
-
-
-def _number(value: object, name: str) -> float:
-    try:
-        if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value):
-            return float(value)
-    except OverflowError:  # a whole number of hundreds of digits
-        pass
-    raise ValueError(f"{name}: expected a number, found {str(value)[:30]!r}")
 
 
 def settings_words(settings: FeatureSettings) -> str:

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pandas as pd
 import pytest
+from driver_estimators import origin, regression
 
-from nvcore.driver.estimators import Estimator, Origin, Quality, Regression
-from nvcore.driver.estimators.model import SvrSettings
+from nvcore.driver.estimators import Estimator, Quality
 from nvcore.driver.features import FEATURE_KEYS
 from nvcore.driver.simulation import simulate_change
 from nvcore.errors import ParameterError
@@ -17,27 +17,12 @@ from nvcore.errors import ParameterError
 END_S = np.array([1.0, 2.0, 3.0, 8.0])
 
 
-def constant(detectability: float) -> Regression:
-    """A regression that says this of everybody."""
-    return Regression(
-        columns=np.array([0]),
-        centre=np.zeros(1),
-        scale=np.ones(1),
-        low=np.zeros(1),
-        high=np.full(1, 100.0),
-        vectors=np.ones((1, 1)),
-        weights=np.zeros(1),
-        offset=detectability,
-        settings=SvrSettings("linear", 1.0, 0.1, 1.0),
-    )
-
-
 ESTIMATOR = Estimator(
     "test",
     np.array([0.5, 4.5]),
-    (constant(0.2), constant(0.9), constant(0.5)),
+    tuple(regression(0, offset=share) for share in (0.2, 0.9, 0.5)),
     (Quality(51, 0.01, 0.5, 0.1),) * 3,
-    Origin(51, 4, 306, "no", 200.0, 0.5, 0.5, 0, "ab"),
+    origin(),
 )
 
 

@@ -11,28 +11,34 @@ CONTRAST, LAB = 3, 4
 """Columns of the features."""
 
 
-def by(column: int, share: float) -> Regression:
-    """A regression that gives this share of a hundredth of a feature, trained on 0 to 100."""
+def regression(
+    column: int, *, share: float = 0.0, offset: float = 0.0, high: float = 100.0
+) -> Regression:
+    """This share of a hundredth of a feature and an offset; trained on features of 0 to `high`."""
     return Regression(
         columns=np.array([column]),
         centre=np.zeros(1),
         scale=np.full(1, 100.0),
         low=np.zeros(1),
-        high=np.full(1, 100.0),
+        high=np.full(1, high),
         vectors=np.ones((1, 1)),
         weights=np.array([share]),
-        offset=0.0,
+        offset=offset,
         settings=SvrSettings("linear", 1.0, 0.1, 1.0),
     )
 
 
+def origin(simulated: str = "no") -> Origin:
+    """Of 306 trials of four subjects with 51 pedestrians."""
+    return Origin(51, 4, 306, simulated, 200.0, 0.5, 0.5, 0, "ab")
+
+
 def estimator(column: int = CONTRAST, simulated: str = "no") -> Estimator:
     """Half of the contrast soon after the change, all of it at 4.5 s."""
-    origin = Origin(51, 4, 306, simulated, 200.0, 0.5, 0.5, 0, "ab")
     return Estimator(
         "test",
         np.array([0.5, 4.5]),
-        (by(column, 0.5), by(column, 1.0), by(column, 0.7)),
+        tuple(regression(column, share=share) for share in (0.5, 1.0, 0.7)),
         tuple(Quality(51, error, 0.5, 0.1) for error in (0.01, 0.04, 0.09)),
-        origin,
+        origin(simulated),
     )

@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from driver_estimators import CONTRAST, origin, regression
 from picture_files import write_picture
 
-from nvcore.driver.estimators import Estimator, Origin, Quality, Regression, write_estimator
-from nvcore.driver.estimators.model import SvrSettings
-from nvcore.driver.features import FEATURE_KEYS
+from nvcore.driver.estimators import Estimator, Quality, write_estimator
 
 N_FRAMES = 60
 FPS = 10
@@ -28,26 +27,11 @@ def write_model(path: Path, late: float = 1.0, simulated: str = "no") -> Path:
 
     With `late` = 1 who is 80 brighter than his surround is seen by 0.8 of all adapted drivers.
     """
-    regressions = tuple(_by_contrast(share) for share in (0.2, late, late))
+    regressions = tuple(regression(CONTRAST, share=each, high=200.0) for each in (0.2, late, late))
     qualities = (Quality(51, 0.01, 0.5, 0.1),) * 3
-    origin = Origin(51, 4, 306, simulated, 200.0, 0.5, 0.5, 0, "ab")
-    estimator = Estimator("small", np.array([0.5, 4.5]), regressions, qualities, origin)
+    estimator = Estimator("small", np.array([0.5, 4.5]), regressions, qualities, origin(simulated))
     write_estimator(estimator, path)
     return path
-
-
-def _by_contrast(share: float) -> Regression:
-    return Regression(
-        columns=np.array([FEATURE_KEYS.index("luminance_contrast")]),
-        centre=np.zeros(1),
-        scale=np.full(1, 100.0),
-        low=np.zeros(1),
-        high=np.full(1, 200.0),
-        vectors=np.ones((1, 1)),
-        weights=np.array([share]),
-        offset=0.0,
-        settings=SvrSettings("linear", 1.0, 0.1, 1.0),
-    )
 
 
 def scene(*figures: tuple[int, int, int]) -> np.ndarray:

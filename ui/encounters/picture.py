@@ -22,7 +22,8 @@ def draw(result: Result, encounter: int, row: int) -> None:
 
     Of the recording's own pictures or those of visible light, as chosen here or in a viewer.
     """
-    is_visible = drawing.has_visible(row) and look().picture in OF_VISIBLE
+    has_visible = drawing.has_visible(row)
+    is_visible = has_visible and look().picture in OF_VISIBLE
     key = (state.workspace().version, drawing.stretch(), row, encounter, is_visible)
     content = state.cached(
         "encounter_picture",
@@ -33,7 +34,7 @@ def draw(result: Result, encounter: int, row: int) -> None:
     st.image(
         content, width="stretch", alt=state.words("The pedestrian with the boxes of truth, X and Y")
     )
-    if drawing.has_visible(row):
+    if has_visible:
         st.session_state[VISIBLE] = is_visible
         st.toggle("Visible light", key=VISIBLE, on_change=_choose)
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Final
 
+from nvcore.dataset.records import numbers_of
 from nvcore.errors import ParameterError
 
 _RANGES: Final = {
@@ -17,8 +18,6 @@ _RANGES: Final = {
     "smooth_s": (0.0, 10.0),
     "least_lux": (1e-6, 1e5),
 }
-_MOST: Final = 1e9
-"""More than any of these may be."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,14 +66,8 @@ def light_settings(content: Mapping[str, object]) -> LightSettings:
     ParameterError
         If one is missing, unknown, no number or outside its range.
     """
-    names = {spec.name for spec in fields(LightSettings)}
-    if set(content) != names:
-        raise ParameterError("settings of the light: the record has others than there are")
-    values: dict[str, float] = {}
-    for name, value in content.items():
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise ParameterError(f"{name}: expected a number, found {str(value)[:30]!r}")
-        if abs(value) > _MOST:  # also what no float can be
-            raise ParameterError(f"{name}: expected {_RANGES[name][0]:g} to {_RANGES[name][1]:g}")
-        values[name] = float(value)
+    try:
+        values = numbers_of(content, list(_RANGES), "settings of the light")
+    except ValueError as error:
+        raise ParameterError(str(error)) from error
     return LightSettings(**values)
