@@ -146,16 +146,36 @@ def detect(session_file: Path, detector: str, settings: Sequence[str], **options
 def models(detector: str | None, settings: Sequence[str]) -> None:
     """List the detectors that are built in, or describe DETECTOR: a name, or a model's file.
 
-    What a model detects, what it was trained on, and its settings with their meaning.
+    What a model detects, what it was trained on, and its settings with their meaning; icf: every
+    setting of nvcore train. Estimators of what the driver sees are described, too.
     """
     with needs("detectors", "nvcore models needs"):
         from nvcore.detectors.registry import open_detector
-        from nvcore.report.detectors import render_about, render_detectors
+        from nvcore.driver.estimators.model_file import (
+            estimator_path,
+            is_estimator_file,
+            read_estimator,
+        )
+        from nvcore.report.detectors import (
+            render_about,
+            render_detectors,
+            render_training_settings,
+        )
+        from nvcore.report.driver import render_estimator, render_estimators
 
     if detector is None:
         if settings:
             raise click.UsageError("--set is about a detector; name it")
         click.echo(render_detectors())
+        click.echo(render_estimators())
+        return
+    if detector == "icf":
+        click.echo(render_training_settings())
+        return
+    if is_estimator_file(path := estimator_path(detector)):
+        if settings:
+            raise click.UsageError("--set is about a detector; this is an estimator")
+        click.echo(render_estimator(read_estimator(path)))
         return
     given = dict(pair_of(text, "--set") for text in settings)
     click.echo(render_about(open_detector(detector, given)))

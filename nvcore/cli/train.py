@@ -127,7 +127,7 @@ _OPTIONS: Final = (
         multiple=True,
         metavar="KEY=VALUE",
         help="A setting of the detector, such as stride=6 or scales=1,1.2,1.4; may be given again. "
-        "docs/detectors.md lists them.",
+        "nvcore models icf explains them all.",
     ),
     grouped_option(
         MODEL, "--name", metavar="NAME", help="Name of the model. Default: that of its file."

@@ -13,8 +13,14 @@ def run_settings(about: About) -> dict[str, SettingFacts]:
     """The settings whose values a run of this detector may choose, by name."""
     settings = DETECTORS[about.kind].settings()
     if settings is None:
-        from nvcore.detectors.icf.settings import OF_A_RUN, IcfSettings
+        from nvcore.detectors.icf.settings import OF_A_RUN
 
-        known = {spec.name: facts_of(spec) for spec in fields(IcfSettings)}
-        return {name: facts for name, facts in known.items() if name in OF_A_RUN}
+        return {name: facts for name, facts in model_settings().items() if name in OF_A_RUN}
     return {spec.name: facts_of(spec) for spec in fields(settings)}
+
+
+def model_settings() -> dict[str, SettingFacts]:
+    """All settings of a model that is trained here, by name: of its training and of its runs."""
+    from nvcore.detectors.icf.settings import IcfSettings
+
+    return {spec.name: facts_of(spec) for spec in fields(IcfSettings)}

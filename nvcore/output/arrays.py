@@ -20,7 +20,13 @@ ABOUT: Final = "about"
 """The array of the JSON's bytes."""
 Kinds = Mapping[str, tuple[str, tuple[str | int, ...]]]
 """Type and shape of each array by its name; equal words are equal lengths."""
+FORMATS: Final = {
+    "nvcore-icf": "a detector of pedestrians or signs, which nvcore detect takes",
+    "nvcore-driver": "an estimator of what the driver sees, which nvcore driver estimate takes",
+}
+"""What each kind of model is, by the format that its JSON names."""
 _TIME: Final = (1980, 1, 1, 0, 0, 0)
+_MOST_ABOUT: Final = 1 << 22
 _UNREADABLE: Final = (
     zipfile.BadZipFile,
     zlib.error,
@@ -75,6 +81,21 @@ def fingerprint_of(members: Mapping[str, NDArray[Any]]) -> str:
         digest.update(f"{name} {array.dtype.str} {array.shape}\n".encode())
         digest.update(array.tobytes())
     return digest.hexdigest()
+
+
+def format_of(content: bytes) -> str | None:
+    """The key of `FORMATS` that a file's JSON names; None: it is no model, or cannot be read."""
+    member = f"{ABOUT}.npy"
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            if archive.getinfo(member).file_size > _MOST_ABOUT:
+                return None
+            with archive.open(member) as stream:
+                unpacked = stream.read(_MOST_ABOUT)
+        name = _read_about(_array(unpacked, member, "|u1", 1).tobytes(), "a model").get("format")
+    except (*_UNREADABLE, KeyError, BadArchiveError):
+        return None
+    return name if isinstance(name, str) and name in FORMATS else None
 
 
 @contextmanager
@@ -207,7 +228,9 @@ def _read_members(
         names = [member.filename for member in members]
         may_be = {f"{name}.npy" for name in (ABOUT, *kinds)}
         if not required <= set(names) <= may_be or len(names) != len(set(names)):
-            raise BadArchiveError(f"is not {what}: its arrays are others")
+            other = format_of(content)
+            is_other = "its arrays are others" if other is None else f"it is {FORMATS[other]}"
+            raise BadArchiveError(f"is not {what}: {is_other}")
         if sum(member.file_size for member in members) > most_bytes:
             raise BadArchiveError(f"a model has at most {most_bytes >> 20} MiB")
         arrays = {}

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from nvcore.dataset.provenance import About
 from nvcore.detectors.base import Detector
-from nvcore.detectors.facts import run_settings
+from nvcore.detectors.facts import model_settings, run_settings
 from nvcore.detectors.icf import IcfDetector, IcfModel
+from nvcore.detectors.icf.settings import OF_A_RUN
 from nvcore.detectors.registry import DETECTORS
 from nvcore.detectors.settings import SettingFacts, value_text
+from nvcore.detectors.training.presets import PRESETS
 from nvcore.wording import UNDEFINED, count_text, listed, one_line
 
 
@@ -19,6 +22,25 @@ def render_detectors() -> str:
     for kind in DETECTORS.values():
         lines.append(f"{kind.key}: {kind.title}")
         lines += [f"  {name:14} {text}" for name, text in kind.built_in.items()]
+    return "\n".join(lines)
+
+
+def render_training_settings() -> str:
+    """Every setting of a model that is trained here, with the values of each preset."""
+    values = {name: preset.in_words() for name, preset in PRESETS.items()}
+    first, *others = PRESETS
+    lines = [
+        f"{DETECTORS['icf'].title}",
+        f"settings of nvcore train, with their values in the preset {first}; where another preset "
+        "differs, it is named:",
+    ]
+    for name, facts in model_settings().items():
+        lines += _explained({name: facts}, values[first])
+        differing = [preset for preset in others if values[preset][name] != values[first][name]]
+        lines += [f"      {preset}: {_value(values[preset][name])}" for preset in differing]
+    lines.append(
+        f"nvcore detect can change {listed(sorted(OF_A_RUN))}; the others are the model's."
+    )
     return "\n".join(lines)
 
 
@@ -41,7 +63,9 @@ def _of_model(model: IcfModel) -> list[str]:
     """What a model is made of, and how its training went."""
     s, channels = model.settings, listed(model.channels)
     object_size = f"{s.object_width:g}x{s.object_height:g} px"
+    pictures = "in colour" if model.is_colour else "grey; the channel grey stands for all of colour"
     return [
+        f"pictures: {pictures}",
         f"window: {s.window_width}x{s.window_height} px, with an object of {object_size}",
         f"trees: {len(model.trees):,}, over {count_text(len(model.features), 'feature')} in "
         f"{count_text(len(model.channels), 'channel')}: {channels}",
@@ -52,15 +76,22 @@ def _of_model(model: IcfModel) -> list[str]:
 def _settings(about: About) -> list[str]:
     """Those of a run with their meaning and range, and those that made the model what it is."""
     of_run = run_settings(about)
-    lines = ["settings:"]
-    for name, facts in of_run.items():
-        lines.append(f"  {name} = {_value(about.settings.get(name))}")
-        lines.append(f"      {facts.meaning}{_range(facts)}")
-        lines += [f"        {word:12} {text}" for word, text in (facts.choices or {}).items()]
+    lines = ["settings:", *_explained(of_run, about.settings)]
     others = {name: value for name, value in about.settings.items() if name not in of_run}
     if others:
         lines.append("settings of its training, which cannot be changed:")
         lines += [f"  {name} = {_value(value)}" for name, value in others.items()]
+        lines.append("what they mean: nvcore models icf")
+    return lines
+
+
+def _explained(facts: Mapping[str, SettingFacts], values: Mapping[str, Any]) -> list[str]:
+    """Settings with their values, meaning, range and choices."""
+    lines = []
+    for name, known in facts.items():
+        lines.append(f"  {name} = {_value(values.get(name))}")
+        lines.append(f"      {known.meaning}{_range(known)}")
+        lines += [f"        {word:12} {text}" for word, text in (known.choices or {}).items()]
     return lines
 
 
@@ -73,6 +104,5 @@ def _value(value: Any) -> str:
 def _range(facts: SettingFacts) -> str:
     if facts.low is None:
         return ""
-    return (
-        f" {facts.low:g} or more." if facts.high is None else f" {facts.low:g} to {facts.high:g}."
-    )
+    low, high = (f"{end:,.12g}" for end in (facts.low, facts.high or 0))
+    return f" {low} or more." if facts.high is None else f" {low} to {high}."

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+import numpy as np
 import pandas as pd
 
 from nvcore.driver.estimators.model import Estimator
+from nvcore.driver.estimators.model_file import SAMPLE_NAME, fingerprint
 from nvcore.driver.estimators.training import Training
 from nvcore.driver.estimators.words import words_of
 from nvcore.driver.evaluation import PUBLISHED_NOTE, Evaluation, evaluation_tables
@@ -82,6 +84,41 @@ def render_training(training: Training) -> str:
     return "\n".join(lines)
 
 
+def render_estimator(estimator: Estimator) -> str:
+    """What an estimator is: what it was trained on, how well it does, and what it takes."""
+    origin = estimator.origin
+    errors = pd.DataFrame(
+        {
+            "period_s": [*estimator.periods_s, np.nan],
+            "own": [quality.error for quality in estimator.qualities],
+            "own_constant": [quality.constant_error for quality in estimator.qualities],
+        }
+    )
+    lines = [
+        f"{one_line(estimator.name)}: estimates what the driver sees by himself "
+        "(nvcore driver estimate)",
+        f"fingerprint: {fingerprint(estimator)}",
+        f"trained on: {count_text(origin.n_trials, 'trial')}{_OF_TRIALS[origin.simulated]}: "
+        f"{count_text(origin.n_subjects, 'subject')}, "
+        f"{count_text(origin.n_pedestrians, 'pedestrian')}",
+        f"a response is right within a square of {origin.square_px:g} px that overlaps the "
+        f"pedestrian's middle ({origin.centre_share:.0%} of his box)",
+        *_feature_settings(estimator),
+        "mean squared error on pedestrians left out, in five folds; 0 is best:",
+        *_errors(errors, last="single"),
+        *_choices(estimator),
+    ]
+    return "\n".join(lines)
+
+
+def render_estimators() -> str:
+    """The estimators that ship."""
+    return (
+        "driver: estimators of what the driver sees (.npz), for nvcore driver estimate --model\n"
+        f"  {SAMPLE_NAME:14} of a simulated observer, on the sample's drawings: not of people"
+    )
+
+
 def _feature_settings(estimator: Estimator) -> list[str]:
     """What is to be said where nobody knows how the features were computed."""
     if estimator.feature_settings is not None:
@@ -92,9 +129,11 @@ def _feature_settings(estimator: Estimator) -> list[str]:
     ]
 
 
-def _errors(errors: pd.DataFrame) -> list[str]:
-    """A line for each period, the mean last; columns that are all empty are left out."""
+def _errors(errors: pd.DataFrame, last: str = "mean") -> list[str]:
+    """A line for each period, that without one last; columns that are all empty are left out."""
     titles = {
+        "own": "estimator",
+        "own_constant": "constant",
         "switched": "switched",
         "single": "single",
         "constant": "constant",
@@ -105,7 +144,7 @@ def _errors(errors: pd.DataFrame) -> list[str]:
     shown = [name for name in titles if name in errors and errors[name].notna().any()]
     lines = ["  period   " + "  ".join(f"{titles[name]:>15}" for name in shown)]
     for row in errors.to_dict("records"):
-        period = "mean  " if pd.isna(row["period_s"]) else f"{row['period_s']:.1f} s "
+        period = f"{last:6}" if pd.isna(row["period_s"]) else f"{row['period_s']:.1f} s "
         cells = "  ".join(f"{number(row[name], _ERROR):>15}" for name in shown)
         lines.append(f"  {period:>8} {cells}")
     return lines

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import sys
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,9 @@ from places import SAMPLE
 from nvcore.cli.progress import ShareProgress
 from nvcore.detectors import run as run_module
 from nvcore.detectors.base import Detector
+from nvcore.detectors.icf import IcfSettings
+from nvcore.detectors.registry import SAMPLE_MODEL
+from nvcore.driver.estimators.model_file import SAMPLE_ESTIMATOR
 
 QUICK = ("--detector", "hog:daimler", "--set", "scale_step=1.3")
 PART = ("--only", "urban_crossing", "--frames", "40:80:8")
@@ -174,6 +179,34 @@ def test_a_model_is_described_with_its_settings(blobs: Path):
     assert "trained on: not known" in lines
     assert "  threshold = 0.2" in lines
     assert "      Boxes with a lower score are dropped. 0 to 1." in lines
+
+
+def test_every_setting_of_a_training_is_explained():
+    ran = nvcore("models", "icf")
+    assert ran.exit_code == 0
+    assert "\n  slack = 0\n      How far below the least sum" in ran.stdout
+    assert "\n  window_width = 32\n" in ran.stdout
+    named = re.findall(r"^  (\w+) = ", ran.stdout, re.MULTILINE)
+    assert named == [spec.name for spec in fields(IcfSettings)]
+
+
+def test_a_model_of_grey_pictures_says_so():
+    ran = nvcore("models", "icf:sample")
+    assert "pictures: grey; the channel grey stands for all of colour" in ran.stdout
+
+
+def test_an_estimator_is_described_and_no_detector(tmp_path: Path):
+    ran = nvcore("models", "sample")
+    assert ran.exit_code == 0
+    assert "trained on: 4,896 trials by a simulated observer, not by people" in ran.stdout
+    assert "\n    single    " in ran.stdout
+    flags = ("--detector", SAMPLE_ESTIMATOR, "--out", tmp_path / "out")
+    ran = nvcore("detect", SAMPLE, *flags)
+    assert ran.exit_code == 2
+    assert "it is an estimator of what the driver sees, which nvcore driver estimate" in ran.stderr
+    ran = nvcore("driver", "estimate", SAMPLE, "--model", SAMPLE_MODEL, "--out", tmp_path / "out")
+    assert ran.exit_code == 2
+    assert "it is a detector of pedestrians or signs, which nvcore detect takes" in ran.stderr
 
 
 def test_settings_without_a_detector_are_a_mistake():

@@ -144,7 +144,7 @@ def test_a_model_that_is_none_is_refused_before_pictures_are_read(tmp_path: Path
     flags = ("--model", tmp_path / "driver.npz", "--out", tmp_path / "out")
     result = nvcore("driver", "estimate", SAMPLE, *flags)
     assert result.exit_code == 2
-    assert "driver.npz: is not an estimator of nvcore" in result.stderr
+    assert "driver.npz: is not an estimator that nvcore driver train wrote" in result.stderr
     assert not (tmp_path / "out").exists()
 
 

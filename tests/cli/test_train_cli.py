@@ -30,13 +30,13 @@ def test_from_a_session_to_boxes(tmp_path: Path):
     ran = nvcore("train", SAMPLE, *PART, *QUICK, "--out", model)
     assert ran.exit_code == 0, ran.output
     lines = ran.stdout.splitlines()
-    assert "pictures, one of 15 evaluated frames" in lines[0]
+    assert "pictures, one in 15 of the evaluated frames (--every 15)" in lines[0]
     assert lines[1].startswith("held out: 1 of 8 physical objects (")
     assert lines[2].startswith("windows: ")
     assert lines[3].startswith("  round 1: 8 trees, training error ")
     assert lines[4].startswith("  round 2: 16 trees, training error ")
-    assert lines[5].startswith("held-out boxes: ")
-    assert lines[5].endswith("at the threshold of 0; calibrated on them, the cascade keeps 100 %")
+    assert "reach the threshold (0) in a window of their own" in lines[5]
+    assert lines[5].endswith("the cascade was calibrated to let 100 % of them through")
     assert lines[6].startswith("trained in ")
     run_it = f"run it: nvcore detect {SAMPLE} --detector {model} --only "
     last_line = ran.stderr.splitlines()[-1]

@@ -26,7 +26,7 @@ FORMAT: Final = "nvcore-icf"
 VERSION: Final = 1
 MAX_BYTES: Final = 1 << 26
 """Size of a model file, and of all that is in it."""
-_WHAT: Final = "a model of nvcore"
+_WHAT: Final = "a detector that nvcore train wrote"
 _MOST: Final = {
     "n": MAX_TREES,
     "features": MAX_FEATURES,

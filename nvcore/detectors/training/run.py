@@ -85,19 +85,22 @@ class Training:
         """How many were learned, in how many pictures."""
         pictures = count_text(self.n_pictures, "picture")
         if self.training_data.every > 1:
-            pictures += f", one of {self.training_data.every} evaluated frames"
+            every = self.training_data.every
+            pictures += f", one in {every} of the evaluated frames (--every {every})"
         return f"{count_text(self.n_objects, 'object')} in {pictures}"
 
     @property
     def _calibrated(self) -> str:
         """How many held-out boxes come through; a calibrated cascade is made to keep its share."""
         settings = self.model.settings
-        n = f"{self.n_held_out:,}"
-        at_threshold = f"{self.n_found:,} of {n} at the threshold of {settings.threshold:g}"
+        found = (
+            f"{self.n_found:,} of {count_text(self.n_held_out, 'held-out box', 'held-out boxes')} "
+            f"reach the threshold ({settings.threshold:g}) in a window of their own"
+        )
         if settings.cascade in ("calibrated", "hard"):
             share = f"{100 * settings.kept_share:g} %"
-            return f"held-out boxes: {at_threshold}; calibrated on them, the cascade keeps {share}"
-        return f"held-out boxes: {at_threshold}; the cascade keeps {self.n_kept:,}"
+            return f"{found}; the cascade was calibrated to let {share} of them through"
+        return f"{found}; the cascade lets {self.n_kept:,} through"
 
 
 def train_on(

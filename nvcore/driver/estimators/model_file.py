@@ -36,7 +36,7 @@ SAMPLE_ESTIMATOR: Final = Path(__file__).parents[1] / "models" / "sample.npz"
 """Of the sample's simulated observer; written by scripts/train_sample_driver.py."""
 SAMPLE_NAME: Final = "sample"
 """What that one is called where a file is asked for."""
-_WHAT: Final = "an estimator of nvcore"
+_WHAT: Final = "an estimator that nvcore driver train wrote"
 _MOST: Final = {"periods": 1000, "regressions": 1001, "vectors": 200_000}
 _ARRAYS: Final[Kinds] = {
     "periods_s": ("<f8", ("periods",)),
@@ -92,6 +92,15 @@ def write_estimator(estimator: Estimator, path: Path) -> None:
 def estimator_path(model: str | PathLike[str]) -> Path:
     """Where an estimator lies: at its path, or with the package if it is called ``sample``."""
     return SAMPLE_ESTIMATOR if fspath(model) == SAMPLE_NAME else Path(model)
+
+
+def is_estimator_file(path: str | PathLike[str]) -> bool:
+    """Whether a file calls itself an estimator; not whether it can be used."""
+    try:
+        with Path(path).open("rb") as file:
+            return archives.format_of(file.read(MAX_BYTES + 1)) == FORMAT
+    except (OSError, ValueError):  # none, a folder; a NUL in the name
+        return False
 
 
 def read_estimator(path: Path) -> Estimator:

@@ -104,7 +104,7 @@ def of_origin(**facts: object):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (told(format="nvcore-icf"), "is not an estimator of nvcore"),
+        (told(format="nvcore-icf"), "is not an estimator that nvcore driver train wrote"),
         (told(version=2), "has version 2; this program reads 1"),
         (told(name=""), "name: expected 1 to 200 printable"),
         (told(name=7), "name: expected str, got 7"),

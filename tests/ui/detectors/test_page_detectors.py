@@ -143,7 +143,7 @@ def test_a_model_stays_when_one_comes_back_from_another_page(model: bytes):
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (b"PK\3\4 and so on", "bars.npz: is not a model of nvcore, or is damaged"),
+        (b"PK\3\4 and so on", "bars.npz: is not a detector that nvcore train wrote, or is damaged"),
         (b"frame,x,y\n", "bars.npz: is text, no model"),
         (b"\x08\x08\x12\x04nvco", "those of visitors do not run here"),
     ],

@@ -195,7 +195,7 @@ def test_a_file_that_is_no_estimator_is_refused(visible):
     page = checked(alone("driver").run())
     page.file_uploader(key="estimator_file").set_value([("other.npz", b"PK no estimator", "")])
     page = checked(page.run())
-    assert "other.npz: is not an estimator of nvcore" in texts(page)
+    assert "other.npz: is not an estimator that nvcore driver train wrote" in texts(page)
 
 
 def test_an_estimator_that_is_refused_leaves_the_one_before(visible):
@@ -203,7 +203,7 @@ def test_an_estimator_that_is_refused_leaves_the_one_before(visible):
     chosen = page.selectbox(key="estimator").value
     page.file_uploader(key="estimator_file").set_value([("other.npz", b"PK no estimator", "")])
     page = checked(page.run())
-    assert "other.npz: is not an estimator of nvcore" in texts(page)
+    assert "other.npz: is not an estimator that nvcore driver train wrote" in texts(page)
     assert page.selectbox(key="estimator").value == chosen
     assert "Trained on 306 trials" in texts(page)
 
