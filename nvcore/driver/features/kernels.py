@@ -54,7 +54,7 @@ def light_sums(padded, inner, outer, count, luminance, squares, edges):
                 up = padded[y, first : last + 2]
                 at = padded[y + 1, first : last + 2]
                 down = padded[y + 2, first : last + 2]
-                total, square, gradient = np.uint32(0), np.uint32(0), 0.0
+                total, square = np.uint32(0), np.uint32(0)
                 for i in range(n):
                     value = np.uint32(at[i + 1])
                     total += value
@@ -68,13 +68,21 @@ def light_sums(padded, inner, outer, count, luminance, squares, edges):
                     gy += np.int32(2) * (np.int32(down[i + 1]) - np.int32(up[i + 1]))
                     across, along = np.int32(gx), np.int32(gy)
                     strength[i] = np.sqrt(np.float32(across * across + along * along))
-                for i in range(n):
-                    gradient += np.float64(strength[i])
+                # four in turn: one would have to wait for the sum before
+                first_sum, second_sum, third_sum, fourth_sum = 0.0, 0.0, 0.0, 0.0
+                whole = n // 4 * 4
+                for i in range(0, whole, 4):
+                    first_sum += np.float64(strength[i])
+                    second_sum += np.float64(strength[i + 1])
+                    third_sum += np.float64(strength[i + 2])
+                    fourth_sum += np.float64(strength[i + 3])
+                for i in range(whole, n):
+                    first_sum += np.float64(strength[i])
                 of = PEDESTRIAN if part == 1 else SURROUND
                 count[box, of] += n
                 luminance[box, of] += total
                 squares[box, of] += square
-                edges[box, of] += gradient
+                edges[box, of] += (first_sum + second_sum) + (third_sum + fourth_sum)
 
 
 @compiled
@@ -94,14 +102,15 @@ def colour_sums(picture, inner, outer, shift, linear, to_place, lines, curved, h
     curved
         Out: (n, 2, 3), pedestrian and surround.
     histogram
-        Out: (n, 2, 3, bins), int64.
+        Added to: (n, 2, 3, bins), int64.
     """
     xr, xg, xb = to_place[0]
     yr, yg, yb = to_place[1]
     zr, zg, zb = to_place[2]
     one = 1
-    # two in turn: neighbours are much alike, and would wait for each other's count
-    counts = np.zeros((2, 2, 3, histogram.shape[-1]), np.int32)
+    # two in turn, and a count for each value: neighbours are much alike, and would wait for each
+    # other's count
+    counts = np.zeros((2, 2, 3, 256), np.int32)
     for box in range(len(inner)):
         counts[:] = 0
         for y in range(outer[box, 1], outer[box, 3]):
@@ -112,14 +121,14 @@ def colour_sums(picture, inner, outer, shift, linear, to_place, lines, curved, h
                     continue
                 of = PEDESTRIAN if part == 1 else SURROUND
                 row = picture[y, first:last]
-                for i in range(n):
-                    turn = i & one
-                    counts[turn, of, 0, row[i, 0] >> shift] += 1
-                    counts[turn, of, 1, row[i, 1] >> shift] += 1
-                    counts[turn, of, 2, row[i, 2] >> shift] += 1
                 sum_x, sum_y, sum_z = 0.0, 0.0, 0.0
                 for i in range(n):
-                    r, g, b = linear[row[i, 0]], linear[row[i, 1]], linear[row[i, 2]]
+                    turn = i & one
+                    red, green, blue = row[i, 0], row[i, 1], row[i, 2]
+                    counts[turn, of, 0, red] += 1
+                    counts[turn, of, 1, green] += 1
+                    counts[turn, of, 2, blue] += 1
+                    r, g, b = linear[red], linear[green], linear[blue]
                     place = xr * r + xg * g + xb * b
                     step = np.uint64(np.int32(place))
                     sum_x += lines[step, 0] + place * lines[step, 1]
@@ -132,4 +141,8 @@ def colour_sums(picture, inner, outer, shift, linear, to_place, lines, curved, h
                 curved[box, of, 0] += sum_x
                 curved[box, of, 1] += sum_y
                 curved[box, of, 2] += sum_z
-        histogram[box] = counts[0] + counts[1]
+        for of in range(2):
+            for channel in range(3):
+                for value in range(256):
+                    pixels = counts[0, of, channel, value] + counts[1, of, channel, value]
+                    histogram[box, of, channel, value >> shift] += pixels
