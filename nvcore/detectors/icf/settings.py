@@ -374,7 +374,7 @@ PEDESTRIANS: Final = IcfSettings(
     mirrored=True,
     scales=tuple(round(0.5 * 2 ** (i / 8), 4) for i in range(25)),
     stride=4,
-    overlap=0.6,
+    overlap=0.5,
     overlap_of="smaller",
 )
 """Upright people of some 26 px and more."""
