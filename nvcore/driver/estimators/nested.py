@@ -168,7 +168,7 @@ def train_final(
     """
     everything = np.ones(len(samples), dtype=np.bool_)
     parts = _parts_of(samples, everything, ~everything, has_pairs=False)
-    outcomes = _run(samples, parts, search, n_threads, progress, "training")
+    outcomes = _run(samples, parts, search, n_threads, progress, "with all pedestrians")
     return tuple(outcome.regression for outcome in outcomes)
 
 
@@ -201,7 +201,7 @@ def out_of_fold(
         for number in numbers
     ]
     parts = [part for parts in by_fold for part in parts]
-    outcomes = _run(samples, parts, search, n_threads, progress, "left-out pedestrians")
+    outcomes = _run(samples, parts, search, n_threads, progress, "with pedestrians left out")
     n_regressions = len(samples.periods_s) + 1
     empty = np.full((4, len(samples)), np.nan)
     result = OutOfFold(
@@ -247,7 +247,7 @@ def _run(
     search: Search,
     n_threads: int,
     progress: Progress,
-    what: str,
+    how: str,
 ) -> list[_Outcome]:
     is_cancelled = threading.Event()
 
@@ -256,6 +256,7 @@ def _run(
             raise CancelledError
 
     jobs = [partial(_regression, samples, part, search, check) for part in parts]
+    what = f"{count_text(len(parts), 'search', 'searches')} {how}"
     with ThreadPoolExecutor(n_threads) as executor:
         return _until_cancelled(jobs, executor, progress, what, is_cancelled)
 

@@ -160,7 +160,8 @@ def test_it_ends_when_cancelled_and_tells_how_far_it_is(table: TrainingTable):
     shares = [share for share, _ in told]
     assert shares == sorted(shares)
     assert shares[-1] < 0.3
-    assert "left-out pedestrians, about " in told[-1][1]
+    assert told[0][1] == "35 searches with pedestrians left out"
+    assert "left out, about " in told[-1][1]
     assert told[-1][1].endswith(" left")
 
 
