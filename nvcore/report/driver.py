@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator
 from typing import Final
 
@@ -53,9 +54,16 @@ def render_table(table: TrainingTable) -> list[str]:
         )
     for name, odd in table.subjects[["subject", "odd"]].to_numpy().tolist():
         if odd or name in table.left_out:
-            state = "left out" if name in table.left_out else "odd, not left out (--leave-out)"
-            lines.append(one_line(f"subject {name}, {state}" + (f": {odd}" if odd else "")))
+            lines.append(one_line(_subject(name, odd, is_left_out=name in table.left_out)))
     return lines
+
+
+def _subject(name: str, odd: str, *, is_left_out: bool) -> str:
+    """A subject who is odd, or whose responses are not used."""
+    if is_left_out:
+        return f"subject {name} is left out" + (f": {odd}" if odd else "")
+    flag = shlex.join(["--leave-out", name])
+    return f"subject {name} is odd: {odd}. The responses count all the same; without them: {flag}"
 
 
 def render_training(training: Training) -> str:

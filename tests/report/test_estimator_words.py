@@ -28,8 +28,9 @@ def test_trials_say_who_took_them_and_what_is_odd(training: Training):
     )
     assert lines[1].replace("\xa0", " ").startswith("3 trials came more than 50 ms early or late")
     assert lines[2:] == [
-        "subject S1, left out",
-        "subject S2, odd, not left out (--leave-out): never touches",
+        "subject S1 is left out",
+        "subject S2 is odd: never touches. The responses count all the same; without them: "
+        "--leave-out S2",
     ]
     assert (
         render_table(replace(table, simulated="some"))[0]

@@ -77,7 +77,9 @@ def samples_of(table: TrainingTable) -> Samples:
     first = np.unique(group, return_index=True)[1]
     is_known = np.isnan(features[first]).mean(axis=0) <= MOST_LACKING
     if not is_known.any():
-        raise InputError("no feature is defined for nine tenths of the pedestrians")
+        raise InputError(
+            "no feature is defined for nine tenths of the pedestrians", file=table.features_file
+        )
     is_whole = np.isfinite(features[:, is_known]).all(axis=1)
     features[:, ~is_known] = np.nan
     periods_s, period = np.unique(table.rows["period_s"], return_inverse=True)
@@ -86,7 +88,8 @@ def samples_of(table: TrainingTable) -> Samples:
         raise InputError(
             f"the period of {periods_s[counts.argmin()]:g} s has "
             f"{count_text(int(counts.min()), 'pedestrian')} with features; "
-            f"{LEAST_PEDESTRIANS} are needed"
+            f"{LEAST_PEDESTRIANS} are needed",
+            file=table.trials_file,
         )
     return Samples(
         features=features[is_whole],
