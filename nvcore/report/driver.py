@@ -173,16 +173,25 @@ def _choices(estimator: Estimator) -> list[str]:
 
 
 def _warning(errors: pd.DataFrame) -> list[str]:
-    """Where nothing was learned: the constant does as well."""
+    """Where nothing was learned: the constant does as well, or better."""
     of_periods = errors[errors["period_s"].notna()]
-    is_useless = of_periods["switched"] >= of_periods["constant"]
-    if not is_useless.any():
-        return []
-    periods = ", ".join(f"{period:g}" for period in of_periods["period_s"][is_useless])
-    return [
-        f"at {periods} s the estimator is no better than the mean of the others' detectability: "
-        "it has learned nothing there"
-    ]
+    constant = of_periods["constant"]
+    lines = []
+    if (is_useless := of_periods["switched"] >= constant).any():
+        lines.append(
+            f"at {_periods(of_periods[is_useless])} the estimator is no better than the mean of "
+            "the others' detectability: it has learned nothing there"
+        )
+    if (is_worse := of_periods["single"] > constant).any():
+        lines.append(
+            f"at {_periods(of_periods[is_worse])} the single estimator, which does not know the "
+            "period, is worse than the mean of the others' detectability at that period"
+        )
+    return lines
+
+
+def _periods(errors: pd.DataFrame) -> str:
+    return ", ".join(f"{period:g}" for period in errors["period_s"]) + " s"
 
 
 def render_evaluation(evaluation: Evaluation) -> str:

@@ -51,6 +51,19 @@ def test_where_nothing_was_learned_it_is_said(training: Training):
     assert "mean" in render_training(good)
 
 
+def test_where_the_single_estimator_is_worse_than_the_constant_it_is_said(training: Training):
+    poor = replace(
+        training,
+        switched_errors=np.full(6, 0.1),
+        single_errors=np.array([0.3, 0.25, 0.2, 0.1, 0.1, 0.1]),
+        constant_errors=np.full(6, 0.2),
+    )
+    words = "at 0.5, 1.5 s the single estimator, which does not know the period, is worse than"
+    assert words in render_training(poor)
+    good = replace(poor, single_errors=np.full(6, 0.2))
+    assert "is worse than" not in render_training(good)
+
+
 def test_what_was_left_out_is_said(training: Training):
     noted = replace(training, notes=("left out, lacking a feature: 1 pedestrian",))
     assert "\nLeft out, lacking a feature: 1 pedestrian\n" in render_training(noted)
