@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from driver_estimators import LAB, estimator
+from driver_estimators import CONTRAST, LAB, estimator, regression
 from picture_files import write_picture
 
 from nvcore.api.driver_run import estimate_driver
@@ -94,6 +94,27 @@ def test_print_says_what_to_take_with_care(place: Path):
     assert "20 of them without a known change of light" in text
     assert "outside the range" not in text
     assert "simulated" not in str(run(place, estimator()))
+
+
+def test_features_outside_the_training_are_named(place: Path):
+    dim = replace(estimator(), regressions=tuple(regression(CONTRAST, high=50) for _ in range(3)))
+    result = run(place, dim)
+    assert (result.table["outside_features"] == "luminance_contrast").all()
+    assert result.n_outside == {"Luminance contrast": 40}
+    assert (
+        "40 of them with features outside the range of the training (Luminance contrast in 40)"
+        in (str(result))
+    )
+    assert (run(place, estimator()).table["outside_features"] == "").all()
+
+
+def test_where_nothing_is_known_of_the_light_is_counted(place: Path):
+    readings = [f"{i / 10},1000" for i in range(50)]  # the last, at 4.9 s, holds a second
+    (place / "lux.csv").write_text("\n".join(["time_s,lux", *readings]) + "\n")
+    result = run(place, estimator())
+    assert result.n_without_light == 16
+    assert "40 of them without a known change of light (16 where nothing is known of" in str(result)
+    assert result.counts_json() == {"n": 40, "n_without_light": 16, "outside": {}}
 
 
 def test_files_are_a_session_that_names_the_estimates(place: Path):
