@@ -15,6 +15,7 @@ from nvcore.driver.estimators.words import LABELS
 from nvcore.driver.feature_record import settings_words
 from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
 from nvcore.driver.run import BOX_COLUMNS, FeatureRun
+from nvcore.driver.steps import Steps, steps_between_periods
 from nvcore.errors import ParameterError
 from nvcore.wording import MOST_NAMED, count_text, listed, one_line
 
@@ -41,12 +42,15 @@ class EstimateRun:
         By which.
     is_interpolated
         Whether between the estimators of two periods.
+    steps
+        Where it is not: how often the next one is taken.
     """
 
     features: FeatureRun
     table: pd.DataFrame
     estimator: Estimator
     is_interpolated: bool = False
+    steps: Steps = Steps()
 
     @property
     def n_estimated(self) -> int:
@@ -100,6 +104,13 @@ class EstimateRun:
             lines.append(
                 f"{n_outside:,} of them with features outside the range of the training "
                 f"({by_feature}): take them with care"
+            )
+        if self.steps.n_jumping:
+            pedestrians = count_text(self.steps.n_crossing, "pedestrian")
+            lines.append(
+                f"the estimate of {self.steps.n_jumping:,} of {pedestrians} steps by more than its "
+                "sd where the estimator of the next adaptation period is taken; --interpolate "
+                "takes out such steps"
             )
         return "\n".join(lines)
 
@@ -194,7 +205,9 @@ def run_estimate(
         outside_features=_names(estimates.outside & is_known[:, None]),
         period_s=period_s,
     )
-    return EstimateRun(features, own[list(DETECTABILITY_COLUMNS)], estimator, interpolate)
+    steps = Steps() if interpolate else steps_between_periods(own, estimates.period_s)
+    own = own[list(DETECTABILITY_COLUMNS)]
+    return EstimateRun(features, own, estimator, interpolate, steps)
 
 
 def _names(outside: NDArray[np.bool_]) -> NDArray[np.object_]:

@@ -15,9 +15,10 @@ from picture_files import write_picture
 
 from nvcore.api.driver_run import estimate_driver
 from nvcore.driver.estimate import DETECTABILITY_COLUMNS, EstimateRun, run_estimate
-from nvcore.driver.estimators import Estimator, write_estimator
+from nvcore.driver.estimators import Estimator, Quality, write_estimator
 from nvcore.driver.features import FeatureSettings
 from nvcore.driver.run import run_features
+from nvcore.driver.steps import steps_between_periods
 from nvcore.errors import InputError, ParameterError
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
@@ -64,6 +65,25 @@ def test_each_box_has_the_estimate_of_its_adaptation_period(place: Path):
 def test_between_two_periods_it_may_be_interpolated(place: Path):
     table = run(place, estimator(), interpolate=True).table
     assert table["detectability"][29] == pytest.approx(0.45)  # 2.5 s, in the middle
+
+
+def test_steps_from_one_estimator_to_the_next_are_counted(place: Path):
+    result = run(place, estimator())  # from 0.3 to 0.6, with a sd of 0.1 and 0.2
+    assert result.steps == (1, 1)
+    assert "the estimate of 1 of 1 pedestrian steps by more than its sd where" in str(result)
+    vague = replace(estimator(), qualities=tuple(Quality(51, 0.1, 0.5, 0.1) for _ in range(3)))
+    assert run(place, vague).steps == (1, 0)
+    assert "--interpolate" not in str(run(place, vague))
+    assert run(place, estimator(), interpolate=True).steps == (0, 0)
+
+
+def test_without_tracks_no_steps_are_known_and_a_new_change_is_none():
+    rows = {"recording": "a", "frame": range(4), "track": [1, 1, None, None]}
+    table = pd.DataFrame(rows).assign(detectability=[0.0, 1, 0, 1], sd=0.1, period_s=[4, 5, 4, 5])
+    table["track"] = table["track"].astype("Int64")
+    assert steps_between_periods(table, np.array([3.0, 4.5, 3.0, 4.5])) == (1, 1)
+    assert steps_between_periods(table, np.array([4.5, 0.5, 3.0, 4.5])) == (0, 0)
+    assert steps_between_periods(table[:0], np.empty(0)) == (0, 0)
 
 
 def test_a_feature_that_is_needed_and_missing_leaves_no_estimate(place: Path):
