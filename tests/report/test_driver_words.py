@@ -69,8 +69,8 @@ def test_the_verdict_says_whom_each_system_warns_of_and_where_that_comes_from():
     assert text == (
         "By the ground truth, the driver sees 4 of 8 encounters by himself; of the 4 that he does "
         "not see, X detects 2 and Y 2 (X alone 1, Y alone 1, neither 1). Detectability is as the "
-        "ground truth states it; he is taken to see from 0.5 on; 1 encounter unknown, not counted "
-        "here."
+        "ground truth states it; he is taken to see from 0.5 on; known of 8 of 9 pedestrian boxes; "
+        "1 encounter unknown, not counted here."
     )
     assert text in [point.text for point in verdict(eight()).points]
 

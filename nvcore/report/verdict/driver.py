@@ -103,11 +103,15 @@ def describe_source(result: Result) -> str:
 
 
 def _doubts(result: Result) -> list[str]:
-    """Which share of the estimates says little, where it is not small."""
+    """Which share of the boxes has no value, or one that says little, where it is not small."""
     record, values = result.dataset.estimate, result.dataset.detectability
-    is_known = ~np.isnan(values.value)
-    n_outside, n_known = (int(np.count_nonzero(of)) for of in (values.is_outside, is_known))
+    is_known = ~(np.isnan(values.value) | result.dataset.truth.ignore)
+    n_known = int(np.count_nonzero(is_known))
+    n_outside = int(np.count_nonzero(values.is_outside & is_known))
     parts = []
+    n_boxes = n_known + count_unknown(result.dataset)
+    if n_known < (1 - SMALL_SHARE) * n_boxes:
+        parts.append(f"known of {n_known:,} of {n_boxes:,} pedestrian boxes")
     if n_outside > SMALL_SHARE * n_known:
         outside = record.outside if record else {}
         names = [shortened(one_line(name), _SHOWN_NAME) for name in outside]
