@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import click
 
-from nvcore.progress import SOON
+from nvcore.progress import SOON, Progress
 from nvcore.wording import one_line
 
 
@@ -37,6 +37,21 @@ class _Lines:
         click.echo(one_line(text), err=True)
         self.next_s = time.monotonic() + self.APART_S
         return True
+
+
+def step_lines() -> Progress:
+    """Writes each step once on a terminal; elsewhere now and then which one it is."""
+    last = ""
+    lines = _Lines(_Lines.APART_S)
+
+    def show(_share: float, what: str) -> None:
+        nonlocal last
+        if what != last and not lines.is_shown:
+            click.echo(one_line(what), err=True)
+        lines.tell(what)
+        last = what
+
+    return show
 
 
 class TerminalProgress:

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from nvcore.cli.progress import ShareProgress, TerminalProgress
+from nvcore.cli.progress import ShareProgress, TerminalProgress, step_lines
 
 
 class Terminal(io.StringIO):
@@ -114,3 +114,19 @@ def test_in_a_log_steps_are_written_once_the_command_takes_long(monkeypatch: pyt
             log.seconds = float(second)
             steps.begin(label)
     assert log.lines == ["step 3 of 4: analysing"]
+
+
+def test_steps_that_are_lines_are_all_written_on_a_terminal_and_seldom_in_a_log(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    log = Log(monkeypatch)
+    show = step_lines()
+    for second in range(65):
+        log.seconds = float(second)
+        show(0.0, f"step {second // 20}")
+    assert log.lines == ["step 1", "step 3"]
+    monkeypatch.setattr(sys, "stderr", terminal := Terminal())
+    show = step_lines()
+    for what in ("a", "a", "b"):
+        show(0.0, what)
+    assert terminal.getvalue() == "a\nb\n"
