@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
@@ -60,9 +61,11 @@ class EstimateRun:
     @property
     def n_outside(self) -> dict[str, int]:
         """Estimates with a feature outside the range of the training, by its name; most first."""
-        chosen = self.table.loc[self.table["is_outside"], "outside_features"]
-        counts = chosen.str.split(SEPARATOR).explode().value_counts()
-        return {LABELS[key]: int(n) for key, n in counts.items()}
+        chosen = self.table.loc[self.table["is_outside"], "outside_features"].value_counts()
+        counts = Counter[str]()
+        for keys, n in chosen.items():  # a few combinations
+            counts.update(dict.fromkeys(str(keys).split(SEPARATOR), int(n)))
+        return {LABELS[key]: n for key, n in counts.most_common()}
 
     @property
     def n_without_light(self) -> int:
