@@ -16,7 +16,7 @@ Progress = Callable[[float, str], None]
 It may raise `concurrent.futures.CancelledError`: the work then stops and leaves nothing behind.
 """
 
-_SOON: Final = 0.03
+SOON: Final = 0.03
 """Share done from which on the time left is said."""
 POLL_S: Final = 0.05
 """Poll interval for cancellation while other threads work, seconds."""
@@ -40,7 +40,7 @@ def with_time_left(progress: Progress) -> Progress:
     began = time.perf_counter()
 
     def tell(share: float, what: str) -> None:
-        if _SOON <= share < 1:
+        if SOON <= share < 1:
             left = (time.perf_counter() - began) * (1 - share) / share
             what = f"{what}, about {duration_text(left)} left"
         progress(share, what)

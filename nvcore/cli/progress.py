@@ -1,13 +1,14 @@
-"""Progress of a command on the terminal."""
+"""Progress of a command: a bar on a terminal, now and then a line elsewhere, as in a log."""
 
 from __future__ import annotations
 
 import sys
 import time
-from typing import Any
+from typing import Any, Final
 
 import click
 
+from nvcore.progress import SOON, Progress
 from nvcore.wording import one_line
 
 
@@ -20,8 +21,41 @@ def _end(bar: Any, *, is_done: bool) -> None:
     bar.__exit__(None, None, None)
 
 
+class _Lines:
+    """Lines on an error stream that is no terminal: whole ones, and far apart."""
+
+    APART_S = 30.0
+
+    def __init__(self, patience_s: float):
+        self.next_s = time.monotonic() + patience_s
+        self.is_shown = not sys.stderr.isatty()
+
+    def tell(self, text: str) -> bool:
+        """Write the line, unless it is too early; whether it was written."""
+        if not self.is_shown or time.monotonic() < self.next_s:
+            return False
+        click.echo(one_line(text), err=True)
+        self.next_s = time.monotonic() + self.APART_S
+        return True
+
+
+def step_lines() -> Progress:
+    """Writes each step once on a terminal; elsewhere now and then which one it is."""
+    last = ""
+    lines = _Lines(_Lines.APART_S)
+
+    def show(_share: float, what: str) -> None:
+        nonlocal last
+        if what != last and not lines.is_shown:
+            click.echo(one_line(what), err=True)
+        lines.tell(what)
+        last = what
+
+    return show
+
+
 class TerminalProgress:
-    """A bar on the error stream, shown once the work has taken a second."""
+    """Steps on the error stream: a bar once they have taken a second, or lines."""
 
     PATIENCE_S = 1.0
 
@@ -30,6 +64,7 @@ class TerminalProgress:
         self.done = 0
         self.started = time.monotonic()
         self.bar: Any = None
+        self.lines = _Lines(_Lines.APART_S)
 
     def __enter__(self) -> TerminalProgress:
         return self
@@ -52,16 +87,23 @@ class TerminalProgress:
             self.bar.label = one_line(label).ljust(28)
             self.bar.update(1)
         self.done += 1
+        self.lines.tell(f"step {self.done} of {self.n_steps}: {label}")
 
 
 class ShareProgress:
-    """A bar on the error stream for work that says which share is done; for terminals alone."""
+    """Work that says which share is done, on the error stream: a bar, or lines.
+
+    Lines come at the beginning, as soon as the time left is known, and at every tenth.
+    """
 
     PARTS = 1000
+    MARKS: Final = (0.0, SOON, *(tenth / 10 for tenth in range(1, 10)))
 
     def __init__(self) -> None:
         self.done = 0
         self.bar: Any = None
+        self.lines = _Lines(TerminalProgress.PATIENCE_S)
+        self.next_mark = 0.0
 
     def __enter__(self) -> ShareProgress:
         if sys.stderr.isatty():
@@ -80,3 +122,7 @@ class ShareProgress:
             self.bar.label = one_line(words).ljust(56)
             self.bar.update(max(0, done - self.done))
             self.done = max(done, self.done)
+        elif share >= self.next_mark and self.lines.tell(
+            words if share < SOON else f"{share:.0%} done: {words}"
+        ):
+            self.next_mark = min((mark for mark in self.MARKS if mark > share), default=2.0)

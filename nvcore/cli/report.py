@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from nvcore.cli.options import (
     protocol_option,
     strict_option,
 )
+from nvcore.cli.progress import step_lines
 from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import (
     as_loaded,
@@ -28,7 +28,6 @@ from nvcore.cli.steps import (
     shown_paths,
 )
 from nvcore.extras import needs
-from nvcore.progress import Progress
 from nvcore.wording import one_line
 
 REPORT = "Report"
@@ -98,7 +97,7 @@ def report(
         )
     session = session_from(options, needs_y=True)
     refuse_to_replace([out], files_read(session))
-    progress = _terminal_progress()
+    progress = step_lines()
     with errors_of(session):
         result, findings = compare_session(session, progress=progress)
         write_html_report(
@@ -111,16 +110,3 @@ def report(
     click.echo(render_findings(findings_at_paths(findings, path)))
     click.echo(one_line(f"written to {out}"), err=True)
     exit_on_findings(findings, strict)
-
-
-def _terminal_progress() -> Progress:
-    """Prints each step once, on a terminal only."""
-    last = ""
-
-    def show(_share: float, what: str) -> None:
-        nonlocal last
-        if what != last and sys.stderr.isatty():
-            click.echo(one_line(what), err=True)
-        last = what
-
-    return show

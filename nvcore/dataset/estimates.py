@@ -49,6 +49,11 @@ class EstimateRecord:
     light
         What counted as a change of light (`nvcore.driver.illumination.LightSettings`), as it stands
         there, unchecked; empty: not known.
+    n_estimates, n_without_light
+        How many estimates the run made, and how many of them in frames of which it was not known
+        how bright it was; 0: not known.
+    outside
+        How many of them had a feature outside the range of the training, by its name.
     estimated_in, stated_in
         Names of the dataset's recordings in which values are estimates, and of those in which some
         are the ground truth's own; no part of the record itself.
@@ -61,6 +66,9 @@ class EstimateRecord:
     files: Mapping[str, str] = field(default_factory=dict)
     written_by: str = ""
     light: Mapping[str, object] = field(default_factory=dict)
+    n_estimates: int = 0
+    n_without_light: int = 0
+    outside: Mapping[str, int] = field(default_factory=dict)
     estimated_in: frozenset[str] = field(default=frozenset(), compare=False)
     stated_in: frozenset[str] = field(default=frozenset(), compare=False)
 
@@ -92,6 +100,11 @@ def estimate_json(record: EstimateRecord) -> bytes:
     content = {
         "written_by": record.written_by,
         "estimator": {name: getattr(record, name) for name in _OF_ESTIMATOR},
+        "estimates": {
+            "n": record.n_estimates,
+            "n_without_light": record.n_without_light,
+            "outside": dict(record.outside),
+        },
         "files": dict(record.files),
     }
     return (json.dumps(content, indent=1) + "\n").encode()
@@ -116,10 +129,15 @@ def read_estimate_record(path: Path, name: str) -> EstimateRecord:
 def _record(content: object) -> EstimateRecord:
     record = typed(content, dict, "the record")
     estimator = value_of(record, "estimator", dict)
+    estimates = value_of(record, "estimates", dict)
+    outside = value_of(estimates, "outside", dict)
     files = value_of(record, "files", dict)
     return EstimateRecord(
         **{key: value_of(estimator, key, kind) for key, kind in _OF_ESTIMATOR.items()},
         files={name: typed(digest, str, "files") for name, digest in files.items()},
         written_by=value_of(record, "written_by", str),
         light=value_of(value_of(record, "settings", dict), "light", dict),
+        n_estimates=value_of(estimates, "n", int),
+        n_without_light=value_of(estimates, "n_without_light", int),
+        outside={name: typed(n, int, "outside") for name, n in outside.items()},
     )

@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.estimators import Estimator, fingerprint
+from nvcore.driver.estimators.words import LABELS
 from nvcore.driver.feature_record import settings_words
 from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
 from nvcore.driver.run import BOX_COLUMNS, FeatureRun
+from nvcore.driver.steps import Steps, steps_between_periods
 from nvcore.errors import ParameterError
 from nvcore.wording import MOST_NAMED, count_text, listed, one_line
 
-DETECTABILITY_COLUMNS: Final = (*BOX_COLUMNS, "detectability", "sd", "is_outside", "period_s")
+DETECTABILITY_COLUMNS: Final = (
+    *(*BOX_COLUMNS, "detectability", "sd"),
+    *("is_outside", "outside_features", "period_s"),
+)
 """Columns of a detectability file: one row for each truth box that is not ignored."""
+SEPARATOR: Final = ";"
+"""Between the features that are outside, as between attributes in the tables of a comparison."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -34,17 +43,35 @@ class EstimateRun:
         By which.
     is_interpolated
         Whether between the estimators of two periods.
+    steps
+        Where it is not: how often the next one is taken.
     """
 
     features: FeatureRun
     table: pd.DataFrame
     estimator: Estimator
     is_interpolated: bool = False
+    steps: Steps = Steps()
 
     @property
     def n_estimated(self) -> int:
         """Pedestrian boxes with an estimate."""
         return int(self.table["detectability"].notna().sum())
+
+    @property
+    def n_outside(self) -> dict[str, int]:
+        """Estimates with a feature outside the range of the training, by its name; most first."""
+        chosen = self.table.loc[self.table["is_outside"], "outside_features"].value_counts()
+        counts = Counter[str]()
+        for keys, n in chosen.items():  # a few combinations
+            counts.update(dict.fromkeys(str(keys).split(SEPARATOR), int(n)))
+        return {LABELS[key]: n for key, n in counts.most_common()}
+
+    @property
+    def n_without_light(self) -> int:
+        """Estimates in frames of which it is not known how bright it was."""
+        is_dim = self.features.table["illumination"].isna()
+        return int((is_dim & self.table["detectability"].notna()).sum())
 
     def __repr__(self) -> str:
         return f"<EstimateRun of {count_text(len(self.table), 'box', 'boxes')}>"
@@ -68,15 +95,25 @@ class EstimateRun:
             )
         n_adapted = int(known["period_s"].isna().sum())
         if n_adapted:
+            n = self.n_without_light
+            unlit = f" ({n:,} where nothing is known of the light)" if n else ""
             lines.append(
-                f"{n_adapted:,} of them without a known change of light: by the estimator of the "
-                "longest period, as for adapted eyes"
+                f"{n_adapted:,} of them without a known change of light{unlit}: by the estimator "
+                "of the longest period, as for adapted eyes"
             )
         n_outside = int(known["is_outside"].sum())
         if n_outside:
+            by_feature = listed([f"{name} in {n:,}" for name, n in self.n_outside.items()])
             lines.append(
-                f"{n_outside:,} of them with features outside the range of the training: take them "
-                "with care"
+                f"{n_outside:,} of them with features outside the range of the training "
+                f"({by_feature}): take them with care"
+            )
+        if self.steps.n_jumping:
+            pedestrians = count_text(self.steps.n_crossing, "pedestrian")
+            lines.append(
+                f"the estimate of {self.steps.n_jumping:,} of {pedestrians} steps by more than its "
+                "sd where the estimator of the next adaptation period is taken; --interpolate "
+                "takes out such steps"
             )
         return "\n".join(lines)
 
@@ -88,6 +125,14 @@ class EstimateRun:
         missing = self.features.table[list(self.estimator.features)].isna().all()
         words = listed([key for key in self.estimator.features if missing[key]])
         return f"{text}: the estimator needs {words}, which no box has" if words else text
+
+    def counts_json(self) -> dict[str, Any]:
+        """How many estimates there are, and which are to be taken with care, for a record."""
+        return {
+            "n": self.n_estimated,
+            "n_without_light": self.n_without_light,
+            "outside": self.n_outside,
+        }
 
     def as_json(self) -> dict[str, Any]:
         """The estimator, for a record."""
@@ -160,6 +205,19 @@ def run_estimate(
         detectability=estimates.detectability,
         sd=estimates.sd,
         is_outside=estimates.is_outside & is_known,
+        outside_features=_names(estimates.outside & is_known[:, None]),
         period_s=period_s,
     )
-    return EstimateRun(features, own[list(DETECTABILITY_COLUMNS)], estimator, interpolate)
+    steps = Steps() if interpolate else steps_between_periods(own, estimates.period_s)
+    own = own[list(DETECTABILITY_COLUMNS)]
+    return EstimateRun(features, own, estimator, interpolate, steps)
+
+
+def _names(outside: NDArray[np.bool_]) -> NDArray[np.object_]:
+    """Keys of the features that are outside in each row; empty: none is."""
+    bits = 1 << np.arange(len(FEATURE_KEYS))
+    choices, place = np.unique(outside @ bits, return_inverse=True)
+    keys = np.array(FEATURE_KEYS)
+    names = [SEPARATOR.join(keys[(choice & bits) > 0].tolist()) for choice in choices]
+    of_rows: NDArray[np.object_] = np.array(names, dtype=object)[place]
+    return of_rows

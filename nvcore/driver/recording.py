@@ -70,6 +70,11 @@ class DriverRecording:
     light: Light | None
 
     @property
+    def kind(self) -> str:
+        """Which pictures: ``visible``, those that the session names so, or its ``own``."""
+        return "visible" if self.is_visible else "own"
+
+    @property
     def may_be_of_heat(self) -> bool:
         """Whether the pictures are grey and nobody says that they are of visible light."""
         return self.pictures is not None and not (self.is_visible or self.has_colour)

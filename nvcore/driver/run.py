@@ -28,7 +28,7 @@ BOX_COLUMNS: Final = ("recording", "frame", "track", "x", "y", "w", "h")
 FEATURE_COLUMNS: Final = (
     *BOX_COLUMNS,
     *FEATURE_KEYS,
-    *("period_s", "illumination", "illumination_by"),
+    *("period_s", "illumination", "illumination_by", "picture"),
 )
 """Columns of a features file: one row for each truth box that is not ignored."""
 
@@ -258,6 +258,7 @@ class _Pass:
             "period_s": period_s,
             "illumination": level,
             "illumination_by": "" if clock is None else clock.source.value,
+            "picture": np.where(self.is_seen[self.frame_of_box], self.recording.kind, ""),
         }
         return pd.DataFrame(values, index=pd.RangeIndex(len(frame)))
 

@@ -19,12 +19,13 @@ def simulate_change(
     estimator: Estimator,
     *,
     interpolate: bool = False,
+    real_s: NDArray[np.float64] | None = None,
 ) -> pd.DataFrame:
     """Estimates as they would be, had it become dark at `change_s` of a recording.
 
     The pictures, and with them the features, stay what they are: only the time that the eyes have
     had to adapt is another. Frames that end before the change keep their period; of the later ones
-    it runs from the change, unless a real change comes after it.
+    it runs from the change, until a real change comes after it.
 
     Parameters
     ----------
@@ -37,6 +38,10 @@ def simulate_change(
         On the same axis.
     interpolate
         As in `Estimator.estimate`.
+    real_s
+        When it really became dark, on the same axis, float64 (`AdaptationClock.change_s`); None:
+        only what the periods of the rows say of it. A change that began and ended between two rows
+        is then not known.
 
     Returns
     -------
@@ -51,7 +56,7 @@ def simulate_change(
     if not np.isfinite(change_s):
         raise ParameterError(f"change: expected seconds from the first frame, found {change_s:g}")
     known_s = features["period_s"].to_numpy(np.float64)
-    period_s, is_simulated = period_after(known_s, end_s, change_s)
+    period_s, is_simulated = period_after(known_s, end_s, change_s, real_s=real_s)
     estimates = estimator.estimate(
         features[list(FEATURE_KEYS)].to_numpy(np.float64), period_s, interpolate=interpolate
     )

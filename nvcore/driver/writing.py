@@ -126,7 +126,7 @@ def write_estimates(run: EstimateRun, dataset: Dataset, folder: Path) -> Written
         ),
     )
     text = write_session(named, version=__version__, fingerprint=dataset.fingerprint)
-    record = _record(run.features, contents, estimator=run.as_json())
+    record = _record(run.features, contents, estimator=run.as_json(), estimates=run.counts_json())
     files = [*contents.items(), (RECORD_FILE, record), (SESSION_FILE, text.encode())]
     write_run(folder, files, ESTIMATE_OUTPUTS)
     return WrittenEstimates(

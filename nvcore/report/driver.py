@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator
 from typing import Final
 
@@ -53,9 +54,16 @@ def render_table(table: TrainingTable) -> list[str]:
         )
     for name, odd in table.subjects[["subject", "odd"]].to_numpy().tolist():
         if odd or name in table.left_out:
-            state = "left out" if name in table.left_out else "odd, not left out (--leave-out)"
-            lines.append(one_line(f"subject {name}, {state}" + (f": {odd}" if odd else "")))
+            lines.append(one_line(_subject(name, odd, is_left_out=name in table.left_out)))
     return lines
+
+
+def _subject(name: str, odd: str, *, is_left_out: bool) -> str:
+    """A subject who is odd, or whose responses are not used."""
+    if is_left_out:
+        return f"subject {name} is left out" + (f": {odd}" if odd else "")
+    flag = shlex.join(["--leave-out", name])
+    return f"subject {name} is odd: {odd}. The responses count all the same; without them: {flag}"
 
 
 def render_training(training: Training) -> str:
@@ -165,16 +173,25 @@ def _choices(estimator: Estimator) -> list[str]:
 
 
 def _warning(errors: pd.DataFrame) -> list[str]:
-    """Where nothing was learned: the constant does as well."""
+    """Where nothing was learned: the constant does as well, or better."""
     of_periods = errors[errors["period_s"].notna()]
-    is_useless = of_periods["switched"] >= of_periods["constant"]
-    if not is_useless.any():
-        return []
-    periods = ", ".join(f"{period:g}" for period in of_periods["period_s"][is_useless])
-    return [
-        f"at {periods} s the estimator is no better than the mean of the others' detectability: "
-        "it has learned nothing there"
-    ]
+    constant = of_periods["constant"]
+    lines = []
+    if (is_useless := of_periods["switched"] >= constant).any():
+        lines.append(
+            f"at {_periods(of_periods[is_useless])} the estimator is no better than the mean of "
+            "the others' detectability: it has learned nothing there"
+        )
+    if (is_worse := of_periods["single"] > constant).any():
+        lines.append(
+            f"at {_periods(of_periods[is_worse])} the single estimator, which does not know the "
+            "period, is worse than the mean of the others' detectability at that period"
+        )
+    return lines
+
+
+def _periods(errors: pd.DataFrame) -> str:
+    return ", ".join(f"{period:g}" for period in errors["period_s"]) + " s"
 
 
 def render_evaluation(evaluation: Evaluation) -> str:

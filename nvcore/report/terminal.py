@@ -28,6 +28,7 @@ from nvcore.report.words import (
     FUSION_RULE,
     count_leads,
     describe_urgency,
+    n_frames_text,
     saliency_caveat,
     sampling_note,
     score_cells,
@@ -185,7 +186,7 @@ def _heading(result: Result) -> str:
     ]
     lines.append(
         f"{n_recordings} recording{'s' if n_recordings > 1 else ''}, "
-        f"{len(result.dataset.frames):,} frames, {result.duration_s:,.1f} s, "
+        f"{n_frames_text(result)}, {result.duration_s:,.1f} s, "
         f"{int(result.n_truth.sum()):,} pedestrian boxes, {result.venn.n_near:,} "
         f"encounter{'s' if result.venn.n_near != 1 else ''} "
         f"(and {result.venn.distant:,} distant, not counted)"

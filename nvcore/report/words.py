@@ -62,8 +62,8 @@ def scorecard_cells(result: Result, *, indent: str, mark: str = "") -> list[tupl
     ]
 
 
-def sampling_note(frames: FrameColumns) -> str:
-    """A sentence for beside a rate per minute or hour; empty where every frame is evaluated."""
+def every_nth(frames: FrameColumns) -> str:
+    """Which frames are evaluated: "every 10th frame"; empty where all are."""
     steps = [round(float(step)) for step in frames.sampling_step]
     sampled = sorted({step for step in steps if step > 1})
     if not sampled:
@@ -73,9 +73,23 @@ def sampling_note(frames: FrameColumns) -> str:
         which += f" to {nth(sampled[-1])}"
     n_sampled = sum(step > 1 for step in steps)
     where = "" if n_sampled == len(steps) else f" of {n_sampled:,} of {len(steps):,} recordings"
+    return f"every {which} frame{where}"
+
+
+def n_frames_text(result: Result, noun: str = "frame") -> str:
+    """How many frames are evaluated, and of how many, where not all are."""
+    every = every_nth(result.dataset.frame_columns)
+    return count_text(len(result.dataset.frames), noun) + (f" ({every})" if every else "")
+
+
+def sampling_note(frames: FrameColumns) -> str:
+    """A sentence for beside a rate per minute or hour; empty where every frame is evaluated."""
+    every = every_nth(frames)
+    if not every:
+        return ""
     return (
-        f"Only every {which} frame{where} is evaluated: per minute and per hour count those frames "
-        "alone."
+        f"Only {every} is evaluated: per minute and per hour count those frames alone, over all "
+        "the time between them."
     )
 
 

@@ -38,7 +38,8 @@ DRIVER_ENTRIES: Final[tuple[Entry, ...]] = (
     ),
     _entry(
         "driver.outside_training",
-        "Of both, those whose detectability was estimated outside the range of the training.",
+        "Of both, those whose largest detectability up to the first frame that counts was "
+        "estimated outside the range of the training.",
         lambda result: result.driver.n_outside,
     ),
     _entry(

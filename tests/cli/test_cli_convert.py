@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import io
 import json
-import sys
 from pathlib import Path
 
 import pytest
@@ -12,7 +10,6 @@ from inputs import FACTS, drive, mot_layout, nvcore, write
 from places import DATA
 
 import nvcore.sample as nvcore_sample
-from nvcore.cli.progress import TerminalProgress
 
 TRUTH = DATA / "csv" / "truth.csv"
 """Of the recordings urban and rural."""
@@ -295,33 +292,3 @@ def test_sample_tells_its_progress_and_where_it_wrote(
     result = nvcore("sample", tmp_path / "s")
     assert result.stderr == f" 25% urban\nwritten to {tmp_path / 's'}\n"
     assert (tmp_path / "s" / "truth.csv").exists()
-
-
-class Terminal(io.StringIO):
-    """A stream that says it is a terminal."""
-
-    def isatty(self) -> bool:
-        return True
-
-
-@pytest.mark.parametrize(("patience_s", "is_shown"), [(-1.0, True), (3600.0, False)])
-def test_the_progress_bar_appears_only_when_the_work_takes_long_and_is_finished_by_an_error(
-    monkeypatch: pytest.MonkeyPatch, patience_s: float, is_shown: bool
-):
-    terminal = Terminal()
-    monkeypatch.setattr(sys, "stderr", terminal)
-    monkeypatch.setattr(TerminalProgress, "PATIENCE_S", patience_s)
-    steps = TerminalProgress(2)
-
-    def work() -> None:
-        with steps:
-            steps(0.0, "reading fir")
-            steps.begin("analysing")
-            raise ValueError("broken")
-
-    with pytest.raises(ValueError, match="broken"):
-        work()
-    assert ("analysing" in terminal.getvalue()) == is_shown
-    if is_shown:
-        assert terminal.getvalue().endswith("\n")
-        assert steps.bar.finished

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import io
 import json
 import re
-import sys
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -15,7 +13,6 @@ from inputs import nvcore
 from onnx_models import blob_model
 from places import SAMPLE
 
-from nvcore.cli.progress import ShareProgress
 from nvcore.detectors import run as run_module
 from nvcore.detectors.base import Detector
 from nvcore.detectors.icf import IcfSettings
@@ -213,29 +210,3 @@ def test_settings_without_a_detector_are_a_mistake():
     ran = nvcore("models", "--set", "a=1")
     assert ran.exit_code == 2
     assert "--set is about a detector; name it" in ran.stderr
-
-
-class Terminal(io.StringIO):
-    def isatty(self) -> bool:
-        return True
-
-
-def test_progress_on_a_terminal_says_what_is_left(monkeypatch: pytest.MonkeyPatch):
-    terminal = Terminal()
-    monkeypatch.setattr(sys, "stderr", terminal)
-    with ShareProgress() as progress:
-        for done in range(3):
-            progress(done / 2, f"night: {done} of 2 pictures, {2 - done} s left")
-    assert "night: 1 of 2 pictures, 1 s left" in terminal.getvalue()
-    assert "100%" in terminal.getvalue()
-
-
-def test_progress_that_is_stopped_stays_where_it_was(monkeypatch: pytest.MonkeyPatch):
-    terminal = Terminal()
-    monkeypatch.setattr(sys, "stderr", terminal)
-    progress = ShareProgress()
-    progress.__enter__()
-    progress(0.5, "night: 1 of 2 pictures")
-    progress.__exit__(KeyboardInterrupt, None, None)
-    assert " 50%" in terminal.getvalue()
-    assert "100%" not in terminal.getvalue()

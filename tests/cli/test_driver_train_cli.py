@@ -53,7 +53,7 @@ def test_from_trials_to_tables(files: tuple[Path, Path], tmp_path: Path):
     options = ("--quick", "--threads", "2", "--leave-out", "B", "--out", out)
     ran = nvcore("driver", "evaluate", trials, "--features", features, *options)
     assert ran.exit_code == 0, ran.output
-    assert "subject B, left out" in ran.stdout
+    assert "subject B is left out" in ran.stdout
     assert "paper, switched" in ran.stdout
     assert "the mean of that row is 0.1418" in ran.stdout
     assert (out / "errors.csv").read_text().count("\n") == 8

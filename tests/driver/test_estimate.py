@@ -10,14 +10,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from driver_estimators import LAB, estimator
+from driver_estimators import CONTRAST, LAB, estimator, regression
 from picture_files import write_picture
 
 from nvcore.api.driver_run import estimate_driver
 from nvcore.driver.estimate import DETECTABILITY_COLUMNS, EstimateRun, run_estimate
-from nvcore.driver.estimators import Estimator, write_estimator
+from nvcore.driver.estimators import Estimator, Quality, write_estimator
 from nvcore.driver.features import FeatureSettings
 from nvcore.driver.run import run_features
+from nvcore.driver.steps import steps_between_periods
 from nvcore.errors import InputError, ParameterError
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
@@ -66,6 +67,25 @@ def test_between_two_periods_it_may_be_interpolated(place: Path):
     assert table["detectability"][29] == pytest.approx(0.45)  # 2.5 s, in the middle
 
 
+def test_steps_from_one_estimator_to_the_next_are_counted(place: Path):
+    result = run(place, estimator())  # from 0.3 to 0.6, with a sd of 0.1 and 0.2
+    assert result.steps == (1, 1)
+    assert "the estimate of 1 of 1 pedestrian steps by more than its sd where" in str(result)
+    vague = replace(estimator(), qualities=tuple(Quality(51, 0.1, 0.5, 0.1) for _ in range(3)))
+    assert run(place, vague).steps == (1, 0)
+    assert "--interpolate" not in str(run(place, vague))
+    assert run(place, estimator(), interpolate=True).steps == (0, 0)
+
+
+def test_without_tracks_no_steps_are_known_and_a_new_change_is_none():
+    rows = {"recording": "a", "frame": range(4), "track": [1, 1, None, None]}
+    table = pd.DataFrame(rows).assign(detectability=[0.0, 1, 0, 1], sd=0.1, period_s=[4, 5, 4, 5])
+    table["track"] = table["track"].astype("Int64")
+    assert steps_between_periods(table, np.array([3.0, 4.5, 3.0, 4.5])) == (1, 1)
+    assert steps_between_periods(table, np.array([4.5, 0.5, 3.0, 4.5])) == (0, 0)
+    assert steps_between_periods(table[:0], np.empty(0)) == (0, 0)
+
+
 def test_a_feature_that_is_needed_and_missing_leaves_no_estimate(place: Path):
     result = run(place, estimator(LAB))
     assert result.table[["detectability", "sd"]].isna().all(axis=None)
@@ -94,6 +114,27 @@ def test_print_says_what_to_take_with_care(place: Path):
     assert "20 of them without a known change of light" in text
     assert "outside the range" not in text
     assert "simulated" not in str(run(place, estimator()))
+
+
+def test_features_outside_the_training_are_named(place: Path):
+    dim = replace(estimator(), regressions=tuple(regression(CONTRAST, high=50) for _ in range(3)))
+    result = run(place, dim)
+    assert (result.table["outside_features"] == "luminance_contrast").all()
+    assert result.n_outside == {"Luminance contrast": 40}
+    assert (
+        "40 of them with features outside the range of the training (Luminance contrast in 40)"
+        in (str(result))
+    )
+    assert (run(place, estimator()).table["outside_features"] == "").all()
+
+
+def test_where_nothing_is_known_of_the_light_is_counted(place: Path):
+    readings = [f"{i / 10},1000" for i in range(50)]  # the last, at 4.9 s, holds a second
+    (place / "lux.csv").write_text("\n".join(["time_s,lux", *readings]) + "\n")
+    result = run(place, estimator())
+    assert result.n_without_light == 16
+    assert "40 of them without a known change of light (16 where nothing is known of" in str(result)
+    assert result.counts_json() == {"n": 40, "n_without_light": 16, "outside": {}}
 
 
 def test_files_are_a_session_that_names_the_estimates(place: Path):

@@ -91,6 +91,16 @@ def test_pictures_of_visible_light_go_before_the_recording_s_own(place: Path):
     assert not any("its own pictures" in note for note in part.notes)
 
 
+def test_each_row_says_of_which_picture_its_features_are(place: Path):
+    write_pictures(place / "visible")
+    (place / "visible" / "005.png").unlink()
+    table = run(place, 'pictures = "drive"\nvisible = "visible"\n').table
+    assert table["picture"][[4, 6]].tolist() == ["visible", "visible"]
+    assert table.loc[table["picture"] == "", "luminance_sd"].isna().all()
+    assert (table["picture"] == "").sum() == 1
+    assert set(run(place).table["picture"]) == {"own"}
+
+
 def test_a_map_says_where_boxes_lie_in_the_visible_picture(place: Path):
     write_pictures(place / "visible", scale=2)
     keys = 'visible = "visible"\nvisible_map = [1, 2, 5, -3]\n'

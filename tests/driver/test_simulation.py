@@ -45,6 +45,19 @@ def test_a_real_change_before_it_holds_until_it_and_one_after_it_from_then_on():
     assert table["is_simulated"].tolist() == [False, True, True, False]
 
 
+def test_it_does_not_come_back_where_the_light_is_back_after_a_real_change():
+    periods = [math.nan, math.nan, 0.6, math.nan]  # a real change at 2.4 s, which is over at 8 s
+    table = simulate_change(features(periods), END_S, 1.5, ESTIMATOR)
+    np.testing.assert_allclose(table["period_s"], [math.nan, 0.5, 0.6, math.nan])
+    assert table["is_simulated"].tolist() == [False, True, False, False]
+
+
+def test_a_real_change_that_begins_and_ends_between_two_rows_can_be_told():
+    table = simulate_change(features(math.nan), END_S, 1.5, ESTIMATOR, real_s=np.array([0.5, 3.4]))
+    np.testing.assert_allclose(table["period_s"], [math.nan, 0.5, 1.5, math.nan])
+    assert table["is_simulated"].tolist() == [False, True, True, False]
+
+
 def test_the_features_file_stays_as_it_is():
     table = features(math.nan)
     simulate_change(table, END_S, 1.5, ESTIMATOR)

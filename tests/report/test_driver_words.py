@@ -69,8 +69,8 @@ def test_the_verdict_says_whom_each_system_warns_of_and_where_that_comes_from():
     assert text == (
         "By the ground truth, the driver sees 4 of 8 encounters by himself; of the 4 that he does "
         "not see, X detects 2 and Y 2 (X alone 1, Y alone 1, neither 1). Detectability is as the "
-        "ground truth states it; he is taken to see from 0.5 on; 1 encounter unknown, not counted "
-        "here."
+        "ground truth states it; he is taken to see from 0.5 on; known of 8 of 9 pedestrian boxes; "
+        "1 encounter unknown, not counted here."
     )
     assert text in [point.text for point in verdict(eight()).points]
 
@@ -279,6 +279,33 @@ def test_useful_alerts_are_tested_by_mcnemar_and_by_recordings():
     assert (by_unit["x"], by_unit["n"], by_unit["unit"]) == (0.5, 8, "recordings")
 
 
+def test_a_share_of_estimates_that_say_little_is_said_with_the_features():
+    result = eight(unknown=0)
+    boxes = result.dataset.boxes
+    n = int(boxes["detectability"].notna().sum())
+    counts = {"Height": 5, "Edge contrast": 3, "Width": 2, "Lab distance": 1}
+    record = EstimateRecord("m", n_estimates=100, n_without_light=6, outside=counts)
+
+    def source(record: EstimateRecord, n_outside: int) -> str:
+        marked = boxes.assign(is_outside=np.arange(len(boxes)) < n_outside)
+        dataset = replace(result.dataset, boxes=marked)
+        return describe_source(
+            with_estimate(compare(dataset, Params(proximity="none")), record)
+        ).replace("\xa0", " ")
+
+    share = round(100 / n)
+    text = source(record, 1)
+    assert (
+        f"{share} % of the values are estimated outside the range of the training (Height, "
+        "Edge contrast, Width and 1 more);"
+    ) in text
+    assert "in 6 % of the estimates nothing is known of the light: as for adapted eyes" in text
+    few = source(replace(record, n_without_light=5), 0)
+    assert "of the estimates" not in few
+    assert "of the values" not in few
+    assert "of the training;" in source(replace(record, outside={}), 1)
+
+
 def test_if_he_sees_everybody_shares_of_the_others_are_undefined_not_an_error():
     truth = [at(0, 50, track=1, detectability=1.0)]
     result = result_of(make_dataset(truth, [at(0, 50, score=1.0)]))
@@ -293,5 +320,7 @@ def test_estimates_outside_the_training_are_counted():
     result = eight(unknown=0)
     boxes = result.dataset.boxes.assign(is_outside=np.arange(len(result.dataset.boxes)) < 3)
     outside = compare(replace(result.dataset, boxes=boxes), Params(proximity="none"))
-    assert "3 outside the range of the training" in describe_source(outside)
+    assert "; the largest of 3 encounters is outside the range of the training" in (
+        describe_source(outside)
+    )
     assert encounters_table(outside)["outside_training"].sum() == 3

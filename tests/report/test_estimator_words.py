@@ -28,8 +28,9 @@ def test_trials_say_who_took_them_and_what_is_odd(training: Training):
     )
     assert lines[1].replace("\xa0", " ").startswith("3 trials came more than 50 ms early or late")
     assert lines[2:] == [
-        "subject S1, left out",
-        "subject S2, odd, not left out (--leave-out): never touches",
+        "subject S1 is left out",
+        "subject S2 is odd: never touches. The responses count all the same; without them: "
+        "--leave-out S2",
     ]
     assert (
         render_table(replace(table, simulated="some"))[0]
@@ -48,6 +49,19 @@ def test_where_nothing_was_learned_it_is_said(training: Training):
     good = replace(useless, switched_errors=np.full(6, 0.1))
     assert "no better" not in render_training(good)
     assert "mean" in render_training(good)
+
+
+def test_where_the_single_estimator_is_worse_than_the_constant_it_is_said(training: Training):
+    poor = replace(
+        training,
+        switched_errors=np.full(6, 0.1),
+        single_errors=np.array([0.3, 0.25, 0.2, 0.1, 0.1, 0.1]),
+        constant_errors=np.full(6, 0.2),
+    )
+    words = "at 0.5, 1.5 s the single estimator, which does not know the period, is worse than"
+    assert words in render_training(poor)
+    good = replace(poor, single_errors=np.full(6, 0.2))
+    assert "is worse than" not in render_training(good)
 
 
 def test_what_was_left_out_is_said(training: Training):

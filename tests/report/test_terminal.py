@@ -130,6 +130,7 @@ def test_measures_that_mean_little_and_rates_of_sampled_frames_are_marked():
     assert not any("similarity" in label or "alarms per frame" in label for label in marked)
     assert "* means little here: most encounters are one frame long" in lines
     assert any(line.startswith("Only every 20th frame is evaluated: per minute") for line in lines)
+    assert any("12 frames (every 20th frame), 24.0 s" in line for line in lines)
 
 
 def test_a_difference_agrees_with_the_values_beside_it():

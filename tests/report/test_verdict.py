@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 import pytest
-from builders import NAN, at, make_dataset, result_of
+from builders import NAN, Place, at, make_dataset, result_of
 from places import ROOT
 from verdict_scenes import BY_UNIT, detecting, row_of, topic, verdict_by, whole_verdict
 
@@ -126,6 +126,15 @@ def test_the_measures_stand_side_by_side(better_x: Result):
         "fewer false-alert episodes (0 to 1 in 2 s) and the lower log-average miss rate (100.0% "
         "to 200.0%)."
     )
+
+
+def test_episodes_of_sampled_frames_are_said_to_be_of_these():
+    frames = range(0, 120, 10)
+    truth = [at(frame, 50, track=1) for frame in frames]
+    y = [*truth, at(0, 10)]
+    result = result_of(make_dataset(truth, truth, y, places=[Place(frames)]))
+    text = topic(verdict_by(result), "Other measures")
+    assert "fewer false-alert episodes (0 to 1 in 12 s, every 10th frame)" in text
 
 
 @pytest.mark.parametrize(("n_far", "words"), [(30, "0% of X's and 45% of Y's"), (5, "")])

@@ -117,11 +117,15 @@ class Regression:
             estimate[start : start + len(rows)] = self._kernel(rows) @ self.weights
         return np.clip(estimate + self.offset, 0.0, 1.0)
 
-    def is_outside(self, features: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Whether a feature that it takes is outside the range of the training, shape (n,)."""
+    def outside(self, features: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Which features that it takes are outside the range of the training, shape (n, 8).
+
+        None is where it lacks one that it takes.
+        """
         values = features[:, self.columns]
-        beyond = np.maximum(self.low - values, values - self.high)
-        outside: NDArray[np.bool_] = beyond.max(axis=1) > 0
+        is_whole = ~np.isnan(values.sum(axis=1, keepdims=True))
+        outside = np.zeros(features.shape, dtype=np.bool_)
+        outside[:, self.columns] = ((values < self.low) | (values > self.high)) & is_whole
         return outside
 
     def _kernel(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -146,8 +150,8 @@ class Estimates:
     sd
         Its uncertainty: root mean square of the residuals on unseen pedestrians, float64; NaN
         likewise.
-    is_outside
-        Whether a feature is outside the range of the training, bool, shape (n,).
+    outside
+        Which features are outside the range of the training, bool, shape (n, 8).
     period_s
         The adaptation period whose estimator was taken, float64, shape (n,); NaN: the single one,
         or between two.
@@ -155,8 +159,14 @@ class Estimates:
 
     detectability: NDArray[np.float64]
     sd: NDArray[np.float64]
-    is_outside: NDArray[np.bool_]
+    outside: NDArray[np.bool_]
     period_s: NDArray[np.float64]
+
+    @property
+    def is_outside(self) -> NDArray[np.bool_]:
+        """Whether any feature is, bool, shape (n,)."""
+        is_outside: NDArray[np.bool_] = np.asarray(self.outside.any(axis=1))
+        return is_outside
 
 
 @dataclass(frozen=True)
@@ -263,7 +273,7 @@ class Estimator:
         return Estimates(
             detectability,
             np.where(is_between, (1 - share) * sd + share * second_sd, sd),
-            outside | (is_between & second_outside),
+            outside | (is_between[:, None] & second_outside),
             np.where(is_between & (share < 1), np.nan, taken),
         )
 
@@ -271,8 +281,8 @@ class Estimator:
         """Detectability of pedestrians, float64 features (n, 8), by the one estimator for all."""
         features = np.asarray(features, dtype=np.float64).reshape(-1, N_FEATURES)
         last = np.full(len(features), len(self.periods_s))
-        detectability, sd, is_outside = self._of_periods(features, last)
-        return Estimates(detectability, sd, is_outside, np.full(len(features), np.nan))
+        detectability, sd, outside = self._of_periods(features, last)
+        return Estimates(detectability, sd, outside, np.full(len(features), np.nan))
 
     def _neighbours(
         self, period: NDArray[np.float64]
@@ -291,13 +301,13 @@ class Estimator:
     def _of_periods(
         self, features: NDArray[np.float64], index: NDArray[np.int64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
-        """Detectability, uncertainty and whether outside, by the regression of each row."""
+        """Detectability, uncertainty and what is outside, by the regression of each row."""
         detectability = np.full(len(features), np.nan)
         sd = np.full(len(features), np.nan)
-        is_outside = np.zeros(len(features), dtype=np.bool_)
+        outside = np.zeros(features.shape, dtype=np.bool_)
         for number in np.unique(index).tolist():  # a handful
             rows = index == number
             detectability[rows] = self.regressions[number].predict(features[rows])
-            is_outside[rows] = self.regressions[number].is_outside(features[rows])
+            outside[rows] = self.regressions[number].outside(features[rows])
             sd[rows] = self.qualities[number].sd
-        return detectability, np.where(np.isnan(detectability), np.nan, sd), is_outside
+        return detectability, np.where(np.isnan(detectability), np.nan, sd), outside

@@ -77,7 +77,9 @@ def samples_of(table: TrainingTable) -> Samples:
     first = np.unique(group, return_index=True)[1]
     is_known = np.isnan(features[first]).mean(axis=0) <= MOST_LACKING
     if not is_known.any():
-        raise InputError("no feature is defined for nine tenths of the pedestrians")
+        raise InputError(
+            "no feature is defined for nine tenths of the pedestrians", file=table.features_file
+        )
     is_whole = np.isfinite(features[:, is_known]).all(axis=1)
     features[:, ~is_known] = np.nan
     periods_s, period = np.unique(table.rows["period_s"], return_inverse=True)
@@ -86,7 +88,8 @@ def samples_of(table: TrainingTable) -> Samples:
         raise InputError(
             f"the period of {periods_s[counts.argmin()]:g} s has "
             f"{count_text(int(counts.min()), 'pedestrian')} with features; "
-            f"{LEAST_PEDESTRIANS} are needed"
+            f"{LEAST_PEDESTRIANS} are needed",
+            file=table.trials_file,
         )
     return Samples(
         features=features[is_whole],
@@ -168,7 +171,7 @@ def train_final(
     """
     everything = np.ones(len(samples), dtype=np.bool_)
     parts = _parts_of(samples, everything, ~everything, has_pairs=False)
-    outcomes = _run(samples, parts, search, n_threads, progress, "training")
+    outcomes = _run(samples, parts, search, n_threads, progress, "with all pedestrians")
     return tuple(outcome.regression for outcome in outcomes)
 
 
@@ -201,7 +204,7 @@ def out_of_fold(
         for number in numbers
     ]
     parts = [part for parts in by_fold for part in parts]
-    outcomes = _run(samples, parts, search, n_threads, progress, "left-out pedestrians")
+    outcomes = _run(samples, parts, search, n_threads, progress, "with pedestrians left out")
     n_regressions = len(samples.periods_s) + 1
     empty = np.full((4, len(samples)), np.nan)
     result = OutOfFold(
@@ -247,7 +250,7 @@ def _run(
     search: Search,
     n_threads: int,
     progress: Progress,
-    what: str,
+    how: str,
 ) -> list[_Outcome]:
     is_cancelled = threading.Event()
 
@@ -256,6 +259,7 @@ def _run(
             raise CancelledError
 
     jobs = [partial(_regression, samples, part, search, check) for part in parts]
+    what = f"{count_text(len(parts), 'search', 'searches')} {how}"
     with ThreadPoolExecutor(n_threads) as executor:
         return _until_cancelled(jobs, executor, progress, what, is_cancelled)
 

@@ -109,7 +109,8 @@ def _from_first(frame: NDArray[np.int64], fps: float) -> NDArray[np.float64]:
 def with_change(clock: AdaptationClock, fps: float, change_s: float) -> AdaptationClock:
     """The clock as it would be, had it become dark at `change_s`, too.
 
-    The light stays what it was: nobody knows how bright it would have been.
+    It runs from there until the next real change; that one's end does not bring it back. The light
+    stays what it was: nobody knows how bright it would have been.
 
     Parameters
     ----------
@@ -118,7 +119,8 @@ def with_change(clock: AdaptationClock, fps: float, change_s: float) -> Adaptati
     change_s
         Seconds from the first frame, as `clock.time_s`.
     """
-    period_s, is_simulated = period_after(clock.period_s, clock.time_s + 1 / fps, change_s)
+    end_s = clock.time_s + 1 / fps
+    period_s, is_simulated = period_after(clock.period_s, end_s, change_s, real_s=clock.change_s)
     times = np.sort(np.append(clock.change_s, change_s))
     return replace(
         clock,
@@ -131,12 +133,16 @@ def with_change(clock: AdaptationClock, fps: float, change_s: float) -> Adaptati
 
 
 def period_after(
-    period_s: NDArray[np.float64], end_s: NDArray[np.float64], change_s: float
+    period_s: NDArray[np.float64],
+    end_s: NDArray[np.float64],
+    change_s: float,
+    *,
+    real_s: NDArray[np.float64] | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Adaptation periods had it become dark at `change_s`, and which of them run from then.
 
-    Frames that end before or at the change keep theirs; so do those that a real change comes
-    before, after the simulated one.
+    Frames that end before or at the change keep theirs; so do all from the next real change on,
+    also where the light is back.
 
     Parameters
     ----------
@@ -144,7 +150,11 @@ def period_after(
         As they are, seconds, NaN none, float64, shape (n,).
     end_s
         When the frames end, on the axis of `change_s`, seconds, float64, shape (n,).
+    real_s
+        When it really became dark, on that axis, float64; None: only what the periods say of it.
     """
     since_s = Changes(np.array([change_s]), np.array([np.nan])).period_s(end_s)
-    is_simulated = np.isfinite(since_s) & ~(period_s < since_s)
+    changes_s = np.append(end_s - period_s, [] if real_s is None else real_s)
+    next_s = np.min(changes_s, where=changes_s > change_s + SAME_S, initial=np.inf)
+    is_simulated = np.isfinite(since_s) & (end_s <= next_s + SAME_S)
     return np.where(is_simulated, since_s, period_s), is_simulated

@@ -97,12 +97,15 @@ def _trials(table: TextTable) -> pd.DataFrame:
         row = int(np.argmax(is_wrong))
         expected = "no touch where not_seen is 1" if not_seen[row] else "touch_x and touch_y"
         raise table.fault(row, f"expected {expected}; or change not_seen")
-    twice = trials.duplicated(["subject", *PEDESTRIAN, "adaptation_asked_s"]).to_numpy()
+    shown = trials[["subject", *PEDESTRIAN, "adaptation_asked_s"]]
+    twice = shown.duplicated().to_numpy()
     if twice.any():
         row = int(np.argmax(twice))
-        trial = trials.iloc[row]
-        raise table.fault(
+        trial = shown.iloc[row]
+        first = int(np.argmax((shown == trial).all(axis=1)))
+        raise table.repeated(
             row,
+            first,
             f"{trial['subject']} is shown the picture {trial['image']} after "
             f"{trial['adaptation_asked_s']:g} s a second time",
         )

@@ -121,7 +121,8 @@ def _odd(row: dict[str, Any]) -> str:
     expected = row["share_expected"]
     is_far = abs(row["share"] - expected) > FAR and not row["low"] <= expected <= row["high"]
     if is_far:
-        reasons.append(f"right in {percent(row['share'])}, the others in {percent(expected)}")
+        others = f"the others in {percent(expected)} of the same"
+        reasons.append(f"right in {percent(row['share'])} of the trials, {others}")
     if row["n_easy"] >= LEAST_TRIALS and row["share_easy"] < MOST_EASY:
         reasons.append(
             f"misses {percent(1 - row['share_easy'])} of {row['n_easy']:,} trials in which nearly "
@@ -133,8 +134,9 @@ def _odd(row: dict[str, Any]) -> str:
         n, chance = int(row["n_touches"]), row["share_chance"]
         n_right = round(row["share_touches_right"] * n)
         if binomtest(n_right, n, chance, alternative="greater").pvalue > AT_CHANCE_P:
-            reasons.append("touches are at chance")
+            reasons.append("touches are at chance: as often right on other pictures")
         share = row["share_one_place"]
         if share >= SAME_PLACE and share > 2 * row["share_there"]:
-            reasons.append(f"{percent(share)} of the touches are in one place")
+            there = f"with {percent(row['share_there'])} of the pedestrians"
+            reasons.append(f"{percent(share)} of the touches are in one place, {there}")
     return "; ".join(reasons)

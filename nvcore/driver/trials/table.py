@@ -47,6 +47,8 @@ class TrainingTable:
         How the responses were judged.
     feature_settings
         With which the features were computed; None: no record beside their file says it.
+    trials_file, features_file
+        What it was read from, for errors.
     """
 
     rows: pd.DataFrame
@@ -57,6 +59,8 @@ class TrainingTable:
     simulated: str
     judging: Judging
     feature_settings: FeatureSettings | None = None
+    trials_file: Path | None = None
+    features_file: Path | None = None
 
     @property
     def n_subjects(self) -> int:
@@ -138,6 +142,8 @@ def training_table(
         simulated="all" if is_simulated.all() else "some" if is_simulated.any() else "no",
         judging=judging,
         feature_settings=settings_beside(features),
+        trials_file=trials,
+        features_file=features,
     )
 
 

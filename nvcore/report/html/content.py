@@ -41,6 +41,7 @@ from nvcore.report.html.result_sections import (
 )
 from nvcore.report.html.time_left_section import time_left_section
 from nvcore.report.html.wording import worded, worded_sections
+from nvcore.report.words import n_frames_text
 from nvcore.stability.map import MAPS
 from nvcore.tables.classes import has_classes
 from nvcore.wording import UNDEFINED, one_line
@@ -212,7 +213,7 @@ def _facts(result: Result, protocol: Protocol) -> tuple[tuple[str, str], ...]:
         (
             "Data",
             f"{n_recordings:,} recording{'' if n_recordings == 1 else 's'}, "
-            f"{len(result.dataset.frames):,} evaluated frames, {result.duration_s:,.1f} s, "
+            f"{n_frames_text(result, 'evaluated frame')}, {result.duration_s:,.1f} s, "
             f"{int(result.n_truth.sum()):,} pedestrian boxes",
         ),
         (

@@ -17,7 +17,7 @@ from nvcore.report.html import words
 from nvcore.report.html.blocks import Photo
 from nvcore.report.tiles import Tile, tiles
 from nvcore.report.verdict import Verdict
-from nvcore.report.words import sampling_note
+from nvcore.report.words import n_frames_text, sampling_note
 from nvcore.wording import count_text, duration_text, one_line, shortened
 
 MAX_CHARACTERS: Final = 400
@@ -102,7 +102,7 @@ def cover_of(
     """
     extent = (
         f"{count_text(count_recordings(result), 'recording')}, "
-        f"{count_text(len(result.dataset.frames), 'frame')}, "
+        f"{n_frames_text(result)}, "
         f"{duration_text(result.duration_s)}"
     )
     is_equal = equal_alarms_of(result, companions) is not None

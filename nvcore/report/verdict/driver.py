@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from nvcore.comparison import Result
@@ -9,7 +11,12 @@ from nvcore.measures.of_driver import is_driver_in_time, is_in_time_alone, is_ju
 from nvcore.metrics.driver import count_unknown
 from nvcore.schema import DriverRegion
 from nvcore.tables.encounters.driver import REGION_NAMES
-from nvcore.wording import count_text
+from nvcore.wording import count_text, listed, one_line, percent, shortened
+
+SMALL_SHARE: Final = 0.05
+"""Share of the estimates up to which their doubts are not said (ours)."""
+_MOST_NAMED: Final = 3
+_SHOWN_NAME: Final = 40
 
 
 def describe_driver(result: Result) -> tuple[str, ...]:
@@ -86,12 +93,39 @@ def describe_source(result: Result) -> str:
                 f"states it in {n_stated}"
             )
         text = f"Detectability is {words}; {threshold}"
-    parts = []
-    if result.driver.n_outside:
-        parts.append(f"{result.driver.n_outside} outside the range of the training")
+    parts = _doubts(result)
+    if n_outside := result.driver.n_outside:
+        whose = f"the largest of {count_text(n_outside, 'encounter')}"
+        parts.append(f"{whose} is outside the range of the training")
     if n_unknown := venn.counts[DriverRegion.UNKNOWN]:
         parts.append(f"{count_text(n_unknown, 'encounter')} unknown, not counted here")
     return f"{text}{''.join(f'; {part}' for part in parts)}."
+
+
+def _doubts(result: Result) -> list[str]:
+    """Which share of the boxes has no value, or one that says little, where it is not small."""
+    record, values = result.dataset.estimate, result.dataset.detectability
+    is_known = ~(np.isnan(values.value) | result.dataset.truth.ignore)
+    n_known = int(np.count_nonzero(is_known))
+    n_outside = int(np.count_nonzero(values.is_outside & is_known))
+    parts = []
+    n_boxes = n_known + count_unknown(result.dataset)
+    if n_known < (1 - SMALL_SHARE) * n_boxes:
+        parts.append(f"known of {n_known:,} of {n_boxes:,} pedestrian boxes")
+    if n_outside > SMALL_SHARE * n_known:
+        outside = record.outside if record else {}
+        names = [shortened(one_line(name), _SHOWN_NAME) for name in outside]
+        which = f" ({listed(names, most=_MOST_NAMED)})" if names else ""
+        share = percent(n_outside / n_known)
+        parts.append(
+            f"{share} of the values are estimated outside the range of the training{which}"
+        )
+    if record and record.n_without_light > SMALL_SHARE * record.n_estimates > 0:
+        share = percent(record.n_without_light / record.n_estimates)
+        parts.append(
+            f"in {share} of the estimates nothing is known of the light: as for adapted eyes"
+        )
+    return parts
 
 
 def weighting(result: Result) -> str:

@@ -35,7 +35,7 @@ from nvcore.measures import (
     relevant_share,
 )
 from nvcore.measures.values import count_time_left
-from nvcore.report.words import speed_text
+from nvcore.report.words import every_nth, speed_text
 from nvcore.schema import Category, TimeLeft
 from nvcore.wording import (
     capitalised,
@@ -202,7 +202,9 @@ def describe_measures(result: Result, evidence: pd.DataFrame | None) -> tuple[st
         shown_x, shown_y = (shown_value(value, quality.form) for value in (x, y))
         unit = quality.unit
         if quality.key == "false_alert_episodes":
-            unit = f" in {duration_text(result.duration_s)}"
+            every = every_nth(result.dataset.frame_columns)
+            of = f", {every}" if every else ""
+            unit = f" in {duration_text(result.duration_s)}{of}"
         if shown_x == shown_y:
             better[""].append(f"the same {quality.noun} ({shown_x}{unit})")
             continue

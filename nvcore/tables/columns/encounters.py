@@ -44,7 +44,9 @@ _DRIVER: Final = (
         "outside_training",
         Kind.TRUTH_VALUE,
         "",
-        "Whether that largest one was estimated outside the range of the training.",
+        "Whether `detectability` was estimated outside the range of the training; it is of one "
+        "frame, and others are not looked at. Of which feature, says `outside_features` in the "
+        "file of estimates.",
         empty=_UNKNOWN,
         is_optional=True,
     ),

@@ -140,10 +140,11 @@ def test_a_pedestrian_that_lacks_a_feature_is_left_out(table: TrainingTable):
 
 def test_too_few_pedestrians_are_refused(table: TrainingTable):
     rows = table.rows[table.rows["image"] <= "night_06.jpg"]
-    with pytest.raises(InputError, match=r"the period of 0\.5 s has 7 pedestrians .* 8 are needed"):
+    words = r"trials\.csv: the period of 0\.5 s has 7 pedestrians .* 8 are needed"
+    with pytest.raises(InputError, match=words):
         samples_of(replace(table, rows=rows))
     rows = table.rows.assign(**dict.fromkeys(FEATURE_KEYS, np.nan))
-    with pytest.raises(InputError, match="no feature is defined"):
+    with pytest.raises(InputError, match=r"features\.csv: no feature is defined"):
         samples_of(replace(table, rows=rows))
 
 
@@ -160,7 +161,8 @@ def test_it_ends_when_cancelled_and_tells_how_far_it_is(table: TrainingTable):
     shares = [share for share, _ in told]
     assert shares == sorted(shares)
     assert shares[-1] < 0.3
-    assert "left-out pedestrians, about " in told[-1][1]
+    assert told[0][1] == "35 searches with pedestrians left out"
+    assert "left out, about " in told[-1][1]
     assert told[-1][1].endswith(" left")
 
 

@@ -49,6 +49,23 @@ def test_a_simulated_change_restarts_the_clock_until_a_real_one():
     assert later.period_s[[59, 60, 61]] == pytest.approx([1.0, 0.1, 0.2])
 
 
+def test_a_simulated_change_does_not_come_back_after_a_real_one_is_over():
+    times = np.arange(-100, 300) / 20
+    is_dark = (times > 4.99) & (times < 6.99)
+    clock = adaptation_clock(Light(times, np.where(is_dark, 10.0, 1000.0)), FRAMES, FPS)
+    assert np.isnan(clock.period_s[75:85]).all()
+    simulated = with_change(clock, FPS, 2.0)
+    assert simulated.period_s[[49, 50]] == pytest.approx([3.0, 0.1])
+    assert np.isnan(simulated.period_s[75:85]).all()
+    assert simulated.is_simulated is not None
+    assert not simulated.is_simulated[50:].any()
+    sparse = np.r_[0:50, 75:85]  # no row in the dark
+    periods = period_after(clock.period_s[sparse], (sparse + 1) / FPS, 2.0, real_s=clock.change_s)[
+        0
+    ]
+    np.testing.assert_array_equal(periods[50:], np.nan)
+
+
 def test_where_nothing_is_known_of_the_light_only_the_simulated_change_is():
     clock = with_change(unknown_clock(FRAMES, FPS), FPS, 3.0)
     assert np.isnan(clock.level).all()

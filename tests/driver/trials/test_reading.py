@@ -71,7 +71,7 @@ def test_columns_may_stand_in_any_order_beside_others_with_semicolons_and_decima
         (
             "S2,0,1,3,a.jpg,p1,2.5,2.5,1,1,1,0,x\nS2,1,1,9,a.jpg,p1,2.5,2.5,1,1,1,0,x",
             4,
-            "S2 is shown the picture a.jpg after 2.5 s a second time",
+            r"S2 is shown the picture a.jpg after 2.5 s a second time \(first in line 3\)",
         ),
     ],
 )

@@ -249,7 +249,12 @@ def test_file_and_record_are_part_of_the_fingerprint(tmp_path):
 
 def test_the_record_says_who_estimated_and_whether_subjects_were_simulated(tmp_path):
     session = estimated(tmp_path, row("urban", 0, 0.5), provenance="d.json")
-    record = EstimateRecord("driver", "5f1c00112233445566", "all", 12, {}, "nvcore 0.1.0")
+    record = EstimateRecord(
+        *("driver", "5f1c00112233445566", "all", 12, {}, "nvcore 0.1.0"),
+        n_estimates=9,
+        n_without_light=2,
+        outside={"Height": 3},
+    )
     (tmp_path / "d.json").write_bytes(estimate_json(record))
     dataset = load(session)
     assert dataset.estimate == record
@@ -267,6 +272,7 @@ def test_the_record_says_who_estimated_and_whether_subjects_were_simulated(tmp_p
         '{"estimator": {"simulated": "perhaps"}}',
         '{"estimator": {"n_subjects": "four"}}',
         '{"files": []}',
+        '{"estimates": {"outside": {"Height": "many"}}}',
         "1" * 9,
     ],
 )

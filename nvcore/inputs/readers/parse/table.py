@@ -189,13 +189,18 @@ class TextTable:
         Raises
         ------
         FormatError
-            With the line of the later row; `message` may name columns as ``{subject}``.
+            With the lines of both; `message` may name columns as ``{subject}``.
         """
-        seen: set[tuple[str, ...]] = set()
+        seen: dict[tuple[str, ...], int] = {}
         for row, key in enumerate(zip(*(self.fields[column] for column in columns), strict=True)):
-            if key in seen:
-                raise self.fault(row, message.format(**dict(zip(columns, key, strict=True))))
-            seen.add(key)
+            first = seen.setdefault(key, row)
+            if first != row:
+                text = message.format(**dict(zip(columns, key, strict=True)))
+                raise self.repeated(row, first, text)
+
+    def repeated(self, row: int, first: int, message: str) -> FormatError:
+        """An error that names the lines of a row and of an earlier one, for the caller to raise."""
+        return self.fault(row, f"{message} (first in line {self.lines[first]})")
 
 
 def parse_table(content: bytes, *, name: str, what: str, required: Sequence[str]) -> TextTable:
