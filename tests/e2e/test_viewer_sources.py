@@ -123,6 +123,8 @@ def test_the_recordings_own_light_is_followed_unless_a_time_is_set_by_hand(page)
     page.get_by_text("simulated: 0.05 s after the change", exact=True).wait_for()
     press(page, "Shift+ArrowRight")
     page.get_by_text("0.55 s after the change", exact=True).wait_for()
+    press(page, "End")  # the light is back: neither of them is left
+    page.get_by_text("eyes adapted", exact=True).wait_for()
     tunnel.click()
     page.get_by_role("button", name="By hand").click()
     sync_api.expect(page.get_by_role("slider", name="Seconds since")).to_be_visible()

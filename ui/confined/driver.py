@@ -197,10 +197,13 @@ def simulate(
     end_s: NDArray[np.float64],
     change_s: float,
     interpolate: bool,
+    real_s: NDArray[np.float64] | None,
 ) -> pd.DataFrame:
     """As `nvcore.driver.simulation.simulate_change`."""
     estimator = _estimator(spec)
-    return simulate_change(features, end_s, change_s, estimator, interpolate=interpolate)
+    return simulate_change(
+        features, end_s, change_s, estimator, interpolate=interpolate, real_s=real_s
+    )
 
 
 def _clock(

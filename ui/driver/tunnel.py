@@ -14,7 +14,7 @@ from nvcore.figures.over_time.similarity import end_of
 from nvcore.report.verdict.simulated import describe_change
 from ui.confined.driver import simulate
 from ui.session import state
-from ui.session.results.driver import OpenedRun, caution_of, opened_run
+from ui.session.results.driver import OpenedRun, caution_of, clock_of, opened_run
 from ui.shell.messages import shown_error
 
 TUNNEL: Final = "driver_tunnel"
@@ -101,6 +101,8 @@ def _estimates(
     """What would be, by the estimator of the run, in its confined process."""
     space = state.workspace()
     end_s = course["time_s"].to_numpy(np.float64) + 1 / fps
+    clock = clock_of(state.recording())
+    real_s = None if clock is None else clock.change_s
 
     def ask() -> pd.DataFrame:
         return space.detector_process.call(
@@ -110,6 +112,7 @@ def _estimates(
             end_s,
             change_s,
             known.run.is_interpolated,
+            real_s,
             what="simulating a change of light",
         )
 

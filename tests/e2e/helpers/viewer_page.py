@@ -53,10 +53,10 @@ spans = (scene.MISSED_BY_X, scene.MISSED_BY_Y, scene.MISSED_BY_BOTH)
 pairs = [[(span.start, span.stop) for span in (own, spans[2])] for own in spans[:2]]
 visible = None
 if kind in ("two pictures", "light known"):
-    # dark from row 10 on
+    # dark from row 10 on, light again from row 40 on
     seen_s = np.where(rows < 10, np.inf, (rows + 1 - 10) / fps) if kind == "light known" else None
     if seen_s is not None:
-        seen_s[:3] = np.nan
+        seen_s[:3], seen_s[40:] = np.nan, np.inf
     visible = VisiblePictures(scene.VISIBLE_AREA, has_picture, seen_s)
 settled = viewer(
     token="gone" if kind == "ended" else "token-of-the-test",
