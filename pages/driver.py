@@ -5,6 +5,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.report.verdict.driver import describe_driver
 from ui.driver import course, listed, missing, regions, run
+from ui.driver.counts import describe_counts
 from ui.session import state
 from ui.shell.messages import draw_as_set_note, draw_warnings, needs_comparison
 from ui.widgets.text import docs_link, plain
@@ -29,6 +30,7 @@ def draw(result: Result) -> None:
     draw_warnings(result)
     draw_as_set_note(result)
     st.markdown("\n\n".join(map(plain, describe_driver(result))))
+    st.caption(state.words(describe_counts(result)))
     region = regions.draw(result)
     encounter = listed.draw(result, region)
     if encounter is not None:
