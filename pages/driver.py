@@ -24,9 +24,10 @@ def draw(result: Result) -> None:
     run.draw_notes()
     if not result.driver.has_any:
         missing.draw()
-        run.draw()
+        run.draw(is_known=False)
         missing.draw_commands()
         return
+    run.draw(is_known=True)
     draw_warnings(result)
     draw_as_set_note(result)
     st.markdown("\n\n".join(map(plain, describe_driver(result))))
@@ -35,7 +36,6 @@ def draw(result: Result) -> None:
     encounter = listed.draw(result, region)
     if encounter is not None:
         course.draw(result, encounter)
-    run.draw()
 
 
 st.title("Driver")

@@ -77,7 +77,7 @@ def draw(
     st.markdown(f"**{docs_link('Features', 'features', doc='driver')}**")
     if features is None:
         st.caption(
-            "They are not known here: only estimates came with the session. *Estimate*, below, "
+            "They are not known here: only estimates came with the session. *Estimate*, above, "
             "computes them."
         )
         return

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import threading
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -17,7 +18,8 @@ from nvcore.driver.writing import WrittenEstimates
 from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source
 from nvcore.schema import DriverRegion
-from pages import FRAMES, alone, begin_with, checked, texts, write
+from pages import FRAMES, TIMEOUT_S, alone, begin_with, checked, texts, write
+from ui.driver import run
 from ui.driver.run import lost_words, with_estimates
 from ui.session import drawing, state, uploads
 from ui.session.chosen import CHOSEN
@@ -119,6 +121,34 @@ def test_an_estimator_that_was_sent_is_run_and_says_whom_the_driver_sees(visible
     page.file_uploader(key="estimator_file").set_value([("dim.npz", content, "")])
     page = estimated(checked(page.run()))
     assert page.dataframe[1].value["detectability"].max() < 0.2
+
+
+def form(page):
+    """The fold with the form, as it is sent to the browser; None: it stands open on the page."""
+    folds = [item.proto for item in page.expander if item.label == "Features and estimate"]
+    return folds[0] if folds else None
+
+
+def test_the_form_is_folded_beside_estimates_and_open_while_it_is_at_work(
+    tmp_path, monkeypatch: pytest.MonkeyPatch
+):
+    may_end = threading.Event()
+
+    def wait(*_: object, **__: object) -> None:
+        may_end.wait(TIMEOUT_S)
+        raise InputError("it has ended")
+
+    begin_with(small_estimator.write_session(tmp_path, stated=0.1), monkeypatch)
+    monkeypatch.setattr(run, "run_confined", wait)
+    page = sent(tmp_path)
+    assert not form(page).expanded
+    page = checked(page.button(key="driver_estimate").click().run())
+    assert form(page).expanded
+    may_end.set()
+    page.session_state["workspace"].job("driver_run").join()
+    page = checked(page.run())
+    assert form(page).expanded
+    assert "it has ended" in texts(page)
 
 
 def test_a_run_that_is_cancelled_leaves_all_as_it_was(visible):
