@@ -16,6 +16,9 @@ MOST_DIGITS: Final = 6
 """After the point, where fewer would not tell a feature from the end of the range."""
 
 
+NO_BREAK: Final = "\N{NO-BREAK SPACE}"
+
+
 def period_words(run: EstimateRun, period_s: float) -> str:
     """Of which adaptation periods the regressions are: "7.5 s", or "3 and 4.5 s" between two.
 
@@ -25,12 +28,12 @@ def period_words(run: EstimateRun, period_s: float) -> str:
         Seconds since the change at the end of the frame; NaN: none is known.
     """
     rows = _regressions(run, period_s)
-    return f"{listed([f'{run.estimator.periods_s[row]:g}' for row in rows])} s"
+    return f"{listed([f'{run.estimator.periods_s[row]:g}' for row in rows])}{NO_BREAK}s"
 
 
 def longest_words(run: EstimateRun) -> str:
     """The longest period, "7.5 s": that of adapted eyes."""
-    return f"{run.estimator.periods_s[-1]:g} s"
+    return f"{run.estimator.periods_s[-1]:g}{NO_BREAK}s"
 
 
 def outside_words(run: EstimateRun, features: pd.Series, period_s: float) -> list[str]:

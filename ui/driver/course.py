@@ -30,14 +30,14 @@ from ui.widgets.text import docs_link, plain
 
 KEY: Final = "driver_viewer"
 HEIGHT_PX: Final = 520
-PANEL_PX: Final = 620
+PANEL_PX: Final = 655
 OTHER_CLOCK: Final = (
     "Light and adaptation are by our default settings: no record says with which ones the "
     "estimates were made, so they may rest on others."
 )
 BAND: Final = (
     " The band is the estimator's error (root mean square) on pedestrians that it was not trained "
-    "on: one number for each adaptation period, whoever it is. Estimates and band are cut to 0..1."
+    "on, one number for each adaptation period. Estimates and band are cut to 0 to 1."
 )
 SHOWN: Final = "driver_shown"
 """Whom the page showed last, and who was chosen then."""

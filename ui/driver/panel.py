@@ -17,8 +17,8 @@ from ui.session import state
 from ui.widgets.text import UNDEFINED, docs_link, number
 
 ADAPTED: Final = (
-    "The eyes count as adapted: the estimator of the longest period{longest} is taken, of eyes in "
-    "the dark after a change. In a bright picture, or with glare, take it with care."
+    "{without} eyes count as adapted: the estimator of the longest period{longest} is taken, of "
+    "eyes in the dark after a change. In a bright picture, or with glare, take it with care."
 )
 UNKNOWN: Final = "by which feature, *Estimate* would tell"
 FORMS: Final = {"px": ".1f", "grey levels": ".1f", "ΔE": ".1f", "bins": ".2f"}
@@ -71,9 +71,15 @@ def draw(
     rows.append(("Since the change", _since(clock, is_simulated=is_simulated)))
     st.html(_table(rows))
     _draw_outside(estimate, own, would if is_simulated else None, run)
+    _draw_features(features, at)
     if is_estimated and _is_adapted(own, clock):
         longest = "" if run is None else f" ({basis.longest_words(run)})"
-        st.caption(state.words(ADAPTED.format(longest=longest)))
+        without = "Without the simulated change the" if is_simulated else "The"
+        st.caption(state.words(ADAPTED.format(without=without, longest=longest)))
+
+
+def _draw_features(features: pd.DataFrame | None, at: int) -> None:
+    """The eight features in this row of the course, or how to know them."""
     st.markdown(f"**{docs_link('Features', 'features', doc='driver')}**")
     if features is None:
         st.caption(
@@ -104,11 +110,12 @@ def _draw_outside(
     for name, part in parts.items():
         if not part["is_outside"]:
             continue
-        words = [UNKNOWN]
+        words = []
         if run is not None and own is not None:
             period_s = own["period_s"] if part is estimate else part["period_s"]
             words = basis.outside_words(run, own, period_s)
-        text = f"{name}, outside of the training: {'; '.join(words)}. Take it with care."
+        which = "; ".join(words) or UNKNOWN
+        text = f"{name}, outside of the training: {which}. Take it with care."
         st.warning(state.words(text), icon=":material/warning:")
 
 

@@ -71,7 +71,7 @@ def draw(*, is_known: bool) -> None:
         st.header(TITLE)
         _draw_form(job)
         return
-    with st.expander(TITLE, expanded=job is not None):
+    with st.expander(f"{TITLE}: choose estimator and recordings", expanded=job is not None):
         _draw_form(job)
 
 

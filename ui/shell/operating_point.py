@@ -111,7 +111,8 @@ def draw() -> None:
     now = points(result)
     rates = [_rate(point) for point in now]
     st.caption(
-        f"Single false alarms an hour: X **{rates[0]}**, Y **{rates[1]}**. Make them equal:",
+        f"Single false alarms an hour: X\N{NO-BREAK SPACE}**{rates[0]}**, "
+        f"Y\N{NO-BREAK SPACE}**{rates[1]}**. Make them equal:",
         help=state.words(
             "Detections that match nobody, counted in every frame. False-alert episodes an hour, "
             "as on the Overview, are fewer: there a run of them counts once. A system that reports "

@@ -125,7 +125,7 @@ def test_an_estimator_that_was_sent_is_run_and_says_whom_the_driver_sees(visible
 
 def form(page):
     """The fold with the form, as it is sent to the browser; None: it stands open on the page."""
-    folds = [item.proto for item in page.expander if item.label == "Features and estimate"]
+    folds = [item.proto for item in page.expander if item.label.startswith("Features and")]
     return folds[0] if folds else None
 
 
@@ -247,12 +247,12 @@ def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(visi
     page = estimated(sent(visible))
     page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
     assert "Pedestrian 1 of drive" in [item.value for item in page.header]
-    assert re.search(r"Detectability, estimator of 4\.5 s\s+0\.80 ± 0\.10", panel(page))
+    assert re.search(r"Detectability, estimator of 4\.5\ss\s+0\.80 ± 0\.10", panel(page))
     assert re.search(r"Luminance contrast\s+80\.0 grey levels", panel(page))
     assert "eyes adapted" in panel(page)
     page = checked(page.toggle(key="driver_tunnel").set_value(True).run())
     # at once it is dark: the estimator of 0.5 s until 2.5 s later
-    assert re.search(r"simulated change, estimator of 0\.5 s\s+0\.16 ± 0\.10", panel(page))
+    assert re.search(r"simulated change, estimator of 0\.5\ss\s+0\.16 ± 0\.10", panel(page))
     assert "dark from 0.00 s on" in texts(page)
     assert "25 frames (2.50 s) later; without the change, at once" in texts(page)
     assert "he would **not** have seen him; without the change he would have" in texts(page)
@@ -262,8 +262,12 @@ def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(visi
 
 def test_adapted_eyes_and_the_band_are_explained_where_an_estimator_was_used(visible):
     page = estimated(sent(visible))
-    assert "the estimator of the longest period (4.5 s) is taken" in texts(page)
+    assert "the estimator of the longest period (4.5\N{NO-BREAK SPACE}s) is taken" in texts(page)
     assert "one number for each adaptation period" in texts(page)
+    page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
+    assert "The eyes count as adapted" in texts(page)
+    page = checked(page.toggle(key="driver_tunnel").set_value(True).run())
+    assert "Without the simulated change the eyes count as adapted" in texts(page)
 
 
 def test_a_feature_outside_of_the_training_is_named_with_the_number_that_rests_on_it(visible):
