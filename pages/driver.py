@@ -5,6 +5,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.report.verdict.driver import describe_driver
 from ui.driver import course, listed, missing, regions, run
+from ui.driver.counts import describe_counts
 from ui.session import state
 from ui.shell.messages import draw_as_set_note, draw_warnings, needs_comparison
 from ui.widgets.text import docs_link, plain
@@ -23,17 +24,18 @@ def draw(result: Result) -> None:
     run.draw_notes()
     if not result.driver.has_any:
         missing.draw()
-        run.draw()
+        run.draw(is_known=False)
         missing.draw_commands()
         return
+    run.draw(is_known=True)
     draw_warnings(result)
     draw_as_set_note(result)
     st.markdown("\n\n".join(map(plain, describe_driver(result))))
+    st.caption(state.words(describe_counts(result)))
     region = regions.draw(result)
     encounter = listed.draw(result, region)
     if encounter is not None:
         course.draw(result, encounter)
-    run.draw()
 
 
 st.title("Driver")

@@ -19,7 +19,7 @@ from ui.shell import (
 from ui.shell.messages import error_banner
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, is_folded_on, own_of, shown_on
-from ui.shell.tab import back, dragging, narrow, restore
+from ui.shell.tab import back, dragging, narrow, restore, theme
 from ui.widgets import figure_menu
 
 # pages with more in their address, which they write by themselves, or leave as it is
@@ -81,5 +81,6 @@ if wrong_params is not None and not links.is_participant():  # something is open
         dragging.draw()
         figure_menu.draw()
         narrow.draw()
+        theme.draw()
 if failure is not None and not links.is_participant():
     way_out.draw(is_fault=not isinstance(failure, NvcoreError))

@@ -153,6 +153,7 @@ def test_from_a_study_to_whom_the_driver_sees(
     expect(one.page.get_by_text("the driver sees 0 of 2 encounters")).to_be_visible()
     plot = one.keyed("driver_venn").locator(".js-plotly-plot")
     assert [plot.evaluate(COUNT, name) for name in ("x_y", "driver_x_y", "x")] == [1, 0, 1]
+    one.page.get_by_text("Features and estimate").click()
     one.page.get_by_text("An estimator of your own").click()
     one.page.locator("input[type=file]").set_input_files(tmp_path / "trained.npz")
     expect(one.page.get_by_text("Trained on 16 trials of 1 subject")).to_be_visible()
@@ -167,6 +168,8 @@ def test_from_a_study_to_whom_the_driver_sees(
     expect(one.viewer).to_have_attribute("data-picture", "visible")
     one.keyed("driver_tunnel").locator("label").first.click()
     expect(one.page.get_by_text("Simulated: dark from 0.00 s on")).to_be_visible()
+    # the large viewer, not the small one that goes along
+    one.heading("Pedestrian 2 of drive").evaluate("element => element.scrollIntoView()")
     one.viewer.press("d")
     expect(one.page.get_by_text("simulated: 0.10 s after the change")).to_be_visible()
     assert one.accessibility_faults() == []

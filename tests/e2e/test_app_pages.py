@@ -135,7 +135,7 @@ def test_a_page_has_no_accessibility_fault(shared, theme, title):
     assert one.accessibility_faults() == []
 
 
-def test_the_dark_theme_reaches_page_plots_and_viewer(shared):
+def test_a_theme_and_a_change_of_it_reach_page_plots_and_viewer(shared):
     one = shared(theme="dark")  # from the first page on
     one.switch_to("Timeline")
     one.shows(re.compile("^[0-9]+$"))
@@ -143,6 +143,9 @@ def test_the_dark_theme_reaches_page_plots_and_viewer(shared):
     expect(one.viewer).to_have_attribute("data-theme", "dark")
     axis = one.page.locator("[class*=st-key-time_plot_] .xtick text").first
     expect(axis).to_have_css("fill", "rgb(163, 174, 187)")
+    one.prefer("light")
+    expect(one.viewer).to_have_attribute("data-theme", "light")
+    expect(axis).not_to_have_css("fill", "rgb(163, 174, 187)")
 
 
 def test_a_figure_is_taken_away_as_picture_drawing_and_data(overview, tmp_path):

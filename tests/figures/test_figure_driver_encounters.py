@@ -39,7 +39,10 @@ def test_each_of_the_eight_regions_has_its_count_and_can_be_clicked(theme):
     assert texts[at["driver_x_y"]] == "<b>3</b>"
     assert texts[at["nobody"]] == "<b>0</b>"
     assert "Y &lt;B&gt;" in texts.values()
-    assert "15 near encounters of which it is known, 2 others" in figure.layout.title.text
+    assert (
+        "15 near encounters of which it is known; not drawn: 2 of which it is not, 0"
+        in figure.layout.title.text
+    )
 
 
 def test_where_nothing_is_known_the_diagram_says_so():

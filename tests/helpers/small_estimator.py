@@ -22,12 +22,16 @@ FIGURE = (20, 60)
 BRIGHT, DIM = 120, 50
 
 
-def write_model(path: Path, late: float = 1.0, simulated: str = "no") -> Path:
+def write_model(
+    path: Path, late: float = 1.0, simulated: str = "no", soon_high: float = 200.0
+) -> Path:
     """An estimator: soon after a change 0.2 of the contrast over 100, from 4.5 s on `late` of it.
 
     With `late` = 1 who is 80 brighter than his surround is seen by 0.8 of all adapted drivers.
+    That of soon after a change was trained on contrasts of up to `soon_high`, the others of 200.
     """
-    regressions = tuple(regression(CONTRAST, share=each, high=200.0) for each in (0.2, late, late))
+    parts = ((0.2, soon_high), (late, 200.0), (late, 200.0))
+    regressions = tuple(regression(CONTRAST, share=share, high=high) for share, high in parts)
     qualities = (Quality(51, 0.01, 0.5, 0.1),) * 3
     estimator = Estimator("small", np.array([0.5, 4.5]), regressions, qualities, origin(simulated))
     write_estimator(estimator, path)

@@ -19,6 +19,7 @@ from pathlib import Path
 
 import nvcore.inputs.load
 import nvcore.pictures.open  # noqa: F401  # loaded for the forked processes
+import ui.confined.driver  # noqa: F401  # likewise: half a second
 from nvcore.errors import NvcoreError
 from ui.confined.transfer import send_answer
 from ui.settings.limits import MEBI

@@ -16,17 +16,28 @@ from ui.session import state
 from ui.session.chosen import chosen_encounter, name_of
 from ui.session.drawing import visible_of
 from ui.session.look import Look, VisiblePictures, look
-from ui.session.results.driver import caution_of, clock_of, features_of, may_be_another_clock
+from ui.session.results.driver import (
+    caution_of,
+    clock_of,
+    features_of,
+    is_estimated,
+    may_be_another_clock,
+    opened_run,
+)
 from ui.widgets import compared_viewer
 from ui.widgets.charts import clicked_chart
 from ui.widgets.text import docs_link, plain
 
 KEY: Final = "driver_viewer"
 HEIGHT_PX: Final = 520
-PANEL_PX: Final = 620
+PANEL_PX: Final = 655
 OTHER_CLOCK: Final = (
     "Light and adaptation are by our default settings: no record says with which ones the "
     "estimates were made, so they may rest on others."
+)
+BAND: Final = (
+    " The band is the estimator's error (root mean square) on pedestrians that it was not trained "
+    "on, one number for each adaptation period. Estimates and band are cut to 0 to 1."
 )
 SHOWN: Final = "driver_shown"
 """Whom the page showed last, and who was chosen then."""
@@ -66,7 +77,7 @@ def _draw_moving(result: Result, encounter: int, course: pd.DataFrame) -> None:
     if settled != state.row():
         state.settle(state.recording(), settled)
     recording = state.recording()
-    known = features_of(recording)
+    known, run = features_of(recording), opened_run()
     features = None if known is None else features_of_course(result, course, known)
     left, right = st.columns([5, 2], gap="medium")
     below = st.container()
@@ -89,6 +100,8 @@ def _draw_moving(result: Result, encounter: int, course: pd.DataFrame) -> None:
             clock,
             None if change is None else change.estimates,
             caution=caution_of(result),
+            run=None if features is None or run is None else run.run,
+            is_estimated=is_estimated(result, recording),
         )
     with below:
         _draw_plot(result, encounter, course, clock, change)
@@ -144,6 +157,7 @@ def _draw_plot(
     st.caption(
         f"Click a mark to see its frame. {adapting}: seconds from the last change from bright to "
         "dark to the end of the frame; none where the eyes count as adapted, or it is not known."
+        f"{BAND if is_estimated(result, state.recording()) else ''}"
     )
     if row is not None:
         state.go_to(*state.place_of(int(row)))

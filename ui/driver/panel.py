@@ -9,14 +9,18 @@ import numpy as np
 import pandas as pd
 import streamlit as st
 
+from nvcore.driver.estimate import EstimateRun
 from nvcore.driver.features import FEATURES
 from nvcore.driver.illumination.clock import AdaptationClock
+from ui.driver import basis
 from ui.session import state
 from ui.widgets.text import UNDEFINED, docs_link, number
 
-OUTSIDE: Final = (
-    "The features are outside of what the estimator was trained on: take the estimate with care."
+ADAPTED: Final = (
+    "{without} eyes count as adapted: the estimator of the longest period{longest} is taken, of "
+    "eyes in the dark after a change. In a bright picture, or with glare, take it with care."
 )
+UNKNOWN: Final = "by which feature, *Estimate* would tell"
 FORMS: Final = {"px": ".1f", "grey levels": ".1f", "ΔE": ".1f", "bins": ".2f"}
 
 
@@ -27,6 +31,8 @@ def draw(
     simulated: pd.DataFrame | None,
     *,
     caution: str = "",
+    run: EstimateRun | None = None,
+    is_estimated: bool = False,
 ) -> None:
     """What is known of the pedestrian on the frame that is shown.
 
@@ -40,6 +46,10 @@ def draw(
         Of the recording; None: nothing is known of the light.
     caution
         Whose answers the estimates rest on, where some were simulated.
+    run
+        What the estimates and features come from; None: from a file.
+    is_estimated
+        Whether an estimator of ours said how detectable he is.
     """
     row = state.row_in_all()
     frames = state.opened().dataset.frames
@@ -50,29 +60,70 @@ def draw(
         return
     at = int(here[0])
     estimate = course.iloc[at]
-    label = f"Detectability{f' ({caution})' if caution else ''}"
-    rows = [(label, _share(estimate))]
     would = None if simulated is None else simulated.iloc[at]
-    if would is not None:
-        rows.append(("the same, after a simulated change", _share(would)))
     is_simulated = would is not None and bool(would["is_simulated"])
+    own = None if run is None or features is None else features.iloc[at]
+    by = _by(run, own)
+    rows = [(f"Detectability{by}{f' ({caution})' if caution else ''}", _share(estimate))]
+    if would is not None:
+        by = _by(run, would) if is_simulated else by
+        rows.append((f"the same, after a simulated change{by}", _share(would)))
     rows.append(("Since the change", _since(clock, is_simulated=is_simulated)))
     st.html(_table(rows))
-    if estimate["is_outside"] or (would is not None and would["is_outside"]):
-        st.warning(state.words(OUTSIDE), icon=":material/warning:")
+    _draw_outside(estimate, own, would if is_simulated else None, run)
+    _draw_features(features, at)
+    if is_estimated and _is_adapted(own, clock):
+        longest = "" if run is None else f" ({basis.longest_words(run)})"
+        without = "Without the simulated change the" if is_simulated else "The"
+        st.caption(state.words(ADAPTED.format(without=without, longest=longest)))
+
+
+def _draw_features(features: pd.DataFrame | None, at: int) -> None:
+    """The eight features in this row of the course, or how to know them."""
     st.markdown(f"**{docs_link('Features', 'features', doc='driver')}**")
     if features is None:
         st.caption(
-            "They are not known here: only estimates came with the session. *Estimate*, below, "
+            "They are not known here: only estimates came with the session. *Estimate*, above, "
             "computes them."
         )
         return
-    own = features.iloc[at]
+    values = features.iloc[at]
     st.html(
         _table(
-            [(feature.label, _with_unit(own[feature.key], feature.unit)) for feature in FEATURES]
+            [(feature.label, _with_unit(values[feature.key], feature.unit)) for feature in FEATURES]
         )
     )
+
+
+def _by(run: EstimateRun | None, part: pd.Series | None) -> str:
+    """By which estimator, after a comma; empty: it is not known."""
+    if run is None or part is None:
+        return ""
+    return f", estimator of {basis.period_words(run, part['period_s'])}"
+
+
+def _draw_outside(
+    estimate: pd.Series, own: pd.Series | None, would: pd.Series | None, run: EstimateRun | None
+) -> None:
+    """Which number is of features outside of the training, and of which ones."""
+    parts = {"Detectability": estimate} | ({} if would is None else {"After the change": would})
+    for name, part in parts.items():
+        if not part["is_outside"]:
+            continue
+        words = []
+        if run is not None and own is not None:
+            period_s = own["period_s"] if part is estimate else part["period_s"]
+            words = basis.outside_words(run, own, period_s)
+        which = "; ".join(words) or UNKNOWN
+        text = f"{name}, outside of the training: {which}. Take it with care."
+        st.warning(state.words(text), icon=":material/warning:")
+
+
+def _is_adapted(own: pd.Series | None, clock: AdaptationClock | None) -> bool:
+    """Whether no change of light is known before the frame, by the run, else by the clock."""
+    if own is not None:
+        return bool(np.isnan(own["period_s"]))
+    return clock is not None and bool(np.isnan(clock.period_s[state.row()]))
 
 
 def _share(estimate: pd.Series) -> str:

@@ -34,6 +34,7 @@ from ui.widgets.text import docs_link, plain
 JOB: Final = "driver_run"
 FOLDER: Final = "driver"
 MODEL: Final = "estimator.npz"
+TITLE: Final = "Features and estimate"
 
 
 class EstimateJob(FolderJob[WrittenEstimates]):
@@ -57,10 +58,24 @@ class EstimateJob(FolderJob[WrittenEstimates]):
         super().__init__(space, folder, work)
 
 
-def draw() -> None:
-    """The estimator, the recordings, and the run; one that has ended becomes what is open."""
+def draw(*, is_known: bool) -> None:
+    """The estimator, the recordings, and the run; one that has ended becomes what is open.
+
+    Parameters
+    ----------
+    is_known
+        Whether there are estimates already: the form is then folded away, unless it is at work.
+    """
     job: EstimateJob | None = state.workspace().job(JOB)
-    st.header("Features and estimate")
+    if not is_known:
+        st.header(TITLE)
+        _draw_form(job)
+        return
+    with st.expander(f"{TITLE}: choose estimator and recordings", expanded=job is not None):
+        _draw_form(job)
+
+
+def _draw_form(job: EstimateJob | None) -> None:
     spec = estimator.draw()
     chosen = _choose_recordings()
     is_busy = job is not None and job.is_busy

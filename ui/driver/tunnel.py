@@ -90,9 +90,9 @@ def _missing(known: OpenedRun | None) -> str:
     if known is None:
         return (
             "To simulate a change of light, features and an estimator are needed, and the session "
-            "has estimates alone: press *Estimate* below."
+            "has estimates alone: press *Estimate* above."
         )
-    return "Features of this recording are not known: choose it below, and press *Estimate*."
+    return "Features of this recording are not known: choose it above, and press *Estimate*."
 
 
 def _estimates(

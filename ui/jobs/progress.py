@@ -10,6 +10,8 @@ from ui.jobs.background import BackgroundJob, FileJob, JobState
 from ui.widgets.text import plain
 
 POLL_S: Final = 0.4
+NO_TIME_YET: Final = "estimating how long it takes"
+"""While nothing is done."""
 MIME: Final = {".html": "text/html", ".mp4": "video/mp4"}
 
 
@@ -31,7 +33,7 @@ def draw_job(
     """Progress with a button to cancel, or why there is nothing; how far the job was.
 
     Sentences call the output `thing` ("report"), and begin with `doing` ("Making the report");
-    with `with_steps` they end with what the work says of itself.
+    with `with_steps` they end with what the work says of itself, such as the time left.
     """
     job_state = job.state  # once: it may end meanwhile
     if job_state.is_busy:
@@ -47,15 +49,7 @@ def draw_job(
 def _draw_progress(job: BackgroundJob[Any], kind: str, doing: str, *, with_steps: bool) -> None:
     if not job.is_busy:
         st.rerun()
-    if job.is_stopping:
-        words = "Cancelling"
-    elif job.state is JobState.WAITING:
-        words = "Waiting for other work on this server"
-    else:
-        words = f"{plain(doing)}: {job.share:.0%}"
-        if with_steps and job.step:
-            words += f" ({plain(job.step)})"
-    st.progress(job.share, words)
+    st.progress(job.share, _words(job, doing, with_steps=with_steps))
     st.button(
         "Cancel",
         icon=":material/close:",
@@ -63,6 +57,18 @@ def _draw_progress(job: BackgroundJob[Any], kind: str, doing: str, *, with_steps
         on_click=job.cancel,
         disabled=job.is_stopping,
     )
+
+
+def _words(job: BackgroundJob[Any], doing: str, *, with_steps: bool) -> str:
+    if job.is_stopping:
+        return "Cancelling"
+    if job.state is JobState.WAITING:
+        return "Waiting for other work on this server"
+    words = f"{plain(doing)}: {job.share:.0%}"
+    if not with_steps:
+        return words
+    steps = filter(None, (plain(job.step), "" if job.share else NO_TIME_YET))
+    return f"{words} ({'; '.join(steps)})"
 
 
 def draw_file(job: FileJob, kind: str) -> str:

@@ -111,10 +111,12 @@ def draw() -> None:
     now = points(result)
     rates = [_rate(point) for point in now]
     st.caption(
-        f"False alarms an hour: X **{rates[0]}**, Y **{rates[1]}**. Make them equal:",
+        f"Single false alarms an hour: X\N{NO-BREAK SPACE}**{rates[0]}**, "
+        f"Y\N{NO-BREAK SPACE}**{rates[1]}**. Make them equal:",
         help=state.words(
-            "Single detections that match nobody. A system that reports more of everything looks "
-            "better unless both have equally many."
+            "Detections that match nobody, counted in every frame. False-alert episodes an hour, "
+            "as on the Overview, are fewer: there a run of them counts once. A system that reports "
+            "more of everything looks better unless both have equally many."
         ),
     )
     with st.container(horizontal=True, gap="xsmall", key="same_points"):

@@ -30,6 +30,7 @@ HEADINGS: Final = {
     "margin_s": "margin (s)",
     "impact_kmh": "impact (km/h)",
     "confirmed_frame": "confirmed in frame",
+    "driver_frame": "Driver sees in frame",
     "min_ttc_s": "Least to contact (s)",
     "urgent_frame": "Last chance",
     "lead_time_s": "Lead of X (s)",

@@ -61,13 +61,15 @@ def driver_venn_plot(venn: DriverVenn, names: tuple[str, str], *, theme: Theme) 
         written(f"<b>{count:,}</b>", size=17, color=look.ink, x=x, y=y)
         for count, (x, y) in zip(counts, PLACES.values(), strict=True)
     ]
-    outside = venn.counts[DriverRegion.UNKNOWN] + venn.counts[DriverRegion.DISTANT]
+    n_unknown, n_distant = (
+        venn.counts[region] for region in (DriverRegion.UNKNOWN, DriverRegion.DISTANT)
+    )
     return draw(
         points,
         theme,
         title="Who sees the pedestrian",
-        subtitle=f"{count_text(venn.n_known, 'near encounter')} of which it is known, {outside:,} "
-        "others not drawn; circles are not to scale",
+        subtitle=f"{count_text(venn.n_known, 'near encounter')} of which it is known; not drawn: "
+        f"{n_unknown:,} of which it is not, {n_distant:,} distant; circles are not to scale",
         height=HEIGHT_PX,
         showlegend=False,
         margin={"l": 8, "r": 8, "t": 64, "b": 8},

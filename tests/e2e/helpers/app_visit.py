@@ -92,7 +92,7 @@ class Visit:
         self.wait_until_drawn()
 
     def prefer(self, theme: Literal["light", "dark"]) -> None:
-        """Change the person's theme; plots and viewer have it once Python draws them anew."""
+        """Change the person's theme; plots and viewer have it a run later."""
         self.page.emulate_media(color_scheme=theme)
         app = self.page.get_by_test_id("stApp")
         expect(app).to_have_css("background-color", GROUND[theme])

@@ -47,6 +47,14 @@ def test_a_call_is_answered_by_another_process():
     assert call(process_id, allowance=ENOUGH, what="asking") != os.getpid()
 
 
+def is_loaded(module: str) -> bool:
+    return module in sys.modules
+
+
+def test_what_a_light_meter_needs_is_loaded_before_anybody_waits_for_it():
+    assert call(is_loaded, "ui.confined.driver", allowance=ENOUGH, what="asking")
+
+
 def test_a_dataset_comes_back_as_it_was_read(tmp_path: Path):
     session = session_of(drive(tmp_path))
     there = call(load, session, allowance=ENOUGH, what="reading")

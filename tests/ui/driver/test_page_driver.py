@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import threading
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -17,7 +18,8 @@ from nvcore.driver.writing import WrittenEstimates
 from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source
 from nvcore.schema import DriverRegion
-from pages import FRAMES, alone, begin_with, checked, texts, write
+from pages import FRAMES, TIMEOUT_S, alone, begin_with, checked, texts, write
+from ui.driver import run
 from ui.driver.run import lost_words, with_estimates
 from ui.session import drawing, state, uploads
 from ui.session.chosen import CHOSEN
@@ -93,10 +95,10 @@ def visible(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     return tmp_path
 
 
-def sent(folder: Path, late: float = 1.0):
+def sent(folder: Path, **kind: float):
     """The page, to which an estimator was sent."""
     page = checked(alone("driver").run())
-    content = small_estimator.write_model(folder / "small.npz", late).read_bytes()
+    content = small_estimator.write_model(folder / "small.npz", **kind).read_bytes()
     page.file_uploader(key="estimator_file").set_value([("small.npz", content, "")])
     return checked(page.run())
 
@@ -119,6 +121,34 @@ def test_an_estimator_that_was_sent_is_run_and_says_whom_the_driver_sees(visible
     page.file_uploader(key="estimator_file").set_value([("dim.npz", content, "")])
     page = estimated(checked(page.run()))
     assert page.dataframe[1].value["detectability"].max() < 0.2
+
+
+def form(page):
+    """The fold with the form, as it is sent to the browser; None: it stands open on the page."""
+    folds = [item.proto for item in page.expander if item.label.startswith("Features and")]
+    return folds[0] if folds else None
+
+
+def test_the_form_is_folded_beside_estimates_and_open_while_it_is_at_work(
+    tmp_path, monkeypatch: pytest.MonkeyPatch
+):
+    may_end = threading.Event()
+
+    def wait(*_: object, **__: object) -> None:
+        may_end.wait(TIMEOUT_S)
+        raise InputError("it has ended")
+
+    begin_with(small_estimator.write_session(tmp_path, stated=0.1), monkeypatch)
+    monkeypatch.setattr(run, "run_confined", wait)
+    page = sent(tmp_path)
+    assert not form(page).expanded
+    page = checked(page.button(key="driver_estimate").click().run())
+    assert form(page).expanded
+    may_end.set()
+    page.session_state["workspace"].job("driver_run").join()
+    page = checked(page.run())
+    assert form(page).expanded
+    assert "it has ended" in texts(page)
 
 
 def test_a_run_that_is_cancelled_leaves_all_as_it_was(visible):
@@ -217,17 +247,44 @@ def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(visi
     page = estimated(sent(visible))
     page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
     assert "Pedestrian 1 of drive" in [item.value for item in page.header]
-    assert re.search(r"Detectability\s+0\.80 ± 0\.10", panel(page))
+    assert re.search(r"Detectability, estimator of 4\.5\ss\s+0\.80 ± 0\.10", panel(page))
     assert re.search(r"Luminance contrast\s+80\.0 grey levels", panel(page))
     assert "eyes adapted" in panel(page)
     page = checked(page.toggle(key="driver_tunnel").set_value(True).run())
     # at once it is dark: the estimator of 0.5 s until 2.5 s later
-    assert re.search(r"the same, after a simulated change\s+0\.16 ± 0\.10", panel(page))
+    assert re.search(r"simulated change, estimator of 0\.5\ss\s+0\.16 ± 0\.10", panel(page))
     assert "dark from 0.00 s on" in texts(page)
     assert "25 frames (2.50 s) later; without the change, at once" in texts(page)
     assert "he would **not** have seen him; without the change he would have" in texts(page)
     page = checked(page.slider(key="driver_tunnel_s").set_value(1.0).run())
     assert "dark from 1.00 s on" in texts(page)
+
+
+def test_adapted_eyes_and_the_band_are_explained_where_an_estimator_was_used(visible):
+    page = estimated(sent(visible))
+    assert "the estimator of the longest period (4.5\N{NO-BREAK SPACE}s) is taken" in texts(page)
+    assert "one number for each adaptation period" in texts(page)
+    page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
+    assert "The eyes count as adapted" in texts(page)
+    page = checked(page.toggle(key="driver_tunnel").set_value(True).run())
+    assert "Without the simulated change the eyes count as adapted" in texts(page)
+
+
+def test_a_feature_outside_of_the_training_is_named_with_the_number_that_rests_on_it(visible):
+    page = estimated(sent(visible, soon_high=50.0))
+    page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
+    assert "outside of the training" not in texts(page)
+    page = checked(page.toggle(key="driver_tunnel").set_value(True).run())
+    assert (
+        "After the change, outside of the training: Luminance contrast 80.0, trained on 0.0 to "
+        "50.0 grey levels. Take it with care." in texts(page)
+    )
+    assert "Detectability, outside" not in texts(page)
+
+
+def test_of_values_that_the_truth_states_nothing_is_said_of_an_estimator(page):
+    assert "estimator of the longest period" not in texts(page)
+    assert "The band is" not in texts(page)
 
 
 def test_a_light_meter_that_cannot_be_read_is_said_under_the_viewer(

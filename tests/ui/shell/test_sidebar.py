@@ -33,7 +33,7 @@ def keys(page: AppTest) -> set[str | None]:
 
 
 def rates(page: AppTest) -> str:
-    return next(one.value for one in page.caption if "False alarms an hour" in one.value)
+    return next(one.value for one in page.caption if "false alarms an hour" in one.value)
 
 
 def test_where_no_setting_acts_they_are_folded_away_and_x_and_y_stay():
@@ -135,7 +135,7 @@ def test_without_scores_the_buttons_are_disabled_and_say_why(tmp_path: Path, mon
     assert page.button(key="point_y").disabled
     assert "Y has no scores that differ" in page.button(key="point_y").help
     assert "point_set" not in keys(page)
-    assert "False alarms an hour: X" in rates(page)
+    assert "Single false alarms an hour: X" in rates(page)
 
 
 @pytest.mark.usefixtures("every_setting_acts")

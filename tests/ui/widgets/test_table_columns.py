@@ -21,6 +21,7 @@ from ui.widgets.table_columns import as_shown, column_config, heading, rows_told
         ("miss_class_y", "Y miss class"),
         ("lead_time_s", "Lead of X (s)"),
         ("first_frame", "First frame"),
+        ("driver_frame", "Driver sees in frame"),
     ],
 )
 def test_headings_are_words(name: str, words: str):

@@ -79,6 +79,12 @@ def caution_of(result: Result) -> str:
     return "" if record is None else record.caution
 
 
+def is_estimated(result: Result, recording: int) -> bool:
+    """Whether detectability in a recording is by an estimator whose name is known."""
+    record, name = result.dataset.estimate, result.dataset.recordings["name"].iloc[recording]
+    return record is not None and bool(record.made_by) and name in record.estimated_in
+
+
 def recorded_light() -> LightSettings | None:
     """What counted as a change of light where the estimates were made; None: nobody says it."""
     record = state.opened().dataset.estimate

@@ -1,0 +1,57 @@
+"""What an estimate of the Driver page rests on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+from driver_estimators import CONTRAST, estimator
+
+from nvcore.driver.features import FEATURE_KEYS
+from ui.driver.basis import outside_words, period_words
+
+
+def run_of(*, is_interpolated: bool = False, high: float = 100.0):
+    """Of an estimator for 0.5 and 4.5 s; the first was trained on contrasts of 0 to `high`."""
+    both = estimator()
+    first = replace(both.regressions[0], high=np.array([high]))
+    both = replace(both, regressions=(first, *both.regressions[1:]))
+    return SimpleNamespace(estimator=both, is_interpolated=is_interpolated)
+
+
+def features(contrast: float) -> pd.Series:
+    values = np.zeros(len(FEATURE_KEYS))
+    values[CONTRAST] = contrast
+    return pd.Series(values, index=FEATURE_KEYS)
+
+
+@pytest.mark.parametrize("is_interpolated", [False, True])
+@pytest.mark.parametrize("period_s", [0.1, 0.5, 1.0, 2.5, 2.6, 4.5, 9.0, np.nan])
+@pytest.mark.parametrize("high", [50.0, 100.0])
+def test_a_feature_is_named_exactly_where_the_estimator_calls_it_outside(
+    is_interpolated, period_s, high
+):
+    run = run_of(is_interpolated=is_interpolated, high=high)
+    for contrast in (-1.0, 0.0, 50.0, 50.01, 100.0, 101.0):
+        own = features(contrast)
+        estimates = run.estimator.estimate(own.to_numpy(), period_s, interpolate=is_interpolated)
+        assert bool(outside_words(run, own, period_s)) == estimates.is_outside[0]
+
+
+def test_the_periods_of_the_estimators_that_are_taken_are_named():
+    def words(run, *periods_s: float) -> list[str]:
+        return [period_words(run, each).replace("\N{NO-BREAK SPACE}", " ") for each in periods_s]
+
+    assert words(run_of(), 0.1, 2.5, 2.6, np.nan) == ["0.5 s"] * 2 + ["4.5 s"] * 2
+    assert words(run_of(is_interpolated=True), 0.1, 2.5) == ["0.5 s", "0.5 and 4.5 s"]
+
+
+def test_a_value_just_outside_has_digits_enough_to_be_told_from_the_range():
+    assert outside_words(run_of(high=50.0), features(50.004), 0.5) == [
+        "Luminance contrast 50.004, trained on 0.000 to 50.000 grey levels"
+    ]
+    between = outside_words(run_of(is_interpolated=True), features(101.0), 2.0)
+    assert [words.rpartition("levels")[2] for words in between] == [" for 0.5 s", " for 4.5 s"]

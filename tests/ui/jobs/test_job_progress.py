@@ -1,0 +1,39 @@
+"""How far a job in the background is, in words."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from pages import checked, scripted
+from ui.jobs.background import JobState
+
+SCRIPT = """
+import streamlit as st
+from ui.jobs.progress import draw_job
+job = st.session_state["job"]
+draw_job(job, "run", thing="run", doing="Looking", with_steps=True)
+"""
+
+
+@pytest.mark.parametrize(
+    ("share", "step", "words"),
+    [
+        (0.0, "", "Looking: 0% (estimating how long it takes)"),
+        (0.0, "a: 0 of 9", "Looking: 0% (a: 0 of 9; estimating how long it takes)"),
+        (0.5, "a: 5 of 9, 2 s left", "Looking: 50% (a: 5 of 9, 2 s left)"),
+    ],
+)
+def test_until_a_time_left_is_known_that_is_said(share: float, step: str, words: str):
+    page = scripted(SCRIPT)
+    page.session_state["job"] = SimpleNamespace(
+        state=JobState.RUNNING,
+        is_busy=True,
+        is_stopping=False,
+        share=share,
+        step=step,
+        cancel=None,
+    )
+    (progress,) = checked(page.run()).get("progress")
+    assert progress.proto.text.replace("\\", "") == words

@@ -1,0 +1,90 @@
+"""Driver page: what an estimate rests on: which regressions, and what they were not trained on."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.driver.estimate import EstimateRun
+from nvcore.driver.estimators import Estimator
+from nvcore.driver.features import FEATURE_KEYS, FEATURES
+from nvcore.wording import listed
+
+MOST_DIGITS: Final = 6
+"""After the point, where fewer would not tell a feature from the end of the range."""
+
+
+NO_BREAK: Final = "\N{NO-BREAK SPACE}"
+
+
+def period_words(run: EstimateRun, period_s: float) -> str:
+    """Of which adaptation periods the regressions are: "7.5 s", or "3 and 4.5 s" between two.
+
+    Parameters
+    ----------
+    period_s
+        Seconds since the change at the end of the frame; NaN: none is known.
+    """
+    rows = _regressions(run, period_s)
+    return f"{listed([f'{run.estimator.periods_s[row]:g}' for row in rows])}{NO_BREAK}s"
+
+
+def longest_words(run: EstimateRun) -> str:
+    """The longest period, "7.5 s": that of adapted eyes."""
+    return f"{run.estimator.periods_s[-1]:g}{NO_BREAK}s"
+
+
+def outside_words(run: EstimateRun, features: pd.Series, period_s: float) -> list[str]:
+    """The features that are outside of the training's range, with value and range; empty: none is.
+
+    Parameters
+    ----------
+    features
+        Of the pedestrian on the frame, by their keys.
+    period_s
+        As in `period_words`.
+    """
+    values = features[list(FEATURE_KEYS)].to_numpy(np.float64)
+    rows = _regressions(run, period_s)
+    return [
+        f"{FEATURES[column].label} {_range_words(value, low, high)} {FEATURES[column].unit}"
+        f"{f' for {run.estimator.periods_s[row]:g} s' if len(rows) > 1 else ''}"
+        for row in rows
+        for column, value, low, high in _beyond(run.estimator, row, values)
+    ]
+
+
+def _regressions(run: EstimateRun, period_s: float) -> list[int]:
+    """Rows of the regressions that `Estimator.estimate` takes: the nearest, or those around it."""
+    periods = run.estimator.periods_s
+    if np.isnan(period_s) or period_s > periods[-1]:
+        return [len(periods) - 1]
+    if not run.is_interpolated:
+        return [int(np.argmin(np.abs(periods - period_s)))]  # of two as near, the shorter
+    above = int(np.searchsorted(periods, period_s))
+    return sorted({max(above - 1, 0), above})
+
+
+def _beyond(
+    estimator: Estimator, row: int, values: np.ndarray
+) -> list[tuple[int, float, float, float]]:
+    """Column, value and range of each feature that a regression takes and that is outside."""
+    taken = estimator.regressions[row]
+    ranges = zip(taken.columns.tolist(), taken.low.tolist(), taken.high.tolist(), strict=True)
+    return [
+        (column, float(values[column]), low, high)
+        for column, low, high in ranges
+        if values[column] < low or values[column] > high
+    ]
+
+
+def _range_words(value: float, low: float, high: float) -> str:
+    """Value and range, "9.6, trained on 12.0 to 80.0", in digits enough to tell them apart."""
+    bound = low if value < low else high
+    digits = 1
+    while digits < MOST_DIGITS and f"{value:.{digits}f}" == f"{bound:.{digits}f}":
+        digits += 1
+    shown, first, last = (f"{number:.{digits}f}" for number in (value, low, high))
+    return f"{shown}, trained on {first} to {last}"

@@ -1,0 +1,37 @@
+"""A change of the theme, by the browser or in Streamlit's menu, draws charts and viewer anew.
+
+Streamlit changes its own colours at once, and tells Python of the theme with the next run only.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import streamlit as st
+
+_SCRIPT: Final = """
+let ground = null;
+let send = null;
+export default function ({ setTriggerValue }) {
+  send = setTriggerValue;
+  if (ground !== null) return;
+  const app = document.querySelector('[data-testid="stApp"]');
+  const seen = () => getComputedStyle(app).backgroundColor;
+  ground = seen();
+  new MutationObserver(() => {
+    if (seen() === ground) return;
+    ground = seen();
+    send("ground", ground);
+  }).observe(app, { attributes: true, attributeFilter: ["class"] });
+}
+"""
+_COMPONENT = st.components.v2.component("nvcore_theme", js=_SCRIPT)
+
+
+def draw() -> None:
+    """The invisible part of the page that asks for another run when the theme has changed."""
+    _COMPONENT(key="theme", height=1, on_ground_change=_draw_anew)
+
+
+def _draw_anew() -> None:
+    """Nothing more: the run that follows draws in the theme of the browser."""
