@@ -111,7 +111,7 @@ def test_print_says_what_to_take_with_care(place: Path):
     assert "detectability of 40 of 40 pedestrian boxes: 0.53 on average" in text
     assert "estimates are learnt from simulated subjects" in text
     assert "learnt in part from simulated subjects" in str(run(place, estimator(simulated="some")))
-    assert "20 of them without a known change of light" in text
+    assert "20 estimates without a known change of light" in text
     assert "outside the range" not in text
     assert "simulated" not in str(run(place, estimator()))
 
@@ -122,7 +122,7 @@ def test_features_outside_the_training_are_named(place: Path):
     assert (result.table["outside_features"] == "luminance_contrast").all()
     assert result.n_outside == {"Luminance contrast": 40}
     assert (
-        "40 of them with features outside the range of the training (Luminance contrast in 40)"
+        "40 estimates with features outside the range of the training (Luminance contrast in 40)"
         in (str(result))
     )
     assert (run(place, estimator()).table["outside_features"] == "").all()
@@ -133,7 +133,9 @@ def test_where_nothing_is_known_of_the_light_is_counted(place: Path):
     (place / "lux.csv").write_text("\n".join(["time_s,lux", *readings]) + "\n")
     result = run(place, estimator())
     assert result.n_without_light == 16
-    assert "40 of them without a known change of light (16 where nothing is known of" in str(result)
+    assert "40 estimates without a known change of light (16 where nothing is known of" in str(
+        result
+    )
     assert result.counts_json() == {"n": 40, "n_without_light": 16, "outside": {}}
 
 

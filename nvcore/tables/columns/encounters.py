@@ -44,9 +44,8 @@ _DRIVER: Final = (
         "outside_training",
         Kind.TRUTH_VALUE,
         "",
-        "Whether `detectability` was estimated outside the range of the training; it is of one "
-        "frame, and others are not looked at. Of which feature, says `outside_features` in the "
-        "file of estimates.",
+        "Whether `detectability`, which is of one frame, was estimated outside the range of the "
+        "training. `outside_features` in the file of estimates says by which feature.",
         empty=_UNKNOWN,
         is_optional=True,
     ),
