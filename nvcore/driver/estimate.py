@@ -98,15 +98,15 @@ class EstimateRun:
             n = self.n_without_light
             unlit = f" ({n:,} where nothing is known of the light)" if n else ""
             lines.append(
-                f"{count_text(n_adapted, 'estimate')} without a known change of light{unlit}: by the "
-                "estimator of the longest period, as for adapted eyes"
+                f"{count_text(n_adapted, 'estimate')} without a known change of light{unlit}: by "
+                "the estimator of the longest period, as for adapted eyes"
             )
         n_outside = int(known["is_outside"].sum())
         if n_outside:
             by_feature = listed([f"{name} in {n:,}" for name, n in self.n_outside.items()])
             lines.append(
-                f"{count_text(n_outside, 'estimate')} with features outside the range of the training "
-                f"({by_feature}): to be taken with care"
+                f"{count_text(n_outside, 'estimate')} with features outside the range of the "
+                f"training ({by_feature}): to be taken with care"
             )
         if self.steps.n_jumping:
             pedestrians = count_text(self.steps.n_crossing, "pedestrian")
