@@ -133,9 +133,8 @@ def test_where_nothing_is_known_of_the_light_is_counted(place: Path):
     (place / "lux.csv").write_text("\n".join(["time_s,lux", *readings]) + "\n")
     result = run(place, estimator())
     assert result.n_without_light == 16
-    assert "40 estimates without a known change of light (16 where nothing is known of" in str(
-        result
-    )
+    text = str(result)
+    assert "40 estimates without a known change of light (16 where nothing is known of" in text
     assert result.counts_json() == {"n": 40, "n_without_light": 16, "outside": {}}
 
 
