@@ -147,6 +147,14 @@ class DetectorJob:
 
         return expect(self.detector, self.pictures, n_threads=self.n_threads)
 
+    def cautions(self) -> list[str]:
+        """What is to be known of the detector's training before it is run on these frames."""
+        from nvcore.auditing.training import trained_findings
+
+        about = self.detector.about
+        found = trained_findings(self.dataset, about.name, about.trained_on)
+        return [f"{finding.message} {finding.advice}" for finding in found]
+
     def run(self, progress: Progress = no_progress) -> WrittenRun:
         """Run the detector and write what comes out; errors as `detect`."""
         from nvcore.detectors.run import run_detector

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nvcore.extras import needs
-from nvcore.output.files import write_run
+from nvcore.output.files import refuse_other_run, write_run
 from nvcore.progress import Progress, no_progress
 from nvcore.report.protect_inputs import refuse_to_replace
 from nvcore.wording import one_line
@@ -151,6 +151,7 @@ def evaluate_driver(
     if out is not None:
         files = [Path(out) / name for name in EVALUATION_FILES]
         refuse_to_replace(files, _read(trials, features, boxes))
+        refuse_other_run(Path(out), EVALUATION_FILES)
     table = training_table(
         Path(trials),
         Path(features),

@@ -284,7 +284,7 @@ def _dataset_to_run(
     from nvcore.driver.writing import check_folder
 
     dataset, session = load_part(source, part or Part(), progress=loading)
-    check_folder(out)
+    check_folder(out, outputs)
     files = [*inputs, *([Path(source)] if isinstance(source, PathLike) else [])]
     named = [out / name for name in outputs]
     refuse_to_replace(named, [*files, *files_read(session)], instead="folder")

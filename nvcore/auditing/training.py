@@ -21,25 +21,28 @@ def audit_provenance(dataset: Dataset) -> list[Finding]:
     for name in dataset.systems:
         record = dataset.provenance.get(name)
         if record is not None:
-            findings += _trained(dataset, name, record.about.trained_on, prints)
+            findings += trained_findings(dataset, name, record.about.trained_on, prints)
             findings += _not_run(dataset, name, record)
             findings += _other_files(dataset, name, record)
     return findings
 
 
-def _trained(
+def trained_findings(
     dataset: Dataset,
     name: str,
     trained_on: Sequence[TrainedOn],
-    prints: dict[tuple[int, int], str],
+    prints: dict[tuple[int, int], str] | None = None,
 ) -> list[Finding]:
     """Evaluated frames that are among those of the training, and recordings that are in part.
 
     Parameters
     ----------
+    name
+        Of the system or detector.
     prints
-        Fingerprints of the truth by rows of the frames table, for all systems.
+        Fingerprints of the truth by rows of the frames table, kept from call to call; None: not.
     """
+    prints = {} if prints is None else prints
     frames = dataset.frame_columns
     number_of = {name: number for number, name in enumerate(dataset.recordings["name"])}
     is_trained, is_namesake = np.zeros((2, len(frames)), dtype=bool)

@@ -124,6 +124,8 @@ def detect(session_file: Path, detector: str, settings: Sequence[str], **options
                     **{name: options[name] for name in _AS_IN_PYTHON},
                 )
             )
+        for caution in job.cautions():
+            click.echo(one_line(caution), err=True)
         click.echo(job.expect(), err=True)
         with ShareProgress() as progress:
             written = job.run(progress)
@@ -178,4 +180,4 @@ def models(detector: str | None, settings: Sequence[str]) -> None:
         click.echo(render_estimator(read_estimator(path)))
         return
     given = dict(pair_of(text, "--set") for text in settings)
-    click.echo(render_about(open_detector(detector, given)))
+    click.echo(render_about(open_detector(detector, given), detector))

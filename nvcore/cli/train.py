@@ -41,7 +41,7 @@ _SELECTION: Final = (
     *("crop_share", "background"),
 )
 """Options that say what is learned: fields of `nvcore.api.train.Selection`."""
-_SUGGESTED: Final = 3
+_SUGGESTED: Final = 8
 """Recordings that the command for a first run names."""
 _PathTo = click.Path(exists=True, file_okay=False, path_type=Path)
 
@@ -199,6 +199,8 @@ def train(session_file: Path | None, **options: Any) -> None:
                     loading=steps,
                 )
             )
+        if out.exists():
+            click.echo(one_line(f"{out} is there, and is replaced at the end"), err=True)
         with ShareProgress() as progress:
             training = job.run(progress)
     click.echo(training)

@@ -180,6 +180,8 @@ def kind_of_file(path: Path) -> Kind:
     except FileNotFoundError as error:
         known = f"built in are {listed(names)}; any other is the path of a model file"
         hint = did_you_mean(str(path), names, known)
+        if str(path) in DETECTORS:
+            hint = f"{path} is a kind of them, and needs a model; {known}"
         raise DetectorError(f"there is no such detector or file; {hint}", file=name) from error
     except (OSError, ValueError) as error:  # a folder; a NUL in the name
         reason = getattr(error, "strerror", None) or error

@@ -19,7 +19,7 @@ from nvcore.inputs.session import Session, SystemSource
 from nvcore.inputs.session_toml import write_session
 from nvcore.inputs.writers.names import safe_names
 from nvcore.output.csv_text import to_csv_bytes
-from nvcore.output.files import write_run
+from nvcore.output.files import refuse_other_run, write_run
 from nvcore.wording import one_line
 from nvcore.wording.objects import labels_in_order
 
@@ -92,6 +92,8 @@ def check_target(
         dataset.system(against)
     if name is not None and name in dataset.systems:
         raise InputError(f"there is a system {name!r} already; give the new one another name")
+    own = [*(path.name for path in outputs(folder, dataset)), *_recorded_before(folder)]
+    refuse_other_run(folder, own)
     place = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK):
         raise InputError("cannot be written to; give another folder", file=folder)
@@ -215,13 +217,18 @@ def _free_name(name: str, names: Iterable[str]) -> str:
 
 def _written_before(folder: Path) -> list[str]:
     """Names of the files of an earlier run, as its record says, that are still as it wrote them."""
+    recorded = _recorded_before(folder)
+    return [name for name, digest in recorded.items() if _has_digest(folder / name, digest)]
+
+
+def _recorded_before(folder: Path) -> dict[str, str]:
+    """Names and hashes of the files of an earlier run, as its record says."""
     path = folder / PROVENANCE_FILE
     try:
         files = read_provenance(path, PROVENANCE_FILE).files if path.is_file() else {}
     except InputError:  # no record of ours: nothing of it is touched
-        return []
-    own = {name: digest for name, digest in files.items() if Path(name).name == name}
-    return [name for name, digest in own.items() if _has_digest(folder / name, digest)]
+        return {}
+    return {name: digest for name, digest in files.items() if Path(name).name == name}
 
 
 def _has_digest(path: Path, digest: str) -> bool:

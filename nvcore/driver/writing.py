@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -18,7 +19,7 @@ from nvcore.inputs.hashes import source_hashes
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import write_session
 from nvcore.output.csv_text import to_csv_bytes
-from nvcore.output.files import write_run
+from nvcore.output.files import refuse_other_run, write_run
 from nvcore.schema import DETECTABILITY
 
 FEATURES_FILE: Final = "features.csv"
@@ -66,14 +67,20 @@ class WrittenEstimates:
     run: EstimateRun
 
 
-def check_folder(folder: Path) -> None:
+def check_folder(folder: Path, outputs: Iterable[str]) -> None:
     """Refuse a folder that cannot be written to, before a long run.
+
+    Parameters
+    ----------
+    outputs
+        Names of the files that the run may write.
 
     Raises
     ------
     InputError
-        If it cannot.
+        If it cannot, or holds the run of another command.
     """
+    refuse_other_run(folder, outputs)
     place = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK):
         raise InputError("cannot be written to; give another folder", file=folder)

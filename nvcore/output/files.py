@@ -14,12 +14,15 @@ from typing import Final
 from filelock import FileLock, Timeout
 
 from nvcore.errors import InputError
+from nvcore.wording import one_line, shortened
 
 MANIFEST: Final = "SHA256SUMS"
 """The hashes of a report's files, as `sha256sum --check` reads them; written last."""
 LOCK: Final = ".nvcore.lock"
 PATIENCE_S: Final = 60.0
 """How long a run waits for another that writes into the same folder."""
+_LONGEST: Final = 80
+"""Characters of a message that name files."""
 _STAGE: Final = ".nvcore-writing-"
 
 
@@ -92,6 +95,33 @@ def write_run(folder: Path, files: Iterable[tuple[str, bytes]], known: Iterable[
         ) from error
     except OSError as error:
         raise InputError(f"cannot be written ({error.strerror})", file=folder) from error
+
+
+def refuse_other_run(folder: Path, known: Iterable[str]) -> None:
+    """Refuse a folder that holds the run of another command, which would lose some of its files.
+
+    Parameters
+    ----------
+    known
+        Names that a run of this command may write; others in the folder's `MANIFEST` are another's.
+
+    Raises
+    ------
+    InputError
+        If there is such a file.
+    """
+    try:
+        lines = (folder / MANIFEST).read_text("utf-8").splitlines()
+    except (OSError, UnicodeDecodeError):  # no run of ours
+        return
+    listed = {line.partition("  ")[2] for line in lines}
+    others = sorted(name for name in listed - {*known, ""} if (folder / name).is_file())
+    if others:
+        raise InputError(
+            f"holds {one_line(shortened(', '.join(others), _LONGEST))} of another command; give "
+            "another folder",
+            file=folder,
+        )
 
 
 def manifest(files: Iterable[tuple[str, bytes]]) -> bytes:

@@ -9,6 +9,7 @@ from nvcore.dataset.provenance import About
 from nvcore.detectors.base import Detector
 from nvcore.detectors.facts import model_settings, run_settings
 from nvcore.detectors.icf import IcfDetector, IcfModel
+from nvcore.detectors.icf.channels import channel_sets
 from nvcore.detectors.icf.settings import OF_A_RUN
 from nvcore.detectors.registry import DETECTORS
 from nvcore.detectors.settings import SettingFacts, value_text
@@ -44,28 +45,39 @@ def render_training_settings() -> str:
     return "\n".join(lines)
 
 
-def render_about(detector: Detector) -> str:
-    """What a detector is: labels, training, and its settings with their range and meaning."""
+def render_about(detector: Detector, name: str) -> str:
+    """What a detector is: labels, training, and its settings with their range and meaning.
+
+    Parameters
+    ----------
+    name
+        By which it was opened.
+    """
     about, kind = detector.about, DETECTORS[detector.about.kind]
-    trained_on = [*map(str, about.trained_on)] or ["not known"]
+    trained_on = "; ".join(map(str, about.trained_on)) or kind.built_in.get(name, "not known")
     lines = [
         f"{one_line(about.name)}: {kind.title}",
         f"detects: {one_line(listed(about.labels))}",
         f"fingerprint: {about.fingerprint}",
-        f"trained on: {'; '.join(trained_on)}",
+        f"trained on: {trained_on.removeprefix('trained on ')}",
     ]
+    values = dict(about.settings)
     if isinstance(detector, IcfDetector):
         lines += _of_model(detector.model)
-    return "\n".join([*lines, *_settings(about)])
+        values["channels"] = " ".join(
+            channel_sets(detector.model.settings, detector.model.is_colour)
+        )
+    return "\n".join([*lines, *_settings(about, values)])
 
 
 def _of_model(model: IcfModel) -> list[str]:
     """What a model is made of, and how its training went."""
     s, channels = model.settings, listed(model.channels)
     object_size = f"{s.object_width:g}x{s.object_height:g} px"
-    pictures = "in colour" if model.is_colour else "grey; the channel grey stands for all of colour"
+    heights = [s.object_height * scale for scale in (s.scales[0], s.scales[-1])]
     return [
-        f"pictures: {pictures}",
+        f"pictures: {'in colour' if model.is_colour else 'grey'}",
+        f"finds objects of about {heights[0]:.0f} to {heights[1]:.0f} px in height",
         f"window: {s.window_width}x{s.window_height} px, with an object of {object_size}",
         f"trees: {len(model.trees):,}, over {count_text(len(model.features), 'feature')} in "
         f"{count_text(len(model.channels), 'channel')}: {channels}",
@@ -73,11 +85,11 @@ def _of_model(model: IcfModel) -> list[str]:
     ]
 
 
-def _settings(about: About) -> list[str]:
+def _settings(about: About, values: Mapping[str, Any]) -> list[str]:
     """Those of a run with their meaning and range, and those that made the model what it is."""
     of_run = run_settings(about)
-    lines = ["settings:", *_explained(of_run, about.settings)]
-    others = {name: value for name, value in about.settings.items() if name not in of_run}
+    lines = ["settings:", *_explained(of_run, values)]
+    others = {name: value for name, value in values.items() if name not in of_run}
     if others:
         lines.append("settings of its training, which cannot be changed:")
         lines += [f"  {name} = {_value(value)}" for name, value in others.items()]

@@ -27,7 +27,7 @@ from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import write_session
 from nvcore.output.csv_text import to_csv_bytes
-from nvcore.output.files import MANIFEST, manifest, write_run
+from nvcore.output.files import MANIFEST, manifest, refuse_other_run, write_run
 from nvcore.output.parquet import to_parquet_bytes
 from nvcore.progress import Progress, no_progress
 from nvcore.protocols import PROTOCOLS, Protocol
@@ -187,8 +187,9 @@ def write_report(
     Raises
     ------
     InputError
-        If the folder cannot be written to.
+        If the folder cannot be written to, or holds the run of another command.
     """
+    refuse_other_run(folder, REPORT_FILES)
     files = export_files(result, session, findings, tables=tables, matches=matches)
     write_run(folder, _file_contents(files, progress), known=REPORT_FILES)
 
@@ -199,10 +200,11 @@ def write_audit(folder: Path, dataset: Dataset, findings: tuple[Finding, ...]) -
     Raises
     ------
     InputError
-        If the folder cannot be written to, or holds the report of a comparison.
+        If the folder cannot be written to, or holds the run of another command.
     """
     if (folder / "summary.json").exists():  # of which only a part would be replaced
         raise InputError("holds the report of a comparison; give another folder", file=folder)
+    refuse_other_run(folder, AUDIT_FILES)
     contents = [
         ("findings.csv", to_csv_bytes(findings_table(findings))),
         ("finding_entries.csv", to_csv_bytes(finding_entries(dataset, findings))),

@@ -19,7 +19,7 @@ from nvcore.evidence.pairwise import systems_of
 from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
 from nvcore.measures import evidence_form
 from nvcore.output.csv_text import to_csv_bytes
-from nvcore.output.files import write_run
+from nvcore.output.files import refuse_other_run, write_run
 from nvcore.params import Params
 from nvcore.wording import (
     Footnotes,
@@ -234,6 +234,7 @@ def write_matrix(folder: Path, dataset: Dataset, params: Params, table: pd.DataF
     """
     if (folder / "summary.json").exists():  # of which only a part would be replaced
         raise InputError("holds the report of a comparison; give another folder", file=folder)
+    refuse_other_run(folder, MATRIX_FILES)
     finite = table.replace([math.inf, -math.inf], math.nan)  # CSV has no infinity
     contents = zip(
         MATRIX_FILES,

@@ -160,6 +160,30 @@ def test_a_session_without_pictures_says_what_to_do(folder: Path):
     assert "no evaluated frame has a picture; name the pictures of each recording" in ran.stderr
 
 
+def test_a_folder_of_another_command_is_not_mixed(tmp_path: Path):
+    out = tmp_path / "hog"
+    assert nvcore("detect", SAMPLE, *QUICK, *PART, "--out", out).exit_code == 0
+    before = {path.name: path.read_bytes() for path in out.iterdir()}
+    ran = nvcore("compare", SAMPLE, *PART, "--out", out)
+    assert ran.exit_code == 2
+    assert "holds provenance.json, urban_crossing.csv of another command" in ran.stderr
+    assert {path.name: path.read_bytes() for path in out.iterdir()} == before
+
+
+def test_it_is_said_before_a_run_that_the_model_knows_the_frames(tmp_path: Path):
+    flags = ("--only", "urban_crossing", "--frames", "40:40", "--out", tmp_path / "out")
+    ran = nvcore("detect", SAMPLE, "--detector", "icf:sample", *flags)
+    assert ran.exit_code == 0
+    first = ran.stderr.splitlines()[0]
+    assert first.startswith("Trained on 1 of the 1 evaluated frames: urban_crossing.")
+
+
+def test_a_kind_of_detector_is_no_model(tmp_path: Path):
+    ran = nvcore("detect", SAMPLE, "--detector", "icf", "--out", tmp_path / "out")
+    assert ran.exit_code == 2
+    assert "icf is a kind of them, and needs a model; built in are hog" in ran.stderr
+
+
 def test_the_detectors_are_listed():
     ran = nvcore("models")
     assert ran.exit_code == 0
@@ -189,7 +213,8 @@ def test_every_setting_of_a_training_is_explained():
 
 def test_a_model_of_grey_pictures_says_so():
     ran = nvcore("models", "icf:sample")
-    assert "pictures: grey; the channel grey stands for all of colour" in ran.stdout
+    assert "\npictures: grey\n" in ran.stdout
+    assert "\n  channels = grey magnitude orientations\n" in ran.stdout
 
 
 def test_an_estimator_is_described_and_no_detector(tmp_path: Path):

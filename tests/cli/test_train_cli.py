@@ -42,7 +42,7 @@ def test_from_a_session_to_boxes(tmp_path: Path):
     last_line = ran.stderr.splitlines()[-1]
     assert last_line.startswith(run_it)
     assert last_line.endswith(f" --out {tmp_path / 'night'}")
-    assert last_line.count(" --only ") == 3
+    assert last_line.count(" --only ") == 8
     assert not any(name in last_line for name in ("urban_crossing", "winter_frost"))
     out = tmp_path / "night"
     few = ("--only", "odd_pose", "--frames", "100:110:5")

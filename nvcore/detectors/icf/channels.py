@@ -68,7 +68,7 @@ def has_colour(picture: Picture) -> bool:
 def plane_names(settings: IcfSettings, is_colour: bool) -> tuple[str, ...]:
     """Name of each channel, in the order of `channel_planes`."""
     names: list[str] = []
-    for channel in _sets(settings, is_colour):
+    for channel in channel_sets(settings, is_colour):
         if channel in OF_COLOUR:
             names += channel.upper()
         elif channel == "orientations":
@@ -81,6 +81,15 @@ def plane_names(settings: IcfSettings, is_colour: bool) -> tuple[str, ...]:
         else:
             names.append({"grey": "grey", "magnitude": "gradient"}[channel])
     return tuple(names)
+
+
+def channel_sets(settings: IcfSettings, is_colour: bool) -> tuple[ChannelSet, ...]:
+    """The sets of channels that there are; grey in place of all colours."""
+    if is_colour:
+        return settings.channels
+    grey: ChannelSet = "grey"
+    sets = (grey if channel in OF_COLOUR else channel for channel in settings.channels)
+    return tuple(dict.fromkeys(sets))
 
 
 def is_of_gradient(settings: IcfSettings, is_colour: bool) -> NDArray[np.bool_]:
@@ -127,7 +136,7 @@ def channel_planes(picture: Bytes, settings: IcfSettings) -> Bytes:
     magnitude, orientations = _EMPTY[2], np.empty((0, 0, 0), np.uint8)
     grey = cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY) if is_colour else picture
     first = 0
-    for channel in _sets(settings, is_colour):
+    for channel in channel_sets(settings, is_colour):
         if channel in OF_COLOUR:
             colours = picture if channel == "rgb" else cv2.cvtColor(picture, _TO_COLOUR[channel])
             cv2.split(colours, [planes[first + i] for i in range(3)])
@@ -183,15 +192,6 @@ def halved(picture: Bytes, width: float, height: float) -> Bytes:
         size = (picture.shape[1] // 2, picture.shape[0] // 2)
         picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA))
     return picture
-
-
-def _sets(settings: IcfSettings, is_colour: bool) -> tuple[ChannelSet, ...]:
-    """The sets of channels that there are; grey in place of all colours."""
-    if is_colour:
-        return settings.channels
-    grey: ChannelSet = "grey"
-    sets = (grey if channel in OF_COLOUR else channel for channel in settings.channels)
-    return tuple(dict.fromkeys(sets))
 
 
 def _of_gradient(settings: IcfSettings) -> tuple[Magnitude, int, bool]:

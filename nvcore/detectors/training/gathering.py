@@ -43,7 +43,7 @@ class TrainingData:
     held_out
         What is held out, in words.
     notes
-        Recordings and frames that have no picture.
+        Recordings and frames that have no picture, and how many boxes are left out.
     """
 
     shots: Sequence[Shot]

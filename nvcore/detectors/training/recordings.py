@@ -24,7 +24,7 @@ from nvcore.inputs.evaluated_frames import frames_there, parse_frames
 from nvcore.pictures import RecordingPictures
 from nvcore.protocols import Protocol
 from nvcore.schema import NO_LABEL
-from nvcore.wording import one_line
+from nvcore.wording import count_text, one_line
 
 MOST_OBJECTS: Final = 5000
 """Boxes that are learned unless the caller asks for every frame: neighbours are much alike."""
@@ -46,7 +46,7 @@ class SessionShots:
     split
         What was held out, in words.
     notes
-        Recordings and frames that have no picture.
+        Recordings and frames that have no picture, and how many boxes are left out.
     """
 
     shots: Sequence[Shot]
@@ -89,12 +89,28 @@ def session_shots(
     shots = [
         _shot(dataset, pictures, int(row), counts, split) for row in rows[~split.is_left_out[rows]]
     ]
-    return SessionShots(shots, trained_on, every, split.words, notes)
+    notes += _left_out(dataset, is_here, counts, _least_height(settings, choice))
+    return SessionShots(shots, trained_on, every, split.words, tuple(notes))
+
+
+def _left_out(
+    dataset: Dataset, is_here: NDArray[np.bool_], counts: NDArray[np.bool_], least: float
+) -> list[str]:
+    """How many boxes of these frames are neither object nor background, and why."""
+    is_out = is_here[dataset.truth.frame_index] & ~counts
+    is_low = is_out & (dataset.truth.xywh[3] < least)
+    n_low, n_others = int(is_low.sum()), int((is_out & ~is_low).sum())
+    boxes = "box", "boxes"
+    parts = {
+        f"{count_text(n_low, *boxes)} lower than {least:g} px (--least-height)": n_low,
+        f"{count_text(n_others, *boxes)}: ignored, mostly hidden or cut off by the edge": n_others,
+    }
+    return [text for text, n in parts.items() if n]
 
 
 def _rows(
     dataset: Dataset, pictures: RecordingPictures, choice: Choice
-) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+) -> tuple[NDArray[np.int64], list[str]]:
     """Rows of the frames table that have a picture, and which have none."""
     frames = dataset.frame_columns
     names = dataset.recordings["name"].tolist()
@@ -118,7 +134,7 @@ def _rows(
         else:
             reason = pictures.notes.get(number) or "no frame has a picture"
             notes.append(f"{names[number]}: {reason}")
-    return rows, tuple(map(one_line, notes))
+    return rows, [one_line(note) for note in notes]
 
 
 def _asked(dataset: Dataset, frames: str | None) -> NDArray[np.bool_]:
@@ -141,9 +157,7 @@ def _asked(dataset: Dataset, frames: str | None) -> NDArray[np.bool_]:
 def _counting(dataset: Dataset, settings: IcfSettings, choice: Choice) -> NDArray[np.bool_]:
     """Boxes of the truth that are learned; bool, (n_truth,)."""
     of_session: Protocol = dataset.settings.protocol
-    least = choice.least_height
-    if least is None:
-        least = settings.object_height * settings.scales[0]
+    least = _least_height(settings, choice)
     low, high = of_session.height_px
     left, top, right, bottom = of_session.border_px or (1.0,) * 4
     protocol = replace(
@@ -155,6 +169,13 @@ def _counting(dataset: Dataset, settings: IcfSettings, choice: Choice) -> NDArra
         recordings=(),
     )
     return filter_truth(dataset, protocol).counts
+
+
+def _least_height(settings: IcfSettings, choice: Choice) -> float:
+    """Lower boxes are left out, px."""
+    if choice.least_height is None:
+        return settings.object_height * settings.scales[0]
+    return choice.least_height
 
 
 def _sparse(dataset: Dataset, rows: NDArray[np.int64], counts: NDArray[np.bool_]) -> int:

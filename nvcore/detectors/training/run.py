@@ -87,7 +87,7 @@ class Training:
         if self.training_data.every > 1:
             every = self.training_data.every
             pictures += f", one in {every} of the evaluated frames (--every {every})"
-        return f"{count_text(self.n_objects, 'object')} in {pictures}"
+        return f"{count_text(self.n_objects, 'box', 'boxes')} learned in {pictures}"
 
     @property
     def _calibrated(self) -> str:
