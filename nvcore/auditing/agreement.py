@@ -20,6 +20,10 @@ from nvcore.wording import count_text
 
 MIN_BOXES: Final = 20
 """Fewer boxes than this may be the same by chance."""
+LOOSE_IOU: Final = 0.25
+"""Overlap from which on a false alarm shows a pedestrian who counts as missed."""
+LOOSE_SHARE: Final = 0.25
+"""Share of a system's false alarms on missed pedestrians from which on it is worth a look."""
 SAME_SHARE: Final = 0.95
 """Share of a system's boxes that are exactly the truth's from which on it is no chance."""
 
@@ -143,6 +147,25 @@ def find_disagreement(
     ]
 
 
+def find_loose(source: BoxSource, matches: Matches) -> list[Finding]:
+    """A system many of whose false alarms lie on pedestrians that it thereby misses."""
+    truth, rows = source.dataset.truth, np.flatnonzero(matches.is_false_alarm)
+    is_missed = ~truth.ignore & ~matches.is_matched
+    loose = rows[_overlapped(truth, is_missed, source.boxes, rows, LOOSE_IOU) >= 0]
+    if len(loose) < max(MIN_BOXES, LOOSE_SHARE * len(rows)):
+        return []
+    return source.findings(
+        Severity.WARNING,
+        "loose-boxes",
+        loose,
+        f"{len(loose):,} of {count_text(len(rows), 'false alarm')} overlap a pedestrian who counts "
+        f"as missed, by an IoU of {LOOSE_IOU:g} or more.",
+        "Look at some: where they show the pedestrian, the boxes are of another shape than the "
+        "ground truth's, each costs a miss and a false alarm, and what is said at equal false "
+        'alarms rests on them. A lower iou, or match = "lateral", judges who is detected.',
+    )
+
+
 def _agreeing(
     dataset: Dataset, x: BoxColumns, y: BoxColumns, matches: tuple[Matches, Matches]
 ) -> np.ndarray:
@@ -170,9 +193,13 @@ def _agreeing(
 
 
 def _overlapped(
-    truth: BoxColumns, unmatched: np.ndarray, x: BoxColumns, agreed: np.ndarray
+    truth: BoxColumns,
+    unmatched: np.ndarray,
+    x: BoxColumns,
+    agreed: np.ndarray,
+    least_iou: float = NEAR_IOU,
 ) -> np.ndarray:
-    """Per agreed detection: the unmatched pedestrian that it overlaps most, -1 none near."""
+    """Per detection: the unmatched pedestrian that it overlaps most, -1 none near."""
     frame = x.frame_index[agreed]
     start = truth.offsets[frame]
     n = truth.offsets[frame + 1] - start
@@ -186,7 +213,7 @@ def _overlapped(
     best = np.zeros(len(agreed))
     np.maximum.at(best, pair, iou)
     row = np.full(len(agreed), -1, np.int64)
-    is_best = (iou >= NEAR_IOU) & (iou == best[pair])
+    is_best = (iou >= least_iou) & (iou == best[pair])
     row[pair[is_best]] = g[is_best]
     return row
 

@@ -67,6 +67,20 @@ def test_a_pedestrian_that_both_draw_elsewhere_is_reported(n: int, severity: str
     assert "agreed-by-both-not-in-truth" not in codes(made)
 
 
+@pytest.mark.parametrize(("n", "n_others"), [(20, 0), (20, 60), (19, 0), (20, 61)])
+def test_false_alarms_on_pedestrians_who_count_as_missed_are_reported(n: int, n_others: int):
+    # 20 px off: IoU 20 / 60, no match
+    beside = [box._replace(x=box.x + 20) if box.frame < n else box for box in walk()]
+    nobody = [Box(f % N, 400 + 50 * (f // N), 200, 40, 100) for f in range(n_others)]
+    made = dataset(x=[*beside, *nobody])
+    if n < 20 or n_others > 60:  # too few, or less than a quarter
+        assert "loose-boxes" not in codes(made)
+        return
+    assert reported(made, "loose-boxes") == ("warning", "x", n)
+    assert f"{n} of {n + n_others} false alarms overlap" in find(made, "loose-boxes").message
+    assert "loose-boxes" not in codes(made, Params(iou=0.3))
+
+
 def test_a_matched_pedestrian_beside_an_agreed_box_is_not_disputed() -> None:
     # the second box overlaps the pedestrian as well, but the first one matches it
     boxes = [*walk(), *(box._replace(x=box.x + 25) for box in walk(stop=3))]

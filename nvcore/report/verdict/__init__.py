@@ -63,6 +63,7 @@ LESSER: Final = {
     "duplicate-box": "boxes are repeated",
     "duplicate-track": "pedestrians of one frame share a track id",
     "box-disputed-by-both": "both systems agree on other boxes than the ground truth's",
+    "loose-boxes": "many false alarms of a system lie on pedestrians whom it thereby misses",
     "missing-score": "some detections have no score and pass every threshold",
     "threshold-without-scores": "a threshold has no effect, as no detection has a score",
     "truth-every-nth-frame": "most evaluated frames have no ground truth",
