@@ -110,6 +110,10 @@ class Visit:
         if self.is_dark:
             options["runOnly"] = ["color-contrast"]
         report = Axe().run(self.page, options=options).response
+        while not self.page.evaluate(IS_DRAWN):  # a run began meanwhile, and greys what it replaces
+            self.wait_until_drawn()
+            self.page.wait_for_function(IS_STILL)
+            report = Axe().run(self.page, options=options).response
         assert len(report["passes"]) > (0 if self.is_dark else 10)
         return [
             f"{self.page.url} {rule['impact']} {rule['id']}: {node['html'][:200]} "
