@@ -102,6 +102,7 @@ def _draw_moving(result: Result, encounter: int, course: pd.DataFrame) -> None:
             caution=caution_of(result),
             run=None if features is None or run is None else run.run,
             is_estimated=is_estimated(result, recording),
+            has_run=run is not None,
         )
     with below:
         _draw_plot(result, encounter, course, clock, change)

@@ -20,6 +20,18 @@ ADAPTED: Final = (
     "{without} eyes count as adapted: the estimator of the longest period{longest} is taken, of "
     "eyes in the dark after a change. In a bright picture, or with glare, take it with care."
 )
+UNLIT: Final = (
+    "It is not known when the light last changed: the estimator of the longest period{longest} is "
+    "taken, as if the eyes were adapted. Just after a change, fewer drivers would see him."
+)
+NOT_RUN: Final = (
+    "They are not known here: this recording was not among those that were estimated. It needs "
+    "pictures of visible light."
+)
+FROM_FILE: Final = (
+    "They are not known here: only estimates came with the session. *Estimate*, above, computes "
+    "them."
+)
 UNKNOWN: Final = "by which feature, *Estimate* would tell"
 FORMS: Final = {"px": ".1f", "grey levels": ".1f", "ΔE": ".1f", "bins": ".2f"}
 
@@ -33,6 +45,7 @@ def draw(
     caution: str = "",
     run: EstimateRun | None = None,
     is_estimated: bool = False,
+    has_run: bool = False,
 ) -> None:
     """What is known of the pedestrian on the frame that is shown.
 
@@ -50,6 +63,8 @@ def draw(
         What the estimates and features come from; None: from a file.
     is_estimated
         Whether an estimator of ours said how detectable he is.
+    has_run
+        Whether a run of this session made the estimates, of this recording or of others.
     """
     row = state.row_in_all()
     frames = state.opened().dataset.frames
@@ -71,21 +86,20 @@ def draw(
     rows.append(("Since the change", _since(clock, is_simulated=is_simulated)))
     st.html(_table(rows))
     _draw_outside(estimate, own, would if is_simulated else None, run)
-    _draw_features(features, at)
-    if is_estimated and _is_adapted(own, clock):
+    _draw_features(features, at, NOT_RUN if has_run else FROM_FILE)
+    if is_estimated and _has_no_period(own, clock):
         longest = "" if run is None else f" ({basis.longest_words(run)})"
         without = "Without the simulated change the" if is_simulated else "The"
-        st.caption(state.words(ADAPTED.format(without=without, longest=longest)))
+        is_lit = clock is not None and bool(clock.is_known[state.row()])
+        text = (ADAPTED if is_lit else UNLIT).format(without=without, longest=longest)
+        st.caption(state.words(text))
 
 
-def _draw_features(features: pd.DataFrame | None, at: int) -> None:
-    """The eight features in this row of the course, or how to know them."""
+def _draw_features(features: pd.DataFrame | None, at: int, why_none: str) -> None:
+    """The eight features in this row of the course, or why they are not known."""
     st.markdown(f"**{docs_link('Features', 'features', doc='driver')}**")
     if features is None:
-        st.caption(
-            "They are not known here: only estimates came with the session. *Estimate*, above, "
-            "computes them."
-        )
+        st.caption(state.words(why_none))
         return
     values = features.iloc[at]
     st.html(
@@ -119,7 +133,7 @@ def _draw_outside(
         st.warning(state.words(text), icon=":material/warning:")
 
 
-def _is_adapted(own: pd.Series | None, clock: AdaptationClock | None) -> bool:
+def _has_no_period(own: pd.Series | None, clock: AdaptationClock | None) -> bool:
     """Whether no change of light is known before the frame, by the run, else by the clock."""
     if own is not None:
         return bool(np.isnan(own["period_s"]))

@@ -92,7 +92,10 @@ def _missing(known: OpenedRun | None) -> str:
             "To simulate a change of light, features and an estimator are needed, and the session "
             "has estimates alone: press *Estimate* above."
         )
-    return "Features of this recording are not known: choose it above, and press *Estimate*."
+    return (
+        "Features of this recording are not known: it was not among those that were estimated, and "
+        "needs pictures of visible light."
+    )
 
 
 def _estimates(

@@ -270,6 +270,14 @@ def test_adapted_eyes_and_the_band_are_explained_where_an_estimator_was_used(vis
     assert "Without the simulated change the eyes count as adapted" in texts(page)
 
 
+def test_where_nothing_is_known_of_the_light_nobody_is_said_to_be_adapted(visible):
+    (visible / "lux.csv").write_text("time_s,lux\n5.8,1000\n5.9,1000\n")
+    page = estimated(sent(visible))
+    assert re.search(r"Since the change\s+not known", panel(page))
+    assert "It is not known when the light last changed" in texts(page)
+    assert "The eyes count as adapted" not in texts(page)
+
+
 def test_a_feature_outside_of_the_training_is_named_with_the_number_that_rests_on_it(visible):
     page = estimated(sent(visible, soon_high=50.0))
     page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
