@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -15,8 +16,9 @@ from nvcore.detectors.icf.model_file import fingerprint, from_bytes
 from nvcore.errors import InputError
 from nvcore.findings import Severity
 from pages import FRAMES, begin_with, checked, opened, press, rows, texts, to_page, write
+from ui.confined.detectors import DetectorSpec
 from ui.detectors import run
-from ui.detectors.trial import LEVELS
+from ui.detectors.trial import CHOSEN, LEVELS
 from ui.session.local_files import LocalRoot
 from ui.widgets.models import models_below
 
@@ -49,7 +51,7 @@ def slider(page: AppTest, label: str):
 
 
 def counts(page: AppTest) -> tuple[int, int]:
-    before, after = page.metric
+    before, after, *_ = page.metric
     return int(before.value.replace(",", "")), int(after.value.replace(",", ""))
 
 
@@ -95,6 +97,26 @@ def test_a_built_in_detector_is_tried_on_the_current_frame():
     checked(frame.set_value(121).run())
     assert headings(page)[0].startswith("HOG on frame 121")
     assert slider(page, "Threshold").value == pytest.approx(-1.0, abs=0.02)
+
+
+def test_what_the_comparison_would_make_of_the_boxes_stands_beside_them():
+    page = checked(opened("detectors", is_folded=True, recording="odd_pose", frame="255"))
+    assert [one.value for one in page.metric][1:] == ["1", "0", "1", "1"]  # IoU 0.457
+    assert "1 after: 0 matched, 1 false; the truth has 1, 1 missed" in headings(page)[0]
+    page.session_state["iou"] = 0.45
+    checked(page.run())
+    assert [one.value for one in page.metric][2:] == ["1", "0", "0"]
+
+
+def test_a_box_that_was_clicked_is_described():
+    page = with_hog()
+    checked(slider(page, "Threshold").set_value(-1.0).run())
+    assert "Click the mark in the middle of a box" in texts(page)
+    place = page.session_state["place"]
+    page.session_state[CHOSEN] = (DetectorSpec("hog"), place), 0
+    checked(page.run())
+    pattern = r"\*\*Chosen box:\*\* score \S+, \d+ × \d+ px, IoU with the truth \S+: \w+"
+    assert re.search(pattern, texts(page))
 
 
 def test_settings_are_the_detectors_own_and_a_wrong_one_is_said():
