@@ -13,6 +13,7 @@ from nvcore.errors import DetectorError, NvcoreError
 from nvcore.wording import count_text, listed, shortened
 from ui.confined.detectors import DetectorFacts, DetectorSpec
 from ui.detectors.asking import described
+from ui.detectors.training import trained_recordings
 from ui.session import state
 from ui.shell.page_words import page_text
 from ui.widgets.models import ModelKind, draw_field, is_sent, model_files
@@ -119,11 +120,10 @@ def _draw_about(what: DetectorFacts) -> None:
     trained_on = "; ".join(map(str, about.trained_on))
     if trained_on:
         parts.append(f"Trained on: {plain(shortened(trained_on, 300))}.")
-        names = state.recording_names()
-        n_open = len({part.recording for part in about.trained_on} & set(names))
+        n_all, n_open = len(state.recording_names()), len(trained_recordings(about))
         if n_open:
             parts.append(
-                f"That is {n_open} of the {count_text(len(names), 'open recording')}: what it "
+                f"That is {n_open} of the {count_text(n_all, 'open recording')}: what it "
                 "finds in them says little about others."
             )
     else:

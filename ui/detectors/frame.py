@@ -5,7 +5,7 @@ from __future__ import annotations
 import streamlit as st
 
 from ui.confined.detectors import DetectorSpec
-from ui.detectors import asking, choose, inside, run, settings, trial
+from ui.detectors import asking, choose, inside, run, settings, training, trial
 from ui.session import state
 from ui.widgets.recording import choose_recording_and_frame
 from ui.widgets.text import docs_link, plain
@@ -22,6 +22,11 @@ def draw(own: DetectorSpec) -> None:
         return
     st.header("Try it on a frame")
     choose_recording_and_frame("detector_frame")
+    if training.is_trained_frame(what.about):
+        st.caption(
+            ":material/warning: The detector was trained on this frame: what it finds here says "
+            "nothing of frames that it has not seen."
+        )
     picture, trouble = asking.picture()
     if picture is None:
         st.info(f"{plain(trouble)} Choose another frame or recording.")

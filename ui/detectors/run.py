@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -22,8 +22,10 @@ from nvcore.errors import NvcoreError
 from nvcore.inputs.session import Session
 from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress
+from nvcore.wording import MOST_NAMED, listed
 from ui.confined.detectors import ConfinedDetector, DetectorFacts, DetectorSpec
-from ui.detectors.asking import described
+from ui.detectors.asking import described, key_of
+from ui.detectors.training import trained_recordings
 from ui.detectors.trial import Levels, levels_of
 from ui.jobs.background import BackgroundJob, JobState, while_open
 from ui.jobs.progress import draw_job
@@ -77,11 +79,12 @@ class RunJob(FolderJob[WrittenRun]):
 def draw(spec: DetectorSpec, what: DetectorFacts) -> None:
     """Which recordings, how long that will take, the run, and the way to its comparison."""
     st.header("Run it over the recordings")
-    chosen = _choose_recordings()
+    chosen = _choose_recordings(trained_recordings(what.about))
     trained_on = _ask_for_training(what.about)
     levels = levels_of(spec, what)
     key = RunKey(spec, chosen)
     about = replace(what.about, trained_on=(*what.about.trained_on, *trained_on))
+    _draw_trained(chosen, about)
     job: RunJob | None = state.workspace().job(RUN)
     is_busy = job is not None and job.is_busy
     if chosen:
@@ -94,15 +97,26 @@ def draw(spec: DetectorSpec, what: DetectorFacts) -> None:
             _draw_done(job)
 
 
-def _choose_recordings() -> tuple[str, ...]:
+def _choose_recordings(seen: Sequence[str]) -> tuple[str, ...]:
+    """Names of the recordings that the detector is to be run on.
+
+    Parameters
+    ----------
+    seen
+        Those that it was trained on: they are not chosen at first, unless there is no other.
+    """
     names, pictures = state.recording_names(), state.workspace().pictures
     usable = [name for number, name in enumerate(names) if number in pictures]
+    unseen = [name for name in usable if name not in seen]
+    first = unseen or usable
     chosen = st.multiselect(
         "Recordings",
         usable,
-        usable,
-        key=f"detector_recordings_{state.workspace().n_opened}_{len(names)}",
-        help="The new comparison is of these recordings alone.",
+        first,
+        key=f"detector_recordings_{state.workspace().n_opened}_{key_of(usable, first)}",
+        persist_state="session",
+        help="The new comparison is of these recordings alone. Those that the detector was trained "
+        "on are not chosen at first.",
     )
     if len(usable) < len(names):
         without = [name for name in names if name not in usable]
@@ -120,10 +134,21 @@ def _ask_for_training(about: About) -> list[TrainedOn]:
         "Trained on, where the model does not say so itself",
         [name for name in state.recording_names() if name not in known],
         key=f"detector_trained_{state.workspace().n_opened}",
+        persist_state="session",
         placeholder="none of these recordings",
         help="The audit then says that the detector is scored on what it has learned from.",
     )
     return [TrainedOn(recording=name) for name in chosen]
+
+
+def _draw_trained(chosen: Sequence[str], about: About) -> None:
+    """Which of the chosen recordings the detector was trained on."""
+    seen = [name for name in trained_recordings(about) if name in chosen]
+    if seen:
+        st.caption(
+            f":material/warning: Trained on {len(seen):,} of these {len(chosen):,}: "
+            f"{plain(listed(seen, most=MOST_NAMED))}. Figures on them say nothing of others."
+        )
 
 
 def as_run(spec: DetectorSpec, about: About, levels: Levels) -> DetectorSpec:
@@ -259,7 +284,13 @@ def _draw_done(job: RunJob) -> None:
     written = job.output
     assert written is not None
     first, *others = str(written.run).splitlines()
-    st.success(f"**{plain(written.name)}**: {plain(first)}.", icon=":material/check_circle:")
+    names = listed(
+        [part.name for part in written.run.recordings if len(part.frames)], most=MOST_NAMED
+    )
+    st.success(
+        f"**{plain(written.name)}**: {plain(first)}. Run over {plain(names)}.",
+        icon=":material/check_circle:",
+    )
     if others:
         st.warning(plain(" ".join(others)), icon=":material/warning:")
     left, right = st.columns([1, 1])

@@ -50,6 +50,11 @@ def slider(page: AppTest, label: str):
     return found
 
 
+def recordings(page: AppTest):
+    (field,) = [one for one in page.multiselect if one.label == "Recordings"]
+    return field
+
+
 def counts(page: AppTest) -> tuple[int, int]:
     before, after, *_ = page.metric
     return int(before.value.replace(",", "")), int(after.value.replace(",", ""))
@@ -61,8 +66,7 @@ def job(page: AppTest, kind: str):
 
 def timed(page: AppTest) -> AppTest:
     """The page on one recording, its run timed."""
-    (recordings,) = [one for one in page.multiselect if one.label == "Recordings"]
-    checked(recordings.set_value(["urban_crossing"]).run())
+    checked(recordings(page).set_value(["urban_crossing"]).run())
     press(page, "time_detector")
     job(page, run.TIMING).join()
     return checked(page.run())
@@ -78,6 +82,32 @@ def test_the_sample_begins_with_the_detector_of_its_drawings():
     assert page.selectbox(key="detector").value == "icf:sample"
     assert "That is 7 of the 10 open recordings" in texts(page)
     assert counts(page)[1] > 0
+
+
+def test_recordings_of_the_training_are_marked_and_not_chosen_at_first():
+    page = checked(opened("detectors", is_folded=True, **PEOPLE))
+    unseen = ["urban_sidewalk", "rural_cyclist", "odd_pose"]
+    assert recordings(page).value == unseen
+    assert "trained on this frame" in texts(page)
+    assert "say nothing of others" not in texts(page)
+    checked(recordings(page).set_value(["odd_pose", "urban_crossing", "winter_frost"]).run())
+    trained = (
+        "Trained on 2 of these 3: urban_crossing and winter_frost. Figures on them say nothing"
+    )
+    assert trained in texts(page)
+    # the choice stays while one looks at another page
+    checked(to_page(page, "timeline"))
+    checked(to_page(page, "detectors"))
+    assert recordings(page).value == ["odd_pose", "urban_crossing", "winter_frost"]
+    checked(page.selectbox(key="detector").set_value("hog").run())
+    assert len(recordings(page).value) == 10  # it has seen none of them
+    assert "trained on this frame" not in texts(page)
+
+
+def test_a_detector_that_has_seen_all_recordings_is_run_over_all():
+    page = checked(opened("detectors", is_folded=True, tags="summer", **PEOPLE))
+    assert recordings(page).value == recordings(page).options
+    assert "Figures on them say nothing of others." in texts(page)
 
 
 def test_a_built_in_detector_is_tried_on_the_current_frame():
@@ -217,6 +247,7 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(model: bytes):
     checked(page.run())
     assert "**bars**: " in texts(page)
     assert "in 300 pictures of 1 recording" in texts(page)
+    assert "Run over urban_crossing." in texts(page)
     assert run.packed(done.output).startswith(b"PK")
     own = fingerprint(from_bytes(model, "bars.npz"))
     record = read_provenance(done.output.provenance, "provenance.json").about
