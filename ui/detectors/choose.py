@@ -27,8 +27,16 @@ ONLY_LOCAL: Final = (
 )
 
 
+SENT: Final = "a model that nvcore train wrote (.npz)"
+
+
 def _check_kind(path: Path) -> None:
-    if kind_of_file(path).key != "icf":
+    try:
+        kind = kind_of_file(path)
+    except DetectorError as error:  # names kinds, too, that may not be sent
+        reason = error.message.partition(";")[0]
+        raise DetectorError(f"{reason}; send {SENT}", file=path.name) from error
+    if kind.key != "icf":
         raise DetectorError(ONLY_LOCAL, file=path.name)
 
 

@@ -17,7 +17,7 @@ from nvcore.errors import InputError
 from nvcore.findings import Severity
 from pages import FRAMES, begin_with, checked, opened, press, rows, texts, to_page, write
 from ui.confined.detectors import DetectorSpec
-from ui.detectors import run
+from ui.detectors import finished, run
 from ui.detectors.trial import CHOSEN, LEVELS
 from ui.session.local_files import LocalRoot
 from ui.widgets.models import models_below
@@ -196,13 +196,17 @@ def test_a_model_stays_when_one_comes_back_from_another_page(model: bytes):
     ("content", "words"),
     [
         (b"PK\3\4 and so on", "bars.npz: is not a detector that nvcore train wrote, or is damaged"),
-        (b"frame,x,y\n", "bars.npz: is text, no model"),
+        (
+            b"frame,x,y\n",
+            "bars.npz: is text, no model; send a model that nvcore train wrote (.npz)",
+        ),
         (b"\x08\x08\x12\x04nvco", "those of visitors do not run here"),
     ],
 )
 def test_what_is_no_model_is_refused_in_words(content: bytes, words: str):
     page = send(checked(opened("detectors", is_folded=True, **PEOPLE)), "bars.npz", content)
     assert words in texts(page)
+    assert "model-detector" not in texts(page)
     assert str(page.session_state["workspace"].folder) not in texts(page)
     checked(page.selectbox(key="detector").set_value("hog:daimler").run())
     assert headings(page)[0].startswith("HOG Daimler on frame 120")
@@ -242,17 +246,30 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(model: bytes):
     assert "300 pictures of 1 recording on" in texts(page)
     levels = page.session_state[LEVELS]
     press(page, "run_detector")
-    done = job(page, run.RUN)
+    done = job(page, finished.RUN)
     done.join()
     checked(page.run())
     assert "**bars**: " in texts(page)
     assert "in 300 pictures of 1 recording" in texts(page)
     assert "Run over urban_crossing." in texts(page)
-    assert run.packed(done.output).startswith(b"PK")
+    assert finished.packed(done.output).startswith(b"PK")
     own = fingerprint(from_bytes(model, "bars.npz"))
     record = read_provenance(done.output.provenance, "provenance.json").about
     assert record.settings["overlap"] == 0.3
     assert record.fingerprint == done.output.run.about.fingerprint != own
+    words = "It becomes Y, at the threshold 0: where the slider stood when the run was started."
+    assert words in texts(page)
+    assert "other settings than those now on screen" not in texts(page)
+    slider(page, "Threshold").set_value(1.0).run()
+    checked(page.run())
+    assert "those now on screen: threshold 0 (now 1)." in texts(page)
+    # it stays whatever cannot be used above
+    (region,) = [one for one in page.text_input if one.label == "Region"]
+    checked(region.set_value("5 5 5 5 5 5").run())
+    assert "expected" in page.error[0].value
+    assert "**bars**: " in texts(page)
+    (region,) = [one for one in page.text_input if one.label == "Region"]
+    checked(region.set_value("").run())
     press(page, "compare_detector")
     space = page.session_state["workspace"]
     session, dataset = space.opened.session, space.opened.dataset
@@ -266,6 +283,11 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(model: bytes):
     (finding,) = [one for one in audit(dataset) if one.code == "trained-on-tested"]
     assert finding.severity is Severity.ERROR
     assert finding.message in texts(checked(to_page(page, "data")))
+    # and back
+    press(checked(to_page(page, "detectors")), "before_detector")
+    assert space.opened.label == "Sample recordings"
+    assert space.opened.dataset.systems == ("FIR", "NIR")
+    assert [button.key for button in page.button if button.key == "before_detector"] == []
 
 
 def test_what_it_was_trained_on_may_be_said_on_the_page(monkeypatch: pytest.MonkeyPatch):
