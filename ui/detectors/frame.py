@@ -8,7 +8,7 @@ from nvcore.errors import NvcoreError
 from nvcore.pictures import Picture
 from ui.confined.detectors import DetectorFacts, DetectorSpec
 from ui.detectors import asking, choose, inside, run, settings, training, trial
-from ui.detectors.finished import OnScreen
+from ui.detectors.finished import RUN, OnScreen
 from ui.session import state
 from ui.shell.page_words import page_text
 from ui.widgets.recording import choose_recording_and_frame
@@ -41,7 +41,7 @@ def draw(own: DetectorSpec) -> OnScreen | None:
 
 def _draw_picture(spec: DetectorSpec, what: DetectorFacts, picture: Picture) -> None:
     try:
-        trial.draw(spec, what, picture)
+        trial.draw(spec, what, picture, has_run=state.workspace().job(RUN) is not None)
     except NvcoreError as error:  # it takes too long, or too much memory
         st.error(plain(page_text(error)), icon=":material/error:")
         return

@@ -58,12 +58,22 @@ def chosen_box(spec: DetectorSpec, boxes: Detections) -> int | None:
 
 
 @st.fragment
-def draw(spec: DetectorSpec, what: DetectorFacts, picture: Picture) -> None:
-    """The picture with the boxes, beside the controls; a click chooses a box."""
-    boxes = asking.found(spec, picture)
+def draw(
+    spec: DetectorSpec, what: DetectorFacts, picture: Picture, *, has_run: bool = False
+) -> None:
+    """The picture with the boxes, beside the controls; a click chooses a box.
+
+    Parameters
+    ----------
+    has_run
+        Whether there is a run below, which says what it has not in common with the controls.
+    """
+    boxes, before = asking.found(spec, picture), levels_of(spec, what)
     left, right = st.columns([3, 1], gap="medium")
     with right:
         levels = _draw_levels(spec, what, boxes)
+    if has_run and levels != before:
+        st.rerun()  # of the whole page: this part alone is drawn while a slider moves
     is_counting = counting(boxes, what.about, threshold=levels.threshold, overlap=levels.overlap)
     dataset, row = state.opened().dataset, state.row_in_all()
     outcome = outcome_of(dataset, row, picture, boxes, is_counting, state.params())
