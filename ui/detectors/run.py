@@ -117,9 +117,11 @@ def _draw_trained(chosen: Sequence[str], about: About) -> None:
     """Which of the chosen recordings the detector was trained on."""
     seen = [name for name in trained_recordings(about) if name in chosen]
     if seen:
+        is_all = len(seen) == len(chosen)
+        part = "all that is chosen" if is_all else f"{len(seen):,} of these {len(chosen):,}"
         st.caption(
-            f":material/warning: Trained on {len(seen):,} of these {len(chosen):,}: "
-            f"{plain(listed(seen, most=MOST_NAMED))}. Figures on them say nothing of others."
+            f":material/warning: Trained on {part}: {plain(listed(seen, most=MOST_NAMED))}. "
+            "Figures on them say nothing of others."
         )
 
 

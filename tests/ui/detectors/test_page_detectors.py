@@ -107,7 +107,7 @@ def test_recordings_of_the_training_are_marked_and_not_chosen_at_first():
 def test_a_detector_that_has_seen_all_recordings_is_run_over_all():
     page = checked(opened("detectors", is_folded=True, tags="summer", **PEOPLE))
     assert recordings(page).value == recordings(page).options
-    assert "Figures on them say nothing of others." in texts(page)
+    assert "Trained on all that is chosen: summer_night. Figures on them say" in texts(page)
 
 
 def test_a_built_in_detector_is_tried_on_the_current_frame():
