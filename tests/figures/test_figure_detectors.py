@@ -16,7 +16,9 @@ from nvcore.figures.detectors.confidence import confidence_plot, traces_plot, tr
 from nvcore.figures.detectors.pictures import pictures_plot
 from nvcore.figures.detectors.score_map import score_map_plot
 from nvcore.figures.detectors.tree import tree_plot
-from nvcore.figures.style import LOOK
+from nvcore.figures.style import LOOK, faded
+from nvcore.palette import Scheme
+from nvcore.schema import DetectionState
 
 GREY = np.full((60, 80), 90, np.uint8)
 BOXES = Detections(
@@ -34,12 +36,46 @@ def test_boxes_that_count_and_those_that_went_are_told_apart():
     counts = np.array([True, False, False])
     figure = boxes_plot(GREY, BOXES, counts, theme="light", threshold=0.4, truth=np.zeros((2, 4)))
     assert trace(figure, "detected").x[:4].tolist() == [10, 20, 20, 10]
-    assert trace(figure, "suppressed").x[:2].tolist() == [12, 22]
+    assert trace(figure, "suppressed boxes").x[:2].tolist() == [12, 22]
     assert trace(figure, "counting").customdata.tolist() == [0]
     assert trace(figure, "gone").customdata.tolist() == [1]  # the third is below
     assert "2 boxes before suppression, 1 after; the truth has 2" in words(figure)
     assert trace(figure, "detected").line.color == LOOK["dark"].y
     assert figure.layout.images[0].source.startswith("data:image/jpeg;base64,")
+
+
+def test_it_is_said_what_the_boxes_are_in_a_comparison():
+    states = np.array([DetectionState.MATCHED, DetectionState.FALSE_ALARM, DetectionState.ABSORBED])
+    truth = np.array([[10.0, 5, 10, 40], [40, 5, 4, 4], [60, 5, 4, 4]])
+    figure = boxes_plot(
+        GREY, BOXES, np.ones(3, bool), theme="light", threshold=0, truth=truth,
+        ignored=np.array([[50.0, 20, 20, 20]]), states=states.astype(np.int8),
+    )  # fmt: skip
+    assert "3 after: 1 matched, 1 false, 1 on ignored truth; the truth has 3, 2 missed" in words(
+        figure
+    )
+    assert trace(figure, "counting").text[:2] == (
+        "score 0.9, 10 × 20 px, IoU with the truth 0.50: matched",
+        "score 0.5, 10 × 20 px, IoU with the truth 0.36: a false alarm",  # 160 of 440
+    )
+    assert trace(figure, "truth").x[:2].tolist() == [10, 20]
+    assert trace(figure, "ignored").x[:2].tolist() == [50, 70]
+
+
+def test_chosen_detected_and_suppressed_boxes_can_be_told_apart():
+    figure = boxes_plot(
+        GREY, BOXES, np.array([True, False, False]), theme=Scheme("light", 0, 2), threshold=0.4,
+        truth=np.zeros((1, 4)), chosen=0,
+    )  # fmt: skip
+    chosen, truth, detected = (trace(figure, name) for name in ("chosen", "truth", "detected"))
+    assert len({part.line.color for part in (chosen, truth, detected)}) == 3
+    assert chosen.fill == "toself"  # not by its colour alone
+    assert detected.line.dash is None  # long dashes leave a corner of a small box
+    assert trace(figure, "counting").marker.size[0] == 8
+    swatch = trace(figure, "suppressed")
+    assert swatch.showlegend
+    assert swatch.line.color == faded(LOOK[Scheme("dark", 0, 2)].y, 0.7)
+    assert not trace(figure, "suppressed boxes").showlegend
 
 
 def test_boxes_are_drawn_in_pixels_of_the_recording():

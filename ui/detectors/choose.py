@@ -13,6 +13,7 @@ from nvcore.errors import DetectorError, NvcoreError
 from nvcore.wording import count_text, listed, shortened
 from ui.confined.detectors import DetectorFacts, DetectorSpec
 from ui.detectors.asking import described
+from ui.detectors.training import trained_recordings
 from ui.session import state
 from ui.shell.page_words import page_text
 from ui.widgets.models import ModelKind, draw_field, is_sent, model_files
@@ -26,8 +27,16 @@ ONLY_LOCAL: Final = (
 )
 
 
+SENT: Final = "a model that nvcore train wrote (.npz)"
+
+
 def _check_kind(path: Path) -> None:
-    if kind_of_file(path).key != "icf":
+    try:
+        kind = kind_of_file(path)
+    except DetectorError as error:  # names kinds, too, that may not be sent
+        reason = error.message.partition(";")[0]
+        raise DetectorError(f"{reason}; send {SENT}", file=path.name) from error
+    if kind.key != "icf":
         raise DetectorError(ONLY_LOCAL, file=path.name)
 
 
@@ -119,11 +128,10 @@ def _draw_about(what: DetectorFacts) -> None:
     trained_on = "; ".join(map(str, about.trained_on))
     if trained_on:
         parts.append(f"Trained on: {plain(shortened(trained_on, 300))}.")
-        names = state.recording_names()
-        n_open = len({part.recording for part in about.trained_on} & set(names))
+        n_all, n_open = len(state.recording_names()), len(trained_recordings(about))
         if n_open:
             parts.append(
-                f"That is {n_open} of the {count_text(len(names), 'open recording')}: what it "
+                f"That is {n_open} of the {count_text(n_all, 'open recording')}: what it "
                 "finds in them says little about others."
             )
     else:

@@ -4,32 +4,49 @@ from __future__ import annotations
 
 import streamlit as st
 
-from ui.confined.detectors import DetectorSpec
-from ui.detectors import asking, choose, inside, run, settings, trial
+from nvcore.errors import NvcoreError
+from nvcore.pictures import Picture
+from ui.confined.detectors import DetectorFacts, DetectorSpec
+from ui.detectors import asking, choose, inside, run, settings, training, trial
+from ui.detectors.finished import RUN, OnScreen
 from ui.session import state
+from ui.shell.page_words import page_text
 from ui.widgets.recording import choose_recording_and_frame
 from ui.widgets.text import docs_link, plain
 
 
-def draw(own: DetectorSpec) -> None:
-    """Settings, the current frame, the inside of the model, and the run."""
+def draw(own: DetectorSpec) -> OnScreen | None:
+    """Settings, the current frame, the inside of the model, and what can be run; None: nothing."""
     spec = settings.draw(own, asking.described(own).about)
     what = choose.checked(spec)
     if what is None:
-        return
+        return None
     if not state.workspace().pictures:
         _draw_no_pictures()
-        return
+        return None
     st.header("Try it on a frame")
     choose_recording_and_frame("detector_frame")
+    if training.is_trained_frame(what.about):
+        st.caption(
+            ":material/warning: The detector was trained on this frame: what it finds here says "
+            "nothing of frames that it has not seen."
+        )
     picture, trouble = asking.picture()
     if picture is None:
         st.info(f"{plain(trouble)} Choose another frame or recording.")
     else:
-        trial.draw(spec, what, picture)
-        if what.inside is not None:
-            inside.draw(spec, what.inside, picture)
-    run.draw(spec, what)
+        _draw_picture(spec, what, picture)
+    return run.draw(spec, what)
+
+
+def _draw_picture(spec: DetectorSpec, what: DetectorFacts, picture: Picture) -> None:
+    try:
+        trial.draw(spec, what, picture, has_run=state.workspace().job(RUN) is not None)
+    except NvcoreError as error:  # it takes too long, or too much memory
+        st.error(plain(page_text(error)), icon=":material/error:")
+        return
+    if what.inside is not None:
+        inside.draw(spec, what.inside, picture)
 
 
 def _draw_no_pictures() -> None:

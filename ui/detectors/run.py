@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import io
 import os
-import zipfile
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -18,91 +16,79 @@ from nvcore.detectors.registry import DETECTORS
 from nvcore.detectors.run import run_detector
 from nvcore.detectors.timing import Expectation, expect
 from nvcore.detectors.writing import WrittenRun, write_detections
-from nvcore.errors import NvcoreError
-from nvcore.inputs.session import Session
 from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress
+from nvcore.wording import MOST_NAMED, listed
 from ui.confined.detectors import ConfinedDetector, DetectorFacts, DetectorSpec
-from ui.detectors.asking import described
+from ui.detectors import finished
+from ui.detectors.asking import described, key_of
+from ui.detectors.finished import FOLDER, RUN, OnScreen, RunJob, RunKey
+from ui.detectors.training import trained_recordings
 from ui.detectors.trial import Levels, levels_of
 from ui.jobs.background import BackgroundJob, JobState, while_open
 from ui.jobs.progress import draw_job
-from ui.jobs.runs import FolderJob, is_uploaded, new_run_folder, open_written
+from ui.jobs.runs import new_run_folder
 from ui.session import state
-from ui.session.opening import live_session, relative_path
-from ui.session.uploads import ANNOTATION_FOLDERS, safe_name
+from ui.session.opening import live_session
+from ui.session.uploads import ANNOTATION_FOLDERS
 from ui.session.workspace import Workspace
-from ui.shell.messages import shown_error
-from ui.shell.navigate import ask_for_page
-from ui.widgets.text import docs_link, plain
+from ui.widgets.text import plain
 
 TIMING: Final = "detector_timing"
-RUN: Final = "detector_run"
-FOLDER: Final = "detector"
+HEADER: Final = "Run it over the recordings"
 SHARE_OF_CORES: Final = 2
 """One picture for so many cores at a time, each in one thread: the others are for visitors."""
 
 
-@dataclass(frozen=True)
-class RunKey:
-    """What is run on which recordings: what its time depends on."""
-
-    spec: DetectorSpec
-    recordings: tuple[str, ...]
-
-
-class RunJob(FolderJob[WrittenRun]):
-    """A run.
-
-    Attributes
-    ----------
-    threshold
-        Of the new system.
-    """
-
-    def __init__(
-        self,
-        space: Workspace,
-        folder: Path,
-        threshold: float,
-        work: Callable[[Progress], WrittenRun],
-        *,
-        key: str,
-    ):
-        """Start to run; see `FolderJob`. `key` is the name."""
-        self.threshold = threshold
-        super().__init__(space, folder, work, key=key)
-
-
-def draw(spec: DetectorSpec, what: DetectorFacts) -> None:
-    """Which recordings, how long that will take, the run, and the way to its comparison."""
-    st.header("Run it over the recordings")
-    chosen = _choose_recordings()
+def draw(spec: DetectorSpec, what: DetectorFacts) -> OnScreen:
+    """Which recordings, how long that will take, and the button that runs it there."""
+    st.header(HEADER)
+    chosen = _choose_recordings(trained_recordings(what.about))
     trained_on = _ask_for_training(what.about)
-    levels = levels_of(spec, what)
-    key = RunKey(spec, chosen)
+    on_screen = OnScreen(RunKey(spec, chosen), levels_of(spec, what))
     about = replace(what.about, trained_on=(*what.about.trained_on, *trained_on))
+    _draw_trained(chosen, about)
     job: RunJob | None = state.workspace().job(RUN)
-    is_busy = job is not None and job.is_busy
     if chosen:
-        _draw_start(key, about, levels, is_busy=is_busy)
+        is_busy = job is not None and job.is_busy
+        _draw_start(on_screen.key, about, on_screen.levels, is_busy=is_busy)
     else:
         st.info("Choose a recording.")
-    if job is not None:
-        doing = f"Running {job.key}"
-        if draw_job(job, RUN, thing="run", doing=doing, with_steps=True) is JobState.DONE:
-            _draw_done(job)
+    return on_screen
 
 
-def _choose_recordings() -> tuple[str, ...]:
+def draw_last(on_screen: OnScreen | None) -> None:
+    """The run that is under way or done, whatever is chosen by now; None: that cannot be run."""
+    job: RunJob | None = state.workspace().job(RUN)
+    if job is None:
+        return
+    if on_screen is None:
+        st.header(HEADER)
+    doing = f"Running {job.key}"
+    if draw_job(job, RUN, thing="run", doing=doing, with_steps=True) is JobState.DONE:
+        finished.draw(job, on_screen)
+
+
+def _choose_recordings(seen: Sequence[str]) -> tuple[str, ...]:
+    """Names of the recordings that the detector is to be run on.
+
+    Parameters
+    ----------
+    seen
+        Those that it was trained on: they are not chosen at first, unless there is no other.
+    """
     names, pictures = state.recording_names(), state.workspace().pictures
     usable = [name for number, name in enumerate(names) if number in pictures]
+    unseen = [name for name in usable if name not in seen]
+    first = unseen or usable
     chosen = st.multiselect(
         "Recordings",
         usable,
-        usable,
-        key=f"detector_recordings_{state.workspace().n_opened}_{len(names)}",
-        help="The new comparison is of these recordings alone.",
+        first,
+        key=f"detector_recordings_{state.workspace().n_opened}_{key_of(usable, first)}",
+        persist_state="session",
+        help="The new comparison is of these recordings alone. Those that the detector was trained "
+        "on are not chosen at first.",
     )
     if len(usable) < len(names):
         without = [name for name in names if name not in usable]
@@ -120,10 +106,23 @@ def _ask_for_training(about: About) -> list[TrainedOn]:
         "Trained on, where the model does not say so itself",
         [name for name in state.recording_names() if name not in known],
         key=f"detector_trained_{state.workspace().n_opened}",
+        persist_state="session",
         placeholder="none of these recordings",
         help="The audit then says that the detector is scored on what it has learned from.",
     )
     return [TrainedOn(recording=name) for name in chosen]
+
+
+def _draw_trained(chosen: Sequence[str], about: About) -> None:
+    """Which of the chosen recordings the detector was trained on."""
+    seen = [name for name in trained_recordings(about) if name in chosen]
+    if seen:
+        is_all = len(seen) == len(chosen)
+        part = "all that is chosen" if is_all else f"{len(seen):,} of these {len(chosen):,}"
+        st.caption(
+            f":material/warning: Trained on {part}: {plain(listed(seen, most=MOST_NAMED))}. "
+            "Figures on them say nothing of others."
+        )
 
 
 def as_run(spec: DetectorSpec, about: About, levels: Levels) -> DetectorSpec:
@@ -251,109 +250,4 @@ def start_job(
         finally:
             detector.close()
 
-    return RunJob(space, folder, levels.threshold, work, key=about.name)
-
-
-def _draw_done(job: RunJob) -> None:
-    """What came out, the button that compares it, and the files."""
-    written = job.output
-    assert written is not None
-    first, *others = str(written.run).splitlines()
-    st.success(f"**{plain(written.name)}**: {plain(first)}.", icon=":material/check_circle:")
-    if others:
-        st.warning(plain(" ".join(others)), icon=":material/warning:")
-    left, right = st.columns([1, 1])
-    if left.button(
-        f"Compare with {plain(state.systems()[0])}",
-        icon=":material/arrow_forward:",
-        key="compare_detector",
-        type="primary",
-    ):
-        _open(job, written)
-    right.download_button(
-        "Boxes and how they were made (ZIP)",
-        lambda: packed(written),
-        f"{safe_name(written.name)}.zip",
-        "application/zip",
-        on_click="ignore",
-        icon=":material/download:",
-        key="download_detector",
-    )
-    link = docs_link("how", "never-scored-on-its-training-in-silence", doc="detectors")
-    st.caption(
-        "It becomes Y. With its boxes goes the record of how they were made: the audit says where "
-        f"it was trained on what it is scored on ({link})."
-    )
-
-
-def packed(written: WrittenRun) -> bytes:
-    """The files of a run as an archive."""
-    content = io.BytesIO()
-    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
-        for path in (*written.files, written.provenance):
-            archive.write(path, path.name)
-    return content.getvalue()
-
-
-def _open(job: RunJob, written: WrittenRun) -> None:
-    """Go on with what is open, and the new system as Y."""
-    opened, label = state.opened(), state.opened().label
-    space = state.workspace()
-    x, y = state.systems()
-    live = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
-    session = with_system(
-        live,
-        opened.dataset,
-        written,
-        x=x,
-        threshold=job.threshold,
-        is_upload=is_uploaded(space, live),
-    )
-    ask_for_page("overview")
-    try:
-        open_written(space, job, session, label=f"{label}, with {written.name}")
-    except NvcoreError as error:
-        st.session_state.pop("wanted_page", None)
-        st.error(shown_error(error), icon=":material/error:")
-
-
-def with_system(
-    session: Session,
-    dataset: Dataset,
-    written: WrittenRun,
-    *,
-    x: str,
-    threshold: float,
-    is_upload: bool,
-) -> Session:
-    """The session as it is shown, with the new system as its last one and as Y.
-
-    Parameters
-    ----------
-    is_upload
-        Whether its files are uploads, and those of the system lie beside them: they are then named
-        from its folder.
-    """
-
-    def named(path: Path) -> str:
-        return relative_path(path, session.folder) if is_upload else str(path)
-
-    system = replace(
-        written.system,
-        path=tuple(map(named, written.files)),
-        threshold=threshold,
-        provenance=named(written.provenance),
-    )
-    others = [  # their names do not change with the files of another
-        replace(source, name=own)
-        for source, own in zip(session.systems, dataset.systems, strict=True)
-    ]
-    names = tuple(part.name for part in written.run.recordings)
-    is_part = set(names) != set(dataset.recordings["name"])
-    return replace(
-        session,
-        systems=(*others, system),
-        x=x,
-        y=written.name,
-        only=names if is_part else session.only,
-    )
+    return RunJob(space, folder, OnScreen(key, levels), work, name=about.name)

@@ -12,14 +12,17 @@ import streamlit as st
 from nvcore.detectors.base import Detections
 from nvcore.detectors.candidates import MOST, counting, usual_threshold
 from nvcore.detectors.facts import run_settings
-from nvcore.figures.detectors.boxes import boxes_plot
+from nvcore.figures.detectors.boxes import box_text, boxes_plot
 from nvcore.figures.style import plain
 from nvcore.pictures import Picture
+from nvcore.schema import DetectionState
 from nvcore.wording import count_text, minus
 from ui.confined.detectors import DetectorFacts, DetectorSpec
 from ui.detectors import asking
+from ui.detectors.outcome import Outcome, outcome_of
 from ui.session import state
 from ui.widgets.charts import clicked_chart
+from ui.widgets.text import plain as as_text
 
 CHOSEN: Final = "detector_box"
 LEVELS: Final = "detector_levels"
@@ -55,17 +58,32 @@ def chosen_box(spec: DetectorSpec, boxes: Detections) -> int | None:
 
 
 @st.fragment
-def draw(spec: DetectorSpec, what: DetectorFacts, picture: Picture) -> None:
-    """The picture with the boxes, beside the controls; a click chooses a box."""
-    boxes = asking.found(spec, picture)
+def draw(
+    spec: DetectorSpec, what: DetectorFacts, picture: Picture, *, has_run: bool = False
+) -> None:
+    """The picture with the boxes, beside the controls; a click chooses a box.
+
+    Parameters
+    ----------
+    has_run
+        Whether there is a run below, which says what it has not in common with the controls.
+    """
+    boxes, before = asking.found(spec, picture), levels_of(spec, what)
     left, right = st.columns([3, 1], gap="medium")
     with right:
         levels = _draw_levels(spec, what, boxes)
+    if has_run and levels != before:
+        st.rerun()  # of the whole page: this part alone is drawn while a slider moves
     is_counting = counting(boxes, what.about, threshold=levels.threshold, overlap=levels.overlap)
+    dataset, row = state.opened().dataset, state.row_in_all()
+    outcome = outcome_of(dataset, row, picture, boxes, is_counting, state.params())
+    chosen = _clicked_box(spec, boxes, levels)
     with right:
         _draw_numbers(boxes, is_counting, levels)
+        _draw_outcome(outcome)
+        _draw_chosen(boxes, is_counting, outcome, chosen)
     with left:
-        clicked = _draw_boxes(spec, what, picture, boxes, is_counting, levels)
+        clicked = _draw_boxes(what, picture, boxes, is_counting, levels, outcome, chosen)
     if clicked is not None:
         row = clicked[0] if isinstance(clicked, list) else clicked
         st.session_state[CHOSEN] = ((spec, asking.place()), int(row))
@@ -113,8 +131,8 @@ def _draw_numbers(boxes: Detections, is_counting: np.ndarray, levels: Levels) ->
     if len(boxes) >= MOST:
         st.caption(f"Of all windows the {MOST:,} most confident are kept.")
     if n_above:
-        st.caption("Click the mark in the middle of a box to choose it.")
-    elif len(boxes):
+        return
+    if len(boxes):
         best = minus(f"{boxes.score[0]:.3g}")
         st.caption(
             f"No box reaches the threshold: the most confident has {best}. Objects "
@@ -124,20 +142,55 @@ def _draw_numbers(boxes: Detections, is_counting: np.ndarray, levels: Levels) ->
         st.caption("No window came through: there is no box at any threshold.")
 
 
+def _draw_outcome(outcome: Outcome) -> None:
+    """What the boxes that count would be in a comparison."""
+    params = state.params()
+    matched, false, missed = st.columns(3)
+    matched.metric("Matched", f"{outcome.n_of(DetectionState.MATCHED):,}")
+    false.metric("False", f"{outcome.n_of(DetectionState.FALSE_ALARM):,}")
+    missed.metric("Missed", f"{outcome.n_missed:,}")
+    is_by_overlap = params.match == "iou"
+    rule = f"an IoU of at least {params.iou:.4g}" if is_by_overlap else "sideways position"
+    st.caption(f"With the truth, as the comparison matches: by {rule}.")
+
+
+def _draw_chosen(
+    boxes: Detections, is_counting: np.ndarray, outcome: Outcome, chosen: int | None
+) -> None:
+    """What is known of the box that was clicked."""
+    if chosen is None:
+        if is_counting.any():
+            st.caption("Click the mark in the middle of a box to choose it.")
+        return
+    text = box_text(
+        boxes,
+        chosen,
+        iou=float(outcome.iou[chosen]),
+        is_counting=bool(is_counting[chosen]),
+        states=outcome.states,
+    )
+    st.markdown(f"**Chosen box:** {as_text(text)}.")
+
+
+def _clicked_box(spec: DetectorSpec, boxes: Detections, levels: Levels) -> int | None:
+    """Row of the box of this frame that was clicked, unless it is below the threshold by now."""
+    where, row = st.session_state.get(CHOSEN, (None, 0))
+    is_here = where == (spec, asking.place()) and row < len(boxes)
+    return int(row) if is_here and boxes.score[row] >= levels.threshold else None
+
+
 def _draw_boxes(
-    spec: DetectorSpec,
     what: DetectorFacts,
     picture: Picture,
     boxes: Detections,
     is_counting: np.ndarray,
     levels: Levels,
+    outcome: Outcome,
+    chosen: int | None,
 ) -> Any:
     dataset, recording = state.opened().dataset, state.recording()
     frames, row = dataset.frame_columns, state.row_in_all()
-    truth = np.column_stack(dataset.truth.of_frames(row, row + 1).xywh)
     name = what.about.name
-    where, chosen = st.session_state.get(CHOSEN, (None, 0))
-    is_here = where == (spec, asking.place()) and boxes.score[chosen] >= levels.threshold
     figure = boxes_plot(
         picture,
         boxes,
@@ -145,9 +198,11 @@ def _draw_boxes(
         theme=asking.theme_of(what.about),
         threshold=levels.threshold,
         title=f"{plain(name)} on frame {int(frames.frame[row])}",
-        truth=truth,
+        truth=outcome.truth,
+        ignored=outcome.ignored,
+        states=outcome.states,
         size=(float(frames.width[recording]), float(frames.height[recording])),
-        chosen=int(chosen) if is_here else None,
+        chosen=chosen,
     )
     alt = f"Boxes of {name}: {count_text(int(is_counting.sum()), 'box', 'boxes')} count"
     return clicked_chart(figure, "detector_boxes", clicks=CLICKS, alt=alt)

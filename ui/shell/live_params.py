@@ -139,18 +139,29 @@ def threshold_scale(letter: str) -> tuple[float, float, float] | None:
     return math.floor(span[0] / step) * step, span[1], step
 
 
+def counts_all(letter: str) -> bool:
+    """Whether every detection of X or Y reaches the live threshold."""
+    threshold: float | None = getattr(state.params(), f"threshold_{letter}")
+    system = state.systems()["xy".index(letter)]
+    span = None if system is None else state.score_span(system)
+    return threshold is None or (span is not None and threshold <= span[0])
+
+
 def _threshold(name: str) -> float | None:
-    """At the lowest score every detection counts: no threshold.
+    """At the lowest score every detection counts: no threshold, unless what is open has one there.
 
     Where no slider can be drawn the session's own threshold holds, not one that was set for
     another system before.
     """
     system = state.systems()[0 if name == "threshold_x" else 1]
     span = None if system is None else state.score_span(system)
+    own: float | None = getattr(state.session_params(), name)
     if span is None:
-        return getattr(state.session_params(), name)  # type: ignore[no-any-return]
+        return own
     value: float | None = value_of(name)
-    return None if value is not None and value <= span[0] else value
+    if value is None or value > span[0]:
+        return value
+    return own if own is not None and own <= span[0] else None  # all count: nothing has changed
 
 
 def set_preset(preset: Preset) -> None:

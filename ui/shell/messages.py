@@ -107,6 +107,7 @@ def _folders() -> list[Path]:
     space: Workspace | None = st.session_state.get("workspace")
     if space is not None:
         folders += [space.folder, *space.folder.glob("upload-*")]
+        folders += space.folder.glob("model-*/*")
         if space.opened is not None:
             session = space.opened.session
             outside = (Path(path) for path in session.paths())

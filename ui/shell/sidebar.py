@@ -184,7 +184,7 @@ def _threshold(name: str) -> None:
         step=step,
         help_text=state.words(SETTINGS[name].meaning + " At the left end all count."),
     )
-    if getattr(state.params(), name) is None:
+    if live_params.counts_all(letter):
         st.caption(f"Every detection of {letter.upper()} counts.")
 
 

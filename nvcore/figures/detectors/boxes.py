@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from nvcore.figures.detectors.pictures import picture_axes, picture_layer
 from nvcore.figures.marks import click_markers, marks, steady_marker, still_line, with_gaps
 from nvcore.figures.style import HEADING_PX, LEGEND, LOOK, draw, faded, plain
+from nvcore.metrics.matching import iou_of_pairs
 from nvcore.palette import Theme, scheme_of
 from nvcore.pictures import Picture
+from nvcore.schema import DetectionState
 from nvcore.wording import count_text
 
 if TYPE_CHECKING:
@@ -22,6 +24,17 @@ HEIGHT_PX: Final = 560
 TOP_PX: Final = HEADING_PX + 34
 SUPPRESSED: Final = 0.25
 """Opacity of boxes that went."""
+MARK_PX: Final = (3, 8)
+"""Of the mark in the middle of the smallest and of large boxes."""
+CHOSEN: Final = "#FFE600"
+"""Neither the truth's colour nor a system's."""
+OUTCOMES: Final = {
+    DetectionState.MATCHED: "matched",
+    DetectionState.FALSE_ALARM: "a false alarm",
+    DetectionState.ABSORBED: "on ignored truth",
+    DetectionState.BELOW: "of a class that does not count",
+}
+"""What a box that counts is in a comparison."""
 
 
 def boxes_plot(
@@ -33,6 +46,8 @@ def boxes_plot(
     threshold: float,
     title: str = "Boxes",
     truth: NDArray[np.float64] | None = None,
+    ignored: NDArray[np.float64] | None = None,
+    states: NDArray[np.int8] | None = None,
     size: tuple[float, float] | None = None,
     chosen: int | None = None,
 ) -> go.Figure:
@@ -54,45 +69,57 @@ def boxes_plot(
         Those with a lower score are not drawn.
     truth
         Left, top, width, height in pixels of the recording, (n, 4); None: not known.
+    ignored
+        The same of truth that is neither to be found nor a false alarm; None: there is none.
+    states
+        What each box that counts is in a comparison (`nvcore.schema.DetectionState`; BELOW: not of
+        a class that counts), int8, (n,); None: not known.
     size
         Width and height of the recording, px; None: those of the picture.
     chosen
         Row of the box that is marked.
     """
-    height, width = picture.shape[:2]
-    own_size = size or (float(width), float(height))
-    scale = own_size[0] / width, own_size[1] / height
-    sides = np.column_stack([boxes.x, boxes.y, boxes.w, boxes.h]) * np.tile(scale, 2)
+    own_size = size or (float(picture.shape[1]), float(picture.shape[0]))
+    sides = sides_in(boxes, picture, own_size)
     is_above = boxes.score >= threshold
     is_gone = is_above & ~is_counting
     look = LOOK[scheme_of(theme)._replace(shade="dark")]  # on a picture, whatever the page's ground
+    swatch = {"color": faded(look.y, 0.7), "width": 1.5}  # the line itself is too faint for it
+    faint = _outlines(sides[is_gone], "suppressed boxes", color=faded(look.y, SUPPRESSED), width=1)
     traces = [
-        _outlines(sides[is_gone], "suppressed", color=faded(look.y, SUPPRESSED), width=1),
+        faint.update(showlegend=False),
+        *([] if chosen is None else [_filled(sides[[chosen]], "chosen", CHOSEN, width=6)]),
+        still_line([None], [None], "suppressed", showlegend=bool(is_gone.any()), line=swatch),
         *([] if truth is None else [_outlines(truth, "truth", color=look.truth, width=1.5)]),
-        _outlines(sides[is_counting], "detected", color=look.y, width=2.4, dash=look.dash("y")),
+        # solid, whatever the system's line: its dashes are longer than a distant box
+        _outlines(sides[is_counting], "detected", color=look.y, width=2.4),
     ]
-    if chosen is not None:
-        traces.append(_outlines(sides[[chosen]], "chosen", color="#FFFFFF", width=4))
+    if ignored is not None:
+        traces.append(_outlines(ignored, "ignored", color=look.truth, width=1.5, dash="dot"))
+    iou = iou_with(sides, truth)
     middle = sides[:, :2] + sides[:, 2:] / 2
+    across_px = sides[:, 2:].min(axis=1) * HEIGHT_PX / own_size[1]  # of a box on the screen, about
+    mark_px = np.clip(across_px / 2, *MARK_PX)
     for name, is_shown in (("gone", is_gone), ("counting", is_counting)):  # these on top
         row = np.flatnonzero(is_shown)
         across, down = middle[row].T
-        texts = [_text(boxes, is_counting, k) for k in row.tolist()]
+        texts = [
+            box_text(boxes, k, iou=iou[k], is_counting=name == "counting", states=states)
+            for k in row.tolist()
+        ]
         more: dict[str, Any] = {"name": name, "customdata": row}
         if name == "gone":
             traces.append(click_markers(across, down, texts, **more))
             continue
-        more |= steady_marker(size=8, color=look.y, line={"width": 1, "color": look.surface})
+        more |= steady_marker(
+            size=mark_px[row], color=look.y, line={"width": 1, "color": look.surface}
+        )
         traces.append(marks(across, down, texts, showlegend=False, **more))
-    n_above, n_counting = int(is_above.sum()), int(is_counting.sum())
-    subtitle = f"{count_text(n_above, 'box', 'boxes')} before suppression, {n_counting:,} after"
-    if truth is not None:
-        subtitle += f"; the truth has {len(truth):,}"
     return draw(
         traces,
         theme,
         title=title,
-        subtitle=subtitle,
+        subtitle=_counts(int(is_above.sum()), is_counting, truth, states),
         height=HEIGHT_PX,
         margin={"l": 4, "r": 4, "t": TOP_PX, "b": 4},
         legend={**LEGEND, "bgcolor": look.surface, "font": {"size": 12, "color": look.ink}},
@@ -101,11 +128,72 @@ def boxes_plot(
     )
 
 
-def _text(boxes: Detections, is_counting: NDArray[np.bool_], k: int) -> str:
-    """For the mouse."""
+def sides_in(boxes: Detections, picture: Picture, size: tuple[float, float]) -> NDArray[np.float64]:
+    """Left, top, width, height of boxes of a picture in pixels of the recording, (n, 4).
+
+    Parameters
+    ----------
+    size
+        Width and height of the recording, px.
+    """
+    scale = size[0] / picture.shape[1], size[1] / picture.shape[0]
+    in_picture = np.column_stack([boxes.x, boxes.y, boxes.w, boxes.h])
+    sides: NDArray[np.float64] = in_picture * np.tile(scale, 2)
+    return sides
+
+
+def iou_with(sides: NDArray[np.float64], truth: NDArray[np.float64] | None) -> NDArray[np.float64]:
+    """Intersection over union of each box with the truth's nearest, (n,); NaN without truth."""
+    if truth is None or not len(truth):
+        return np.full(len(sides), np.nan)
+    left, top, width, height = sides.T[:, :, np.newaxis]
+    iou: NDArray[np.float64] = iou_of_pairs((left, top, width, height), tuple(truth.T)).max(axis=1)
+    return iou
+
+
+def box_text(
+    boxes: Detections,
+    k: int,
+    *,
+    iou: float,
+    is_counting: bool,
+    states: NDArray[np.int8] | None = None,
+) -> str:
+    """Score, size, class, overlap with the truth and what it is in a comparison, of one box."""
     text = f"score {boxes.score[k]:.3g}, {boxes.w[k]:.0f} × {boxes.h[k]:.0f} px"
     text += "" if boxes.label is None else f", {plain(boxes.label[k])}"
-    return text if is_counting[k] else f"{text}<br>suppressed"
+    text += "" if np.isnan(iou) else f", IoU with the truth {iou:.2f}"
+    if not is_counting:
+        return f"{text}: suppressed"
+    return text if states is None else f"{text}: {OUTCOMES[DetectionState(int(states[k]))]}"
+
+
+def _counts(
+    n_above: int,
+    is_counting: NDArray[np.bool_],
+    truth: NDArray[np.float64] | None,
+    states: NDArray[np.int8] | None,
+) -> str:
+    """How many boxes there are, and what they are in a comparison."""
+    text = f"{count_text(n_above, 'box', 'boxes')} before suppression, "
+    text += f"{int(is_counting.sum()):,} after"
+    n_matched = 0
+    if states is not None:
+        of_state = np.bincount(states[is_counting], minlength=len(DetectionState))
+        n_matched = int(of_state[DetectionState.MATCHED])
+        text += f": {n_matched:,} matched, {of_state[DetectionState.FALSE_ALARM]:,} false"
+        for other in (DetectionState.ABSORBED, DetectionState.BELOW):
+            text += f", {of_state[other]:,} {OUTCOMES[other]}" if of_state[other] else ""
+    if truth is not None:
+        text += f"; the truth has {len(truth):,}"
+        text += "" if states is None else f", {len(truth) - n_matched:,} missed"
+    return text
+
+
+def _filled(sides: NDArray[np.float64], name: str, colour: str, *, width: float) -> go.Scatter:
+    """Boxes that cannot be taken for others, even without the colour."""
+    outlines = _outlines(sides, name, color=colour, width=width)
+    return outlines.update(fill="toself", fillcolor=faded(colour, 0.25))
 
 
 def _outlines(sides: NDArray[np.float64], name: str, **line: Any) -> go.Scatter:

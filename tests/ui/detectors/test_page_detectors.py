@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -15,8 +16,9 @@ from nvcore.detectors.icf.model_file import fingerprint, from_bytes
 from nvcore.errors import InputError
 from nvcore.findings import Severity
 from pages import FRAMES, begin_with, checked, opened, press, rows, texts, to_page, write
-from ui.detectors import run
-from ui.detectors.trial import LEVELS
+from ui.confined.detectors import DetectorSpec
+from ui.detectors import finished, run, trial
+from ui.detectors.trial import CHOSEN, LEVELS
 from ui.session.local_files import LocalRoot
 from ui.widgets.models import models_below
 
@@ -48,8 +50,13 @@ def slider(page: AppTest, label: str):
     return found
 
 
+def recordings(page: AppTest):
+    (field,) = [one for one in page.multiselect if one.label == "Recordings"]
+    return field
+
+
 def counts(page: AppTest) -> tuple[int, int]:
-    before, after = page.metric
+    before, after, *_ = page.metric
     return int(before.value.replace(",", "")), int(after.value.replace(",", ""))
 
 
@@ -59,8 +66,7 @@ def job(page: AppTest, kind: str):
 
 def timed(page: AppTest) -> AppTest:
     """The page on one recording, its run timed."""
-    (recordings,) = [one for one in page.multiselect if one.label == "Recordings"]
-    checked(recordings.set_value(["urban_crossing"]).run())
+    checked(recordings(page).set_value(["urban_crossing"]).run())
     press(page, "time_detector")
     job(page, run.TIMING).join()
     return checked(page.run())
@@ -76,6 +82,32 @@ def test_the_sample_begins_with_the_detector_of_its_drawings():
     assert page.selectbox(key="detector").value == "icf:sample"
     assert "That is 7 of the 10 open recordings" in texts(page)
     assert counts(page)[1] > 0
+
+
+def test_recordings_of_the_training_are_marked_and_not_chosen_at_first():
+    page = checked(opened("detectors", is_folded=True, **PEOPLE))
+    unseen = ["urban_sidewalk", "rural_cyclist", "odd_pose"]
+    assert recordings(page).value == unseen
+    assert "trained on this frame" in texts(page)
+    assert "say nothing of others" not in texts(page)
+    checked(recordings(page).set_value(["odd_pose", "urban_crossing", "winter_frost"]).run())
+    trained = (
+        "Trained on 2 of these 3: urban_crossing and winter_frost. Figures on them say nothing"
+    )
+    assert trained in texts(page)
+    # the choice stays while one looks at another page
+    checked(to_page(page, "timeline"))
+    checked(to_page(page, "detectors"))
+    assert recordings(page).value == ["odd_pose", "urban_crossing", "winter_frost"]
+    checked(page.selectbox(key="detector").set_value("hog").run())
+    assert len(recordings(page).value) == 10  # it has seen none of them
+    assert "trained on this frame" not in texts(page)
+
+
+def test_a_detector_that_has_seen_all_recordings_is_run_over_all():
+    page = checked(opened("detectors", is_folded=True, tags="summer", **PEOPLE))
+    assert recordings(page).value == recordings(page).options
+    assert "Trained on all that is chosen: summer_night. Figures on them say" in texts(page)
 
 
 def test_a_built_in_detector_is_tried_on_the_current_frame():
@@ -95,6 +127,26 @@ def test_a_built_in_detector_is_tried_on_the_current_frame():
     checked(frame.set_value(121).run())
     assert headings(page)[0].startswith("HOG on frame 121")
     assert slider(page, "Threshold").value == pytest.approx(-1.0, abs=0.02)
+
+
+def test_what_the_comparison_would_make_of_the_boxes_stands_beside_them():
+    page = checked(opened("detectors", is_folded=True, recording="odd_pose", frame="255"))
+    assert [one.value for one in page.metric][1:] == ["1", "0", "1", "1"]  # IoU 0.457
+    assert "1 after: 0 matched, 1 false; the truth has 1, 1 missed" in headings(page)[0]
+    page.session_state["iou"] = 0.45
+    checked(page.run())
+    assert [one.value for one in page.metric][2:] == ["1", "0", "0"]
+
+
+def test_a_box_that_was_clicked_is_described():
+    page = with_hog()
+    checked(slider(page, "Threshold").set_value(-1.0).run())
+    assert "Click the mark in the middle of a box" in texts(page)
+    place = page.session_state["place"]
+    page.session_state[CHOSEN] = (DetectorSpec("hog"), place), 0
+    checked(page.run())
+    pattern = r"\*\*Chosen box:\*\* score \S+, \d+ × \d+ px, IoU with the truth \S+: \w+"
+    assert re.search(pattern, texts(page))
 
 
 def test_settings_are_the_detectors_own_and_a_wrong_one_is_said():
@@ -144,13 +196,17 @@ def test_a_model_stays_when_one_comes_back_from_another_page(model: bytes):
     ("content", "words"),
     [
         (b"PK\3\4 and so on", "bars.npz: is not a detector that nvcore train wrote, or is damaged"),
-        (b"frame,x,y\n", "bars.npz: is text, no model"),
+        (
+            b"frame,x,y\n",
+            "bars.npz: is text, no model; send a model that nvcore train wrote (.npz)",
+        ),
         (b"\x08\x08\x12\x04nvco", "those of visitors do not run here"),
     ],
 )
 def test_what_is_no_model_is_refused_in_words(content: bytes, words: str):
     page = send(checked(opened("detectors", is_folded=True, **PEOPLE)), "bars.npz", content)
     assert words in texts(page)
+    assert "model-detector" not in texts(page)
     assert str(page.session_state["workspace"].folder) not in texts(page)
     checked(page.selectbox(key="detector").set_value("hog:daimler").run())
     assert headings(page)[0].startswith("HOG Daimler on frame 120")
@@ -183,23 +239,42 @@ def test_without_pictures_it_is_said_what_is_missing(
     assert [button.key for button in page.button if button.key == "time_detector"] == []
 
 
-def test_a_run_becomes_a_system_whose_training_the_audit_knows(model: bytes):
+def test_a_run_becomes_a_system_whose_training_the_audit_knows(
+    model: bytes, monkeypatch: pytest.MonkeyPatch
+):
     page = with_model(model)
     checked(slider(page, "Overlap").set_value(0.3).run())
     timed(page)
     assert "300 pictures of 1 recording on" in texts(page)
     levels = page.session_state[LEVELS]
     press(page, "run_detector")
-    done = job(page, run.RUN)
+    done = job(page, finished.RUN)
     done.join()
     checked(page.run())
     assert "**bars**: " in texts(page)
     assert "in 300 pictures of 1 recording" in texts(page)
-    assert run.packed(done.output).startswith(b"PK")
+    assert "Run over urban_crossing." in texts(page)
+    assert finished.packed(done.output).startswith(b"PK")
     own = fingerprint(from_bytes(model, "bars.npz"))
     record = read_provenance(done.output.provenance, "provenance.json").about
     assert record.settings["overlap"] == 0.3
     assert record.fingerprint == done.output.run.about.fingerprint != own
+    words = "It becomes Y, at the threshold 0: where the slider stood when the run was started."
+    assert words in texts(page)
+    assert "other settings than those now on screen" not in texts(page)
+    reruns = []
+    with monkeypatch.context() as context:
+        context.setattr(trial.st, "rerun", lambda: reruns.append("page"))
+        checked(slider(page, "Threshold").set_value(1.0).run())
+    assert reruns == ["page"]  # in a browser the slider alone would run the picture's part only
+    assert "those now on screen: threshold 0 (now 1)." in texts(page)
+    # it stays whatever cannot be used above
+    (region,) = [one for one in page.text_input if one.label == "Region"]
+    checked(region.set_value("5 5 5 5 5 5").run())
+    assert "expected" in page.error[0].value
+    assert "**bars**: " in texts(page)
+    (region,) = [one for one in page.text_input if one.label == "Region"]
+    checked(region.set_value("").run())
     press(page, "compare_detector")
     space = page.session_state["workspace"]
     session, dataset = space.opened.session, space.opened.dataset
@@ -213,6 +288,11 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(model: bytes):
     (finding,) = [one for one in audit(dataset) if one.code == "trained-on-tested"]
     assert finding.severity is Severity.ERROR
     assert finding.message in texts(checked(to_page(page, "data")))
+    # and back
+    press(checked(to_page(page, "detectors")), "before_detector")
+    assert space.opened.label == "Sample recordings"
+    assert space.opened.dataset.systems == ("FIR", "NIR")
+    assert [button.key for button in page.button if button.key == "before_detector"] == []
 
 
 def test_what_it_was_trained_on_may_be_said_on_the_page(monkeypatch: pytest.MonkeyPatch):

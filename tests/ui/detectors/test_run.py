@@ -12,7 +12,9 @@ from nvcore.dataset.provenance import About
 from nvcore.detectors.run import DetectorRun, RecordingRun
 from nvcore.detectors.writing import write_detections
 from nvcore.inputs.load import load
-from ui.detectors.run import FOLDER, with_system
+from ui.confined.detectors import DetectorSpec
+from ui.detectors.finished import FOLDER, OnScreen, RunKey, differences_of, with_system
+from ui.detectors.trial import Levels
 from ui.export.session import inputs_beside, portable_session
 from ui.session.uploads import ANNOTATION_FOLDERS
 
@@ -48,3 +50,15 @@ def test_the_system_of_an_upload_lies_beside_its_files(tmp_path: Path):
     beside = inputs_beside(portable_session(extended, is_upload=True))
     assert written.files[0].name in beside
     assert not any(str(tmp_path) in path for path in beside)
+
+
+def test_what_is_set_in_another_way_since_the_run_began_is_named():
+    spec = DetectorSpec("hog", "", (("stride", 16),))
+    started = OnScreen(RunKey(spec, ("a", "b")), Levels(-0.5, 0.5))
+    assert differences_of(started, started) == []
+    key = RunKey(DetectorSpec("hog", "", (("person_box", True),)), ("a",))
+    assert differences_of(started, OnScreen(key, Levels(0.25, 0.5))) == [
+        "person box", "stride", "threshold −0.5 (now 0.25)", "recordings",
+    ]  # fmt: skip
+    other = OnScreen(RunKey(DetectorSpec("hog:daimler"), ("a", "b")), Levels(-0.5, 0.5))
+    assert differences_of(started, other) == ["another detector"]

@@ -12,7 +12,7 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import SETTINGS, Params
 from nvcore.params.metadata import MATCH, PROXIMITY, RESULTS
-from pages import FRAMES, begin_with, checked, opened, rows, texts, write
+from pages import FRAMES, begin_with, checked, opened, press, rows, texts, write
 from ui.session import state
 from ui.session.workspace import Opened
 from ui.shell import pages
@@ -35,6 +35,10 @@ pytestmark = pytest.mark.usefixtures("every_setting_acts")
 def app(**query: str) -> AppTest:
     """The app on a page that is quickly drawn."""
     return checked(opened("metrics", **query))
+
+
+def is_changed(page: AppTest, name: str) -> bool:
+    return f"reset_{name}" in [button.key for button in page.button]
 
 
 def live(page: AppTest) -> Params:
@@ -111,6 +115,24 @@ def test_a_link_to_no_number_is_told_and_the_sidebar_is_whole():
         assert wrong in warning.value
     assert page.slider(key="alpha").value == 0.9
     assert any(button.label == "Reset all parameters" for button in page.button)
+
+
+def test_a_threshold_below_all_scores_is_no_changed_setting(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    session = write(tmp_path, {"one": SCORED, "two": SCORED}, truth=rows(300))
+    text = session.read_text()
+    session.write_text(text.replace('"two.csv"', '"two.csv"\nthreshold = 0'))
+    begin_with(session, monkeypatch)
+    page = app()
+    assert live(page).threshold_y == 0
+    assert not is_changed(page, "threshold_y")
+    assert "Every detection of Y counts." in texts(page)
+    checked(page.slider(key="threshold_y").set_value(0.6).run())
+    assert is_changed(page, "threshold_y")
+    press(page, "reset_threshold_y")
+    assert live(page).threshold_y == 0
+    assert not is_changed(page, "threshold_y")
 
 
 def test_a_threshold_does_not_stick_to_a_system_without_scores_that_differ(
