@@ -30,7 +30,8 @@ def test_a_model_is_tried_run_and_compared(visit, model):
     one.wait_until_drawn()
 
     # tried: the threshold moves the numbers, a click chooses a box
-    after = one.page.get_by_test_id("stMetricValue").last
+    metric = one.page.get_by_test_id("stMetric").filter(has_text="After")
+    after = metric.get_by_test_id("stMetricValue")
     expect(after).not_to_have_text("0")
     one.slider("Threshold").press("End")
     expect(after).to_have_text("0")
