@@ -86,7 +86,10 @@ class EstimateRun:
                 f"{listed([one_line(name) for name in of_heat], most=MOST_NAMED)}; where they are "
                 "of visible light, name them as visible in the session"
             )
-        if caution := EstimateRecord(simulated=self.estimator.origin.simulated).caution:
+        estimator = self.estimator
+        if caution := EstimateRecord(
+            simulated=estimator.origin.simulated, no_better_at_s=estimator.no_better_at_s
+        ).caution:
             lines.append(f"estimates are {caution}")
         if self.estimator.feature_settings is None:
             lines.append(
@@ -142,6 +145,7 @@ class EstimateRun:
             "fingerprint": fingerprint(self.estimator),
             "features": list(self.estimator.features),
             "is_interpolated": self.is_interpolated,
+            "no_better_at_s": list(self.estimator.no_better_at_s),
             "trained_on": origin.pop("fingerprint"),
             **origin,
         }

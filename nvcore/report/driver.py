@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
+from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.estimators.model import Estimator
 from nvcore.driver.estimators.model_file import SAMPLE_NAME, fingerprint
 from nvcore.driver.estimators.training import Training
@@ -135,8 +136,14 @@ def render_estimator(estimator: Estimator) -> str:
         "mean squared error on pedestrians left out, in five folds; 0 is best:",
         *_errors(errors, last="single"),
         *_choices(estimator),
+        *_no_better(estimator),
     ]
     return "\n".join(lines)
+
+
+def _no_better(estimator: Estimator) -> list[str]:
+    caution = EstimateRecord(no_better_at_s=estimator.no_better_at_s).caution
+    return [f"its estimates are {caution}"] if caution else []
 
 
 def render_estimators() -> str:

@@ -14,6 +14,7 @@ from driver_estimators import CONTRAST, LAB, estimator, regression
 from picture_files import write_picture
 
 from nvcore.api.driver_run import estimate_driver
+from nvcore.comparison import compare
 from nvcore.driver.estimate import DETECTABILITY_COLUMNS, EstimateRun, run_estimate
 from nvcore.driver.estimators import Estimator, Quality, write_estimator
 from nvcore.driver.features import FeatureSettings
@@ -22,6 +23,7 @@ from nvcore.driver.steps import steps_between_periods
 from nvcore.errors import InputError, ParameterError
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
+from nvcore.report.verdict.driver import describe_source
 
 
 @pytest.fixture
@@ -114,6 +116,25 @@ def test_print_says_what_to_take_with_care(place: Path):
     assert "20 estimates without a known change of light" in text
     assert "outside the range" not in text
     assert "simulated" not in str(run(place, estimator()))
+
+
+def test_where_the_estimator_is_no_better_than_a_constant_is_said_and_recorded(place: Path):
+    qualities = tuple(Quality(9, error, 0.5, 0.1) for error in (0.1, 0.04, 0.2))
+    write_estimator(replace(estimator(simulated="all"), qualities=qualities), place / "m.npz")
+    with (place / "session.toml").open("a") as session:
+        session.write('[[system]]\nname = "RGB"\npath = "truth.csv"\n')
+    written = estimate_driver(place / "session.toml", place / "m.npz", place / "out")
+    said = "learnt from simulated subjects and no better than a constant at 0.5 s"
+    assert f"estimates are {said}" in str(written.run)
+    record = json.loads(written.record.read_text())
+    assert record["estimator"]["no_better_at_s"] == [0.5]
+    dataset = load(read_session(written.session))
+    assert dataset.estimate is not None
+    assert dataset.estimate.caution == said
+    assert said in dataset.inputs["conversion"].iloc[-1]
+    text = describe_source(compare(dataset))
+    assert f"{said}; he is taken to see" in text
+    assert "no better" not in str(run(place, estimator()))
 
 
 def test_features_outside_the_training_are_named(place: Path):
