@@ -210,6 +210,40 @@ def test_an_estimator_that_does_not_say_its_settings_is_used_and_that_is_noted(p
     ) in str(run(place, estimator()))
 
 
+@pytest.mark.parametrize(
+    ("pictures", "column", "words"),
+    [
+        (
+            "pictures =",
+            CONTRAST,
+            "no estimate from grey pictures that may be far infrared: drive; where they are of "
+            "visible light, name them as visible",
+        ),
+        ("visible =", LAB, "the estimator needs lab_distance, which no box has$"),
+    ],
+)
+def test_where_no_pedestrian_can_be_estimated_it_is_refused(
+    place: Path, pictures: str, column: int, words: str
+):
+    session, out = place / "session.toml", place / "out"
+    session.write_text(session.read_text().replace("visible =", pictures))
+    write_estimator(estimator(column), place / "m.npz")
+    with pytest.raises(InputError, match=f"none of 40 pedestrian boxes can be estimated: {words}"):
+        estimate_driver(session, place / "m.npz", out)
+    assert not out.exists()
+
+
+def test_pedestrians_without_a_picture_are_refused_and_recordings_without_any_are_fine(place: Path):
+    (place / "truth.csv").write_text("recording,frame,x,y,w,h,track\ndrive,39,20,10,8,16,5\n")
+    (place / "drive" / "039.png").unlink()
+    write_estimator(estimator(), place / "m.npz")
+    files = place / "session.toml", place / "m.npz", place / "out"
+    with pytest.raises(InputError, match="box can be estimated: they are in frames without a pic"):
+        estimate_driver(*files)
+    (place / "truth.csv").write_text("recording,frame,x,y,w,h,track\n")
+    assert estimate_driver(*files).run.n_estimated == 0
+
+
 def test_what_is_read_is_not_replaced(place: Path):
     write_estimator(estimator(), place / "model.npz")
     with pytest.raises(InputError, match="is an input, and would be replaced"):
