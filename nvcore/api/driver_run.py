@@ -208,7 +208,7 @@ def estimate_driver(
     Raises
     ------
     InputError
-        As `driver_features`, or if the model cannot be used.
+        As `driver_features`, or if the model cannot be used, or no pedestrian can be estimated.
     MissingFactError, ParameterError, MissingExtraError
         As `driver_features`.
     """

@@ -2,7 +2,7 @@
 
     {"written_by": "nvcore 0.1.0",
      "estimator": {"name": "driver", "fingerprint": "5f1c...", "simulated": "all",
-                   "n_subjects": 12},
+                   "n_subjects": 12, "no_better_at_s": [0.5]},
      "settings": {"light": {"drop_factor": 10.0}},
      "files": {"detectability.csv": "9e07..."}}
 
@@ -17,12 +17,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from nvcore.dataset.records import read_record, typed, value_of
-from nvcore.wording import one_line, shortened
+from nvcore.dataset.records import numbers_of, read_record, typed, value_of
+from nvcore.wording import MOST_NAMED, listed, one_line, shortened
 
 SIMULATED: Final = ("no", "some", "all", "")
 """Of how many subjects the answers were simulated; empty: not known."""
 _EXPECTED: Final = "expected the record that nvcore driver estimate writes (docs/driver.md)"
+_SUBJECTS: Final = {
+    "all": "learnt from simulated subjects",
+    "some": "learnt in part from simulated subjects",
+}
 _SHOWN_NAME: Final = 40
 _OF_ESTIMATOR: Final = {"name": str, "fingerprint": str, "simulated": str, "n_subjects": int}
 
@@ -54,6 +58,9 @@ class EstimateRecord:
         how bright it was; 0: not known.
     outside
         How many of them had a feature outside the range of the training, by its name.
+    no_better_at_s
+        Adaptation periods at which the estimator was no better than a constant on pedestrians that
+        it had not seen; empty: none, or not known.
     estimated_in, stated_in
         Names of the dataset's recordings in which values are estimates, and of those in which some
         are the ground truth's own; no part of the record itself.
@@ -69,6 +76,7 @@ class EstimateRecord:
     n_estimates: int = 0
     n_without_light: int = 0
     outside: Mapping[str, int] = field(default_factory=dict)
+    no_better_at_s: tuple[float, ...] = ()
     estimated_in: frozenset[str] = field(default=frozenset(), compare=False)
     stated_in: frozenset[str] = field(default=frozenset(), compare=False)
 
@@ -89,17 +97,25 @@ class EstimateRecord:
 
     @property
     def caution(self) -> str:
-        """Whose answers it rests on, where some were simulated; empty: none were, or unknown."""
-        if self.simulated == "all":
-            return "learnt from simulated subjects"
-        return "learnt in part from simulated subjects" if self.simulated == "some" else ""
+        """Why it is to be doubted: simulated subjects, nothing learned; empty: nothing is known."""
+        return " and ".join(filter(None, (_SUBJECTS.get(self.simulated), self._no_better)))
+
+    @property
+    def _no_better(self) -> str:
+        if not self.no_better_at_s:
+            return ""
+        periods = listed([f"{period:g}" for period in self.no_better_at_s], most=MOST_NAMED)
+        return f"no better than a constant at {periods} s"
 
 
 def estimate_json(record: EstimateRecord) -> bytes:
     """The record as JSON; the same record gives the same bytes."""
+    estimator: dict[str, object] = {name: getattr(record, name) for name in _OF_ESTIMATOR}
+    if record.no_better_at_s:  # else as before there was such a thing
+        estimator["no_better_at_s"] = list(record.no_better_at_s)
     content = {
         "written_by": record.written_by,
-        "estimator": {name: getattr(record, name) for name in _OF_ESTIMATOR},
+        "estimator": estimator,
         "estimates": {
             "n": record.n_estimates,
             "n_without_light": record.n_without_light,
@@ -140,4 +156,11 @@ def _record(content: object) -> EstimateRecord:
         n_estimates=value_of(estimates, "n", int),
         n_without_light=value_of(estimates, "n_without_light", int),
         outside={name: typed(n, int, "outside") for name, n in outside.items()},
+        no_better_at_s=_periods(value_of(estimator, "no_better_at_s", list)),
     )
+
+
+def _periods(values: list[object]) -> tuple[float, ...]:
+    where = "no_better_at_s"
+    named = {f"{where} {number}": value for number, value in enumerate(values, start=1)}
+    return tuple(numbers_of(named, named, where).values())

@@ -17,7 +17,7 @@ from nvcore.driver.feature_record import settings_words
 from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
 from nvcore.driver.run import BOX_COLUMNS, FeatureRun
 from nvcore.driver.steps import Steps, steps_between_periods
-from nvcore.errors import ParameterError
+from nvcore.errors import InputError, ParameterError
 from nvcore.wording import MOST_NAMED, count_text, listed, one_line
 
 DETECTABILITY_COLUMNS: Final = (
@@ -79,14 +79,11 @@ class EstimateRun:
     def __str__(self) -> str:
         known = self.table[self.table["detectability"].notna()]
         lines = [str(self.features), self._result(known)]
-        of_heat = [part.name for part in self.features.recordings if part.may_be_of_heat]
-        if of_heat:
-            lines.append(
-                f"no estimate from grey pictures that may be far infrared: "
-                f"{listed([one_line(name) for name in of_heat], most=MOST_NAMED)}; where they are "
-                "of visible light, name them as visible in the session"
-            )
-        if caution := EstimateRecord(simulated=self.estimator.origin.simulated).caution:
+        lines += self._of_heat()
+        estimator = self.estimator
+        if caution := EstimateRecord(
+            simulated=estimator.origin.simulated, no_better_at_s=estimator.no_better_at_s
+        ).caution:
             lines.append(f"estimates are {caution}")
         if self.estimator.feature_settings is None:
             lines.append(
@@ -122,9 +119,45 @@ class EstimateRun:
         text = f"detectability of {len(known):,} of {boxes}"
         if len(known):
             return f"{text}: {known['detectability'].mean():.2f} on average"
-        missing = self.features.table[list(self.estimator.features)].isna().all()
-        words = listed([key for key in self.estimator.features if missing[key]])
-        return f"{text}: the estimator needs {words}, which no box has" if words else text
+        return f"{text}: {', '.join(missing)}" if (missing := self._missing()) else text
+
+    def _of_heat(self) -> list[str]:
+        """What is to be said of pictures that may be far infrared, if there are any."""
+        names = [one_line(part.name) for part in self.features.recordings if part.may_be_of_heat]
+        if not names:
+            return []
+        return [
+            "no estimate from grey pictures that may be far infrared: "
+            f"{listed(names, most=MOST_NAMED)}; where they are of visible light, name them as "
+            "visible in the session"
+        ]
+
+    def _missing(self) -> list[str]:
+        """What is to be said of features that the estimator needs and no box has."""
+        is_missing = self.features.table[list(self.estimator.features)].isna().all()
+        words = listed([key for key in self.estimator.features if is_missing[key]])
+        return [f"the estimator needs {words}, which no box has"] if words else []
+
+    def refuse_empty(self) -> None:
+        """Refuse a run without any estimate, though there are pedestrians.
+
+        Raises
+        ------
+        InputError
+            With the reason.
+        """
+        if self.n_estimated or self.table.empty:
+            return
+        n_unseen = sum(part.n_unseen for part in self.features.recordings)
+        if n_unseen == len(self.table):
+            reasons = ["they are in frames without a picture"]
+        else:
+            of_heat = self._of_heat()
+            reasons = of_heat or self._missing() or ["each lacks a feature that is needed"]
+            if n_unseen:
+                reasons.append(f"{n_unseen:,} are in frames without a picture")
+        boxes = count_text(len(self.table), "pedestrian box", "pedestrian boxes")
+        raise InputError(f"none of {boxes} can be estimated: {'; '.join(reasons)}")
 
     def counts_json(self) -> dict[str, Any]:
         """How many estimates there are, and which are to be taken with care, for a record."""
@@ -142,6 +175,7 @@ class EstimateRun:
             "fingerprint": fingerprint(self.estimator),
             "features": list(self.estimator.features),
             "is_interpolated": self.is_interpolated,
+            "no_better_at_s": list(self.estimator.no_better_at_s),
             "trained_on": origin.pop("fingerprint"),
             **origin,
         }

@@ -111,8 +111,10 @@ def write_estimates(run: EstimateRun, dataset: Dataset, folder: Path) -> Written
     Raises
     ------
     InputError
-        If the folder cannot be written to.
+        If the folder cannot be written to, or there is not one estimate, though there are
+        pedestrians.
     """
+    run.refuse_empty()
     session = dataset.settings
     assert isinstance(session, Session)
     contents = {

@@ -14,6 +14,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from nvcore.file_kinds import binary_kind
 from nvcore.wording import one_line
 
 ABOUT: Final = "about"
@@ -26,6 +27,10 @@ FORMATS: Final = {
 }
 """What each kind of model is, by the format that its JSON names."""
 _TIME: Final = (1980, 1, 1, 0, 0, 0)
+_ZIP: Final = b"PK"
+_OF_TEXT: Final = b"\t\n\f\r"
+"""Control characters that text may have."""
+_MOST_LOOKED_AT: Final = 4096
 _MOST_ABOUT: Final = 1 << 22
 _UNREADABLE: Final = (
     zipfile.BadZipFile,
@@ -141,6 +146,8 @@ def unpack(
     """
     if len(content) > most_bytes:
         raise BadArchiveError(f"a model has at most {most_bytes >> 20} MiB")
+    if not content.startswith(_ZIP):
+        raise BadArchiveError(f"is not {what}: it is {_kind_of(content)}")
     arrays = _read_members(content, kinds, what, most_bytes, optional)
     return _read_about(arrays.pop(ABOUT).tobytes(), what), arrays
 
@@ -217,6 +224,14 @@ def check_version(about: Mapping[str, Any], name: str, version: int, *, what: st
             f"has version {about.get('version')!r}; this program reads {version}: update it, or "
             "train the model again"
         )
+
+
+def _kind_of(content: bytes) -> str:
+    """What a file is that is no archive."""
+    if not content:
+        return "empty"
+    is_text = not any(byte < 32 and byte not in _OF_TEXT for byte in content[:_MOST_LOOKED_AT])
+    return binary_kind(content) or ("text" if is_text else "a binary file")
 
 
 def _read_members(

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
+from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.estimators.model import Estimator
 from nvcore.driver.estimators.model_file import SAMPLE_NAME, fingerprint
 from nvcore.driver.estimators.training import Training
@@ -45,7 +46,8 @@ def render_table(table: TrainingTable) -> list[str]:
         f"{count_text(table.n_trials, 'trial')}{_OF_TRIALS[table.simulated]}: "
         f"{count_text(table.n_subjects, 'subject')}, "
         f"{count_text(table.n_pedestrians, 'pedestrian')}, "
-        f"{count_text(len(table.periods_s), 'adaptation period')}"
+        f"{count_text(len(table.periods_s), 'adaptation period')}",
+        _responses(table),
     ]
     if table.n_off_time:
         lines.append(
@@ -55,7 +57,26 @@ def render_table(table: TrainingTable) -> list[str]:
     for name, odd in table.subjects[["subject", "odd"]].to_numpy().tolist():
         if odd or name in table.left_out:
             lines.append(one_line(_subject(name, odd, is_left_out=name in table.left_out)))
+    n_odd = len(table.odd_subjects)
+    if n_odd > 1 and n_odd > table.n_subjects / 2:
+        lines.append(
+            f"{n_odd:,} of {count_text(table.n_subjects, 'subject')} are odd: rather the data are "
+            "wrong than the people. Are touch_x and touch_y in pixels of the picture, the boxes "
+            "those of these pictures, and the square large enough?"
+        )
     return lines
+
+
+def _responses(table: TrainingTable) -> str:
+    """How many responses a detectability is the share of."""
+    fewest, most = table.responses
+    if most == 1:
+        return (
+            "1 response to each pedestrian at a period: detectability is 0 or 1 everywhere, and "
+            "the scatter of single answers is in every error"
+        )
+    n = f"{fewest:,} to {most:,}" if fewest < most else f"{most:,}"
+    return f"{n} responses to each pedestrian at a period"
 
 
 def _subject(name: str, odd: str, *, is_left_out: bool) -> str:
@@ -115,8 +136,14 @@ def render_estimator(estimator: Estimator) -> str:
         "mean squared error on pedestrians left out, in five folds; 0 is best:",
         *_errors(errors, last="single"),
         *_choices(estimator),
+        *_no_better(estimator),
     ]
     return "\n".join(lines)
+
+
+def _no_better(estimator: Estimator) -> list[str]:
+    caution = EstimateRecord(no_better_at_s=estimator.no_better_at_s).caution
+    return [f"its estimates are {caution}"] if caution else []
 
 
 def render_estimators() -> str:
@@ -173,7 +200,7 @@ def _choices(estimator: Estimator) -> list[str]:
 
 
 def _warning(errors: pd.DataFrame) -> list[str]:
-    """Where nothing was learned: the constant does as well, or better."""
+    """Where nothing was learned: the constant does as well, or better; the last row is the mean."""
     of_periods = errors[errors["period_s"].notna()]
     constant = of_periods["constant"]
     lines = []
@@ -181,6 +208,12 @@ def _warning(errors: pd.DataFrame) -> list[str]:
         lines.append(
             f"at {_periods(of_periods[is_useless])} the estimator is no better than the mean of "
             "the others' detectability: it has learned nothing there"
+        )
+    mean = errors.iloc[-1]
+    if mean["switched"] >= mean["constant"]:
+        lines.append(
+            f"over all periods, too: {number(mean['switched'], _ERROR)} on average against "
+            f"{number(mean['constant'], _ERROR)}; as a whole it is of no use"
         )
     if (is_worse := of_periods["single"] > constant).any():
         lines.append(

@@ -14,6 +14,7 @@ from driver_estimators import CONTRAST, LAB, estimator, regression
 from picture_files import write_picture
 
 from nvcore.api.driver_run import estimate_driver
+from nvcore.comparison import compare
 from nvcore.driver.estimate import DETECTABILITY_COLUMNS, EstimateRun, run_estimate
 from nvcore.driver.estimators import Estimator, Quality, write_estimator
 from nvcore.driver.features import FeatureSettings
@@ -22,6 +23,7 @@ from nvcore.driver.steps import steps_between_periods
 from nvcore.errors import InputError, ParameterError
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
+from nvcore.report.verdict.driver import describe_source
 
 
 @pytest.fixture
@@ -116,6 +118,25 @@ def test_print_says_what_to_take_with_care(place: Path):
     assert "simulated" not in str(run(place, estimator()))
 
 
+def test_where_the_estimator_is_no_better_than_a_constant_is_said_and_recorded(place: Path):
+    qualities = tuple(Quality(9, error, 0.5, 0.1) for error in (0.1, 0.04, 0.2))
+    write_estimator(replace(estimator(simulated="all"), qualities=qualities), place / "m.npz")
+    with (place / "session.toml").open("a") as session:
+        session.write('[[system]]\nname = "RGB"\npath = "truth.csv"\n')
+    written = estimate_driver(place / "session.toml", place / "m.npz", place / "out")
+    said = "learnt from simulated subjects and no better than a constant at 0.5 s"
+    assert f"estimates are {said}" in str(written.run)
+    record = json.loads(written.record.read_text())
+    assert record["estimator"]["no_better_at_s"] == [0.5]
+    dataset = load(read_session(written.session))
+    assert dataset.estimate is not None
+    assert dataset.estimate.caution == said
+    assert said in dataset.inputs["conversion"].iloc[-1]
+    text = describe_source(compare(dataset))
+    assert f"{said}; he is taken to see" in text
+    assert "no better" not in str(run(place, estimator()))
+
+
 def test_features_outside_the_training_are_named(place: Path):
     dim = replace(estimator(), regressions=tuple(regression(CONTRAST, high=50) for _ in range(3)))
     result = run(place, dim)
@@ -187,6 +208,40 @@ def test_an_estimator_that_does_not_say_its_settings_is_used_and_that_is_noted(p
         "the estimator does not say with which settings its features were computed; these: "
         "surround 2, bin distance 1"
     ) in str(run(place, estimator()))
+
+
+@pytest.mark.parametrize(
+    ("pictures", "column", "words"),
+    [
+        (
+            "pictures =",
+            CONTRAST,
+            "no estimate from grey pictures that may be far infrared: drive; where they are of "
+            "visible light, name them as visible",
+        ),
+        ("visible =", LAB, "the estimator needs lab_distance, which no box has$"),
+    ],
+)
+def test_where_no_pedestrian_can_be_estimated_it_is_refused(
+    place: Path, pictures: str, column: int, words: str
+):
+    session, out = place / "session.toml", place / "out"
+    session.write_text(session.read_text().replace("visible =", pictures))
+    write_estimator(estimator(column), place / "m.npz")
+    with pytest.raises(InputError, match=f"none of 40 pedestrian boxes can be estimated: {words}"):
+        estimate_driver(session, place / "m.npz", out)
+    assert not out.exists()
+
+
+def test_pedestrians_without_a_picture_are_refused_and_recordings_without_any_are_fine(place: Path):
+    (place / "truth.csv").write_text("recording,frame,x,y,w,h,track\ndrive,39,20,10,8,16,5\n")
+    (place / "drive" / "039.png").unlink()
+    write_estimator(estimator(), place / "m.npz")
+    files = place / "session.toml", place / "m.npz", place / "out"
+    with pytest.raises(InputError, match="box can be estimated: they are in frames without a pic"):
+        estimate_driver(*files)
+    (place / "truth.csv").write_text("recording,frame,x,y,w,h,track\n")
+    assert estimate_driver(*files).run.n_estimated == 0
 
 
 def test_what_is_read_is_not_replaced(place: Path):

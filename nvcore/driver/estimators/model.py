@@ -231,6 +231,12 @@ class Estimator:
         return self.regressions[-1]
 
     @property
+    def no_better_at_s(self) -> tuple[float, ...]:
+        """Periods whose regression is no better than a constant on pedestrians left out."""
+        of_periods = zip(self.periods_s.tolist(), self.qualities[:-1], strict=True)
+        return tuple(s for s, quality in of_periods if quality.error >= quality.constant_error)
+
+    @property
     def features(self) -> tuple[str, ...]:
         """Keys of the features that any of the switched regressions takes, in their order."""
         used = {key for regression in self.regressions[:-1] for key in regression.features}

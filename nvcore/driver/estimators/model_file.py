@@ -114,6 +114,12 @@ def read_estimator(path: Path) -> Estimator:
     try:
         with path.open("rb") as file:
             content = file.read(MAX_BYTES + 1)
+    except FileNotFoundError as error:
+        raise EstimatorError(
+            f"there is no such file; expected {_WHAT}, or {SAMPLE_NAME}: that of the sample's "
+            "simulated observer",
+            file=path.name,
+        ) from error
     except OSError as error:
         raise EstimatorError(f"cannot be opened ({error.strerror})", file=path.name) from error
     return from_bytes(content, path.name)
@@ -147,7 +153,9 @@ def from_bytes(content: bytes, name: str) -> Estimator:
             about, arrays = archives.unpack(content, _ARRAYS, what=_WHAT, most_bytes=MAX_BYTES)
             return _checked(about, arrays)
     except BadArchiveError as error:
-        raise EstimatorError(str(error), file=name) from error
+        is_network = name.lower().endswith(".onnx")
+        hint = "; networks (.onnx) are for nvcore detect" if is_network else ""
+        raise EstimatorError(f"{error}{hint}", file=name) from error
 
 
 def _members(estimator: Estimator) -> dict[str, NDArray[Any]]:

@@ -7,9 +7,11 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from nvcore.driver.estimators.model import Regression
@@ -19,10 +21,12 @@ from nvcore.driver.trials.table import TrainingTable
 from nvcore.errors import InputError
 from nvcore.inputs.driver.picture_boxes import PEDESTRIAN
 from nvcore.progress import Progress, T, run_steps
-from nvcore.wording import count_text, listed
+from nvcore.wording import count_text, listed, percent
 
 LEAST_PEDESTRIANS: Final = 8
 """Fewest at each period: with fewer there is nothing to choose by."""
+LEAST_SUBJECTS: Final = 2
+"""Of fewer there is no share who see a pedestrian."""
 MOST_LACKING: Final = 0.1
 """A feature that is undefined for a larger share of the pedestrians is not used."""
 
@@ -70,8 +74,10 @@ def samples_of(table: TrainingTable) -> Samples:
     Raises
     ------
     InputError
-        If a period has fewer than eight pedestrians, or no feature is left.
+        If a period has fewer than eight pedestrians, no feature is left, the responses are of one
+        subject, or all pedestrians have the same detectability.
     """
+    _refuse_one_subject(table)
     features = table.rows[list(FEATURE_KEYS)].to_numpy(dtype=np.float64, copy=True)
     group = np.asarray(table.rows.groupby([*PEDESTRIAN], sort=False).ngroup(), dtype=np.int64)
     first = np.unique(group, return_index=True)[1]
@@ -91,6 +97,7 @@ def samples_of(table: TrainingTable) -> Samples:
             f"{LEAST_PEDESTRIANS} are needed",
             file=table.trials_file,
         )
+    _refuse_equal(table.rows[is_whole], table.trials_file)
     return Samples(
         features=features[is_whole],
         target=table.rows["detectability"].to_numpy(dtype=np.float64)[is_whole],
@@ -99,6 +106,32 @@ def samples_of(table: TrainingTable) -> Samples:
         row=np.flatnonzero(is_whole),
         periods_s=periods_s.astype(np.float64),
         notes=_notes(is_known, group, is_whole),
+    )
+
+
+def _refuse_one_subject(table: TrainingTable) -> None:
+    if table.n_subjects < LEAST_SUBJECTS:
+        raise InputError(
+            "the responses are of one subject: detectability, the share of the subjects who see a "
+            f"pedestrian, would be 0 or 1 everywhere; {LEAST_SUBJECTS} are needed",
+            file=table.trials_file,
+        )
+
+
+def _refuse_equal(rows: pd.DataFrame, trials_file: Path | None) -> None:
+    """Refuse rows that all have the same detectability."""
+    share = rows["detectability"]
+    if share.min() < share.max():
+        return
+    if 0 < share.iloc[0] < 1:
+        what = f"{percent(share.iloc[0])} of the subjects see every pedestrian at every period"
+        raise InputError(f"{what}: there is nothing to learn", file=trials_file)
+    how = "right" if share.iloc[0] else "wrong, or not seen"
+    raise InputError(
+        f"all {count_text(int(rows['n_subjects'].sum()), 'response')} are {how}: there is nothing "
+        "to learn; are touch_x and touch_y in pixels of the picture, and the boxes those of these "
+        "pictures?",
+        file=trials_file,
     )
 
 

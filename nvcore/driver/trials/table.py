@@ -68,6 +68,18 @@ class TrainingTable:
         return len(self.subjects) - len(self.left_out)
 
     @property
+    def responses(self) -> tuple[int, int]:
+        """Fewest and most subjects who responded to one pedestrian at one period."""
+        n = self.rows["n_subjects"]
+        return int(n.min()), int(n.max())
+
+    @property
+    def odd_subjects(self) -> tuple[str, ...]:
+        """Those of whom something is odd and whose responses are in it."""
+        is_odd = (self.subjects["odd"] != "") & ~self.subjects["subject"].isin(self.left_out)
+        return tuple(self.subjects.loc[is_odd, "subject"])
+
+    @property
     def n_pedestrians(self) -> int:
         """Pedestrians, each at one period at least."""
         return len(self.rows[[*PEDESTRIAN]].drop_duplicates())

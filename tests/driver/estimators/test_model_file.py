@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import gzip
 import io
 import json
 import pickle
+import re
 import zipfile
 from collections.abc import Callable
 from dataclasses import replace
@@ -153,6 +155,22 @@ def test_what_is_no_model_is_refused(content: bytes):
         from_bytes(content, "x.npz")
 
 
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("fir.csv", b"frame,x,y,w,h\n0,1,2,3,4\n", "it is text$"),
+        ("fir.csv.gz", gzip.compress(b"frame,x"), "it is a file packed by gzip: unpack it$"),
+        ("a.parquet", b"PAR1\x15\x04", "it is a Parquet table$"),
+        ("empty.npz", b"", "it is empty$"),
+        ("a.onnx", b"\x08\x08\x12\x04nvco", r"it is a binary file; networks \(\.onnx\) are for n"),
+    ],
+)
+def test_what_a_file_is_that_is_no_model_is_said(name: str, content: bytes, words: str):
+    expected = f"^{re.escape(name)}: is not an estimator that nvcore driver train wrote: {words}"
+    with pytest.raises(EstimatorError, match=expected):
+        from_bytes(content, name)
+
+
 def test_a_cut_model_is_refused(training: Training):
     content = to_bytes(training.estimator)
     for length in (50, len(content) // 2, len(content) - 1):
@@ -161,8 +179,11 @@ def test_a_cut_model_is_refused(training: Training):
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path: Path):
-    with pytest.raises(EstimatorError, match=r"gone\.npz: cannot be opened"):
+    words = r"gone\.npz: there is no such file; expected an estimator .*, or sample: that of the s"
+    with pytest.raises(EstimatorError, match=words):
         read_estimator(tmp_path / "gone.npz")
+    with pytest.raises(EstimatorError, match="cannot be opened"):
+        read_estimator(tmp_path)
 
 
 def test_the_samples_estimator_says_that_its_observer_is_simulated():

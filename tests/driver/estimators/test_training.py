@@ -4,17 +4,25 @@ from __future__ import annotations
 
 from concurrent.futures import CancelledError
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
-from driver_trials import CHOSEN, PERIODS_S, made_features, true_detectability
+from driver_trials import (
+    CHOSEN,
+    PERIODS_S,
+    made_features,
+    made_table,
+    true_detectability,
+    write_trials,
+)
 
 from nvcore.driver.estimators import Search, Training, train_estimator
 from nvcore.driver.estimators.model_file import to_bytes
 from nvcore.driver.estimators.nested import out_of_fold, samples_of
 from nvcore.driver.estimators.search import draw_settings, feature_sets, folds_of
 from nvcore.driver.features import FEATURE_KEYS
-from nvcore.driver.trials import TrainingTable
+from nvcore.driver.trials import TrainingTable, training_table
 from nvcore.errors import InputError, ParameterError
 
 SEARCH = Search(n_settings=2, n_folds=3)
@@ -169,3 +177,25 @@ def test_it_ends_when_cancelled_and_tells_how_far_it_is(table: TrainingTable):
 def test_impossible_settings_of_the_search_are_refused():
     with pytest.raises(ParameterError, match="n_folds: expected 2 to 20, got 1"):
         Search(n_folds=1)
+
+
+def test_trials_of_one_subject_are_refused(tmp_path: Path):
+    files = write_trials(tmp_path, 9, ("A", "B"))
+    with pytest.raises(InputError, match=r"trials\.csv: the responses are of one subject"):
+        samples_of(training_table(*files, leave_out=["B"]))
+    assert len(samples_of(training_table(*files))) == 9 * 6
+
+
+@pytest.mark.parametrize(
+    ("share", "words"),
+    [
+        (0.0, "all 1,080 responses are wrong, or not seen: there is nothing to learn"),
+        (1.0, "all 1,080 responses are right: there is nothing to learn"),
+        (0.25, "25 % of the subjects see every pedestrian at every period: there is nothing"),
+    ],
+)
+def test_where_all_pedestrians_are_equal_it_is_refused(tmp_path: Path, share: float, words: str):
+    table = made_table(tmp_path, n=9)
+    equal = replace(table, rows=table.rows.assign(detectability=share))
+    with pytest.raises(InputError, match=rf"trials\.csv: {words}"):
+        samples_of(equal)

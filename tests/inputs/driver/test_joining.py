@@ -254,6 +254,7 @@ def test_the_record_says_who_estimated_and_whether_subjects_were_simulated(tmp_p
         n_estimates=9,
         n_without_light=2,
         outside={"Height": 3},
+        no_better_at_s=(0.5, 1.5),
     )
     (tmp_path / "d.json").write_bytes(estimate_json(record))
     dataset = load(session)
@@ -261,7 +262,9 @@ def test_the_record_says_who_estimated_and_whether_subjects_were_simulated(tmp_p
     conversion = dataset.inputs["conversion"].iloc[-1]
     assert "1 of 1 rows joined" in conversion
     assert "estimated by driver (fingerprint 5f1c00112233)" in conversion
-    assert "learnt from simulated subjects" in conversion
+    assert "learnt from simulated subjects and no better than a constant at 0.5 and 1.5 s" in (
+        conversion
+    )
 
 
 @pytest.mark.parametrize(
@@ -271,6 +274,9 @@ def test_the_record_says_who_estimated_and_whether_subjects_were_simulated(tmp_p
         "{",
         '{"estimator": {"simulated": "perhaps"}}',
         '{"estimator": {"n_subjects": "four"}}',
+        '{"estimator": {"no_better_at_s": 0.5}}',
+        '{"estimator": {"no_better_at_s": ["0.5"]}}',
+        '{"estimator": {"no_better_at_s": [NaN]}}',
         '{"files": []}',
         '{"estimates": {"outside": {"Height": "many"}}}',
         "1" * 9,
@@ -284,6 +290,15 @@ def test_what_is_no_record_is_refused(tmp_path, text: str):
 
 def test_a_record_of_which_nothing_is_known_is_read(tmp_path):
     assert read_estimate_record(write(tmp_path / "d.json", "{}"), "d.json") == EstimateRecord()
+
+
+def test_a_record_of_before_is_read_and_gives_the_same_bytes(tmp_path):
+    record = EstimateRecord("m", "ab", "no", 4)
+    content = estimate_json(record)
+    assert b"no_better" not in content
+    assert read_estimate_record(write(tmp_path / "d.json", content.decode()), "d.json") == record
+    assert record.caution == ""
+    assert replace(record, no_better_at_s=(3.0,)).caution == "no better than a constant at 3 s"
 
 
 def test_a_session_is_written_with_both_files_and_the_hash(tmp_path):
