@@ -25,8 +25,6 @@ from nvcore.wording import count_text, listed, percent
 
 LEAST_PEDESTRIANS: Final = 8
 """Fewest at each period: with fewer there is nothing to choose by."""
-LEAST_SUBJECTS: Final = 2
-"""Of fewer there is no share who see a pedestrian."""
 MOST_LACKING: Final = 0.1
 """A feature that is undefined for a larger share of the pedestrians is not used."""
 
@@ -74,10 +72,9 @@ def samples_of(table: TrainingTable) -> Samples:
     Raises
     ------
     InputError
-        If a period has fewer than eight pedestrians, no feature is left, the responses are of one
-        subject, or all pedestrians have the same detectability.
+        If a period has fewer than eight pedestrians, no feature is left, or all pedestrians have
+        the same detectability.
     """
-    _refuse_one_subject(table)
     features = table.rows[list(FEATURE_KEYS)].to_numpy(dtype=np.float64, copy=True)
     group = np.asarray(table.rows.groupby([*PEDESTRIAN], sort=False).ngroup(), dtype=np.int64)
     first = np.unique(group, return_index=True)[1]
@@ -107,15 +104,6 @@ def samples_of(table: TrainingTable) -> Samples:
         periods_s=periods_s.astype(np.float64),
         notes=_notes(is_known, group, is_whole),
     )
-
-
-def _refuse_one_subject(table: TrainingTable) -> None:
-    if table.n_subjects < LEAST_SUBJECTS:
-        raise InputError(
-            "the responses are of one subject: detectability, the share of the subjects who see a "
-            f"pedestrian, would be 0 or 1 everywhere; {LEAST_SUBJECTS} are needed",
-            file=table.trials_file,
-        )
 
 
 def _refuse_equal(rows: pd.DataFrame, trials_file: Path | None) -> None:

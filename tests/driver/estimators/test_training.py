@@ -14,7 +14,6 @@ from driver_trials import (
     made_features,
     made_table,
     true_detectability,
-    write_trials,
 )
 
 from nvcore.driver.estimators import Search, Training, train_estimator
@@ -22,7 +21,7 @@ from nvcore.driver.estimators.model_file import to_bytes
 from nvcore.driver.estimators.nested import out_of_fold, samples_of
 from nvcore.driver.estimators.search import draw_settings, feature_sets, folds_of
 from nvcore.driver.features import FEATURE_KEYS
-from nvcore.driver.trials import TrainingTable, training_table
+from nvcore.driver.trials import TrainingTable
 from nvcore.errors import InputError, ParameterError
 
 SEARCH = Search(n_settings=2, n_folds=3)
@@ -177,13 +176,6 @@ def test_it_ends_when_cancelled_and_tells_how_far_it_is(table: TrainingTable):
 def test_impossible_settings_of_the_search_are_refused():
     with pytest.raises(ParameterError, match="n_folds: expected 2 to 20, got 1"):
         Search(n_folds=1)
-
-
-def test_trials_of_one_subject_are_refused(tmp_path: Path):
-    files = write_trials(tmp_path, 9, ("A", "B"))
-    with pytest.raises(InputError, match=r"trials\.csv: the responses are of one subject"):
-        samples_of(training_table(*files, leave_out=["B"]))
-    assert len(samples_of(training_table(*files))) == 9 * 6
 
 
 @pytest.mark.parametrize(
