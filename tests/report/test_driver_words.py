@@ -251,15 +251,30 @@ def test_a_rule_of_the_gate_is_judged_and_undefined_where_nothing_is_known():
     rules = [parse_rule("unprotected_y <= 2"), parse_rule("driver_venn.nobody == 1")]
     outcomes, _ = run_gate(rules, eight(), (), strict=False)
     assert [outcome.is_passed for outcome in outcomes[:2]] == [True, True]
+    known = "whether the driver sees them is known of 8 of 9 encounters, by the ground truth"
+    assert [outcome.details for outcome in outcomes] == [(known,), (known,), ()]
     (failed, *_), _ = run_gate([parse_rule("unprotected_y == 0")], eight(), (), strict=False)
-    assert failed.details == ("r0, track 6, frame 0", "r0, track 8, frame 0")
+    assert failed.details == (known, "r0, track 6, frame 0", "r0, track 8, frame 0")
     (failed, *_), _ = run_gate([parse_rule("driver_venn.y == 0")], eight(), (), strict=False)
-    assert failed.details == ("r0, track 7, frame 0",)
+    assert failed.details == (known, "r0, track 7, frame 0")
     bare = result_of(make_dataset([at(0, 50, track=1)]))
     outcomes, measures = run_gate(rules, bare, (), strict=False)
     assert [outcome.is_passed for outcome in outcomes[:2]] == [False, False]
+    assert [outcome.details for outcome in outcomes] == [()] * 3
     assert math.isnan(measures["unprotected_y"])
     assert math.isnan(measures["driver_venn.nobody"])
+
+
+def test_the_gate_says_that_what_is_known_of_the_driver_was_learnt_from_simulated_subjects():
+    result = with_estimate(eight(), EstimateRecord("m", "ab12", "all", 12))
+    names = ["driver_venn.unknown", "useful_alerts_worse_x", "fusion.x_or_y.useful_alerts"]
+    rules = [parse_rule(f"{name} < 1 or undefined") for name in (*names, "encounters")]
+    outcomes, _ = run_gate(rules, result, (), strict=False)
+    known = (
+        "whether the driver sees them is known of 8 of 9 encounters, by the estimates (learnt from "
+        "simulated subjects)"
+    )
+    assert [outcome.details[:1] == (known,) for outcome in outcomes] == [*[True] * 3, False, False]
 
 
 def test_every_name_of_a_rule_has_a_value_with_and_without_a_driver():
