@@ -321,6 +321,17 @@ def test_a_share_of_estimates_that_say_little_is_said_with_the_features():
     assert "of the training;" in source(replace(record, outside={}), 1)
 
 
+def test_where_boxes_are_outside_the_training_but_no_encounter_is_that_is_said():
+    places = {0: 0.4, 1: 0.2}  # the first decides, the second is outside the range
+    truth = [at(f, 50, track=1, detectability=value) for f, value in places.items()]
+    result = result_of(make_dataset(truth))
+    boxes = result.dataset.boxes
+    outside = boxes.assign(is_outside=(boxes["detectability"] == 0.2).to_numpy())
+    text = describe_source(compare(replace(result.dataset, boxes=outside), result.params))
+    assert "50 % of the values are estimated outside" in text.replace("\xa0", " ")
+    assert text.endswith("is outside the range of the training in none of 1 encounter.")
+
+
 def test_if_he_sees_everybody_shares_of_the_others_are_undefined_not_an_error():
     truth = [at(0, 50, track=1, detectability=1.0)]
     result = result_of(make_dataset(truth, [at(0, 50, score=1.0)]))
@@ -335,7 +346,8 @@ def test_estimates_outside_the_training_are_counted():
     result = eight(unknown=0)
     boxes = result.dataset.boxes.assign(is_outside=np.arange(len(result.dataset.boxes)) < 3)
     outside = compare(replace(result.dataset, boxes=boxes), Params(proximity="none"))
-    assert "; the largest of 3 encounters is outside the range of the training" in (
-        describe_source(outside)
-    )
+    assert (
+        "of the training; the largest value of an encounter, which decides whether he sees it, is "
+        "outside the range of the training in 3 of 8 encounters."
+    ) in describe_source(outside)
     assert encounters_table(outside)["outside_training"].sum() == 3

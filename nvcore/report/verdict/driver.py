@@ -101,9 +101,6 @@ def describe_source(result: Result) -> str:
             )
         text = f"Detectability is {words}; {threshold}"
     parts = _doubts(result)
-    if n_outside := result.driver.n_outside:
-        whose = f"the largest of {count_text(n_outside, 'encounter')}"
-        parts.append(f"{whose} is outside the range of the training")
     if n_unknown := venn.counts[DriverRegion.UNKNOWN]:
         parts.append(f"{count_text(n_unknown, 'encounter')} unknown, not counted here")
     return f"{text}{''.join(f'; {part}' for part in parts)}."
@@ -127,12 +124,23 @@ def _doubts(result: Result) -> list[str]:
         parts.append(
             f"{share} of the values are estimated outside the range of the training{which}"
         )
+    if result.driver.n_outside or n_outside > SMALL_SHARE * n_known:
+        parts.append(_encounters_outside(result))
     if record and record.n_without_light > SMALL_SHARE * record.n_estimates > 0:
         share = percent(record.n_without_light / record.n_estimates)
         parts.append(
             f"in {share} of the estimates nothing is known of the light: as for adapted eyes"
         )
     return parts
+
+
+def _encounters_outside(result: Result) -> str:
+    """In how many encounters the value that decides was estimated outside the training's range."""
+    among = count_text(result.driver.venn.n_known, "encounter")
+    return (
+        "the largest value of an encounter, which decides whether he sees it, is outside the "
+        f"range of the training in {result.driver.n_outside or 'none'} of {among}"
+    )
 
 
 def weighting(result: Result) -> str:
