@@ -64,6 +64,20 @@ def test_alerts_are_counted_by_recording():
     assert table["redundant_alerts_y"].tolist() == [2, 2, 2]
 
 
+def test_of_recordings_of_which_nothing_is_known_the_alerts_are_undefined():
+    counts = ["useful_alerts_x", "unprotected_y", "redundant_alerts_x", "in_time_alone_y"]
+    table = recordings_table(urgent())
+    assert table["driver_known"].tolist() == [1, 1, 1, 0]
+    assert table[counts].isna().to_numpy().tolist() == [[False] * 4] * 3 + [[True] * 4]
+    assert table["unprotected_x"].tolist()[:3] == [1, 1, 0]
+    nobody_urgent = recordings_table(eight(2))
+    assert nobody_urgent["driver_known"].tolist() == [8, 8]
+    assert nobody_urgent[counts].isna().any().tolist() == [False] * 3 + [True]
+    bare = recordings_table(result_of(make_dataset([at(0, 50, track=1)])))
+    assert "driver_known" not in bare
+    assert "useful_alerts_x" not in bare
+
+
 def test_the_verdict_says_whom_each_system_warns_of_and_where_that_comes_from():
     text = " ".join(describe_driver(eight()))
     assert text == (
