@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -165,7 +166,7 @@ def gate(
     outputs = [file for file in files if file != STANDARD]
     inputs = (options["session_file"], rules_file)
     refuse_to_replace(outputs, (file for file in inputs if file is not None and file != STANDARD))
-    gate_rules = _read(rules, rules_file)
+    gate_rules = _read(rules, rules_file, options["session_file"])
     if not gate_rules and not lists:
         problem = "" if rules_file is None else "the file of rules holds none; "
         raise click.UsageError(f"{problem}give a rule: --rule 'lamr_y <= 0.10', or --rules FILE")
@@ -209,17 +210,18 @@ def _takes_standard_output(files: Sequence[Path], lists: bool) -> bool:
     return n_taken > 0
 
 
-def _read(texts: Iterable[str], file: Path | None) -> list[Rule]:
+def _read(texts: Iterable[str], file: Path | None, session: Path | None) -> list[Rule]:
     """The rules of the flags and of the file, or all that is wrong with them."""
     from nvcore.report.gate.measures import measure_names
-    from nvcore.report.rules import read_rules
+    from nvcore.report.rules import SOME_SESSION, read_rules
 
     lines = [("--rule", text) for text in texts]
     if file is not None:
         name = "standard input" if file == STANDARD else one_line(str(file))
         numbered = enumerate(_content(file).splitlines(), 1)
         lines += [(f"{name}, line {number}", text) for number, text in numbered]
-    rules, problems = read_rules(lines, measure_names())
+    listed_of = SOME_SESSION if session is None else shlex.quote(one_line(str(session)))
+    rules, problems = read_rules(lines, measure_names(), session=listed_of)
     if problems:
         raise BadInput("\n".join(problems))
     return rules

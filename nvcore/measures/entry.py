@@ -149,8 +149,8 @@ class Measure:
         ``recordings.csv``; a measure without meaning is not in ``summary.json``.
     by_recording
         Its values by recording, shape (n_recordings,); None: not in ``recordings.csv``.
-    meaning_by_recording
-        The sentence there, where it differs.
+    meaning_by_recording, empty_by_recording
+        The sentences there, where they differ.
     tables
         Tables in which it has a row.
     part
@@ -177,6 +177,7 @@ class Measure:
     empty: str = ""
     by_recording: Callable[[Result, SystemResult], Any] | None = None
     meaning_by_recording: str = ""
+    empty_by_recording: str = ""
     tables: tuple[MeasureTable, ...] = ()
     part: str = ""
     applies: Callable[[Result], bool] | None = None

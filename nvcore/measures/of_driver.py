@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from nvcore.measures.entry import (
 )
 from nvcore.measures.values import is_in_time, per_recording
 from nvcore.metrics.driver import split_unseen
+from nvcore.schema import integers_of
 from nvcore.scoring import SystemResult
 
 Members = Callable[[Result, SystemResult], np.ndarray]
@@ -35,11 +36,6 @@ def is_judged_in_time(result: Result) -> np.ndarray:
     """Urgent encounters of which it is known; bool, shape (n_encounters,)."""
     is_judged: np.ndarray = result.is_urgent & result.driver.is_known
     return is_judged
-
-
-def has_driver_in_time(result: Result) -> bool:
-    """Whether it is known of any urgent encounter."""
-    return bool(is_judged_in_time(result).any())
 
 
 def is_driver_in_time(result: Result) -> np.ndarray:
@@ -71,6 +67,10 @@ def is_in_time_alone(result: Result, system: SystemResult) -> np.ndarray:
     return is_alone
 
 
+def _is_known(result: Result) -> np.ndarray:
+    return result.driver.is_known
+
+
 def _is_detected(system: SystemResult) -> np.ndarray:
     is_detected: np.ndarray = system.encounters["is_detected"].to_numpy(dtype=bool)
     return is_detected
@@ -94,14 +94,16 @@ def _count(
     meaning: str,
     *,
     part: str = "",
-    applies: Callable[[Result], bool] = has_driver,
+    is_judged: Callable[[Result], np.ndarray] = _is_known,
+    empty_by_recording: str = "it is known of no encounter whether the driver sees it",
     inference: Inference | None = None,
 ) -> Measure:
-    """Number of encounters of a kind."""
+    """Number of encounters of a kind, among those of which the driver's view is known."""
 
-    def by_recording(result: Result, system: SystemResult) -> np.ndarray:
-        is_member = members(result, system)
-        return per_recording(result, is_member, result.encounters.recording).astype(np.int64)
+    def by_recording(result: Result, system: SystemResult) -> Any:
+        is_member, recording = members(result, system), result.encounters.recording
+        n_judged = per_recording(result, is_judged(result), recording)
+        return integers_of(per_recording(result, is_member, recording), n_judged > 0)
 
     return Measure(
         key=key,
@@ -114,7 +116,8 @@ def _count(
         meaning=meaning,
         by_recording=by_recording,
         tables=(MeasureTable.SCORECARD,),
-        applies=applies,
+        empty_by_recording=empty_by_recording,
+        applies=lambda result: bool(is_judged(result).any()),
         is_optional=True,
         inference=inference,
     )
@@ -179,6 +182,7 @@ DRIVER_MEASURES: Final[tuple[Measure, ...]] = (
         "Urgent encounters that the system confirmed in time, and neither the driver by himself "
         "nor the other system.",
         part="urgent, in time by it alone",
-        applies=has_driver_in_time,
+        is_judged=is_judged_in_time,
+        empty_by_recording="it is known of no urgent encounter whether the driver sees it",
     ),
 )

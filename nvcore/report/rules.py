@@ -37,6 +37,8 @@ _RULE: Final = re.compile(
 )
 OF_CLASSES: Final = ("new_misses", "mended_misses", "missed_by_both", "encounters")
 """Measures that a rule may ask of one class of encounters: ``new_misses.child``."""
+SOME_SESSION: Final = "SESSION_FILE"
+"""What stands in a command for the file of a session that is not known."""
 _ENDING: Final = re.compile(r"(_worse)?_(x|y|difference)$")
 _BLIND_TO_ALARMS: Final = {
     *("new_misses", "mended_misses", "missed_by_both", "venn", "exclusivity", "boxes", "recall"),
@@ -103,7 +105,7 @@ def parse_rule(text: str) -> Rule:
 
 
 def read_rules(
-    lines: Iterable[tuple[str, str]], names: Sequence[str]
+    lines: Iterable[tuple[str, str]], names: Sequence[str], *, session: str = SOME_SESSION
 ) -> tuple[list[Rule], list[str]]:
     """Rules from lines, and what is wrong with invalid lines.
 
@@ -114,6 +116,8 @@ def read_rules(
         follows a ``#``, are skipped.
     names
         Names of the existing measures.
+    session
+        File of the session, as a shell reads it: whose measures can be listed.
     """
     rules, problems = [], []
     for where, line in lines:
@@ -122,7 +126,7 @@ def read_rules(
             continue
         try:
             rule = parse_rule(text)
-            check_name(rule, names)
+            check_name(rule, names, session=session)
         except ParameterError as error:
             problems.append(f"{where}: {error}")
         else:
@@ -142,7 +146,7 @@ def class_in(name: str) -> str:
     return wanted if of_all in OF_CLASSES else ""
 
 
-def check_name(rule: Rule, names: Iterable[str]) -> None:
+def check_name(rule: Rule, names: Iterable[str], *, session: str = SOME_SESSION) -> None:
     """Refuse a rule about none of these measures.
 
     Raises
@@ -156,7 +160,8 @@ def check_name(rule: Rule, names: Iterable[str]) -> None:
     close = get_close_matches(rule.name, existing, n=3, cutoff=0.5)
     hint = f"; did you mean {', '.join(close)}?" if close else ""
     raise ParameterError(
-        f"{rule.text!r}: there is no measure {rule.name!r}{hint} (nvcore gate --list shows all)"
+        f"{rule.text!r}: there is no measure {rule.name!r}{hint} (nvcore gate {session} --list "
+        "shows all)"
     )
 
 

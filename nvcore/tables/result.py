@@ -231,6 +231,9 @@ def recordings_table(result: Result) -> pd.DataFrame:
         ).astype(np.int64)
     is_urgent, recording = result.is_urgent, result.encounters.recording
     columns["urgent"] = per_recording(result, is_urgent, recording).astype(np.int64)
+    if result.driver.has_any:
+        is_known = result.driver.is_known
+        columns["driver_known"] = per_recording(result, is_known, recording).astype(np.int64)
     for letter, system in result.sides:
         columns |= {
             f"{measure.key}_{letter}": measure.by_recording(result, system)

@@ -107,6 +107,17 @@ def test_what_cannot_be_judged_is_bad_input(arguments, words, tmp_path, monkeypa
     assert words in ran.output
 
 
+def test_the_hint_at_a_measure_that_does_not_exist_is_a_command_that_works(folder: Path):
+    rule = ("--rule", "nothing_x < 1")
+    ran = nvcore("gate", SAMPLE, *rule)
+    assert f"(nvcore gate {SAMPLE} --list shows all)" in ran.stderr
+    assert nvcore("gate", SAMPLE, "--list").exit_code == 0
+    ran = nvcore("gate", "a night.toml", *rule)
+    assert "(nvcore gate 'a night.toml' --list shows all)" in ran.stderr
+    ran = nvcore("gate", *flags(folder), *rule)
+    assert "(nvcore gate SESSION_FILE --list shows all)" in ran.stderr
+
+
 def test_all_wrong_rules_are_told_at_once_with_file_and_line(tmp_path: Path):
     rules = write(
         tmp_path / "rules.txt", "# nightly", "new_misses = 0", "encounters > 1", "lmr_y < 1"

@@ -312,6 +312,30 @@ def test_without_recordings_variation_or_difference_there_is_a_reason_and_no_siz
 
 
 @pytest.mark.parametrize(
+    ("n_unseen", "reason"),
+    [
+        (1, "too few recordings to plan from: 1 of 10 has encounters that count for it, at least "),
+        (
+            5,
+            "too few recordings to plan from: 5 of 10 have encounters that count for it, at least ",
+        ),
+        (6, "X and Y differ by the same in every recording that has encounters that count for it:"),
+        (10, "X and Y differ by the same in every recording: there is no variation to plan from"),
+    ],
+)
+def test_recordings_without_an_encounter_of_the_measure_do_not_differ(n_unseen: int, reason: str):
+    truth = [
+        at(0, 50, track=1, recording=i, detectability=0.1 if i < n_unseen else 0.9)
+        for i in range(10)
+    ]
+    x = [box._replace(score=1.0) for box in truth]
+    result = result_of(make_dataset(truth, x, places=[Place(range(3))] * 10))
+    pilot, why_not = make_pilot(result, "useful_alerts_by_unit")
+    assert pilot is None
+    assert why_not.startswith(reason)
+
+
+@pytest.mark.parametrize(
     ("arguments", "words"),
     [
         ({"measure": "recal"}, "no study can be planned for 'recal'"),

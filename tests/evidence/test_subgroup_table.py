@@ -62,6 +62,19 @@ def test_the_table_has_each_measure_for_all_and_every_group(table: pd.DataFrame)
     assert (table.groupby("figure").nth(0)["factor"] == "all").all()
 
 
+def test_useful_alerts_are_split_as_they_are_compared_and_all_else_as_the_group():
+    truth = [at(0, 30 + 10 * i, track=i + 1, detectability=0.1 if i < 3 else 0.9) for i in range(5)]
+    x = [box._replace(score=1.0) for box in truth[:2] + truth[3:]]
+    result = result_of(make_dataset(truth, x, [truth[2]._replace(score=1.0)]))
+    keys = ["encounters_detected", "useful_alerts", "useful_alerts_by_unit"]
+    table = subgroup_table(result, keys)
+    of_all = table[table["factor"] == "all"].set_index("figure")
+    counts = of_all[["n", "both", "x_only", "y_only", "neither"]]
+    assert counts.loc["useful_alerts"].tolist() == [3, 0, 2, 1, 0]
+    assert counts.loc["encounters_detected"].tolist() == [5, 0, 4, 1, 0]
+    assert counts.loc["useful_alerts_by_unit"].tolist()[1:] == [0, 4, 1, 0]
+
+
 def test_the_row_of_all_is_that_of_the_whole_comparison(table: pd.DataFrame):
     whole = evidence_table(drives()).set_index("figure")
     everybody = table[table["factor"] == "all"].set_index("figure")

@@ -64,6 +64,20 @@ def test_alerts_are_counted_by_recording():
     assert table["redundant_alerts_y"].tolist() == [2, 2, 2]
 
 
+def test_of_recordings_of_which_nothing_is_known_the_alerts_are_undefined():
+    counts = ["useful_alerts_x", "unprotected_y", "redundant_alerts_x", "in_time_alone_y"]
+    table = recordings_table(urgent())
+    assert table["driver_known"].tolist() == [1, 1, 1, 0]
+    assert table[counts].isna().to_numpy().tolist() == [[False] * 4] * 3 + [[True] * 4]
+    assert table["unprotected_x"].tolist()[:3] == [1, 1, 0]
+    nobody_urgent = recordings_table(eight(2))
+    assert nobody_urgent["driver_known"].tolist() == [8, 8]
+    assert nobody_urgent[counts].isna().any().tolist() == [False] * 3 + [True]
+    bare = recordings_table(result_of(make_dataset([at(0, 50, track=1)])))
+    assert "driver_known" not in bare
+    assert "useful_alerts_x" not in bare
+
+
 def test_the_verdict_says_whom_each_system_warns_of_and_where_that_comes_from():
     text = " ".join(describe_driver(eight()))
     assert text == (
@@ -251,15 +265,30 @@ def test_a_rule_of_the_gate_is_judged_and_undefined_where_nothing_is_known():
     rules = [parse_rule("unprotected_y <= 2"), parse_rule("driver_venn.nobody == 1")]
     outcomes, _ = run_gate(rules, eight(), (), strict=False)
     assert [outcome.is_passed for outcome in outcomes[:2]] == [True, True]
+    known = "whether the driver sees them is known of 8 of 9 encounters, by the ground truth"
+    assert [outcome.details for outcome in outcomes] == [(known,), (known,), ()]
     (failed, *_), _ = run_gate([parse_rule("unprotected_y == 0")], eight(), (), strict=False)
-    assert failed.details == ("r0, track 6, frame 0", "r0, track 8, frame 0")
+    assert failed.details == (known, "r0, track 6, frame 0", "r0, track 8, frame 0")
     (failed, *_), _ = run_gate([parse_rule("driver_venn.y == 0")], eight(), (), strict=False)
-    assert failed.details == ("r0, track 7, frame 0",)
+    assert failed.details == (known, "r0, track 7, frame 0")
     bare = result_of(make_dataset([at(0, 50, track=1)]))
     outcomes, measures = run_gate(rules, bare, (), strict=False)
     assert [outcome.is_passed for outcome in outcomes[:2]] == [False, False]
+    assert [outcome.details for outcome in outcomes] == [()] * 3
     assert math.isnan(measures["unprotected_y"])
     assert math.isnan(measures["driver_venn.nobody"])
+
+
+def test_the_gate_says_that_what_is_known_of_the_driver_was_learnt_from_simulated_subjects():
+    result = with_estimate(eight(), EstimateRecord("m", "ab12", "all", 12))
+    names = ["driver_venn.unknown", "useful_alerts_worse_x", "fusion.x_or_y.useful_alerts"]
+    rules = [parse_rule(f"{name} < 1 or undefined") for name in (*names, "encounters")]
+    outcomes, _ = run_gate(rules, result, (), strict=False)
+    known = (
+        "whether the driver sees them is known of 8 of 9 encounters, by the estimates (learnt from "
+        "simulated subjects)"
+    )
+    assert [outcome.details[:1] == (known,) for outcome in outcomes] == [*[True] * 3, False, False]
 
 
 def test_every_name_of_a_rule_has_a_value_with_and_without_a_driver():
@@ -306,6 +335,17 @@ def test_a_share_of_estimates_that_say_little_is_said_with_the_features():
     assert "of the training;" in source(replace(record, outside={}), 1)
 
 
+def test_where_boxes_are_outside_the_training_but_no_encounter_is_that_is_said():
+    places = {0: 0.4, 1: 0.2}  # the first decides, the second is outside the range
+    truth = [at(f, 50, track=1, detectability=value) for f, value in places.items()]
+    result = result_of(make_dataset(truth))
+    boxes = result.dataset.boxes
+    outside = boxes.assign(is_outside=(boxes["detectability"] == 0.2).to_numpy())
+    text = describe_source(compare(replace(result.dataset, boxes=outside), result.params))
+    assert "50 % of the values are estimated outside" in text.replace("\xa0", " ")
+    assert text.endswith("is outside the range of the training in none of 1 encounter.")
+
+
 def test_if_he_sees_everybody_shares_of_the_others_are_undefined_not_an_error():
     truth = [at(0, 50, track=1, detectability=1.0)]
     result = result_of(make_dataset(truth, [at(0, 50, score=1.0)]))
@@ -320,7 +360,8 @@ def test_estimates_outside_the_training_are_counted():
     result = eight(unknown=0)
     boxes = result.dataset.boxes.assign(is_outside=np.arange(len(result.dataset.boxes)) < 3)
     outside = compare(replace(result.dataset, boxes=boxes), Params(proximity="none"))
-    assert "; the largest of 3 encounters is outside the range of the training" in (
-        describe_source(outside)
-    )
+    assert (
+        "of the training; the largest value of an encounter, which decides whether he sees it, is "
+        "outside the range of the training in 3 of 8 encounters."
+    ) in describe_source(outside)
     assert encounters_table(outside)["outside_training"].sum() == 3

@@ -154,12 +154,25 @@ def make_pilot(
     if not np.isfinite(pilot.difference):
         return None, "the measure is undefined in these recordings"
     if pilot.is_constant:
-        return None, (
-            "X and Y are the same in every recording"
-            if not pilot.differs.any()
-            else "X and Y differ by the same in every recording"
-        ) + ": there is no variation to plan from"
+        return None, _why_constant(pilot)
     return pilot, ""
+
+
+def _why_constant(pilot: Pilot) -> str:
+    """Why nothing can be planned from recordings that do not vary."""
+    if not pilot.differs.any():
+        return "X and Y are the same in every recording: there is no variation to plan from"
+    n_counting = int(np.count_nonzero(pilot.weights))
+    if n_counting < MIN_PILOT:
+        verb = "has" if n_counting == 1 else "have"
+        return (
+            f"too few recordings to plan from: {n_counting} of {len(pilot)} {verb} encounters that "
+            f"count for it, at least {MIN_PILOT} are needed"
+        )
+    which = "" if n_counting == len(pilot) else " that has encounters that count for it"
+    return (
+        f"X and Y differ by the same in every recording{which}: there is no variation to plan from"
+    )
 
 
 def _pilot_of(measure: UnitMeasure, result: Result, units: Units) -> Pilot:

@@ -16,11 +16,13 @@ from nvcore.report.gate.measures import (
     COUNTED_ENCOUNTERS,
     COUNTED_FINDINGS,
     COUNTED_REGIONS,
+    OF_DRIVER,
     WORSE,
     members,
 )
 from nvcore.report.gate.outcomes import Outcome
 from nvcore.report.rules import class_in
+from nvcore.report.verdict.driver import describe_known
 from nvcore.schema import Category
 
 MAX_LISTED: Final = 10
@@ -40,19 +42,22 @@ def _details(outcome: Outcome, result: Result, findings: Sequence[Finding]) -> t
             f"{UNEQUAL_POINTS} ({describe_alarms(result)}), from which nothing is claimed: set "
             "thresholds that give equally many",
         )
+    known = (describe_known(result),) if name in OF_DRIVER and result.driver.has_any else ()
     if outcome.is_passed:
-        return ()
+        return known
     counted = name.partition(".")[0] if class_in(name) else name
     if counted in COUNTED_ENCOUNTERS:
         category = COUNTED_ENCOUNTERS[counted]
         return tuple(encounters_of(result, category, members(result, name)))
     if name in COUNTED_REGIONS:
-        return tuple(_listed(result, np.isin(result.driver.region, COUNTED_REGIONS[name])))
-    return tuple(
+        is_counted = np.isin(result.driver.region, COUNTED_REGIONS[name])
+        return (*known, *_listed(result, is_counted))
+    of_audit = (
         f"{finding.subject}: {finding.message}"
         for finding in findings
         if finding.severity is COUNTED_FINDINGS.get(name)
     )
+    return (*known, *of_audit)
 
 
 def encounters_of(

@@ -80,28 +80,33 @@ SUMMARY_NAMES: Final = (
 """Measures in ``summary.json`` of neither X nor Y; computed only if a rule names one."""
 
 
+def _with_endings(names: Iterable[str]) -> list[str]:
+    return [f"{name}_{end}" for name in names for end in ("x", "y", "difference")]
+
+
+_OF_SYSTEM: Final = [column.name for column in SYSTEM_KEYS if column.is_optional]
+OF_DRIVER: Final = frozenset(
+    {
+        *_with_endings(_OF_SYSTEM),
+        *(name for name, (key, _) in WORSE.items() if measure_of(key).is_optional),
+        *(column.name for column in SUMMARY_KEYS if column.is_optional),
+        *(f"fusion.{kind}.{name}" for kind in ("x_or_y", "x_and_y") for name in _OF_SYSTEM),
+    }
+)
+"""Measures of the driver's own view: of the encounters of which it is known."""
+
+
 def measure_names() -> list[str]:
     """Names of all measures that a rule may name."""
     of_systems = _with_endings([*_numeric(SYSTEM_KEYS), *_OF_CURVE])
     return [*of_systems, *WORSE, *_OTHER_NAMES, *SUMMARY_NAMES]
 
 
-def _with_endings(names: Iterable[str]) -> list[str]:
-    return [f"{name}_{end}" for name in names for end in ("x", "y", "difference")]
-
-
 def listed_names(result: Result, values: Mapping[str, float]) -> list[str]:
     """Names of these measures, sorted; those of the driver only where detectability is known."""
     if result.driver.has_any:
         return sorted(values)
-    of_system = [column.name for column in SYSTEM_KEYS if column.is_optional]
-    left_out = {
-        *_with_endings(of_system),
-        *(name for name, (key, _) in WORSE.items() if measure_of(key).is_optional),
-        *(column.name for column in SUMMARY_KEYS if column.is_optional),
-        *(f"fusion.{kind}.{name}" for kind in ("x_or_y", "x_and_y") for name in of_system),
-    }
-    return sorted(values.keys() - left_out)
+    return sorted(values.keys() - OF_DRIVER)
 
 
 def gate_measures(

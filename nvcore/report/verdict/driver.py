@@ -11,7 +11,7 @@ from nvcore.measures.of_driver import is_driver_in_time, is_in_time_alone, is_ju
 from nvcore.metrics.driver import count_unknown
 from nvcore.schema import DriverRegion
 from nvcore.tables.encounters.driver import REGION_NAMES
-from nvcore.wording import count_text, listed, one_line, percent, shortened
+from nvcore.wording import capitalised, count_text, listed, one_line, percent, shortened
 
 SMALL_SHARE: Final = 0.05
 """Share of the estimates up to which their doubts are not said (ours)."""
@@ -30,7 +30,8 @@ def describe_driver(result: Result) -> tuple[str, ...]:
 def _alerts(result: Result) -> str:
     venn = result.driver.venn
     count, n_unseen = venn.counts, venn.n_unseen
-    of = f"{_by(result)}, the driver sees {venn.n_seen} of {count_text(venn.n_known, 'encounter')}"
+    by = capitalised(_by(result))
+    of = f"{by}, the driver sees {venn.n_seen} of {count_text(venn.n_known, 'encounter')}"
     if not n_unseen:
         return f"{of} by himself: every alert is redundant."
     useful_x = count[DriverRegion.X_Y] + count[DriverRegion.X]
@@ -42,17 +43,23 @@ def _alerts(result: Result) -> str:
     )
 
 
+def describe_known(result: Result) -> str:
+    """Of how many encounters it is known whether the driver sees them, and on whose word."""
+    known, near = result.driver.venn.n_known, count_text(result.venn.n_near, "encounter")
+    return f"whether the driver sees them is known of {known:,} of {near}, {_by(result)}"
+
+
 def _by(result: Result) -> str:
     """On whose word it rests what the driver sees."""
     estimate = result.dataset.estimate
     n_estimated, n_stated = _origins(result)
     if estimate is None or (n_stated and not n_estimated):
-        return "By the ground truth"
+        return "by the ground truth"
     caution = f" ({estimate.caution})" if estimate.caution else ""
     if not n_stated:
-        return f"By the estimates{caution}"
+        return f"by the estimates{caution}"
     among = count_text(n_estimated, "recording")
-    return f"By estimates in {among}{caution} and the ground truth in {n_stated}"
+    return f"by estimates in {among}{caution} and the ground truth in {n_stated}"
 
 
 def _origins(result: Result) -> tuple[int, int]:
@@ -94,9 +101,6 @@ def describe_source(result: Result) -> str:
             )
         text = f"Detectability is {words}; {threshold}"
     parts = _doubts(result)
-    if n_outside := result.driver.n_outside:
-        whose = f"the largest of {count_text(n_outside, 'encounter')}"
-        parts.append(f"{whose} is outside the range of the training")
     if n_unknown := venn.counts[DriverRegion.UNKNOWN]:
         parts.append(f"{count_text(n_unknown, 'encounter')} unknown, not counted here")
     return f"{text}{''.join(f'; {part}' for part in parts)}."
@@ -120,12 +124,23 @@ def _doubts(result: Result) -> list[str]:
         parts.append(
             f"{share} of the values are estimated outside the range of the training{which}"
         )
+    if result.driver.n_outside or n_outside > SMALL_SHARE * n_known:
+        parts.append(_encounters_outside(result))
     if record and record.n_without_light > SMALL_SHARE * record.n_estimates > 0:
         share = percent(record.n_without_light / record.n_estimates)
         parts.append(
             f"in {share} of the estimates nothing is known of the light: as for adapted eyes"
         )
     return parts
+
+
+def _encounters_outside(result: Result) -> str:
+    """In how many encounters the value that decides was estimated outside the training's range."""
+    among = count_text(result.driver.venn.n_known, "encounter")
+    return (
+        "the largest value of an encounter, which decides whether he sees it, is outside the "
+        f"range of the training in {result.driver.n_outside or 'none'} of {among}"
+    )
 
 
 def weighting(result: Result) -> str:

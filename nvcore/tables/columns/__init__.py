@@ -20,7 +20,8 @@ def _measure_by_recording(measure: Measure) -> Column:
     return replace(
         column,
         meaning=measure.meaning_by_recording or column.meaning,
-        empty="recording without evaluated frames" if column.empty == NO_FRAMES else column.empty,
+        empty=measure.empty_by_recording
+        or ("recording without evaluated frames" if column.empty == NO_FRAMES else column.empty),
     )
 
 
@@ -204,6 +205,13 @@ _RECORDINGS = (
     Column("n_truth", _INTEGER, "boxes", "Annotated pedestrians, ignore regions left out."),
     *VENN_COLUMNS,
     Column("urgent", _INTEGER, "encounters", "Encounters that are urgent, as in `encounters.csv`."),
+    Column(
+        "driver_known",
+        _INTEGER,
+        "encounters",
+        "Encounters that count of which it is known whether the driver sees them.",
+        is_optional=True,
+    ),
     *of_both(
         *(
             _measure_by_recording(measure)
