@@ -26,8 +26,9 @@ def test_trials_say_who_took_them_and_what_is_odd(training: Training):
     assert lines[0].replace("\xa0", " ") == (
         "960 trials: 19 subjects, 8 pedestrians, 6 adaptation periods"
     )
-    assert lines[1].replace("\xa0", " ").startswith("3 trials came more than 50 ms early or late")
-    assert lines[2:] == [
+    assert lines[1] == "20 responses to each pedestrian at a period"
+    assert lines[2].replace("\xa0", " ").startswith("3 trials came more than 50 ms early or late")
+    assert lines[3:] == [
         "subject S1 is left out",
         "subject S2 is odd: never touches. The responses count all the same; without them: "
         "--leave-out S2",
