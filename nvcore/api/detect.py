@@ -153,7 +153,8 @@ class DetectorJob:
 
         about = self.detector.about
         found = trained_findings(self.dataset, about.name, about.trained_on)
-        return [f"{finding.message} {finding.advice}" for finding in found]
+        words = self.dataset.words
+        return [words(f"{finding.message} {finding.advice}") for finding in found]
 
     def run(self, progress: Progress = no_progress) -> WrittenRun:
         """Run the detector and write what comes out; errors as `detect`."""

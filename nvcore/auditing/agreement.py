@@ -147,11 +147,22 @@ def find_disagreement(
     ]
 
 
-def find_loose(source: BoxSource, matches: Matches) -> list[Finding]:
-    """A system many of whose false alarms lie on pedestrians that it thereby misses."""
-    truth, rows = source.dataset.truth, np.flatnonzero(matches.is_false_alarm)
-    is_missed = ~truth.ignore & ~matches.is_matched
-    loose = rows[_overlapped(truth, is_missed, source.boxes, rows, LOOSE_IOU) >= 0]
+def find_misfits(source: BoxSource, matches: Matches, params: Params) -> list[Finding]:
+    """A system many of whose false alarms lie on pedestrians that it misses, by too small an IoU.
+
+    Only where matching is by IoU: elsewhere the shape of a box does not decide.
+    """
+    if params.match != "iou":
+        return []
+    truth, boxes = source.dataset.truth, source.boxes
+    rows = np.flatnonzero(matches.is_false_alarm)
+    missed = _overlapped(truth, ~truth.ignore & ~matches.is_matched, boxes, rows, LOOSE_IOU)
+    g, d = missed[missed >= 0], rows[missed >= 0]
+    iou = iou_of_pairs(
+        (truth.x[g], truth.y[g], truth.w[g], truth.h[g]),
+        (boxes.x[d], boxes.y[d], boxes.w[d], boxes.h[d]),
+    )
+    loose = d[iou < params.iou]  # else their classes differ
     if len(loose) < max(MIN_BOXES, LOOSE_SHARE * len(rows)):
         return []
     return source.findings(
@@ -159,10 +170,11 @@ def find_loose(source: BoxSource, matches: Matches) -> list[Finding]:
         "loose-boxes",
         loose,
         f"{len(loose):,} of {count_text(len(rows), 'false alarm')} overlap a pedestrian who counts "
-        f"as missed, by an IoU of {LOOSE_IOU:g} or more.",
+        f"as missed by an IoU of {LOOSE_IOU:g} or more, but less than the {params.iou:g} that is "
+        "asked for.",
         "Look at some: where they show the pedestrian, the boxes are of another shape than the "
-        "ground truth's, each costs a miss and a false alarm, and what is said at equal false "
-        'alarms rests on them. A lower iou, or match = "lateral", judges who is detected.',
+        "ground truth's, he counts as missed and they as false alarms, and what is said at equal "
+        'false alarms rests on them. A lower iou, or match = "lateral", judges who is detected.',
     )
 
 

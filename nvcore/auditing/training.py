@@ -42,6 +42,29 @@ def trained_findings(
     prints
         Fingerprints of the truth by rows of the frames table, kept from call to call; None: not.
     """
+    is_trained, is_namesake, has_part = trained_rows(dataset, trained_on, prints)
+    return [
+        *_on_frames(dataset, name, is_trained),
+        *_on_namesakes(dataset, name, is_namesake & ~is_trained),
+        *_beside_frames(dataset, name, is_trained, has_part),
+    ]
+
+
+def trained_rows(
+    dataset: Dataset,
+    trained_on: Sequence[TrainedOn],
+    prints: dict[tuple[int, int], str] | None = None,
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
+    """What of a dataset is in a training, by the names of recordings and by their ground truth.
+
+    Returns
+    -------
+    is_trained, is_namesake
+        Frames of the training, and those of a recording of the same name with other ground truth;
+        bool, shape (n_frames,).
+    has_part
+        Recordings of which some frames are in it, bool, shape (n_recordings,).
+    """
     prints = {} if prints is None else prints
     frames = dataset.frame_columns
     number_of = {name: number for number, name in enumerate(dataset.recordings["name"])}
@@ -61,11 +84,7 @@ def trained_findings(
             elif number == named or is_same:
                 is_trained[rows] = True
                 has_part[number] = True
-    return [
-        *_on_frames(dataset, name, is_trained),
-        *_on_namesakes(dataset, name, is_namesake & ~is_trained),
-        *_beside_frames(dataset, name, is_trained, has_part),
-    ]
+    return is_trained, is_namesake, has_part
 
 
 def _is_whole(rows: slice, part: TrainedOn) -> bool:

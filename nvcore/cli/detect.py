@@ -152,7 +152,7 @@ def models(detector: str | None, settings: Sequence[str]) -> None:
     setting of nvcore train. Estimators of what the driver sees are described, too.
     """
     with needs("detectors", "nvcore models needs"):
-        from nvcore.detectors.registry import open_detector
+        from nvcore.detectors.registry import DETECTORS, open_detector
         from nvcore.driver.estimators.model_file import (
             estimator_path,
             is_estimator_file,
@@ -172,9 +172,12 @@ def models(detector: str | None, settings: Sequence[str]) -> None:
         click.echo(render_estimators())
         return
     if detector == "icf":
+        if settings:
+            raise click.UsageError("--set is about a model; icf is a kind of them")
         click.echo(render_training_settings())
         return
-    if is_estimator_file(path := estimator_path(detector)):
+    is_built_in = any(detector in kind.built_in for kind in DETECTORS.values())
+    if not is_built_in and is_estimator_file(path := estimator_path(detector)):
         if settings:
             raise click.UsageError("--set is about a detector; this is an estimator")
         click.echo(render_estimator(read_estimator(path)))

@@ -3,6 +3,7 @@
     {"written_by": "nvcore 0.1.0",
      "estimator": {"name": "driver", "fingerprint": "5f1c...", "simulated": "all",
                    "n_subjects": 12, "no_better_at_s": [0.5]},
+     "estimates": {"n": 1557, "n_without_light": 0, "outside": {"Height": 12}},
      "settings": {"light": {"drop_factor": 10.0}},
      "files": {"detectability.csv": "9e07..."}}
 
@@ -27,6 +28,7 @@ _SUBJECTS: Final = {
     "all": "learnt from simulated subjects",
     "some": "learnt in part from simulated subjects",
 }
+_MOST: Final = 2**53
 _SHOWN_NAME: Final = 40
 _OF_ESTIMATOR: Final = {"name": str, "fingerprint": str, "simulated": str, "n_subjects": int}
 
@@ -153,11 +155,19 @@ def _record(content: object) -> EstimateRecord:
         files={name: typed(digest, str, "files") for name, digest in files.items()},
         written_by=value_of(record, "written_by", str),
         light=value_of(value_of(record, "settings", dict), "light", dict),
-        n_estimates=value_of(estimates, "n", int),
-        n_without_light=value_of(estimates, "n_without_light", int),
-        outside={name: typed(n, int, "outside") for name, n in outside.items()},
+        n_estimates=(n := _count(value_of(estimates, "n", int), "n", _MOST)),
+        n_without_light=_count(value_of(estimates, "n_without_light", int), "n_without_light", n),
+        outside={
+            name: _count(typed(m, int, "outside"), "outside", n) for name, m in outside.items()
+        },
         no_better_at_s=_periods(value_of(estimator, "no_better_at_s", list)),
     )
+
+
+def _count(n: int, name: str, most: int) -> int:
+    if not 0 <= n <= most:
+        raise ValueError(f"{name}: expected 0 to {most}")
+    return n
 
 
 def _periods(values: list[object]) -> tuple[float, ...]:

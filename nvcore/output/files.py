@@ -114,12 +114,12 @@ def refuse_other_run(folder: Path, known: Iterable[str]) -> None:
         lines = (folder / MANIFEST).read_text("utf-8").splitlines()
     except (OSError, UnicodeDecodeError):  # no run of ours
         return
-    listed = {line.partition("  ")[2] for line in lines}
-    others = sorted(name for name in listed - {*known, ""} if (folder / name).is_file())
+    there = {path.name for path in folder.iterdir()}
+    others = sorted(there.intersection(line.partition("  ")[2] for line in lines) - {*known})
     if others:
         raise InputError(
-            f"holds {one_line(shortened(', '.join(others), _LONGEST))} of another command; give "
-            "another folder",
+            f"holds {one_line(shortened(', '.join(others), _LONGEST))} of another command (by its "
+            f"{MANIFEST}); give another folder",
             file=folder,
         )
 

@@ -168,6 +168,9 @@ def test_a_folder_of_another_command_is_not_mixed(tmp_path: Path):
     assert ran.exit_code == 2
     assert "holds provenance.json, urban_crossing.csv of another command" in ran.stderr
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
+    names = "a" * 300, "../../etc", "/etc/passwd", ""  # a file of somebody else
+    (out / "SHA256SUMS").write_text("".join(f"0  {name}\n" for name in names))
+    assert nvcore("compare", SAMPLE, *PART, "--out", out).exit_code == 0
 
 
 def test_it_is_said_before_a_run_that_the_model_knows_the_frames(tmp_path: Path):

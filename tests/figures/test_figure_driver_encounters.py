@@ -40,7 +40,7 @@ def test_each_of_the_eight_regions_has_its_count_and_can_be_clicked(theme):
     assert texts[at["nobody"]] == "<b>0</b>"
     assert "Y &lt;B&gt;" in texts.values()
     assert (
-        "15 near encounters of which it is known; not drawn: 2 of which it is not, 0"
+        "15 near encounters of which it is known; not drawn: 2 unknown, 0"
         in figure.layout.title.text
     )
 

@@ -24,7 +24,7 @@ def _all(result: Result) -> str:
     n = venn.n_known + n_unknown + n_distant
     parts = [f"{venn.n_seen:,} seen by the driver, {venn.n_unseen:,} not seen"]
     if n_unknown:
-        parts.append(f"{n_unknown:,} of which it is not known")
+        parts.append(f"{n_unknown:,} unknown")
     if n_distant:
         parts.append(f"{n_distant:,} distant (never near enough to count)")
     return f"{count_text(n, 'encounter')} in all: {', '.join(parts)}."
@@ -45,6 +45,6 @@ def _urgent(result: Result) -> str:
     )
     return (
         f"{count_text(n, 'urgent one')} of which it is known: in time is the driver by himself in "
-        f"{in_driver}; of the others, X and Y are in {in_both}, X alone in {in_x}, Y alone in "
-        f"{in_y}, nobody in {in_none}."
+        f"{in_driver}; of the others, both systems are in {in_both}, X alone in {in_x}, Y alone "
+        f"in {in_y}, nobody in {in_none}."
     )

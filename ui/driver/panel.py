@@ -58,7 +58,7 @@ def draw(
     clock
         Of the recording; None: nothing is known of the light.
     caution
-        Whose answers the estimates rest on, where some were simulated.
+        Why the estimates are to be doubted, in a few words; empty: no reason is known.
     run
         What the estimates and features come from; None: from a file.
     is_estimated

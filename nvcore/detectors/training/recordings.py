@@ -103,7 +103,8 @@ def _left_out(
     boxes = "box", "boxes"
     parts = {
         f"{count_text(n_low, *boxes)} lower than {least:g} px (--least-height)": n_low,
-        f"{count_text(n_others, *boxes)}: ignored, mostly hidden or cut off by the edge": n_others,
+        f"{count_text(n_others, *boxes)} that do not count: ignored, mostly hidden, cut off by the "
+        "edge, or left out by the session's protocol": n_others,
     }
     return [text for text, n in parts.items() if n]
 

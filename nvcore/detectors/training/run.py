@@ -99,7 +99,9 @@ class Training:
         )
         if settings.cascade in ("calibrated", "hard"):
             share = f"{100 * settings.kept_share:g} %"
-            return f"{found}; the cascade was calibrated to let {share} of them through"
+            return (
+                f"{found}; the cascade was calibrated to let {share} of the held-out ones through"
+            )
         return f"{found}; the cascade lets {self.n_kept:,} through"
 
 

@@ -69,7 +69,7 @@ def driver_venn_plot(venn: DriverVenn, names: tuple[str, str], *, theme: Theme) 
         theme,
         title="Who sees the pedestrian",
         subtitle=f"{count_text(venn.n_known, 'near encounter')} of which it is known; not drawn: "
-        f"{n_unknown:,} of which it is not, {n_distant:,} distant; circles are not to scale",
+        f"{n_unknown:,} unknown, {n_distant:,} distant; circles are not to scale",
         height=HEIGHT_PX,
         showlegend=False,
         margin={"l": 8, "r": 8, "t": 64, "b": 8},

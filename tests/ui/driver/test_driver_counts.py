@@ -22,9 +22,9 @@ def test_each_encounter_and_each_urgent_one_is_in_one_part():
     truth += [at(0, 5, h=4, track=9)._replace(detectability=0.5)]
     dataset = make_dataset(truth, x, y, places=[Place(always)] * len(kinds))
     assert describe_counts(result_of(dataset, proximity="height")) == (
-        "6 encounters in all: 1 seen by the driver, 3 not seen, 1 of which it is not known, 1 "
+        "6 encounters in all: 1 seen by the driver, 3 not seen, 1 unknown, 1 "
         "distant (never near enough to count). 4 urgent ones of which it is known: in time is the "
-        "driver by himself in 1; of the others, X and Y are in 1, X alone in 0, Y alone in 1, "
+        "driver by himself in 1; of the others, both systems are in 1, X alone in 0, Y alone in 1, "
         "nobody in 1."
     )
 

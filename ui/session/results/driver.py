@@ -74,7 +74,7 @@ def light_trouble(recording: int) -> str:
 
 
 def caution_of(result: Result) -> str:
-    """Whose answers the estimates rest on, where some were simulated; empty: none were."""
+    """Why the estimates are to be doubted, such as simulated subjects; empty: no reason."""
     record = result.dataset.estimate
     return "" if record is None else record.caution
 

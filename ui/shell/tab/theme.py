@@ -16,6 +16,7 @@ export default function ({ setTriggerValue }) {
   send = setTriggerValue;
   if (ground !== null) return;
   const app = document.querySelector('[data-testid="stApp"]');
+  if (!app) return;
   const seen = () => getComputedStyle(app).backgroundColor;
   ground = seen();
   new MutationObserver(() => {
