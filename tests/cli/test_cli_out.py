@@ -62,7 +62,8 @@ def test_check_leaves_the_report_of_a_comparison_whole(folder: Path):
     before = content(report)
     ran = nvcore("check", *flags(folder), "--out", report)
     assert ran.exit_code == 2
-    assert "holds the report of a comparison; give another folder" in ran.stderr
+    assert "holds encounters.csv, events.csv, frames.csv" in ran.stderr
+    assert "of another command (by its SHA256SUMS); give another folder" in ran.stderr
     assert content(report) == before
 
 
