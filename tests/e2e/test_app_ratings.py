@@ -60,6 +60,7 @@ def links(person: BrowserContext, app: str) -> tuple[str, str]:
     one.page.get_by_role("radio", name="Rating session").first.click()
     expect(one.heading("Start a rating session")).to_be_visible()
     expect(one.page.get_by_text("2 clips.")).to_be_visible()
+    one.wait_until_drawn()  # a button that is drawn anew while it is clicked hears nothing
     one.keyed("rating_start").get_by_role("button").click()
     expect(one.heading("The rating session")).to_be_visible()
     codes = one.page.get_by_test_id("stCode").locator("code")
