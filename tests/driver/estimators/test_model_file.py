@@ -159,7 +159,11 @@ def test_what_is_no_model_is_refused(content: bytes):
     ("name", "content", "words"),
     [
         ("fir.csv", b"frame,x,y,w,h\n0,1,2,3,4\n", "it is text$"),
-        ("fir.csv.gz", gzip.compress(b"frame,x"), "it is a file packed by gzip: unpack it$"),
+        (
+            "fir.csv.gz",
+            gzip.compress(b"frame,x", mtime=0),
+            "it is a file packed by gzip: unpack it$",
+        ),
         ("a.parquet", b"PAR1\x15\x04", "it is a Parquet table$"),
         ("empty.npz", b"", "it is empty$"),
         ("a.onnx", b"\x08\x08\x12\x04nvco", r"it is a binary file; networks \(\.onnx\) are for n"),
