@@ -12,7 +12,7 @@ from nvcore.extras import needs
 from nvcore.inputs.pipes import pipes_kept
 from nvcore.inputs.session import Session
 from nvcore.output.csv_text import to_csv_bytes
-from nvcore.output.files import write_whole
+from nvcore.output.files import check_folder, write_whole
 from nvcore.progress import Progress, no_progress
 from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
 
@@ -281,8 +281,6 @@ def _dataset_to_run(
     loading: Progress,
 ) -> Dataset:
     """The recordings, once it is known that the folder may be written to."""
-    from nvcore.driver.writing import check_folder
-
     dataset, session = load_part(source, part or Part(), progress=loading)
     check_folder(out, outputs)
     files = [*inputs, *([Path(source)] if isinstance(source, PathLike) else [])]

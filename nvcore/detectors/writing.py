@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,7 +18,7 @@ from nvcore.inputs.session import Session, SystemSource
 from nvcore.inputs.session_toml import write_session
 from nvcore.inputs.writers.names import safe_names
 from nvcore.output.csv_text import to_csv_bytes
-from nvcore.output.files import refuse_other_run, write_run
+from nvcore.output.files import check_folder, write_run
 from nvcore.wording import one_line
 from nvcore.wording.objects import labels_in_order
 
@@ -93,10 +92,7 @@ def check_target(
     if name is not None and name in dataset.systems:
         raise InputError(f"there is a system {name!r} already; give the new one another name")
     own = [*(path.name for path in outputs(folder, dataset)), *_recorded_before(folder)]
-    refuse_other_run(folder, own)
-    place = next(path for path in (folder, *folder.absolute().parents) if path.exists())
-    if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK):
-        raise InputError("cannot be written to; give another folder", file=folder)
+    check_folder(folder, own)
 
 
 def write_detections(

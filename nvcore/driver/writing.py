@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -13,13 +11,12 @@ from nvcore.dataset import Dataset
 from nvcore.driver.estimate import EstimateRun
 from nvcore.driver.feature_record import RECORD_FILE, record_bytes
 from nvcore.driver.run import FeatureRun
-from nvcore.errors import InputError
 from nvcore.inputs.driver.session import DriverTable
 from nvcore.inputs.hashes import source_hashes
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import write_session
 from nvcore.output.csv_text import to_csv_bytes
-from nvcore.output.files import refuse_other_run, write_run
+from nvcore.output.files import write_run
 from nvcore.schema import DETECTABILITY
 
 FEATURES_FILE: Final = "features.csv"
@@ -65,25 +62,6 @@ class WrittenEstimates:
     features: Path
     record: Path
     run: EstimateRun
-
-
-def check_folder(folder: Path, outputs: Iterable[str]) -> None:
-    """Refuse a folder that cannot be written to, before a long run.
-
-    Parameters
-    ----------
-    outputs
-        Names of the files that the run may write.
-
-    Raises
-    ------
-    InputError
-        If it cannot, or holds the run of another command.
-    """
-    refuse_other_run(folder, outputs)
-    place = next(path for path in (folder, *folder.absolute().parents) if path.exists())
-    if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK):
-        raise InputError("cannot be written to; give another folder", file=folder)
 
 
 def write_features(run: FeatureRun, folder: Path) -> WrittenFeatures:

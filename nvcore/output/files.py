@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import secrets
 import shutil
 import signal
@@ -95,6 +96,25 @@ def write_run(folder: Path, files: Iterable[tuple[str, bytes]], known: Iterable[
         ) from error
     except OSError as error:
         raise InputError(f"cannot be written ({error.strerror})", file=folder) from error
+
+
+def check_folder(folder: Path, known: Iterable[str]) -> None:
+    """Refuse a folder that a run could not be written to, before a long run.
+
+    Parameters
+    ----------
+    known
+        As of `refuse_other_run`.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written to, or holds the run of another command.
+    """
+    refuse_other_run(folder, known)
+    place = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK):
+        raise InputError("cannot be written to; give another folder", file=folder)
 
 
 def refuse_other_run(folder: Path, known: Iterable[str]) -> None:

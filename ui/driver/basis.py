@@ -27,7 +27,7 @@ def period_words(run: EstimateRun, period_s: float) -> str:
     period_s
         Seconds since the change at the end of the frame; NaN: none is known.
     """
-    rows = _regressions(run, period_s)
+    rows = run.estimator.rows_taken(period_s, interpolate=run.is_interpolated)
     return f"{listed([f'{run.estimator.periods_s[row]:g}' for row in rows])}{NO_BREAK}s"
 
 
@@ -47,7 +47,7 @@ def outside_words(run: EstimateRun, features: pd.Series, period_s: float) -> lis
         As in `period_words`.
     """
     values = features[list(FEATURE_KEYS)].to_numpy(np.float64)
-    rows = _regressions(run, period_s)
+    rows = run.estimator.rows_taken(period_s, interpolate=run.is_interpolated)
     return [
         f"{FEATURES[column].label} {_range_words(value, low, high)} {FEATURES[column].unit}"
         f"{f' for {run.estimator.periods_s[row]:g} s' if len(rows) > 1 else ''}"
@@ -56,27 +56,17 @@ def outside_words(run: EstimateRun, features: pd.Series, period_s: float) -> lis
     ]
 
 
-def _regressions(run: EstimateRun, period_s: float) -> list[int]:
-    """Rows of the regressions that `Estimator.estimate` takes: the nearest, or those around it."""
-    periods = run.estimator.periods_s
-    if np.isnan(period_s) or period_s > periods[-1]:
-        return [len(periods) - 1]
-    if not run.is_interpolated:
-        return [int(np.argmin(np.abs(periods - period_s)))]  # of two as near, the shorter
-    above = int(np.searchsorted(periods, period_s))
-    return sorted({max(above - 1, 0), above})
-
-
 def _beyond(
     estimator: Estimator, row: int, values: np.ndarray
 ) -> list[tuple[int, float, float, float]]:
     """Column, value and range of each feature that a regression takes and that is outside."""
     taken = estimator.regressions[row]
+    is_outside = taken.outside(values[np.newaxis])[0]
     ranges = zip(taken.columns.tolist(), taken.low.tolist(), taken.high.tolist(), strict=True)
     return [
         (column, float(values[column]), low, high)
         for column, low, high in ranges
-        if values[column] < low or values[column] > high
+        if is_outside[column]
     ]
 
 

@@ -266,11 +266,7 @@ class Estimator:
         """
         features = np.asarray(features, dtype=np.float64).reshape(-1, N_FEATURES)
         period = np.broadcast_to(np.asarray(period_s, np.float64), len(features))
-        period = np.where(np.isnan(period), np.inf, period)
-        below, above, share = self._neighbours(period)
-        if not interpolate:
-            nearest = np.where(share <= 0.5, below, above)
-            below, above, share = nearest, nearest, np.zeros(len(share))
+        below, above, share = self._taken(period, interpolate=interpolate)
         parts = [self._of_periods(features, index) for index in (below, above)]
         (first, sd, outside), (second, second_sd, second_outside) = parts
         is_between = share > 0
@@ -290,10 +286,19 @@ class Estimator:
         detectability, sd, outside = self._of_periods(features, last)
         return Estimates(detectability, sd, outside, np.full(len(features), np.nan))
 
-    def _neighbours(
-        self, period: NDArray[np.float64]
+    def rows_taken(self, period_s: float, *, interpolate: bool) -> list[int]:
+        """Rows of the regressions that `estimate` takes at a period, ascending: one, or two."""
+        below, above, _ = self._taken(np.array([period_s], np.float64), interpolate=interpolate)
+        return sorted({int(below[0]), int(above[0])})
+
+    def _taken(
+        self, period: NDArray[np.float64], *, interpolate: bool
     ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-        """Rows of the periods before and after, and how far it is from the one to the other."""
+        """Rows of the regressions before and after, and how far it is from the one to the other.
+
+        Unless it is interpolated both are the nearest.
+        """
+        period = np.where(np.isnan(period), np.inf, period)
         periods = self.periods_s
         after = np.searchsorted(periods, period)
         below = np.clip(after - 1, 0, len(periods) - 1)
@@ -302,7 +307,10 @@ class Estimator:
         share = np.zeros(len(period))
         inside = step > 0
         share[inside] = (period[inside] - periods[below[inside]]) / step[inside]
-        return below, above, share
+        if interpolate:
+            return below, above, share
+        nearest = np.where(share <= 0.5, below, above)
+        return nearest, nearest, np.zeros(len(share))
 
     def _of_periods(
         self, features: NDArray[np.float64], index: NDArray[np.int64]
