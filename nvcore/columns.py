@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from nvcore.schema import NO_TRACK
+
 
 @dataclass(frozen=True)
 class BoxColumns:
@@ -80,6 +82,32 @@ class BoxColumns:
 
 BOX_COLUMNS = tuple(spec.name for spec in fields(BoxColumns))[:-2]
 """Columns of the boxes table that `BoxColumns` holds."""
+
+
+def boxes_of_frame(xywh: np.ndarray, score: np.ndarray, label: np.ndarray) -> BoxColumns:
+    """Boxes of a single frame, as of a system that gives neither tracks nor distances.
+
+    Parameters
+    ----------
+    xywh
+        px, float64, shape (n, 4).
+    score, label
+        As in `BoxColumns`.
+    """
+    n = len(xywh)
+    columns = {
+        **dict(zip("xywh", np.ascontiguousarray(xywh.T), strict=True)),
+        "score": score,
+        "track": np.full(n, NO_TRACK, np.int64),
+        "ignore": np.zeros(n, dtype=bool),
+        "distance_m": np.full(n, np.nan),
+        "label": label,
+        "frame_index": np.zeros(n, np.int64),
+    }
+    own = {name: column.view() for name, column in columns.items()}
+    for column in own.values():  # as a dataset's own: kernels are compiled for one kind
+        column.flags.writeable = False
+    return BoxColumns(**own, offsets=np.array([0, n]), first_row=0)
 
 
 class Detectability(NamedTuple):

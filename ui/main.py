@@ -21,6 +21,7 @@ from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, is_folded_on, own_of, shown_on
 from ui.shell.tab import back, dragging, narrow, restore, theme
 from ui.widgets import figure_menu
+from ui.widgets.buttons import forget_clicks
 
 # pages with more in their address, which they write by themselves, or leave as it is
 # (Streamlit would print a string below it on every page)
@@ -67,6 +68,7 @@ try:
 except Exception as error:  # noqa: BLE001  # the sidebar is drawn, or its widgets lose their values
     error_banner(error)
     failure = error
+forget_clicks()
 if wrong_params is not None and not links.is_participant():  # something is open
     try:
         sidebar.draw(wrong_params, shown_on(page), own=own_of(page), is_folded=is_folded_on(page))

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nvcore.extras import needs
-from nvcore.output.files import refuse_other_run, write_run
+from nvcore.output.files import check_folder, check_model_file, write_run
 from nvcore.progress import Progress, no_progress
 from nvcore.report.protect_inputs import refuse_to_replace
 from nvcore.wording import one_line
@@ -72,7 +72,8 @@ def train_driver(
     Raises
     ------
     InputError
-        If an input cannot be used, would be replaced, or there is too little to learn.
+        If an input cannot be used, would be replaced, or there is too little to learn; or `out`
+        cannot be written to.
     MissingExtraError
         If the extra ``driver`` is not installed.
 
@@ -86,6 +87,7 @@ def train_driver(
 
     path = Path(out)
     refuse_to_replace([path], _read(trials, features, boxes))
+    check_model_file(path)
     table = training_table(
         Path(trials),
         Path(features),
@@ -134,7 +136,8 @@ def evaluate_driver(
     Raises
     ------
     InputError
-        If an input cannot be used, would be replaced, or there is too little to learn.
+        If an input cannot be used, would be replaced, or there is too little to learn; or `out`
+        cannot be written to, or holds the run of another command.
     MissingExtraError
         If the extra ``driver`` is not installed.
 
@@ -151,7 +154,7 @@ def evaluate_driver(
     if out is not None:
         files = [Path(out) / name for name in EVALUATION_FILES]
         refuse_to_replace(files, _read(trials, features, boxes))
-        refuse_other_run(Path(out), EVALUATION_FILES)
+        check_folder(Path(out), EVALUATION_FILES)
     table = training_table(
         Path(trials),
         Path(features),

@@ -11,7 +11,7 @@ from nvcore.auditing.agreement import (
     audit_same_as_truth,
     audit_same_systems,
     find_disagreement,
-    find_misfits,
+    find_loose,
     match_pair,
 )
 from nvcore.auditing.boxes import audit_doubles, audit_geometry, audit_tracks
@@ -151,7 +151,7 @@ def audit_pair(
     findings += audit_weighting(truth_source(dataset), system_x, system_y, matches, params)
     if np.any(~dataset.truth.ignore):
         for system, matched in zip((system_x, system_y), matches, strict=True):
-            findings += find_misfits(system, matched, params)
+            findings += find_loose(system, matched, params)
         findings += find_disagreement(dataset, system_x, system_y, matches)
         findings += audit_operating_points(system_x, system_y, matches, params)
     return _worded(dataset, findings)

@@ -147,7 +147,7 @@ def find_disagreement(
     ]
 
 
-def find_misfits(source: BoxSource, matches: Matches, params: Params) -> list[Finding]:
+def find_loose(source: BoxSource, matches: Matches, params: Params) -> list[Finding]:
     """A system many of whose false alarms lie on pedestrians that it misses, by too small an IoU.
 
     Only where matching is by IoU: elsewhere the shape of a box does not decide.

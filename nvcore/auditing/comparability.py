@@ -9,7 +9,7 @@ import numpy as np
 
 from nvcore.auditing.cases import TRUTH_NAME, BoxSource, spelled
 from nvcore.dataset import Dataset
-from nvcore.detection.operating_point import threshold_for
+from nvcore.detection.operating_point import are_unequal_alarms, threshold_for
 from nvcore.findings import Cases, Finding, Severity
 from nvcore.inputs.evaluated_frames import nth
 from nvcore.metrics.encounters import encounters_of, mostly_one_frame
@@ -225,7 +225,9 @@ def audit_operating_points(
 ) -> list[Finding]:
     """Scores that reach down to different values, or far more detections of one system.
 
-    Only where both systems have scores and neither has a threshold.
+    Only where both systems have scores and neither has a threshold, and where their numbers of
+    false alarms are as unequal as the verdict has it (`are_unequal_alarms`): otherwise they are at
+    like operating points, wherever the scores end.
 
     Parameters
     ----------
@@ -247,6 +249,8 @@ def audit_operating_points(
         np.sort(score[match.is_false_alarm])[::-1]
         for score, match in zip(scores, matches, strict=True)
     ]
+    if not are_unequal_alarms(*map(len, alarms)):
+        return []
     more = 0 if len(alarms[0]) >= len(alarms[1]) else 1
     threshold = threshold_for(alarms[more], len(alarms[1 - more]))
     systems = (x, y)

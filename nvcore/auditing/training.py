@@ -10,89 +10,37 @@ from numpy.typing import NDArray
 from nvcore.auditing.cases import place_of_frame, spelled
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import Provenance, TrainedOn, is_in_ranges
-from nvcore.dataset.training import part_fingerprint, rows_of_part
+from nvcore.dataset.training_overlap import training_overlap
 from nvcore.findings import Cases, Finding, Severity
 
 
 def audit_provenance(dataset: Dataset) -> list[Finding]:
     """What the records of systems contradict: scored on their training, not run, other files."""
     findings: list[Finding] = []
-    prints: dict[tuple[int, int], str] = {}
     for name in dataset.systems:
         record = dataset.provenance.get(name)
         if record is not None:
-            findings += trained_findings(dataset, name, record.about.trained_on, prints)
+            findings += trained_findings(dataset, name, record.about.trained_on)
             findings += _not_run(dataset, name, record)
             findings += _other_files(dataset, name, record)
     return findings
 
 
-def trained_findings(
-    dataset: Dataset,
-    name: str,
-    trained_on: Sequence[TrainedOn],
-    prints: dict[tuple[int, int], str] | None = None,
-) -> list[Finding]:
+def trained_findings(dataset: Dataset, name: str, trained_on: Sequence[TrainedOn]) -> list[Finding]:
     """Evaluated frames that are among those of the training, and recordings that are in part.
 
     Parameters
     ----------
     name
         Of the system or detector.
-    prints
-        Fingerprints of the truth by rows of the frames table, kept from call to call; None: not.
     """
-    is_trained, is_namesake, has_part = trained_rows(dataset, trained_on, prints)
+    overlap = training_overlap(dataset, trained_on)
     return [
-        *_on_frames(dataset, name, is_trained),
-        *_on_namesakes(dataset, name, is_namesake & ~is_trained),
-        *_beside_frames(dataset, name, is_trained, has_part),
+        *_on_frames(dataset, name, overlap.is_trained),
+        *_on_namesakes(dataset, name, overlap.is_namesake & ~overlap.is_trained),
+        *_beside_frames(dataset, name, overlap.is_trained, overlap.has_part),
+        *_unchecked(dataset, name, overlap.is_unchecked & ~overlap.is_trained, len(trained_on)),
     ]
-
-
-def trained_rows(
-    dataset: Dataset,
-    trained_on: Sequence[TrainedOn],
-    prints: dict[tuple[int, int], str] | None = None,
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
-    """What of a dataset is in a training, by the names of recordings and by their ground truth.
-
-    Returns
-    -------
-    is_trained, is_namesake
-        Frames of the training, and those of a recording of the same name with other ground truth;
-        bool, shape (n_frames,).
-    has_part
-        Recordings of which some frames are in it, bool, shape (n_recordings,).
-    """
-    prints = {} if prints is None else prints
-    frames = dataset.frame_columns
-    number_of = {name: number for number, name in enumerate(dataset.recordings["name"])}
-    is_trained, is_namesake = np.zeros((2, len(frames)), dtype=bool)
-    has_part = np.zeros(len(dataset.recordings), dtype=bool)
-    for part in trained_on:  # as many as recordings were trained on
-        named = number_of.get(part.recording)
-        candidates = [named] if named is not None else range(len(has_part))
-        for number in candidates:
-            rows = rows_of_part(dataset, number, part)
-            key = rows.start, rows.stop
-            if part.fingerprint and key not in prints:
-                prints[key] = part_fingerprint(dataset, rows)
-            is_same = bool(part.fingerprint) and prints[key] == part.fingerprint
-            if number == named and not is_same and _is_whole(rows, part):
-                is_namesake[rows] = True
-            elif number == named or is_same:
-                is_trained[rows] = True
-                has_part[number] = True
-    return is_trained, is_namesake, has_part
-
-
-def _is_whole(rows: slice, part: TrainedOn) -> bool:
-    """Whether all frames of the part are evaluated, so that its fingerprint can be theirs."""
-    if not part.fingerprint or part.first_frame is None or part.last_frame is None:
-        return False
-    n_frames = part.last_frame - part.first_frame + 1
-    return bool(rows.stop - rows.start == n_frames)
 
 
 def _on_frames(dataset: Dataset, name: str, is_trained: NDArray[np.bool_]) -> list[Finding]:
@@ -137,6 +85,23 @@ def _beside_frames(
         "{recordings}.",
         "The people and the place may be the same as in its training: recordings of which it has "
         "seen nothing say more.",
+    )
+
+
+def _unchecked(
+    dataset: Dataset, name: str, is_unchecked: NDArray[np.bool_], n_parts: int
+) -> list[Finding]:
+    """Frames that may be of the training under another name."""
+    return _frames_finding(
+        dataset,
+        name,
+        np.flatnonzero(is_unchecked),
+        Severity.WARNING,
+        "training-unchecked",
+        f"The ground truth of {{n}} of the {{n_all}} evaluated frames was not compared with the "
+        f"{n_parts:,} parts of its training, which are too many: {{recordings}}.",
+        "They may be of its training, under their own name or another. Compare fewer recordings "
+        "at a time (--only).",
     )
 
 

@@ -137,7 +137,7 @@ def _protect_inputs(
     """
     if out is None:
         return
-    from nvcore.output.files import refuse_other_run
+    from nvcore.output.files import check_folder
     from nvcore.report.files import SESSION_FILE
     from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
 
@@ -151,7 +151,7 @@ def _protect_inputs(
     ):
         raise click.UsageError("the report would replace the session file; give another --out")
     refuse_among_inputs(out, session)
-    refuse_other_run(out, names)
+    check_folder(out, names)
     refuse_to_replace((out / name for name in names if name != SESSION_FILE), files_read(session))
 
 

@@ -62,6 +62,7 @@ def matrix(out: Path | None, as_json: bool, strict: bool, **options: Any) -> Non
     from nvcore.auditing import audit
     from nvcore.evidence.pairwise import pairwise_table, thresholds_in_use
     from nvcore.inputs.load import load
+    from nvcore.output.files import check_folder
     from nvcore.report.matrix import MATRIX_FILES, matrix_json, render_matrix, write_matrix
     from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
     from nvcore.report.terminal import render_findings
@@ -70,6 +71,7 @@ def matrix(out: Path | None, as_json: bool, strict: bool, **options: Any) -> Non
     if out is not None:
         refuse_among_inputs(out, session)
         refuse_to_replace((out / name for name in MATRIX_FILES), files_read(session))
+        check_folder(out, MATRIX_FILES)
     n_systems = len(session.systems)
     n_steps = 4 + n_systems + n_systems * (n_systems - 1) // 2
     with errors_of(session), TerminalProgress(n_steps) as steps:

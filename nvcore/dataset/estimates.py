@@ -3,7 +3,7 @@
     {"written_by": "nvcore 0.1.0",
      "estimator": {"name": "driver", "fingerprint": "5f1c...", "simulated": "all",
                    "n_subjects": 12, "no_better_at_s": [0.5]},
-     "estimates": {"n": 1557, "n_without_light": 0, "outside": {"Height": 12}},
+     "estimates": {"n": 1557, "n_light_unknown": 821, "outside": {"Height": 12}},
      "settings": {"light": {"drop_factor": 10.0}},
      "files": {"detectability.csv": "9e07..."}}
 
@@ -23,6 +23,8 @@ from nvcore.wording import MOST_NAMED, listed, one_line, shortened
 
 SIMULATED: Final = ("no", "some", "all", "")
 """Of how many subjects the answers were simulated; empty: not known."""
+SEARCHES: Final = ("", "quick")
+"""How its features and settings were chosen; empty: as by default, or not known."""
 _EXPECTED: Final = "expected the record that nvcore driver estimate writes (docs/driver.md)"
 _SUBJECTS: Final = {
     "all": "learnt from simulated subjects",
@@ -55,14 +57,19 @@ class EstimateRecord:
     light
         What counted as a change of light (`nvcore.driver.illumination.LightSettings`), as it stands
         there, unchecked; empty: not known.
-    n_estimates, n_without_light
+    n_estimates, n_light_unknown
         How many estimates the run made, and how many of them in frames of which it was not known
-        how bright it was; 0: not known.
+        when the light last changed; 0: not known.
     outside
         How many of them had a feature outside the range of the training, by its name.
     no_better_at_s
         Adaptation periods at which the estimator was no better than a constant on pedestrians that
         it had not seen; empty: none, or not known.
+    search
+        ``quick``: it was learnt with fewer settings tried than by default; else empty.
+    other_width
+        Width of the pictures, px, of the recordings, by name, where those of the training were of
+        another width.
     estimated_in, stated_in
         Names of the dataset's recordings in which values are estimates, and of those in which some
         are the ground truth's own; no part of the record itself.
@@ -76,15 +83,19 @@ class EstimateRecord:
     written_by: str = ""
     light: Mapping[str, object] = field(default_factory=dict)
     n_estimates: int = 0
-    n_without_light: int = 0
+    n_light_unknown: int = 0
     outside: Mapping[str, int] = field(default_factory=dict)
     no_better_at_s: tuple[float, ...] = ()
+    search: str = ""
+    other_width: Mapping[str, int] = field(default_factory=dict)
     estimated_in: frozenset[str] = field(default=frozenset(), compare=False)
     stated_in: frozenset[str] = field(default=frozenset(), compare=False)
 
     def __post_init__(self) -> None:
         if self.simulated not in SIMULATED:
             raise ValueError(f"simulated: expected no, some or all, found {self.simulated!r}")
+        if self.search not in SEARCHES:
+            raise ValueError(f"search: expected quick, or none, found {self.search!r}")
         if self.n_subjects < 0:
             raise ValueError(f"n_subjects: expected 0 or more, found {self.n_subjects}")
 
@@ -99,8 +110,11 @@ class EstimateRecord:
 
     @property
     def caution(self) -> str:
-        """Why it is to be doubted: simulated subjects, nothing learned; empty: nothing is known."""
-        return " and ".join(filter(None, (_SUBJECTS.get(self.simulated), self._no_better)))
+        """Why it is to be doubted: subjects, learning, pictures; empty: nothing is known."""
+        learnt = _SUBJECTS.get(self.simulated, "")
+        if self.search:
+            learnt = f"{learnt or 'learnt'} by a quick search"
+        return listed([part for part in (learnt, self._no_better, self._other_width) if part])
 
     @property
     def _no_better(self) -> str:
@@ -109,20 +123,35 @@ class EstimateRecord:
         periods = listed([f"{period:g}" for period in self.no_better_at_s], most=MOST_NAMED)
         return f"no better than a constant at {periods} s"
 
+    @property
+    def _other_width(self) -> str:
+        if not self.other_width:
+            return ""
+        names = [shortened(one_line(name), _SHOWN_NAME) for name in self.other_width]
+        return (
+            "made on pictures of another width than those of the training in "
+            f"{listed(names, most=MOST_NAMED)}"
+        )
+
 
 def estimate_json(record: EstimateRecord) -> bytes:
     """The record as JSON; the same record gives the same bytes."""
     estimator: dict[str, object] = {name: getattr(record, name) for name in _OF_ESTIMATOR}
     if record.no_better_at_s:  # else as before there was such a thing
         estimator["no_better_at_s"] = list(record.no_better_at_s)
+    if record.search:
+        estimator["search"] = record.search
+    estimates: dict[str, object] = {
+        "n": record.n_estimates,
+        "n_light_unknown": record.n_light_unknown,
+        "outside": dict(record.outside),
+    }
+    if record.other_width:
+        estimates["other_width"] = dict(record.other_width)
     content = {
         "written_by": record.written_by,
         "estimator": estimator,
-        "estimates": {
-            "n": record.n_estimates,
-            "n_without_light": record.n_without_light,
-            "outside": dict(record.outside),
-        },
+        "estimates": estimates,
         "files": dict(record.files),
     }
     return (json.dumps(content, indent=1) + "\n").encode()
@@ -156,11 +185,16 @@ def _record(content: object) -> EstimateRecord:
         written_by=value_of(record, "written_by", str),
         light=value_of(value_of(record, "settings", dict), "light", dict),
         n_estimates=(n := _count(value_of(estimates, "n", int), "n", _MOST)),
-        n_without_light=_count(value_of(estimates, "n_without_light", int), "n_without_light", n),
+        n_light_unknown=_count(value_of(estimates, "n_light_unknown", int), "n_light_unknown", n),
         outside={
             name: _count(typed(m, int, "outside"), "outside", n) for name, m in outside.items()
         },
         no_better_at_s=_periods(value_of(estimator, "no_better_at_s", list)),
+        search=value_of(estimator, "search", str),
+        other_width={
+            name: _count(typed(px, int, "other_width"), "other_width", _MOST)
+            for name, px in value_of(estimates, "other_width", dict).items()
+        },
     )
 
 

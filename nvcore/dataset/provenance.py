@@ -162,11 +162,22 @@ def truth_fingerprint(
     x, y, w, h
         Left, top, width, height, px, shape (n,).
     """
-    if not len(frame):
-        return ""
+    rows = fingerprint_rows(frame, x, y, w, h)
+    return hashlib.sha256(rows.tobytes()).hexdigest() if len(rows) else ""
+
+
+def fingerprint_rows(
+    frame: NDArray[np.int64],
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    w: NDArray[np.float64],
+    h: NDArray[np.float64],
+) -> NDArray[np.int64]:
+    """What `truth_fingerprint` is taken of: frame and sides of each box, shape (n, 5), by frame."""
     hundredths = [np.rint(100 * side).astype("<i8") for side in (x, y, w, h)]
     rows = np.column_stack([np.asarray(frame).astype("<i8"), *hundredths])
-    return hashlib.sha256(rows[np.lexsort(rows.T[::-1])].tobytes()).hexdigest()
+    ordered: NDArray[np.int64] = rows[np.lexsort(rows.T[::-1])]
+    return ordered
 
 
 def ranges_of(frames: NDArray[np.int64]) -> Ranges:

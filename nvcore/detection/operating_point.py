@@ -11,6 +11,7 @@ import pandas as pd
 
 from nvcore.dataset import Dataset
 from nvcore.metrics.matching import Matches, match_system
+from nvcore.metrics.venn import MIN_DISCORDANT
 from nvcore.params import Params
 from nvcore.schema import DetectionState
 
@@ -22,6 +23,11 @@ LEAST_DECIMALS: Final = 2
 """Fewest decimals of a proposed threshold: those of a slider's step."""
 MAX_DECIMALS: Final = 6
 """Most decimals of a proposed threshold."""
+
+UNEQUAL: Final = 1.5
+"""Numbers of false alarms are unequal if the larger is more than this many times the smaller."""
+LEAST_MORE: Final = MIN_DISCORDANT
+"""Least difference of unequal numbers: a smaller one may be chance, as with encounters."""
 
 CURVE_COLUMNS: Final = (
     "threshold",
@@ -71,6 +77,18 @@ class SameOperatingPoint:
     def threshold_y(self) -> float | None:
         """Threshold for Y; None: every detection counts, and Y has no more false alarms than X."""
         return self.y.threshold
+
+
+def are_unequal_alarms(n_one: int, n_other: int) -> bool:
+    """Whether systems with so many false alarms are at different operating points.
+
+    Examples
+    --------
+    >>> are_unequal_alarms(590, 580), are_unequal_alarms(16, 10), are_unequal_alarms(5, 0)
+    (False, True, False)
+    """
+    fewer, more = sorted((n_one, n_other))
+    return more > UNEQUAL * fewer and more - fewer >= LEAST_MORE
 
 
 def operating_point(

@@ -15,6 +15,7 @@ from nvcore.driver.estimators import Estimator, fingerprint
 from nvcore.driver.estimators.words import LABELS
 from nvcore.driver.feature_record import settings_words
 from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
+from nvcore.driver.picture_width import other_width_lines, other_widths
 from nvcore.driver.run import BOX_COLUMNS, FeatureRun
 from nvcore.driver.steps import Steps, steps_between_periods
 from nvcore.errors import InputError, ParameterError
@@ -22,9 +23,10 @@ from nvcore.wording import MOST_NAMED, count_text, listed, one_line
 
 DETECTABILITY_COLUMNS: Final = (
     *(*BOX_COLUMNS, "detectability", "sd"),
-    *("is_outside", "outside_features", "period_s"),
+    *("is_outside", "outside_features", "period_s", "estimator_s"),
 )
-"""Columns of a detectability file: one row for each truth box that is not ignored."""
+"""Columns of a detectability file: one row for each truth box that is not ignored. Of `period_s` is
+how long the eyes have adapted, of `estimator_s` the estimator that was taken."""
 SEPARATOR: Final = ";"
 """Between the features that are outside, as between attributes in the tables of a comparison."""
 
@@ -59,7 +61,7 @@ class EstimateRun:
         return int(self.table["detectability"].notna().sum())
 
     @property
-    def n_outside(self) -> dict[str, int]:
+    def outside_by_feature(self) -> dict[str, int]:
         """Estimates with a feature outside the range of the training, by its name; most first."""
         chosen = self.table.loc[self.table["is_outside"], "outside_features"].value_counts()
         counts = Counter[str]()
@@ -68,10 +70,10 @@ class EstimateRun:
         return {LABELS[key]: n for key, n in counts.most_common()}
 
     @property
-    def n_without_light(self) -> int:
-        """Estimates in frames of which it is not known how bright it was."""
-        is_dim = self.features.table["illumination"].isna()
-        return int((is_dim & self.table["detectability"].notna()).sum())
+    def n_light_unknown(self) -> int:
+        """Estimates in frames of which it is not known when the light last changed."""
+        is_known = np.concatenate([part.is_light_known for part in self.features.recordings])
+        return int((self.table["detectability"].notna() & ~is_known).sum())
 
     def __repr__(self) -> str:
         return f"<EstimateRun of {count_text(len(self.table), 'box', 'boxes')}>"
@@ -79,28 +81,30 @@ class EstimateRun:
     def __str__(self) -> str:
         known = self.table[self.table["detectability"].notna()]
         lines = [str(self.features), self._result(known)]
-        lines += self._of_heat()
-        estimator = self.estimator
+        lines += [*self._of_heat(), *(self._lacking() if len(known) else ())]
+        origin = self.estimator.origin
         if caution := EstimateRecord(
-            simulated=estimator.origin.simulated, no_better_at_s=estimator.no_better_at_s
+            simulated=origin.simulated,
+            no_better_at_s=self.estimator.no_better_at_s,
+            search=origin.search,
         ).caution:
             lines.append(f"estimates are {caution}")
+        lines += other_width_lines(self.features.recordings, self.estimator)
         if self.estimator.feature_settings is None:
             lines.append(
                 "the estimator does not say with which settings its features were computed; "
                 f"these: {settings_words(self.features.settings.features)}"
             )
-        n_adapted = int(known["period_s"].isna().sum())
-        if n_adapted:
-            n = self.n_without_light
-            unlit = f" ({n:,} where nothing is known of the light)" if n else ""
+        if n_adapted := int(known["period_s"].isna().sum()):
+            n = self.n_light_unknown
+            unlit = f" (of {n:,} it is not known when the light last changed)" if n else ""
             lines.append(
                 f"{count_text(n_adapted, 'estimate')} without a known change of light{unlit}: by "
                 "the estimator of the longest period, as for adapted eyes"
             )
         n_outside = int(known["is_outside"].sum())
         if n_outside:
-            by_feature = listed([f"{name} in {n:,}" for name, n in self.n_outside.items()])
+            by_feature = listed([f"{name} in {n:,}" for name, n in self.outside_by_feature.items()])
             lines.append(
                 f"{count_text(n_outside, 'estimate')} with features outside the range of the "
                 f"training ({by_feature}): to be taken with care"
@@ -108,9 +112,9 @@ class EstimateRun:
         if self.steps.n_jumping:
             pedestrians = count_text(self.steps.n_crossing, "pedestrian")
             lines.append(
-                f"the estimate of {self.steps.n_jumping:,} of {pedestrians} steps by more than its "
-                "sd where the estimator of the next adaptation period is taken; --interpolate "
-                "takes out such steps"
+                f"of {pedestrians} for whom another adaptation period's estimator is taken from "
+                f"some frame on, the estimate of {self.steps.n_jumping:,} steps there by more than "
+                "its sd; interpolation takes out such steps"
             )
         return "\n".join(lines)
 
@@ -132,11 +136,43 @@ class EstimateRun:
             "visible in the session"
         ]
 
+    def _lacking(self) -> list[str]:
+        """How many boxes in pictures have no estimate, for which features, at which periods."""
+        table, features = self.table, self.features.table
+        seen = (features["picture"] != "").to_numpy()
+        is_lacking = seen & table["detectability"].isna().to_numpy()
+        is_lacking &= ~np.concatenate(
+            [np.full(len(part.table), part.may_be_of_heat) for part in self.features.recordings]
+        )
+        n = int(np.count_nonzero(is_lacking))
+        if not n:
+            return []
+        keys = [
+            key for key in self.estimator.features if features.loc[is_lacking, key].isna().any()
+        ]
+        periods = table.loc[is_lacking, "period_s"]
+        spans = f"{periods.min():.2g} to {periods.max():.2g} s after a change of light"
+        when = f" ({int(periods.notna().sum()):,} {spans})" if periods.notna().any() else ""
+        boxes = count_text(n, "pedestrian box", "pedestrian boxes")
+        return [
+            f"{boxes} in pictures without an estimate{when}: the estimator needs "
+            f"{listed([LABELS[key] for key in keys])} there"
+        ]
+
     def _missing(self) -> list[str]:
         """What is to be said of features that the estimator needs and no box has."""
         is_missing = self.features.table[list(self.estimator.features)].isna().all()
-        words = listed([key for key in self.estimator.features if is_missing[key]])
-        return [f"the estimator needs {words}, which no box has"] if words else []
+        keys = [key for key in self.estimator.features if is_missing[key]]
+        if not keys:
+            return []
+        why = dict.fromkeys(
+            f"{one_line(part.name)}: {part.why_missing[key]}"
+            for part in self.features.recordings
+            for key in keys
+            if key in part.why_missing
+        )
+        reasons = f" ({listed([*why], most=MOST_NAMED)})" if why else ""
+        return [f"the estimator needs {listed(keys)}, which no box has{reasons}"]
 
     def refuse_empty(self) -> None:
         """Refuse a run without any estimate, though there are pedestrians.
@@ -161,15 +197,17 @@ class EstimateRun:
 
     def counts_json(self) -> dict[str, Any]:
         """How many estimates there are, and which are to be taken with care, for a record."""
-        return {
+        counts = {
             "n": self.n_estimated,
-            "n_without_light": self.n_without_light,
-            "outside": self.n_outside,
+            "n_light_unknown": self.n_light_unknown,
+            "outside": self.outside_by_feature,
         }
+        widths = other_widths(self.features.recordings, self.estimator)
+        return counts | ({"other_width": widths} if widths else {})
 
     def as_json(self) -> dict[str, Any]:
         """The estimator, for a record."""
-        origin = asdict(self.estimator.origin)
+        origin = self.estimator.origin.as_json()
         return {
             "name": self.estimator.name,
             "fingerprint": fingerprint(self.estimator),
@@ -238,11 +276,14 @@ def run_estimate(
     own = table[list(BOX_COLUMNS)].assign(
         detectability=estimates.detectability,
         sd=estimates.sd,
-        is_outside=estimates.is_outside & is_known,
+        is_outside=pd.arrays.BooleanArray(estimates.is_outside & is_known, ~is_known),
         outside_features=_names(estimates.outside & is_known[:, None]),
         period_s=period_s,
+        estimator_s=np.where(is_known, estimates.period_s, np.nan),
     )
-    steps = Steps() if interpolate else steps_between_periods(own, estimates.period_s)
+    steps = Steps()
+    if not interpolate:
+        steps = steps_between_periods(estimator, values, own, estimates.period_s)
     own = own[list(DETECTABILITY_COLUMNS)]
     return EstimateRun(features, own, estimator, interpolate, steps)
 

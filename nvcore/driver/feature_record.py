@@ -1,21 +1,23 @@
-"""With which settings the features in a file were computed, as the record beside it says."""
+"""How the features in a file were computed, as the record beside it says: settings, pictures."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, fields
 from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from nvcore.dataset.records import numbers_of, read_record, typed, value_of
 from nvcore.driver.features import FeatureSettings
 from nvcore.errors import ParameterError
 
+T = TypeVar("T")
 RECORD_FILE: Final = "driver.json"
 """The record of features of recordings, in their folder."""
+_LONGEST_SIDE: Final = 2**32
 _EXPECTED: Final = "expected the record that nvcore driver features writes (docs/driver.md)"
 
 
@@ -39,16 +41,51 @@ def settings_beside(features: Path) -> FeatureSettings | None:
     InputError
         If the file cannot be read, or a record about it is none.
     """
+    return _beside(features, _settings_in)
+
+
+def picture_px_beside(features: Path) -> tuple[int, int] | None:
+    """Width and height of the pictures that a file of features is of.
+
+    None: no record beside it is about this content, or says a size that all of them have.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or a record about it is none.
+    """
+    return _beside(features, _picture_px_in)
+
+
+def _beside(features: Path, entry: Callable[[dict[str, Any]], T | None]) -> T | None:
+    """An entry of the record beside a file that is about its content; None: there is none."""
     if not features.is_file():
         return None
     digest = hashlib.sha256(features.read_bytes()).hexdigest()
-    parse = partial(_settings_about, name=features.name, digest=digest)
+    parse = partial(_entry_about, name=features.name, digest=digest, entry=entry)
     for path in (record_beside(features), features.with_name(RECORD_FILE)):
         if path.is_file():
-            settings = read_record(path, path.name, parse, expected=_EXPECTED)
-            if settings is not None:
-                return settings
+            value = read_record(path, path.name, parse, expected=_EXPECTED)
+            if value is not None:
+                return value
     return None
+
+
+def picture_px_from_json(content: object) -> tuple[int, int] | None:
+    """Width and height as a list of two whole numbers; None is not known.
+
+    Raises
+    ------
+    ValueError
+        If it is something else.
+    """
+    if content is None:
+        return None
+    values = content if isinstance(content, list) else []
+    sides = [value for value in values if type(value) is int and 1 <= value <= _LONGEST_SIDE]
+    if len(sides) != 2 or len(values) != 2:
+        raise ValueError("picture_px: expected width and height, two whole numbers above 0")
+    return sides[0], sides[1]
 
 
 def settings_from_json(content: Mapping[str, Any]) -> FeatureSettings:
@@ -80,9 +117,19 @@ def settings_words(settings: FeatureSettings) -> str:
     )
 
 
-def _settings_about(content: object, name: str, digest: str) -> FeatureSettings | None:
-    """The settings in a record, if it is about the file of this name and hash."""
+def _entry_about(
+    content: object, name: str, digest: str, entry: Callable[[dict[str, Any]], T | None]
+) -> T | None:
+    """An entry of a record, if it is about the file of this name and hash."""
     record = typed(content, dict, "the record")
     if value_of(record, "files", dict).get(name) != digest:
         return None
+    return entry(record)
+
+
+def _settings_in(record: dict[str, Any]) -> FeatureSettings:
     return settings_from_json(value_of(value_of(record, "settings", dict), "features", dict))
+
+
+def _picture_px_in(record: dict[str, Any]) -> tuple[int, int] | None:
+    return picture_px_from_json(record.get("picture_px"))

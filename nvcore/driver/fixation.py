@@ -17,7 +17,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.errors import ParameterError
+from nvcore.errors import FormatError, ParameterError
 from nvcore.inputs.readers.parse.table import read_table
 from nvcore.inputs.readers.parse.text import MAX_INTEGER
 
@@ -59,12 +59,18 @@ def read_gaze(path: Path) -> Gaze:
     Raises
     ------
     InputError
-        If it cannot be opened, or, with the line, a field is no number or a frame stands there
-        twice.
+        If it cannot be opened, all points lie in 0 to 1, as shares of the picture do, or, with the
+        line, a field is no number or a frame stands there twice.
     """
     table = read_table(path, what="fixations", required=GAZE_COLUMNS)
     frame = table.whole_numbers("frame", low=-int(MAX_INTEGER))
     point = np.stack([table.numbers("x"), table.numbers("y")], axis=1)
+    if len(point) and ((point >= 0) & (point <= 1)).all():
+        raise FormatError(
+            "x, y: all points lie in 0 to 1, as shares of the picture do; expected pixels (x times "
+            "its width, y times its height)",
+            file=table.name,
+        )
     order = np.argsort(frame, kind="stable")
     again = np.flatnonzero(np.diff(frame[order]) == 0)
     if len(again):

@@ -53,21 +53,38 @@ class ImageFeatures:
         Pedestrians whose fixation is assumed.
     settings
         What the run was told.
+    sizes
+        Width and height of the pictures, px, those that differ, ascending.
     """
 
     table: pd.DataFrame
     n_images: int
     n_assumed: int
     settings: DriverSettings
+    sizes: tuple[tuple[int, int], ...]
 
     def __repr__(self) -> str:
         return f"<ImageFeatures of {self._words}>"
 
     def __str__(self) -> str:
-        if not self.n_assumed:
-            return self._words
-        everyone = "" if self.n_assumed == len(self.table) else f" of {self.n_assumed:,}"
-        return f"{self._words}\nFixation{everyone} assumed: {self.settings.fixation.words}."
+        lines = [self._words]
+        if self.n_assumed:
+            everyone = "" if self.n_assumed == len(self.table) else f" of {self.n_assumed:,}"
+            lines.append(f"Fixation{everyone} assumed: {self.settings.fixation.words}.")
+        if (n_sizes := len(self.sizes)) > 1:
+            least, most = (
+                f"{width:,} x {height:,}" for width, height in self.sizes[:: n_sizes - 1]
+            )
+            lines.append(
+                f"The pictures are of {n_sizes:,} sizes, {least} to {most} px: sizes and distances "
+                "in px do not mean the same in each."
+            )
+        return "\n".join(lines)
+
+    @property
+    def picture_px(self) -> tuple[int, int] | None:
+        """Width and height of all pictures; None: they differ."""
+        return self.sizes[0] if len(self.sizes) == 1 else None
 
     def record(self, contents: Mapping[str, bytes]) -> bytes:
         """How they were made, with the hashes of the files that hold them, as JSON."""
@@ -77,6 +94,7 @@ class ImageFeatures:
             written_by=f"nvcore {__version__}",
             settings={name: values[name] for name in ("features", "fixation")},
             n_assumed=self.n_assumed,
+            picture_px=self.picture_px,
         )
 
     @property
@@ -119,7 +137,7 @@ def image_features(
     rows = [np.flatnonzero(row_of == number) for number in range(len(names))]
     features = np.full((len(table), len(FEATURE_KEYS)), np.nan)
 
-    def look(number: int, picture: Picture) -> None:
+    def look(number: int, picture: Picture) -> tuple[int, int]:
         if picture.dtype != np.uint8:
             picture = stretch(picture, *STRETCH)
         own = rows[number]
@@ -128,14 +146,17 @@ def image_features(
         assumed = np.array(settings.fixation.in_picture(width, height))
         points = np.where(np.isnan(fixation[own]), assumed, fixation[own])
         features[own] = features_of(picture, box[own], points, settings.features)
+        return width, height
 
     clock = PictureClock(len(names), progress)
     pictures = _read(table, folder, names.tolist(), rows)
-    for _ in in_order(look, pictures, lambda: clock.count(0, folder.name), n_threads=n_threads):
+    sizes = set[tuple[int, int]]()
+    for size in in_order(look, pictures, lambda: clock.count(0, folder.name), n_threads=n_threads):
+        sizes.add(size)
         clock.count(1, folder.name)
     described = pedestrians.assign(**dict(zip(FEATURE_KEYS, features.T, strict=True)))
     n_assumed = int(np.count_nonzero(np.isnan(fixation[:, 0])))
-    return ImageFeatures(described, len(names), n_assumed, settings)
+    return ImageFeatures(described, len(names), n_assumed, settings, tuple(sorted(sizes)))
 
 
 def _fixations(table: TextTable) -> NDArray[np.float64]:

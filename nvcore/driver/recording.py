@@ -17,7 +17,8 @@ from nvcore.driver.illumination import Light, read_light
 from nvcore.errors import InputError, MediaError
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.pictures import Pictures, RecordingPictures, session_pictures
-from nvcore.wording import one_line
+from nvcore.pictures.index import is_of_other_shape
+from nvcore.wording import count_text, one_line
 
 NO_PICTURES: Final = (
     "no evaluated frame has a picture; name the pictures of each recording in the session file "
@@ -55,6 +56,10 @@ class DriverRecording:
         None: a point is assumed.
     light
         Of a light meter; None: there is none.
+    has_map
+        Whether `to_picture` is a ``visible_map`` of the session, not the two sizes.
+    doubts
+        What speaks against the pictures being this recording's, in sentences.
     """
 
     number: int
@@ -68,11 +73,18 @@ class DriverRecording:
     to_picture: tuple[float, float, float, float]
     gaze: Gaze | None
     light: Light | None
+    has_map: bool
+    doubts: tuple[str, ...]
 
     @property
     def kind(self) -> str:
         """Which pictures: ``visible``, those that the session names so, or its ``own``."""
         return "visible" if self.is_visible else "own"
+
+    @property
+    def picture_px(self) -> tuple[int, int] | None:
+        """Width and height of its pictures (of the first); None: there are none."""
+        return None if self.pictures is None else (self.pictures.width, self.pictures.height)
 
     @property
     def may_be_of_heat(self) -> bool:
@@ -177,7 +189,55 @@ def _recording(
         to_picture=opened.maps.get(number, (1.0, 1.0, 0.0, 0.0)),
         gaze=gaze,
         light=light,
+        has_map=(has_map := is_visible and entry.visible_map is not None),
+        doubts=() if source is None else _doubts(source, dataset, number, entry, has_map),
     )
+
+
+def _doubts(
+    source: Pictures, dataset: Dataset, number: int, entry: RecordingEntry, has_map: bool
+) -> tuple[str, ...]:
+    """Where pictures are of another shape than the recording, or not as many as its frames."""
+    columns, name, doubts = dataset.frame_columns, one_line(source.name), []
+    width, height = float(columns.width[number]), float(columns.height[number])
+    if not has_map and is_of_other_shape(source, width, height):
+        doubts.append(
+            f"{name} is {source.width} x {source.height} px, the recording {width:g} x {height:g} "
+            f"px: boxes are scaled by {source.width / width:.3g} across and "
+            f"{source.height / height:.3g} down. Do they belong together? If so, give visible_map."
+        )
+    listed = columns.frame[columns.rows_of(number)]
+    others = dataset.unlisted_frames(str(dataset.recordings["name"].iloc[number]))
+    if source.numbers is None and not _is_as_long(
+        source.n, listed, entry.first_picture, others=others
+    ):
+        frames = np.union1d(listed, others)
+        doubts.append(
+            f"{name} has {count_text(source.n, 'picture')}, the recording frames {frames[0]} to "
+            f"{frames[-1]}: do they belong together, with as many pictures a second?"
+        )
+    return tuple(doubts)
+
+
+def _is_as_long(
+    n_pictures: int,
+    listed: NDArray[np.int64],
+    first_picture: int | None,
+    *,
+    others: NDArray[np.int64],
+) -> bool:
+    """Whether there are as many pictures as frames, listed or from the first picture's on.
+
+    Frames may count from 1, and be some of many at equal steps. Where `others` are not listed,
+    some were chosen: nobody knows how many there are, but that they are no fewer.
+    """
+    frames = np.union1d(listed, others)
+    if not len(frames) or n_pictures == len(frames):
+        return True
+    n = int(frames[-1]) + 1 - (first_picture or 0)
+    least = n - 1 if first_picture is None and frames[0] >= 1 else n
+    step = int(np.diff(frames).max(initial=1))
+    return n_pictures >= least and (len(others) > 0 or n_pictures < n + step)
 
 
 def _note(notes: Mapping[int, str], number: int, index: NDArray[np.int64]) -> str:

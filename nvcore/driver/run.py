@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Final
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from nvcore.dataset import Dataset
 from nvcore.driver.features import FEATURE_KEYS, features_of
 from nvcore.driver.features.view import luminance_of
 from nvcore.driver.illumination import Light, LightSource, picture_level
 from nvcore.driver.illumination.clock import AdaptationClock, adaptation_clock
+from nvcore.driver.notes import (
+    fixation_note,
+    light_note,
+    other_frames,
+    outside_note,
+    picture_notes,
+)
 from nvcore.driver.recording import DriverRecording, open_recordings
 from nvcore.driver.settings import DriverSettings
 from nvcore.inputs.session import Session
@@ -22,7 +31,7 @@ from nvcore.pictures.passes import PictureClock, in_order, pictures_of
 from nvcore.pictures.recordings import STRETCH
 from nvcore.progress import Progress, no_progress
 from nvcore.schema import NO_TRACK, integers_of
-from nvcore.wording import MOST_NAMED, count_text, duration_text, listed, one_line
+from nvcore.wording import MOST_NAMED, capitalised, count_text, duration_text, listed, one_line
 
 BOX_COLUMNS: Final = ("recording", "frame", "track", "x", "y", "w", "h")
 FEATURE_COLUMNS: Final = (
@@ -43,6 +52,8 @@ class RecordingFeatures:
         As the dataset calls it.
     table
         `FEATURE_COLUMNS`; features are NaN where the frame has no picture.
+    is_light_known
+        Whether a change of light would be known in the frame of each row, bool, shape (n,).
     n_unseen
         Pedestrians (boxes) in frames without a picture.
     notes
@@ -53,15 +64,22 @@ class RecordingFeatures:
         Light and adaptation in each of its frames; None: nothing is known of the light.
     name_in_data
         As the data call it; the table does, too.
+    picture_px
+        Width and height of its pictures; None: it has none.
+    why_missing
+        Why none of its boxes has a feature, by its key, as a clause, where it is known.
     """
 
     name: str
     table: pd.DataFrame
+    is_light_known: NDArray[np.bool_]
     n_unseen: int
     notes: tuple[str, ...]
     may_be_of_heat: bool = False
     clock: AdaptationClock | None = None
     name_in_data: str = ""
+    picture_px: tuple[int, int] | None = None
+    why_missing: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -200,20 +218,21 @@ class _Pass:
             if light is None
             else adaptation_clock(light, self.frame, self.fps, self.settings.light)
         )
+        is_light_known = np.zeros(len(self.frame), bool)
+        if adaptation is not None:
+            is_light_known = adaptation.is_known
         n_unseen = int(np.count_nonzero(~self.is_seen[self.frame_of_box]))
-        notes = [
-            *self._picture_notes(faults, n_unseen),
-            self._fixation_note(),
-            self._light_note(light, 0 if adaptation is None else len(adaptation.change_s)),
-        ]
         return RecordingFeatures(
             recording.name,
             self._table(adaptation),
+            is_light_known[self.frame_of_box],
             n_unseen,
-            tuple(notes),
+            self._notes(faults, n_unseen, light, adaptation),
             recording.may_be_of_heat,
             adaptation,
             recording.name_in_data,
+            recording.picture_px,
+            self._why_missing(),
         )
 
     def _look(self, row: int, picture: Picture) -> int:
@@ -262,41 +281,31 @@ class _Pass:
         }
         return pd.DataFrame(values, index=pd.RangeIndex(len(frame)))
 
-    def _picture_notes(self, faults: list[str], n_unseen: int) -> list[str]:
-        recording = self.recording
-        notes = []
-        if recording.pictures is not None and not recording.is_visible:
-            notes.append("Features are of its own pictures: none of visible light are named.")
-            if recording.may_be_of_heat:
-                notes.append("They are grey; far-infrared ones say nothing about what eyes see.")
-        if n_unseen:
-            boxes = count_text(n_unseen, "pedestrian box is", "pedestrian boxes are")
-            notes.append(f"{boxes} in frames without a picture. {recording.picture_note}".strip())
-        if faults:
-            cannot = count_text(len(faults), "picture")
-            notes.append(f"{cannot} cannot be read: {faults[0]}.")
-        return notes
-
-    def _fixation_note(self) -> str:
+    def _why_missing(self) -> dict[str, str]:
+        """Why no box of it has a feature, by its key, as a clause."""
+        n_seen, n_outside = self._n_outside()
+        if n_seen and n_outside == n_seen:
+            return dict.fromkeys(FEATURE_KEYS, outside_note(self.recording, n_outside, n_seen))
         gaze = self.recording.gaze
-        if gaze is None:
-            return f"Fixation assumed: {self.settings.fixation.words}."
-        frames = self.frame[np.unique(self.frame_of_box)]
-        n_without = int(np.count_nonzero(np.isnan(gaze.at(frames)[:, 0])))
-        if not n_without:
-            return "Fixation by the gaze file."
-        of_frames = f"{n_without:,} of {len(frames):,} frames with pedestrians"
-        return f"Fixation by the gaze file, which has none in {of_frames}."
+        fault = "" if gaze is None else other_frames(gaze, self.frame)
+        return {"fixation_distance_px": fault} if fault else {}
 
-    def _light_note(self, light: Light | None, n_changes: int) -> str:
-        if light is None or not len(light.time_s):
-            return "Nothing is known of the light: no adaptation period."
-        changes = count_text(n_changes, "change") + " from bright to dark"
-        if light.source is LightSource.METER:
-            is_short = self.frame.max(initial=0) / self.fps > light.end_s
-            short = f", known until {light.time_s[-1]:.3g} s" if is_short else ""
-            return f"Light by the light meter: {changes}{short}."
-        every_s = float(np.median(np.diff(self.frame))) / self.fps if len(self.frame) > 1 else 0.0
-        is_sparse = every_s > self.settings.light.bright_for_s / 2
-        sparse = f", with one picture in {every_s:.3g} s" if is_sparse else ""
-        return f"No light meter: the pictures' mean luminance stands in for one: {changes}{sparse}."
+    def _n_outside(self) -> tuple[int, int]:
+        """Boxes in frames with a picture, and those of them that lie outside of it."""
+        is_seen = self.is_seen[self.frame_of_box]
+        is_outside = np.isnan(self.features[is_seen, FEATURE_KEYS.index("width_px")])
+        return int(np.count_nonzero(is_seen)), int(np.count_nonzero(is_outside))
+
+    def _notes(
+        self, faults: list[str], n_unseen: int, light: Light | None, clock: AdaptationClock | None
+    ) -> tuple[str, ...]:
+        recording, with_boxes = self.recording, self.frame[np.unique(self.frame_of_box)]
+        n_seen, n_outside = self._n_outside()
+        outside = outside_note(recording, n_outside, n_seen)
+        notes = [
+            *picture_notes(recording, faults, n_unseen),
+            f"{capitalised(outside)}." if outside else "",
+            fixation_note(recording, self.settings.fixation, self.frame, with_boxes),
+            light_note(light, clock, self.frame, self.fps, self.settings.light),
+        ]
+        return tuple(filter(None, notes))

@@ -30,7 +30,8 @@ def simulate_change(
     Parameters
     ----------
     features
-        Rows of one recording of a features file (`nvcore.driver.run.FEATURE_COLUMNS`).
+        Rows of one recording of a features file (`nvcore.driver.run.FEATURE_COLUMNS`), of pictures
+        of visible light: unlike `nvcore.driver.estimate`, it is not asked here what they are of.
     end_s
         When the frame of each row ends, seconds from the recording's first frame, as the dataset
         counts them, shape (n,).

@@ -8,6 +8,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from nvcore.driver.estimators import Estimator
+
 WHOSE = ["recording", "track"]
 
 
@@ -19,29 +21,41 @@ class Steps(NamedTuple):
     n_crossing
         Pedestrians (tracks) for whom the estimator of another period is taken from some frame on.
     n_jumping
-        Those of them whose estimate differs there by more than its sd before and after.
+        Those of them for whom the two estimators differ by more than the sd of each, on the
+        features of the same frame: that he has come nearer is no step.
     """
 
     n_crossing: int = 0
     n_jumping: int = 0
 
 
-def steps_between_periods(table: pd.DataFrame, taken_s: NDArray[np.float64]) -> Steps:
+def steps_between_periods(
+    estimator: Estimator,
+    features: NDArray[np.float64],
+    table: pd.DataFrame,
+    taken_s: NDArray[np.float64],
+) -> Steps:
     """Steps while the eyes adapt; a new change of light is none.
 
     Parameters
     ----------
+    features
+        Of each row, as of `Estimator.estimate`, float64, shape (n, 8).
     table
         Of `nvcore.driver.estimate.EstimateRun`; boxes without a track are left out.
     taken_s
         The period whose estimator was taken for each row, float64, shape (n,).
     """
-    rows = table.assign(taken_s=taken_s)
+    rows = table.assign(taken_s=taken_s, row=np.arange(len(table)))
     needed = ["track", "detectability", "period_s", "taken_s"]
     rows = rows[rows[needed].notna().all(axis=1)].sort_values([*WHOSE, "frame"], kind="stable")
     before = rows.shift()
     is_same = (rows[WHOSE] == before[WHOSE]).all(axis=1)
     is_step = is_same & (rows["taken_s"] > before["taken_s"])
-    change = (rows["detectability"] - before["detectability"]).abs()
-    is_jump = is_step & (change > np.fmax(rows["sd"], before["sd"]))
-    return Steps(*(len(rows.loc[which, WHOSE].drop_duplicates()) for which in (is_step, is_jump)))
+    steps = rows[is_step]
+    former = estimator.estimate(
+        features[steps["row"].to_numpy()], before.loc[is_step, "taken_s"].to_numpy(np.float64)
+    )
+    change = (steps["detectability"] - former.detectability).abs()
+    jumps = steps[change > np.fmax(steps["sd"], former.sd)]
+    return Steps(*(len(part[WHOSE].drop_duplicates()) for part in (steps, jumps)))

@@ -136,6 +136,7 @@ def _record(run: FeatureRun, contents: dict[str, bytes], **more: Any) -> bytes:
                 "name": recording.name,
                 "n_boxes": len(recording.table),
                 "n_unseen": recording.n_unseen,
+                "picture_px": recording.picture_px,
                 "notes": list(recording.notes),
             }
             for recording in run.recordings

@@ -15,19 +15,17 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result, compare
-from nvcore.detection.operating_point import choose_moved, threshold_with_alarms
+from nvcore.detection.operating_point import (
+    are_unequal_alarms,
+    choose_moved,
+    threshold_with_alarms,
+)
 from nvcore.evidence.measures import Evidence, significance_table
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.measures import inference_of
-from nvcore.metrics.venn import MIN_DISCORDANT
 from nvcore.scoring import SystemResult
 from nvcore.wording import capitalised
-
-UNEQUAL: Final = 1.5
-"""Numbers of false alarms are unequal if the larger is more than this many times the smaller."""
-LEAST_MORE: Final = MIN_DISCORDANT
-"""Least difference of unequal numbers: a smaller one may be chance, as with encounters."""
 
 AS_SET: Final = "as set: at unequal operating points"
 """What marks numbers of X and Y that nothing is claimed from."""
@@ -109,8 +107,8 @@ def count_alarms(system: SystemResult) -> int:
 
 def are_unequal(result: Result) -> bool:
     """Whether X and Y are set to different operating points, so that neither can be preferred."""
-    fewer, more = sorted(count_alarms(system) for _, system in result.sides)
-    return more > UNEQUAL * fewer and more - fewer >= LEAST_MORE
+    n_x, n_y = (count_alarms(system) for _, system in result.sides)
+    return are_unequal_alarms(n_x, n_y)
 
 
 def describe_alarms(result: Result) -> str:

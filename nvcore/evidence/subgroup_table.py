@@ -25,7 +25,7 @@ from nvcore.evidence.paired_tests import mcnemar
 from nvcore.evidence.subgroups import ALL, Subgroup, everyone, find_subgroups
 from nvcore.evidence.table import mark_undecided
 from nvcore.evidence.units import Units, find_units, units_within
-from nvcore.measures import evidence_keys, inference_of, measure_of
+from nvcore.measures import evidence_keys, inference_of
 from nvcore.metrics.venn import count_categories
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.schema import Category, Urgency
@@ -72,10 +72,11 @@ def subgroup_table(
     Returns
     -------
     Columns `COLUMNS`: factor, group; both, x_only, y_only, neither: near encounters of the group
-    by who detects them, of useful alerts those that the driver does not see; odds_low, odds_high:
-    95 % interval of the odds ratio; p_holm: p corrected for all groups and measures of the table
-    (the rows of all are no groups). The others are attributes of `measures.Evidence`. Groups of
-    different factors overlap, and so do those of tags.
+    by who detects them, of useful alerts those that the driver does not see, of those in time the
+    urgent ones by who is in time; odds_low, odds_high: 95 % interval of the odds ratio; p_holm: p
+    corrected for all groups and measures of the table (the rows of all are no groups). The others
+    are attributes of `measures.Evidence`. Groups of different factors overlap, and so do those of
+    tags.
 
     References
     ----------
@@ -107,11 +108,9 @@ def _row(result: Result, part: Subgroup, evidence: Evidence) -> dict[str, Any]:
     odds = (np.nan, np.nan)
     split = inference_of(evidence.figure).split
     if split is not None:
-        compared = split(_narrow(result, part))
-        test = mcnemar(compared)
+        venn = split(_narrow(result, part))
+        test = mcnemar(venn)
         odds = test.odds_low, test.odds_high
-        if measure_of(evidence.figure).is_optional:  # few are known of the driver
-            venn = compared
     counts = venn.counts()
     return {
         "factor": part.factor,

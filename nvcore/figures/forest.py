@@ -149,12 +149,15 @@ def _corrected(row: dict[Hashable, Any]) -> str:
 
 def _text(row: dict[Hashable, Any]) -> str:
     """What pointing at a group says."""
-    parts = [
-        f"encounters detected by both {row['both']:,}, only X {row['x_only']:,}, only Y "
-        f"{row['y_only']:,}, neither {row['neither']:,}"
-    ]
-    if row["unit"] != "encounters":
-        parts.insert(0, f"{row['n']:,} {row['unit']}")
+    counts = (
+        f"both {row['both']:,}, only X {row['x_only']:,}, only Y {row['y_only']:,}, neither "
+        f"{row['neither']:,}"
+    )
+    of = f"{row['n']:,} {row['unit']}"
+    if row["unit"] == "encounters":
+        parts = [f"of {of}: {counts}"]
+    else:
+        parts = [of, f"encounters detected by {counts}"]
     p = float(row["p"])
     if np.isfinite(p):
         holm = float(row["p_holm"])

@@ -23,6 +23,7 @@ from nvcore.measures.entry import (
     MeasureTable,
     Parts,
 )
+from nvcore.measures.of_encounters import DETECTED
 from nvcore.measures.table import MEASURES
 from nvcore.measures.values import (
     duration_of_recordings,
@@ -33,6 +34,7 @@ from nvcore.measures.values import (
 from nvcore.wording import difference
 
 __all__ = [
+    "DETECTED",
     "EVIDENCE_KEYS",
     "MEASURES",
     "NO_FRAMES",
@@ -66,9 +68,7 @@ _INFERENCE: Final = {
     measure.key: measure.inference for measure in MEASURES if measure.inference is not None
 }
 
-EVIDENCE_KEYS: Final = tuple(
-    sorted(_INFERENCE, key=lambda key: not key.startswith("encounters_detected"))
-)
+EVIDENCE_KEYS: Final = tuple(sorted(_INFERENCE, key=lambda key: not key.startswith(DETECTED)))
 """Keys of the table of evidence: encounters detected first, then in the order of `MEASURES`."""
 
 

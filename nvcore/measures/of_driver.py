@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -65,6 +65,39 @@ def is_in_time_alone(result: Result, system: SystemResult) -> np.ndarray:
     by_others = is_driver_in_time(result) | is_in_time(other)
     is_alone: np.ndarray = is_judged_in_time(result) & is_in_time(system) & ~by_others
     return is_alone
+
+
+class InTime(NamedTuple):
+    """Urgent encounters of which it is known, each in the part of who confirms it in time.
+
+    Attributes
+    ----------
+    driver
+        The driver by himself, whoever else does.
+    both, x, y, nobody
+        Not he, but both systems, one alone, or neither.
+    """
+
+    driver: int
+    both: int
+    x: int
+    y: int
+    nobody: int
+
+    @property
+    def n(self) -> int:
+        """All of them."""
+        return sum(self)
+
+
+def count_in_time(result: Result) -> InTime:
+    """Who confirms the urgent encounters in time, among those of which it is known."""
+    is_left = is_judged_in_time(result) & ~is_driver_in_time(result)
+    by_x, by_y = (is_in_time(system) for _, system in result.sides)
+    alone_x, alone_y = (is_in_time_alone(result, system) for _, system in result.sides)
+    both, nobody = is_left & by_x & by_y, is_left & ~by_x & ~by_y
+    parts = is_driver_in_time(result), both, alone_x, alone_y, nobody
+    return InTime(*(int(np.count_nonzero(part)) for part in parts))
 
 
 def _is_known(result: Result) -> np.ndarray:

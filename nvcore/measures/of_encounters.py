@@ -32,6 +32,8 @@ from nvcore.measures.values import (
 from nvcore.schema import Category, MissClass
 from nvcore.scoring import SystemResult
 
+DETECTED: Final = "encounters_detected"
+"""Key of the measure."""
 _NONE_NEAR: Final = "no encounter is near enough to count"
 
 
@@ -109,7 +111,7 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         tables=(MeasureTable.SCORECARD,),
     ),
     Measure(
-        key="encounters_detected",
+        key=DETECTED,
         label="encounters detected, of {n_near:,}",
         form="d",
         better=HIGHER,

@@ -54,36 +54,40 @@ def judge_driver(
     -------
     One row per encounter: detectability (the largest up to the first relevant frame, 0..1; NaN: the
     encounter is distant, or it is known in none of these frames), sd, is_outside (of that largest
-    one), n_known (frames among these in which it is known), seen_row (frame row of his
-    confirmation, -1: he does not see, or it is unknown).
+    one), is_within_sd (whether it is no further than its sd from the threshold), n_known (frames
+    among these in which it is known), seen_row (frame row of his confirmation, -1: he does not see,
+    or it is unknown), n_seen (frames among these in which it reaches `driver_threshold`).
 
     References
     ----------
     ``docs/driver.md``, in the comparison; ``docs/decisions/050-driver-in-the-comparison.md``.
     """
     n = len(encounters)
-    place, n_known = np.full(n, -1), np.zeros(n, np.int64)
-    seen_row = np.full(n, -1)
+    place, seen_row = np.full((2, n), -1)
+    n_known, n_seen = np.zeros((2, n), np.int64)
     if not np.isnan(detectability.value).all():
         over_ranges(
             driver_frames,
             n,
             *(encounters.offsets, encounters.order, encounters.frame_index),
             *(k_truth, detectability.value, float(params.driver_threshold)),
-            *(place, n_known, seen_row),
+            *(place, n_known, seen_row, n_seen),
         )
     is_known = place >= 0
     row = encounters.order[place[is_known]]
     highest, sd, is_outside = np.full(n, np.nan), np.full(n, np.nan), np.zeros(n, bool)
     highest[is_known], sd[is_known] = detectability.value[row], detectability.sd[row]
     is_outside[is_known] = detectability.is_outside[row]
+    is_within_sd = np.abs(highest - params.driver_threshold) <= sd  # never where one is unknown
     return pd.DataFrame(
         {
             "detectability": highest,
             "sd": sd,
             "is_outside": is_outside,
+            "is_within_sd": is_within_sd,
             "n_known": n_known,
             "seen_row": seen_row,
+            "n_seen": n_seen,
         }
     )
 
@@ -234,6 +238,18 @@ class DriverView:
     def venn(self) -> DriverVenn:
         """Encounters by who sees them: the driver by himself, X, Y."""
         return count_driver_regions(self.region)
+
+    @property
+    def has_sd(self) -> np.ndarray:
+        """Near encounters whose detectability has a standard deviation."""
+        has_sd: np.ndarray = ~np.isnan(self.table["sd"].to_numpy()) & self.is_known
+        return has_sd
+
+    @property
+    def is_within_sd(self) -> np.ndarray:
+        """Near encounters whose detectability is no further than its sd from the threshold."""
+        is_within_sd: np.ndarray = self.table["is_within_sd"].to_numpy() & self.is_known
+        return is_within_sd
 
     @property
     def n_outside(self) -> int:

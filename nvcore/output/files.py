@@ -112,9 +112,28 @@ def check_folder(folder: Path, known: Iterable[str]) -> None:
         If it cannot be written to, or holds the run of another command.
     """
     refuse_other_run(folder, known)
-    place = next(path for path in (folder, *folder.absolute().parents) if path.exists())
-    if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK):
+    if not _takes_files(folder):
         raise InputError("cannot be written to; give another folder", file=folder)
+
+
+def check_model_file(path: Path) -> None:
+    """Refuse a model's file that could not be written, before a long training.
+
+    Raises
+    ------
+    InputError
+        If it is a folder, or cannot be written to.
+    """
+    if path.is_dir():
+        raise InputError("is a folder; give the name of a file, such as model.npz", file=path)
+    if not _takes_files(path.absolute().parent) or (path.exists() and not os.access(path, os.W_OK)):
+        raise InputError("cannot be written to; give another file", file=path)
+
+
+def _takes_files(folder: Path) -> bool:
+    """Whether files can be written to a folder that is there or is yet to be made."""
+    place = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    return place.is_dir() and os.access(place, os.W_OK | os.X_OK)
 
 
 def refuse_other_run(folder: Path, known: Iterable[str]) -> None:
@@ -128,13 +147,18 @@ def refuse_other_run(folder: Path, known: Iterable[str]) -> None:
     Raises
     ------
     InputError
-        If there is such a file.
+        If there is such a file, or the folder cannot be listed.
     """
     try:
         lines = (folder / MANIFEST).read_text("utf-8").splitlines()
     except (OSError, UnicodeDecodeError):  # no run of ours
         return
-    there = {path.name for path in folder.iterdir()}
+    try:
+        there = {path.name for path in folder.iterdir()}
+    except OSError as error:
+        raise InputError(
+            f"cannot be listed ({error.strerror}); give another folder", file=folder
+        ) from error
     others = sorted(there.intersection(line.partition("  ")[2] for line in lines) - {*known})
     if others:
         raise InputError(

@@ -15,6 +15,8 @@ _BY_NAME: Final = "the number in a picture's name is the frame"
 NO_FRAMES: Final = np.empty(0, np.int64)
 USUAL: Final = tuple(f"{rule[0].upper()}{rule[1:]}." for rule in (_BY_COUNT, _BY_NAME))
 """Notes of `picture_index` that say nothing but what anybody expects."""
+_SAME_SHAPE: Final = 0.02
+"""By so much the scales across and down may differ: sides are whole numbers of pixels."""
 _ENOUGH: Final = 0.5
 """Share of the frames, or of the pictures, from which on numbers in names are believed."""
 
@@ -116,6 +118,11 @@ def _find(frames: NDArray[np.int64], numbers: NDArray[np.int64]) -> NDArray[np.i
     return np.asarray(pd.Index(numbers).get_indexer(pd.Index(frames)), dtype=np.int64)
 
 
+def is_of_other_shape(pictures: Pictures, width: float, height: float) -> bool:
+    """Whether width and height of the pictures are in another proportion than a recording's."""
+    return abs(pictures.width / width / (pictures.height / height) - 1) > _SAME_SHAPE
+
+
 def size_note(pictures: Pictures, width: float, height: float) -> str:
     """What to say of pictures of another size than their recording's; empty: the same size.
 
@@ -127,7 +134,7 @@ def size_note(pictures: Pictures, width: float, height: float) -> str:
         f"The pictures are {pictures.width} x {pictures.height} px, the recording is "
         f"{width:g} x {height:g} px: boxes are drawn scaled"
     )
-    across, down = pictures.width / width, pictures.height / height
-    if abs(across / down - 1) > 0.02:
+    if is_of_other_shape(pictures, width, height):
+        across, down = pictures.width / width, pictures.height / height
         note += f", by {across:.3g} across and {down:.3g} down; check that they belong together"
     return note + "."

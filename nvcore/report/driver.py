@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.dataset.estimates import EstimateRecord
-from nvcore.driver.estimators.model import Estimator
+from nvcore.driver.estimators.model import Estimator, Origin
 from nvcore.driver.estimators.model_file import SAMPLE_NAME, fingerprint
 from nvcore.driver.estimators.training import Training
 from nvcore.driver.estimators.words import words_of
@@ -130,19 +130,30 @@ def render_estimator(estimator: Estimator) -> str:
         f"trained on: {count_text(origin.n_trials, 'trial')}{_OF_TRIALS[origin.simulated]}: "
         f"{count_text(origin.n_subjects, 'subject')}, "
         f"{count_text(origin.n_pedestrians, 'pedestrian')}",
+        _pictures(origin),
         f"a response is right within a square of {origin.square_px:g} px that overlaps the "
         f"pedestrian's middle ({origin.centre_share:.0%} of his box)",
         *_feature_settings(estimator),
         "mean squared error on pedestrians left out, in five folds; 0 is best:",
         *_errors(errors, last="single"),
         *_choices(estimator),
-        *_no_better(estimator),
+        *_caution(estimator),
     ]
     return "\n".join(lines)
 
 
-def _no_better(estimator: Estimator) -> list[str]:
-    caution = EstimateRecord(no_better_at_s=estimator.no_better_at_s).caution
+def _pictures(origin: Origin) -> str:
+    if origin.picture_px is None:
+        return "of pictures whose size is not known, or not the same in all"
+    width, height = origin.picture_px
+    return f"of pictures of {width:,} x {height:,} px: estimates are for such ones"
+
+
+def _caution(estimator: Estimator) -> list[str]:
+    """Why its estimates are to be doubted, beside who its subjects were."""
+    caution = EstimateRecord(
+        no_better_at_s=estimator.no_better_at_s, search=estimator.origin.search
+    ).caution
     return [f"its estimates are {caution}"] if caution else []
 
 
@@ -230,9 +241,12 @@ def _periods(errors: pd.DataFrame) -> str:
 def render_evaluation(evaluation: Evaluation) -> str:
     """Errors at each period beside those of the paper, and what differs."""
     errors = errors_table(evaluation)
+    search = evaluation.search
+    quick = f"by a quick search of {count_text(search.n_settings, 'setting')}"
     lines = [
         *render_table(evaluation.table),
         *map(capitalised, evaluation.samples.notes),
+        *([quick] if search.is_quick else []),
         "mean squared error, leaving out one pedestrian at a time; 0 is best:",
         *_errors(errors),
         *_warning(errors),

@@ -20,8 +20,20 @@ def _count_region(result: Result, *, region: DriverRegion) -> int:
     return result.driver.venn.counts[region]
 
 
-def _entry(key: str, meaning: str, of: Callable[[Result], int]) -> Entry:
-    column = Column(key, Kind.INTEGER, "encounters", meaning, is_optional=True)
+def _count_within_sd(result: Result) -> int | None:
+    driver = result.driver
+    return int(np.count_nonzero(driver.is_within_sd)) if driver.has_sd.any() else None
+
+
+def _entry(
+    key: str,
+    meaning: str,
+    of: Callable[[Result], int | None],
+    *,
+    unit: str = "encounters",
+    empty: str = "",
+) -> Entry:
+    column = Column(key, Kind.INTEGER, unit, meaning, empty=empty, is_optional=True)
     return Entry(column, of)
 
 
@@ -43,6 +55,13 @@ DRIVER_ENTRIES: Final[tuple[Entry, ...]] = (
         lambda result: result.driver.n_outside,
     ),
     _entry(
+        "driver.within_sd",
+        "Of both, those for whom it is no further than its standard deviation from "
+        "`driver_threshold`: whether the driver sees them is open.",
+        _count_within_sd,
+        empty="no encounter has a standard deviation",
+    ),
+    _entry(
         "driver.urgent",
         "Urgent encounters of which it is known whether the driver sees them.",
         lambda result: int(np.count_nonzero(is_judged_in_time(result))),
@@ -56,6 +75,7 @@ DRIVER_ENTRIES: Final[tuple[Entry, ...]] = (
         "driver.boxes_without_detectability",
         "Pedestrian boxes of unknown detectability; with `driver_weighting` they weigh in full.",
         lambda result: count_unknown(result.dataset),
+        unit="boxes",
     ),
     *(
         _entry(

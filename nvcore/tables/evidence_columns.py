@@ -94,7 +94,8 @@ SUBGROUP_COLUMNS: Final[tuple[Column, ...]] = (
         _INTEGER,
         "encounters",
         "Of the group, detected by both systems; in `useful_alerts`, here and in the next three, "
-        "of those in it that the driver does not see.",
+        "of those in it that the driver does not see; in `in_time`, the urgent ones in it, by who "
+        "confirms them in time.",
         "high",
     ),
     Column("x_only", _INTEGER, "encounters", "Detected by X only."),

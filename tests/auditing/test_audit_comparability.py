@@ -10,6 +10,7 @@ from builders import NAN, Box, Place, make_dataset
 
 from nvcore.comparison import compare
 from nvcore.dataset import Dataset
+from nvcore.evidence.companions import are_unequal
 from nvcore.findings import Severity
 from nvcore.params import Params
 
@@ -72,6 +73,17 @@ def test_lowest_scores_are_no_finding(low_x: float, n_x: int, low_y: float, n_y:
     x = [*hits(low_x, 1), *alarms([0.6] * n_x, 500)]
     y = [*hits(low_y, 2), *alarms([0.6] * n_y, 400)]
     assert "score-floors" not in codes(compared(x, y))
+
+
+@pytest.mark.parametrize(("n_x", "is_unequal"), [(15, False), (16, True)])
+def test_lowest_scores_are_a_finding_where_the_verdict_calls_the_operating_points_unequal(
+    n_x: int, is_unequal: bool
+) -> None:
+    """Scores down to 0.01 and 0.10, and X with so many false alarms beside the ten of Y."""
+    x = [*hits(0.9, 1), *alarms([0.01 + i / 100 for i in range(n_x)], 500)]
+    data = compared(x, [*hits(0.9, 2), *alarms([0.1] * 10, 400)])
+    assert ("score-floors" in codes(data)) is is_unequal
+    assert are_unequal(compare(data)) is is_unequal
 
 
 def test_a_system_without_scores_has_no_operating_point_to_choose() -> None:

@@ -45,6 +45,8 @@ def test_from_trials_to_a_model(files: tuple[Path, Path], tmp_path: Path):
     estimator = read_estimator(out)
     assert estimator.name == "driver"
     assert estimator.origin.n_subjects == 6
+    described = nvcore("models", out).stdout
+    assert "its estimates are learnt by a quick search" in described
 
 
 def test_from_trials_to_tables(files: tuple[Path, Path], tmp_path: Path):
@@ -62,6 +64,7 @@ def test_from_trials_to_tables(files: tuple[Path, Path], tmp_path: Path):
         *("periods.csv", "histograms.csv", "estimates.csv", "subjects.csv"),
     }
     assert (out / "summary.txt").read_text() in ran.stdout
+    assert "by a quick search of 1 setting\n" in ran.stdout
 
 
 def test_the_square_can_be_an_angle(files: tuple[Path, Path], tmp_path: Path):
@@ -74,19 +77,25 @@ def test_the_square_can_be_an_angle(files: tuple[Path, Path], tmp_path: Path):
     assert read_estimator(out).origin.square_px == pytest.approx(200.3, abs=0.1)
 
 
-def test_the_model_notes_the_settings_of_its_features(files: tuple[Path, Path], tmp_path: Path):
+def test_the_model_notes_the_settings_and_pictures_of_its_features(
+    files: tuple[Path, Path], tmp_path: Path
+):
     trials, features = files
     out = tmp_path / "driver.npz"
     flags = ("driver", "train", trials, "--features", features, "--quick", "--out", out)
     words = "settings of the features are not known"
     assert words in nvcore(*flags).stdout
     assert read_estimator(out).feature_settings is None
+    assert "of pictures whose size is not known" in nvcore("models", out).stdout
     settings = FeatureSettings(surround=3)
     contents = {features.name: features.read_bytes()}
-    record = record_bytes(contents, settings={"features": asdict(settings)})
+    entries = {"settings": {"features": asdict(settings)}, "picture_px": [960, 540]}
+    record = record_bytes(contents, **entries)
     record_beside(features).write_bytes(record)
     assert words not in nvcore(*flags).stdout
     assert read_estimator(out).feature_settings == settings
+    assert read_estimator(out).origin.picture_px == (960, 540)
+    assert "of pictures of 960 x 540 px: estimates are for such" in nvcore("models", out).stdout
 
 
 @pytest.mark.parametrize(
@@ -100,6 +109,7 @@ def test_the_model_notes_the_settings_of_its_features(files: tuple[Path, Path], 
         (("--distance-mm", "270"), "belong to --square-degrees"),
         (("--leave-out", "Z"), "there is no subject 'Z'"),
         (("--out", "{trials}"), "is an input, and would be replaced"),
+        (("--out", "{trials}/m.npz", "--boxes", "gone.csv"), "cannot be written to; give another"),
         (("--boxes", "gone.csv"), "gone.csv: cannot be opened"),
     ],
 )
@@ -129,3 +139,5 @@ def test_python_users_do_the_same(files: tuple[Path, Path], tmp_path: Path):
     assert read_estimator(tmp_path / "m.npz").origin.square_px == 150
     evaluation = nv.evaluate_driver(trials, features, quick=True)
     assert len(evaluation.rows) == 48
+    with pytest.raises(nv.NvcoreError, match="cannot be written to; give another folder"):
+        nv.evaluate_driver("gone.csv", features, trials / "tables")

@@ -64,6 +64,16 @@ def test_inputs_are_not_replaced(tmp_path: Path):
     assert "is an input, and would be replaced" in ran.output
 
 
+def test_the_folder_of_another_command_is_refused_before_anything_is_read(tmp_path: Path):
+    folder = drive(tmp_path)
+    out = tmp_path / "report"
+    assert nvcore("compare", *flags(folder), "--out", out).exit_code == 0
+    (folder / "truth.csv").write_text("nothing that can be read")
+    ran = nvcore("matrix", *flags(folder), "--out", out)
+    assert ran.exit_code == 2
+    assert "of another command (by its SHA256SUMS); give another folder" in ran.stderr
+
+
 def test_one_system_is_bad_input(tmp_path: Path):
     folder = drive(tmp_path)
     ran = nvcore("matrix", "--truth", folder / "truth.csv", "--x", folder / "fir.csv")

@@ -10,16 +10,16 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from driver_estimators import CONTRAST, LAB, estimator, regression
+from driver_estimators import CONTRAST, LAB, estimator, origin, regression
 from picture_files import write_picture
 
 from nvcore.api.driver_run import estimate_driver
 from nvcore.comparison import compare
 from nvcore.driver.estimate import DETECTABILITY_COLUMNS, EstimateRun, run_estimate
 from nvcore.driver.estimators import Estimator, Quality, write_estimator
-from nvcore.driver.features import FeatureSettings
+from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
 from nvcore.driver.run import run_features
-from nvcore.driver.steps import steps_between_periods
+from nvcore.driver.steps import Steps, steps_between_periods
 from nvcore.errors import InputError, ParameterError
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
@@ -62,39 +62,79 @@ def test_each_box_has_the_estimate_of_its_adaptation_period(place: Path):
     np.testing.assert_allclose(table["detectability"][30:], 0.6)
     np.testing.assert_allclose(table["sd"][[20, 39]], [0.1, 0.2])
     assert not table["is_outside"].any()
+    assert table["estimator_s"].tolist() == [4.5] * 20 + [0.5] * 10 + [4.5] * 10
 
 
 def test_between_two_periods_it_may_be_interpolated(place: Path):
     table = run(place, estimator(), interpolate=True).table
     assert table["detectability"][29] == pytest.approx(0.45)  # 2.5 s, in the middle
+    assert table["estimator_s"][[0, 20, 21, 37]].tolist() == [4.5, 0.5, 0.5, 4.5]
+    assert table["estimator_s"][22:37].isna().all()  # between two
 
 
 def test_steps_from_one_estimator_to_the_next_are_counted(place: Path):
     result = run(place, estimator())  # from 0.3 to 0.6, with a sd of 0.1 and 0.2
     assert result.steps == (1, 1)
-    assert "the estimate of 1 of 1 pedestrian steps by more than its sd where" in str(result)
+    assert "of 1 pedestrian for whom another adaptation period's estimator is taken" in str(result)
     vague = replace(estimator(), qualities=tuple(Quality(51, 0.1, 0.5, 0.1) for _ in range(3)))
     assert run(place, vague).steps == (1, 0)
-    assert "--interpolate" not in str(run(place, vague))
+    assert "interpolation" not in str(run(place, vague))
     assert run(place, estimator(), interpolate=True).steps == (0, 0)
 
 
+def followed(contrasts: list[float], taken_s: list[float], track: list[int | None]) -> Steps:
+    """Steps of one pedestrian, and of boxes without a track, by the contrast in each frame."""
+    features = np.full((len(contrasts), 8), np.nan)
+    features[:, CONTRAST] = contrasts
+    taken = np.array(taken_s, np.float64)
+    estimates = estimator().estimate(features, taken)
+    rows = {"recording": "a", "frame": range(len(taken)), "period_s": taken}
+    table = pd.DataFrame(rows).assign(detectability=estimates.detectability, sd=estimates.sd)
+    table["track"] = pd.array(track, dtype="Int64")
+    return steps_between_periods(estimator(), features, table, taken)
+
+
 def test_without_tracks_no_steps_are_known_and_a_new_change_is_none():
-    rows = {"recording": "a", "frame": range(4), "track": [1, 1, None, None]}
-    table = pd.DataFrame(rows).assign(detectability=[0.0, 1, 0, 1], sd=0.1, period_s=[4, 5, 4, 5])
-    table["track"] = table["track"].astype("Int64")
-    assert steps_between_periods(table, np.array([3.0, 4.5, 3.0, 4.5])) == (1, 1)
-    assert steps_between_periods(table, np.array([4.5, 0.5, 3.0, 4.5])) == (0, 0)
-    assert steps_between_periods(table[:0], np.empty(0)) == (0, 0)
+    track = [1, 1, None, None]
+    assert followed([60] * 4, [0.5, 4.5, 0.5, 4.5], track) == (1, 1)
+    assert followed([60] * 4, [4.5, 0.5, 0.5, 4.5], track) == (0, 0)
+    assert followed([], [], []) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("contrasts", "n_jumping"),
+    [
+        ([60, 60], 1),  # 0.3 and 0.6 of the same
+        ([0, 30], 0),  # from 0 to 0.3, but 0.15 and 0.3 of the later frame
+        ([100, 50], 1),  # 0.5 twice, but 0.25 and 0.5
+    ],
+)
+def test_a_step_is_what_the_next_estimator_alone_changes(contrasts: list[float], n_jumping: int):
+    assert followed(contrasts, [0.5, 4.5], [1, 1]) == (1, n_jumping)
 
 
 def test_a_feature_that_is_needed_and_missing_leaves_no_estimate(place: Path):
     result = run(place, estimator(LAB))
-    assert result.table[["detectability", "sd"]].isna().all(axis=None)
+    assert result.table[["detectability", "sd", "estimator_s"]].isna().all(axis=None)
     assert not result.table["is_outside"].any()
     assert "detectability of 0 of 40 pedestrian boxes: the estimator needs lab_distance" in (
         str(result)
     )
+
+
+def test_boxes_that_lack_what_one_periods_estimator_needs_are_counted(place: Path):
+    soon_by_colour = replace(
+        estimator(), regressions=(regression(LAB), *estimator().regressions[1:])
+    )
+    result = run(place, soon_by_colour)
+    is_lacking = result.table["detectability"].isna()
+    assert is_lacking.tolist() == [False] * 20 + [True] * 10 + [False] * 10
+    assert result.table["is_outside"].isna().tolist() == is_lacking.tolist()
+    assert (
+        "10 pedestrian boxes in pictures without an estimate (10 0.25 to 2.5 s after a change of "
+        "light): the estimator needs Lab distance there"
+    ) in str(result)
+    assert "without an estimate" not in str(run(place, estimator()))
 
 
 def test_grey_pictures_that_nobody_calls_visible_give_no_estimate(place: Path):
@@ -118,16 +158,18 @@ def test_print_says_what_to_take_with_care(place: Path):
     assert "simulated" not in str(run(place, estimator()))
 
 
-def test_where_the_estimator_is_no_better_than_a_constant_is_said_and_recorded(place: Path):
+def test_why_the_estimator_is_to_be_doubted_is_said_and_recorded(place: Path):
     qualities = tuple(Quality(9, error, 0.5, 0.1) for error in (0.1, 0.04, 0.2))
-    write_estimator(replace(estimator(simulated="all"), qualities=qualities), place / "m.npz")
+    quick = replace(origin("all"), search="quick")
+    write_estimator(replace(estimator(), qualities=qualities, origin=quick), place / "m.npz")
     with (place / "session.toml").open("a") as session:
         session.write('[[system]]\nname = "RGB"\npath = "truth.csv"\n')
     written = estimate_driver(place / "session.toml", place / "m.npz", place / "out")
-    said = "learnt from simulated subjects and no better than a constant at 0.5 s"
+    said = "learnt from simulated subjects by a quick search and no better than a constant at 0.5 s"
     assert f"estimates are {said}" in str(written.run)
     record = json.loads(written.record.read_text())
     assert record["estimator"]["no_better_at_s"] == [0.5]
+    assert record["estimator"]["search"] == "quick"
     dataset = load(read_session(written.session))
     assert dataset.estimate is not None
     assert dataset.estimate.caution == said
@@ -137,11 +179,39 @@ def test_where_the_estimator_is_no_better_than_a_constant_is_said_and_recorded(p
     assert "no better" not in str(run(place, estimator()))
 
 
+def trained_on(width: int) -> Estimator:
+    return replace(estimator(), origin=replace(origin(), picture_px=(width, 48)))
+
+
+@pytest.mark.parametrize(("width", "is_other"), [(128, True), (48, True), (70, False), (58, True)])
+def test_pictures_of_another_width_than_the_training_s_are_named(
+    place: Path, width: int, is_other: bool
+):
+    result = run(place, trained_on(width))  # they are 64 wide
+    words = f"pictures of drive are 64 px wide, those of the training {width}: sizes and distances"
+    assert (words in str(result)) == is_other
+    assert result.counts_json().get("other_width") == ({"drive": 64} if is_other else None)
+    assert "px wide" not in str(run(place, estimator()))  # as trained before it was kept
+
+
+def test_another_width_is_in_the_record_and_what_is_said_of_the_comparison(place: Path):
+    write_estimator(trained_on(128), place / "m.npz")
+    with (place / "session.toml").open("a") as session:
+        session.write('[[system]]\nname = "RGB"\npath = "truth.csv"\n')
+    written = estimate_driver(place / "session.toml", place / "m.npz", place / "out")
+    record = json.loads(written.record.read_text())
+    assert record["estimator"]["picture_px"] == [128, 48]
+    assert record["recordings"][0]["picture_px"] == [64, 48]
+    comparison = compare(load(read_session(written.session)))
+    words = "made on pictures of another width than those of the training in drive"
+    assert words in describe_source(comparison)
+
+
 def test_features_outside_the_training_are_named(place: Path):
     dim = replace(estimator(), regressions=tuple(regression(CONTRAST, high=50) for _ in range(3)))
     result = run(place, dim)
     assert (result.table["outside_features"] == "luminance_contrast").all()
-    assert result.n_outside == {"Luminance contrast": 40}
+    assert result.outside_by_feature == {"Luminance contrast": 40}
     assert (
         "40 estimates with features outside the range of the training (Luminance contrast in 40)"
         in (str(result))
@@ -153,10 +223,10 @@ def test_where_nothing_is_known_of_the_light_is_counted(place: Path):
     readings = [f"{i / 10},1000" for i in range(50)]  # the last, at 4.9 s, holds a second
     (place / "lux.csv").write_text("\n".join(["time_s,lux", *readings]) + "\n")
     result = run(place, estimator())
-    assert result.n_without_light == 16
+    assert result.n_light_unknown == 28  # 12 before readings for 3 s, 16 after their end
     text = str(result)
-    assert "40 estimates without a known change of light (16 where nothing is known of" in text
-    assert result.counts_json() == {"n": 40, "n_without_light": 16, "outside": {}}
+    assert "40 estimates without a known change of light (of 28 it is not known when the" in text
+    assert result.counts_json() == {"n": 40, "n_light_unknown": 28, "outside": {}}
 
 
 def test_files_are_a_session_that_names_the_estimates(place: Path):
@@ -231,6 +301,30 @@ def test_where_no_pedestrian_can_be_estimated_it_is_refused(
     with pytest.raises(InputError, match=f"none of 40 pedestrian boxes can be estimated: {words}"):
         estimate_driver(session, place / "m.npz", out)
     assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        (
+            'gaze = "gaze.csv"',
+            r"the estimator needs fixation_distance_px, which no box has \(drive: the gaze file "
+            r"has frames 1000 to 1299, the recording 0 to 39\)$",
+        ),
+        (
+            "visible_map = [1, 1, 640, 0]",
+            r"the estimator needs fixation_distance_px, which no box has \(drive: with its "
+            r"visible_map all pedestrian boxes lie outside the picture\)$",
+        ),
+    ],
+)
+def test_why_no_box_has_a_feature_is_said(place: Path, keys: str, words: str):
+    (place / "gaze.csv").write_text("frame,x,y\n1000,24,21\n1299,5,18\n")
+    session = place / "session.toml"
+    session.write_text(f"{session.read_text()}{keys}\n")
+    write_estimator(estimator(FEATURE_KEYS.index("fixation_distance_px")), place / "m.npz")
+    with pytest.raises(InputError, match=words):
+        estimate_driver(session, place / "m.npz", place / "out")
 
 
 def test_pedestrians_without_a_picture_are_refused_and_recordings_without_any_are_fine(place: Path):

@@ -25,6 +25,16 @@ def test_fixations_are_found_by_frame_in_any_order(tmp_path: Path):
     )
 
 
+@pytest.mark.parametrize("rows", [["0,0.5,0.5", "1,0.31,1"], ["4,0,0"]])
+def test_shares_of_the_picture_are_refused(tmp_path: Path, rows: list[str]):
+    with pytest.raises(InputError, match=r"gaze\.csv: x, y: all points lie in 0 to 1.* pixels"):
+        read_gaze(gaze_file(tmp_path, "frame,x,y", *rows))
+
+
+def test_a_point_in_the_corner_is_one_of_pixels_where_others_are(tmp_path: Path):
+    assert len(read_gaze(gaze_file(tmp_path, "frame,x,y", "0,0.5,0.5", "1,300,200")).frame) == 2
+
+
 def test_a_file_without_rows_knows_no_fixation(tmp_path: Path):
     assert np.isnan(read_gaze(gaze_file(tmp_path, "frame,x,y")).at(np.array([0, 1]))).all()
 

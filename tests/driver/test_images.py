@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from picture_files import write_picture
 
+from nvcore.driver.feature_record import picture_px_beside, record_beside
 from nvcore.driver.features import FEATURE_KEYS, features_of
 from nvcore.driver.images import IMAGE_FEATURE_COLUMNS, image_features
 from nvcore.errors import FormatError, InputError
@@ -45,6 +46,23 @@ def test_rows_are_those_of_the_boxes_in_their_order(folder: Path):
     assert str(result) == (
         "3 pedestrians in 2 pictures\nFixation assumed: the middle of the picture."
     )
+
+
+def test_the_size_of_the_pictures_stands_in_the_record(folder: Path):
+    listed = boxes(folder, "park.png,1,10,10,8,20")
+    run = image_features(folder, listed)
+    out = folder / "features.csv"
+    out.write_bytes(b"as written")
+    record_beside(out).write_bytes(run.record({out.name: out.read_bytes()}))
+    assert run.picture_px == picture_px_beside(out) == (80, 60)
+    assert "sizes" not in str(run)
+
+
+def test_pictures_of_several_sizes_are_said_to_be(folder: Path):
+    write_picture(folder / "wide.png", np.zeros((60, 160, 3), np.uint8))
+    run = image_features(folder, boxes(folder, "park.png,1,1,1,8,9", "wide.png,1,1,1,8,9"))
+    assert run.picture_px is None
+    assert "The pictures are of 2 sizes, 80 x 60 to 160 x 60 px" in str(run)
 
 
 def test_the_fixation_may_be_given_for_each(folder: Path):

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from picture_files import write_picture
+from picture_files import write_numbered_video, write_picture
 
 from nvcore.driver.features import FEATURE_KEYS, features_of
 from nvcore.driver.run import FEATURE_COLUMNS, FeatureRun, run_features
@@ -91,6 +91,45 @@ def test_pictures_of_visible_light_go_before_the_recording_s_own(place: Path):
     assert not any("its own pictures" in note for note in part.notes)
 
 
+@pytest.mark.parametrize(
+    ("more", "is_doubted"), [("", True), ("visible_map = [1, 1.5, 0, 0]\n", False)]
+)
+def test_pictures_of_another_shape_without_a_map_are_doubted(
+    place: Path, more: str, is_doubted: bool
+):
+    for frame in range(N_FRAMES):
+        write_picture(place / "visible" / f"{frame:03}.png", np.zeros((72, 64, 3), np.uint8))
+    part = run(place, f'visible = "visible"\n{more}').recordings[0]
+    assert (
+        "visible is 64 x 72 px, the recording 64 x 48 px: boxes are scaled by 1 across and 1.5 "
+        "down. Do they belong together? If so, give visible_map." in part.notes
+    ) == is_doubted
+
+
+@pytest.mark.parametrize(
+    ("n", "more", "is_doubted"),
+    [
+        (40, "", False),
+        (39, "", True),
+        (80, "", True),
+        (80, "first_picture = -40\n", False),
+        (40, 'frames = "0:39:10"\n', False),
+        (39, 'frames = "0:39:10"\n', True),
+        (300, 'frames = "0:9"\n', False),  # some of them: nobody knows how many there are
+    ],
+)
+def test_a_video_of_another_number_of_pictures_is_doubted(
+    place: Path, n: int, more: str, is_doubted: bool
+):
+    write_numbered_video(place / "visible.mp4", n=n)
+    part = run(place, f'visible = "visible.mp4"\n{more}').recordings[0]
+    doubt = (
+        f"visible.mp4 has {n} pictures, the recording frames 0 to 39: do they belong together, "
+        "with as many pictures a second?"
+    )
+    assert [note for note in part.notes if "belong" in note] == [doubt] * is_doubted
+
+
 def test_each_row_says_of_which_picture_its_features_are(place: Path):
     write_pictures(place / "visible")
     (place / "visible" / "005.png").unlink()
@@ -130,6 +169,42 @@ def test_the_fixation_is_that_of_the_gaze_file(place: Path):
     )
 
 
+def test_points_outside_the_picture_are_counted(place: Path):
+    rows = [f"{frame},{64 + frame % 2},24" for frame in range(N_FRAMES - 2)]
+    (place / "gaze.csv").write_text("\n".join(["frame,x,y", *rows]) + "\n")
+    part = run(place, 'pictures = "drive"\ngaze = "gaze.csv"\n').recordings[0]
+    assert (
+        "Fixation by the gaze file, which has none in 2 of 40 frames with pedestrians. 19 of its "
+        "38 points in frames with pedestrians lie outside the picture of 64 x 48 px."
+    ) in part.notes
+
+
+def test_a_gaze_file_of_other_frames_is_said_to_be(place: Path):
+    (place / "gaze.csv").write_text("frame,x,y\n1299,24,21\n1000,5,18\n")
+    keys = 'pictures = "drive"\ngaze = "gaze.csv"\n'
+    part = run(place, keys).recordings[0]
+    words = "he gaze file has frames 1000 to 1299, the recording 0 to 39"
+    assert f"T{words}: no fixation is known." in part.notes
+    assert part.why_missing == {"fixation_distance_px": f"t{words}"}
+    (place / "gaze.csv").write_text("frame,x,y\n")
+    assert "The gaze file has no row: no fixation is known." in run(place, keys).recordings[0].notes
+
+
+@pytest.mark.parametrize(
+    ("right", "note"),
+    [
+        (640, "With its visible_map all pedestrian boxes lie outside the picture."),
+        (41.5, "With its visible_map 10 of 40 pedestrian boxes lie outside the picture."),
+        (5, ""),
+    ],
+)
+def test_boxes_outside_the_picture_are_counted(place: Path, right: float, note: str):
+    keys = f'visible = "drive"\nvisible_map = [1, 1, {right}, 0]\n'
+    part = run(place, keys).recordings[0]
+    assert [text for text in part.notes if "lie outside" in text] == [note] * bool(note)
+    assert bool(part.why_missing) == (right == 640)
+
+
 def test_without_a_gaze_file_a_point_is_assumed_and_said(place: Path):
     settings = settings_from({"fixation": (0.375, 0.375)})
     part = run(place, settings=settings).recordings[0]
@@ -146,7 +221,9 @@ def test_the_adaptation_period_is_that_at_the_end_of_the_frame(place: Path):
     assert table["period_s"][24:27].tolist() == pytest.approx([0.25, 0.5, 0.75])
     assert table["illumination"][[0, 23, 24]].tolist() == [1000, 1000, 10]
     assert set(table["illumination_by"]) == {"meter"}
-    assert "Light by the light meter: 1 change from bright to dark." in part.notes
+    assert (
+        "Light by the light meter: 1 change from bright to dark; readings of 10 to 1,000 lx."
+    ) in part.notes
 
 
 def test_where_the_readings_end_nothing_is_known(place: Path):
@@ -156,9 +233,63 @@ def test_where_the_readings_end_nothing_is_known(place: Path):
     known = part.table["period_s"].notna()  # from 4 s to 6 s: a second after the last reading
     assert np.flatnonzero(known).tolist() == [*range(16, 25)]
     assert part.table["illumination"].notna().tolist() == [True] * 25 + [False] * 15
-    assert any(
-        note.endswith("1 change from bright to dark, known until 5 s.") for note in part.notes
+    assert (
+        "Light by the light meter: 1 change from bright to dark; readings of 10 to 1,000 lx; they "
+        "are from 0 to 5 s, the recording from 0 to 10 s."
+    ) in part.notes
+
+
+def light_note(place: Path, rows: list[str], frames: str = "0:39") -> str:
+    (place / "lux.csv").write_text("\n".join(["time_s,lux", *rows]) + "\n")
+    keys = f'frames = "{frames}"\npictures = "drive"\nlight = "lux.csv"\n'
+    return run(place, keys).recordings[0].notes[-1]
+
+
+def readings(first_s: float, step_s: float, dark_from: int, unit: float = 1.0) -> list[str]:
+    levels = [1000 * unit if i < dark_from else 10 * unit for i in range(300)]
+    return [f"{first_s + i * step_s:.9g},{level:g}" for i, level in enumerate(levels)]
+
+
+@pytest.mark.parametrize("first_s", [100_000, -100_000])
+def test_readings_of_another_clock_are_said_to_tell_nothing(place: Path, first_s: float):
+    note = light_note(place, readings(first_s, 0.05, 120))
+    assert note.startswith(f"The light meter's readings are from {first_s:,} to ")
+    assert note.endswith(
+        " s, the recording from 0 to 10 s. Nothing is known of the light: no adaptation period."
     )
+
+
+@pytest.mark.parametrize(
+    ("dark_from", "frames", "changes"),
+    [
+        (240, "0:39", "0 changes from bright to dark;"),  # at 12 s, after the end
+        (80, "24:39", "0 changes from bright to dark, 1 before the first frame;"),
+        (160, "24:39", "1 change from bright to dark;"),
+    ],
+)
+def test_changes_outside_of_the_recording_are_not_counted(
+    place: Path, dark_from: int, frames: str, changes: str
+):
+    note = light_note(place, readings(0, 0.05, dark_from), frames)
+    assert note == f"Light by the light meter: {changes} readings of 10 to 1,000 lx."
+
+
+def test_readings_in_milliseconds_are_said_to_be_far_apart(place: Path):
+    note = light_note(place, readings(0, 50, 120))
+    assert "0 changes from bright to dark, with one reading in 50 s; readings of" in note
+
+
+def test_readings_that_begin_late_are_said_to(place: Path):
+    note = light_note(place, readings(2.5, 0.05, 120))
+    assert note.endswith("; they are from 2.5 to 17.4 s, the recording from 0 to 10 s.")
+
+
+def test_how_many_readings_count_as_the_least_is_said_where_many_do(place: Path):
+    assert light_note(place, readings(0, 0.05, 120, unit=5e-4)) == (
+        "Light by the light meter: 0 changes from bright to dark; readings of 0.005 to 0.5 lx, 180 "
+        "of 300 below 0.1 lx, which count as that."
+    )
+    assert "below" not in light_note(place, readings(0, 0.05, 280, unit=5e-4))
 
 
 def test_a_light_file_without_readings_tells_nothing(place: Path):

@@ -266,6 +266,19 @@ def test_urgent_encounters_belong_to_their_groups_and_have_evidence_by_recording
     assert of(result, "in_time").loc[("place", "edge"), "n"] == 10
 
 
+def test_encounters_in_time_are_split_by_who_is_in_time():
+    boxes = [approach(range(40), 5, recording=recording) for recording in range(3)]
+    boxes.append([at(frame, 50, recording=3, track=1) for frame in range(40)])  # never nearer
+    truth = [box for own in boxes for box in own]
+    y = [*boxes[0], *only(boxes[1], range(30, 40)), *boxes[3]]
+    result = result_of(make_dataset(truth, truth, y, places=[PLACE] * 4))
+    table = subgroup_table(result, ["encounters_detected", "in_time"])
+    counts = ["n", "both", "x_only", "y_only", "neither"]
+    whole = table[table["factor"] == "all"].set_index("figure")[counts]
+    assert whole.loc["encounters_detected"].tolist() == [4, 2, 2, 0, 0]
+    assert whole.loc["in_time"].tolist() == [3, 1, 2, 0, 0]
+
+
 def test_without_frames_nothing_is_defined_and_nothing_fails():
     table = subgroup_table(result_of(make_dataset(n_frames=0)), EVIDENCE_KEYS)
     assert len(table) == len(EVIDENCE_KEYS)

@@ -47,6 +47,13 @@ def test_each_group_stands_with_difference_interval_and_counts(detected: pd.Data
     assert most > 100 * detected["high"].max()
 
 
+def test_pointing_at_a_group_says_who_of_those_compared(detected: pd.DataFrame, result: Result):
+    texts = trace(subgroup_forest(detected, theme="light"), "difference").text
+    assert texts[0].startswith("of 24 encounters: both 12, only X 0, only Y 4, neither 8<br>")
+    saliency = subgroup_forest(subgroup_table(result, ["saliency"]), theme="light")
+    assert "encounters detected by both 12, only X 0" in trace(saliency, "difference").text[0]
+
+
 def test_a_group_without_interval_is_open(detected: pd.DataFrame) -> None:
     rows = detected.copy()
     rows.loc[1, ["low", "high"]] = float("nan")

@@ -39,6 +39,7 @@ def test_the_largest_detectability_up_to_the_first_relevant_frame_counts():
     result = judged(walk((FAR, 0.1), (FAR, 0.3), (NEAR, 0.2), (NEAR, 0.9)))
     row = result.detectable.iloc[0]
     assert (row["detectability"], row["n_known"], row["seen_row"]) == (0.3, 3, -1)
+    assert row["n_seen"] == 0
     assert result.driver.is_unseen.tolist() == [True]
 
 
@@ -47,6 +48,7 @@ def test_the_first_frame_at_the_threshold_is_his_confirmation():
     result = judged(truth)
     assert result.driver.seen_row.tolist() == [1]
     assert result.detectable["detectability"].tolist() == [0.8]
+    assert result.detectable["n_seen"].tolist() == [2]
     assert judged(truth, driver_threshold=0.6).driver.seen_row.tolist() == [3]
     assert judged(truth, driver_threshold=0.9).driver.is_unseen.tolist() == [True]
 
@@ -78,9 +80,10 @@ def test_of_a_distant_encounter_nothing_is_judged():
 
 
 def test_of_a_track_twice_in_a_frame_the_larger_detectability_counts():
-    truth = [*walk((NEAR, 0.2)), *walk((NEAR, 0.7), centre=60)]
+    truth = [*walk((NEAR, 0.6)), *walk((NEAR, 0.7), centre=60)]
     row = judged(truth).detectable.iloc[0]
     assert (row["detectability"], row["n_known"], row["seen_row"]) == (0.7, 1, 0)
+    assert row["n_seen"] == 1
 
 
 def test_without_detectability_nothing_is_known_and_no_column_takes_memory():

@@ -14,7 +14,7 @@ import pytest
 from places import ROOT
 
 from nvcore.errors import InputError
-from nvcore.output.files import LOCK, MANIFEST, write_run, write_whole
+from nvcore.output.files import LOCK, MANIFEST, check_folder, write_run, write_whole
 
 NAMES = [f"{number}.csv" for number in range(8)]
 
@@ -105,6 +105,19 @@ def test_a_file_that_cannot_be_written_stays_as_it_was(
         write_whole(tmp_path / "a.html", b"new")
     assert [path.name for path in tmp_path.iterdir()] == ["a.html"]
     assert (tmp_path / "a.html").read_text() == "old"
+
+
+def test_a_folder_that_cannot_be_listed_is_refused_in_words(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    def unlisted(path: Path) -> Iterator[Path]:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    check_folder(tmp_path, NAMES)
+    write_run(tmp_path, run("old"), known=NAMES)
+    monkeypatch.setattr(Path, "iterdir", unlisted)  # permissions do not bind root
+    with pytest.raises(InputError, match=r"cannot be listed \(Permission denied\); give another"):
+        check_folder(tmp_path, NAMES)
 
 
 def test_a_pipe_is_written_to(tmp_path: Path):

@@ -21,7 +21,13 @@ from nvcore.report.html.driver_section import driver_section
 from nvcore.report.rules import parse_rule
 from nvcore.report.terminal import render_scorecard
 from nvcore.report.verdict import verdict
-from nvcore.report.verdict.driver import describe_driver, describe_source, regions_text, weighting
+from nvcore.report.verdict.driver import (
+    NOTHING_KNOWN,
+    describe_driver,
+    describe_source,
+    regions_text,
+    weighting,
+)
 from nvcore.schema import DriverRegion
 from nvcore.tables.encounters.driver import (
     detectability_course,
@@ -83,8 +89,8 @@ def test_the_verdict_says_whom_each_system_warns_of_and_where_that_comes_from():
     assert text == (
         "By the ground truth, the driver sees 4 of 8 encounters by himself; of the 4 that he does "
         "not see, X detects 2 and Y 2 (X alone 1, Y alone 1, neither 1). Detectability is as the "
-        "ground truth states it; he is taken to see from 0.5 on; known of 8 of 9 pedestrian boxes; "
-        "1 encounter unknown, not counted here."
+        "ground truth states it; he is taken to see from 0.5 on. It is known of 8 of 9 pedestrian "
+        "boxes; 1 encounter of which it is unknown is not counted here."
     )
     assert text in [point.text for point in verdict(eight()).points]
 
@@ -185,8 +191,8 @@ def test_neither_the_driver_nor_x_but_y_is_counted_listed_and_said():
     assert saved[["recording", "system", "impact_kmh_y"]].to_numpy().tolist() == [["r1", "y", 0.0]]
     text = " ".join(describe_driver(result))
     assert (
-        "Of the 3 urgent ones among them he is in time by himself in 1; neither he nor Y but X is "
-        "in 0, neither he nor X but Y in 1."
+        "Of 3 urgent encounters of which it is known, the driver is in time by himself in 1; of "
+        "the others, both systems are in 0, X alone in 0, Y alone in 1, nobody in 1."
     ) in text
     assert encounters_table(result)["driver_in_time"].tolist()[:3] == [False, False, True]
     assert encounters_table(result)["driver_in_time"].isna().tolist() == [False] * 3 + [True]
@@ -279,6 +285,17 @@ def test_a_rule_of_the_gate_is_judged_and_undefined_where_nothing_is_known():
     assert math.isnan(measures["driver_venn.nobody"])
 
 
+def test_below_a_rule_on_urgent_encounters_the_gate_says_of_how_many_of_these_it_is_known():
+    ends = ["_x", "_y", "_difference"]
+    names = [*(f"in_time_alone{end}" for end in ends), "fusion.x_or_y.in_time_alone"]
+    names += ["driver.urgent", "driver.in_time", "unprotected_x"]
+    rules = [parse_rule(f"{name} >= -9") for name in names]
+    outcomes, _ = run_gate(rules, urgent(), (), strict=False)
+    known = [outcome.details[0].partition(", ")[0] for outcome in outcomes[:7]]
+    head = "whether the driver sees them is known of 3 of 4"
+    assert known == [f"{head} urgent encounters"] * 6 + [f"{head} encounters"]
+
+
 def test_the_gate_says_that_what_is_known_of_the_driver_was_learnt_from_simulated_subjects():
     result = with_estimate(eight(), EstimateRecord("m", "ab12", "all", 12))
     names = ["driver_venn.unknown", "useful_alerts_worse_x", "fusion.x_or_y.useful_alerts"]
@@ -313,7 +330,7 @@ def test_a_share_of_estimates_that_say_little_is_said_with_the_features():
     boxes = result.dataset.boxes
     n = int(boxes["detectability"].notna().sum())
     counts = {"Height": 5, "Edge contrast": 3, "Width": 2, "Lab distance": 1}
-    record = EstimateRecord("m", n_estimates=100, n_without_light=6, outside=counts)
+    record = EstimateRecord("m", n_estimates=100, n_light_unknown=6, outside=counts)
 
     def source(record: EstimateRecord, n_outside: int) -> str:
         marked = boxes.assign(is_outside=np.arange(len(boxes)) < n_outside)
@@ -322,17 +339,18 @@ def test_a_share_of_estimates_that_say_little_is_said_with_the_features():
             with_estimate(compare(dataset, Params(proximity="none")), record)
         ).replace("\xa0", " ")
 
-    share = round(100 / n)
     text = source(record, 1)
     assert (
-        f"{share} % of the values are estimated outside the range of the training (Height, "
-        "Edge contrast, Width and 1 more);"
+        "Outside the range of the training (in that run by Height, Edge contrast, Width and 1 more)"
+        f" are 1 of {n} values, and of the 8 that decide (the largest of each encounter)"
     ) in text
-    assert "in 6 % of the estimates nothing is known of the light: as for adapted eyes" in text
-    few = source(replace(record, n_without_light=5), 0)
-    assert "of the estimates" not in few
-    assert "of the values" not in few
-    assert "of the training;" in source(replace(record, outside={}), 1)
+    assert "In 6 % of all estimates of that run it is not known when the light last" in text
+    (name,) = result.dataset.recordings["name"]
+    assert "In 6 %" not in source(replace(record, stated_in=frozenset([name])), 1)
+    few = source(replace(record, n_light_unknown=5), 0)
+    assert "of all estimates" not in few
+    assert "Outside the range" not in few
+    assert "of the training are" in source(replace(record, outside={}), 1)
 
 
 def test_where_boxes_are_outside_the_training_but_no_encounter_is_that_is_said():
@@ -342,15 +360,51 @@ def test_where_boxes_are_outside_the_training_but_no_encounter_is_that_is_said()
     boxes = result.dataset.boxes
     outside = boxes.assign(is_outside=(boxes["detectability"] == 0.2).to_numpy())
     text = describe_source(compare(replace(result.dataset, boxes=outside), result.params))
-    assert "50 % of the values are estimated outside" in text.replace("\xa0", " ")
-    assert text.endswith("is outside the range of the training in none of 1 encounter.")
+    assert text.replace("\xa0", " ").endswith(
+        "Outside the range of the training are 1 of 2 values, and of the 1 that decide (the "
+        "largest of each encounter) none."
+    )
+
+
+def test_encounters_whose_largest_value_is_within_its_sd_of_the_threshold_are_open():
+    shares = (0.5, 0.55, 0.45, 0.8, 0.2)
+    truth = [at(0, 50, track=i, detectability=share) for i, share in enumerate(shares)]
+    bare = result_of(make_dataset(truth))
+    assert "is open" not in describe_source(bare)
+    boxes = bare.dataset.boxes.assign(detectability_sd=0.1)
+    result = compare(replace(bare.dataset, boxes=boxes), bare.params)
+    assert (
+        "Whether the driver sees the pedestrian is open in at least 3 of 5 encounters, 1 of the 2 "
+        "not seen among them: the value that decides is within one standard deviation of 0.5."
+    ) in describe_source(result)
+    assert encounters_table(result)["within_sd"].tolist() == [1, 1, 1, 0, 0]
+    assert summary(result)["driver"]["within_sd"] == 3
+
+
+def test_without_a_standard_deviation_it_is_not_known_who_is_near_the_threshold():
+    truth = [at(0, 50, track=i, detectability=0.5) for i in range(2)]
+    bare = result_of(make_dataset(truth))
+    assert encounters_table(bare)["within_sd"].isna().all()
+    assert summary(bare)["driver"]["within_sd"] is None
+    boxes = bare.dataset.boxes.assign(detectability_sd=[0.1, np.nan])
+    result = compare(replace(bare.dataset, boxes=boxes), bare.params)
+    assert encounters_table(result)["within_sd"].isna().tolist() == [False, True]
+    assert "open in at least 1 of 1 encounter:" in describe_source(result)
+
+
+def test_detectability_of_none_of_the_frames_that_decide_is_said():
+    near = [at(f, 50, track=1, detectability=value) for f, value in ((0, NAN), (1, 0.9))]
+    result = result_of(make_dataset(near))
+    assert not result.driver.has_any
+    assert describe_driver(result) == (NOTHING_KNOWN,)
 
 
 def test_if_he_sees_everybody_shares_of_the_others_are_undefined_not_an_error():
     truth = [at(0, 50, track=1, detectability=1.0)]
     result = result_of(make_dataset(truth, [at(0, 50, score=1.0)]))
     assert (
-        "sees 1 of 1 encounter by himself: every alert is redundant." in describe_driver(result)[0]
+        "sees 1 of 1 encounter by himself: every alert about these is redundant."
+        in describe_driver(result)[0]
     )
     table = significance_table(result).set_index("figure")
     assert np.isnan(table.loc["useful_alerts", "x"])
@@ -360,8 +414,5 @@ def test_estimates_outside_the_training_are_counted():
     result = eight(unknown=0)
     boxes = result.dataset.boxes.assign(is_outside=np.arange(len(result.dataset.boxes)) < 3)
     outside = compare(replace(result.dataset, boxes=boxes), Params(proximity="none"))
-    assert (
-        "of the training; the largest value of an encounter, which decides whether he sees it, is "
-        "outside the range of the training in 3 of 8 encounters."
-    ) in describe_source(outside)
+    assert "of the 8 that decide (the largest of each encounter) 3." in describe_source(outside)
     assert encounters_table(outside)["outside_training"].sum() == 3

@@ -9,6 +9,8 @@ import pytest
 from nvcore.driver.illumination.clock import period_after
 from nvcore.report.verdict.simulated import NOBODY_THERE, describe_change
 
+NAN = np.nan
+
 
 def course(*detectability: float, n_up_to: int = 3) -> pd.DataFrame:
     n = len(detectability)
@@ -36,6 +38,23 @@ def test_frames_until_he_sees_the_pedestrian_are_counted_from_the_change():
     assert "By the first frame that counts, at 0.20 s, he would **not** have seen him" in text
 
 
+def test_where_a_real_change_ends_the_simulated_one_frames_until_then_are_meant():
+    would = simulated(0.1, 0.1, 0.1, 0.9)
+    would["is_simulated"] = [False, True, True, False]
+    text = words(course(0.1, 0.1, 0.1, 0.9, n_up_to=4), would)
+    assert "in none of 2 frames until the next real change, as without the change" in text
+
+
+def test_of_a_pedestrian_who_comes_later_frames_count_from_where_he_appears():
+    later = course(0.9, 0.9, 0.9)
+    later["time_s"] += 4.1
+    would = simulated(0.1, 0.1, 0.9, since=0)
+    assert (
+        "2 frames after he appears, 4.20 s after the change; without the change, as soon as he "
+        "appears, 4.00 s after the change"
+    ) in words(later, would)
+
+
 @pytest.mark.parametrize(
     ("was", "would", "expected"),
     [
@@ -48,6 +67,34 @@ def test_frames_until_he_sees_the_pedestrian_are_counted_from_the_change():
 )
 def test_what_would_be_stands_beside_what_was(was, would, expected):
     assert expected in words(course(*was, n_up_to=2), simulated(*would))
+
+
+BEFORE = "The driver had seen the pedestrian before, at 0.00 s: the change comes too late to matter"
+
+
+def test_a_change_after_he_has_seen_the_pedestrian_comes_too_late_for_an_alert():
+    text = words(course(0.5, 0.9, 0.9, 0.9), simulated(0.5, 0.1, 0.1, 0.9))
+    assert BEFORE in text
+    assert "would see the pedestrian again 2 frames (0.20 s) later; without" in text
+    assert "at 0.20 s, he would have seen him, with the change or without" in text
+
+
+@pytest.mark.parametrize("n_up_to", [0, 1])
+def test_a_frame_after_the_first_that_counts_is_no_alert_s_and_seeing_him_then_no_confirmation(
+    n_up_to: int,
+):
+    """He sees the pedestrian in the frames that follow alone, and it is dark from the third on."""
+    was, would = course(0.1, 0.9, 0.9, n_up_to=n_up_to), simulated(0.1, 0.9, 0.1, since=2)
+    text = describe_change(was, would, threshold=0.5, change_s=0.2)
+    assert "had seen" not in text
+    assert "would see the pedestrian again in none of 1 frame" in text
+
+
+def test_of_a_pedestrian_whom_he_has_not_seen_yet_nothing_is_said_of_before():
+    text = words(course(0.49, 0.9, 0.9), simulated(0.49, 0.1, 0.9))
+    assert "before, at" not in text
+    assert "again" not in text
+    assert "before, at" not in words(course(NAN, 0.9, 0.9), simulated(NAN, 0.1, 0.9))
 
 
 def test_a_distant_pedestrian_need_not_be_seen_by_a_certain_frame():
@@ -93,9 +140,6 @@ def test_who_was_seen_by_the_frame_that_counts_still_is_where_it_becomes_dark_af
     )
     text = describe_change(was, would, threshold=0.5, change_s=0.3)
     assert "at 0.20 s, he would have seen him, with the change or without" in text
-
-
-NAN = np.nan
 
 
 def test_where_nothing_is_known_after_the_change_nothing_is_said_of_who_sees():

@@ -21,6 +21,7 @@ from ui.session.opening import uploaded_session
 from ui.session.uploads import SentFile, new_upload, store_annotations
 from ui.session.workspace import PICTURES
 from ui.settings.start import start_file
+from ui.widgets.buttons import button
 from ui.widgets.text import plain
 
 SAMPLE_TEXT = (
@@ -62,14 +63,14 @@ def _draw_start() -> None:
     start = state.shared_start().opened
     st.markdown(f"The comparison that this app was started with: **{plain(start.label)}**.")
     draw_trouble("start")
-    if st.button("Open it again", key="open_start"):
+    if button("Open it again", key="open_start"):
         try_to_open(start.session, label=start.label, place="start")
 
 
 def _draw_sample() -> None:
     st.markdown(SAMPLE_TEXT)
     draw_trouble("sample")
-    if st.button("Open the sample recordings", key="open_sample"):
+    if button("Open the sample recordings", key="open_sample"):
         try_to_open(state.sample_session, label=state.SAMPLE_LABEL, place="sample")
 
 
@@ -93,7 +94,7 @@ def draw_session_form() -> None:
     )
     facts = ask_for_missing(PLACE, sent_pictures(state.workspace()).values())
     draw_trouble(PLACE)
-    if st.button("Open this session", key="open_session_file", type="primary"):
+    if button("Open this session", key="open_session_file", type="primary"):
         label = "" if file is None else file.name
         try_to_open(lambda: _session(file, others, facts), label=label, place=PLACE)
 

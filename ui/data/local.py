@@ -33,6 +33,7 @@ from ui.data.recordings_table import (
 from ui.session.local_files import Entry, LocalRoot
 from ui.session.opening import check_confined
 from ui.shell.page_words import page_text
+from ui.widgets.buttons import button
 from ui.widgets.text import plain
 
 PLACE: Final = "local"
@@ -67,7 +68,7 @@ def draw(root: LocalRoot) -> None:
     _draw_session(root, entries)
     st.markdown("**Or choose files and folders**, here and in other folders:")
     paths_of, form = _draw_form(root, entries)
-    if st.button("Open these files", key="open_local", type="primary"):
+    if button("Open these files", key="open_local", type="primary"):
         try_to_open(
             lambda: _session(root, paths_of, form),
             label=f"Files in {path}" if path else "Local files",
@@ -226,7 +227,7 @@ def _draw_session(root: LocalRoot, entries: list[Entry]) -> None:
     file = left.selectbox(
         "Session file", files, format_func=_last, key="local_session", on_change=_session_changed
     )
-    is_wanted = right.button("Open session", key="open_local_session", width="stretch")
+    is_wanted = button("Open session", key="open_local_session", width="stretch", at=right)
     facts = ask_for_missing(SESSION, [])
     draw_trouble(SESSION)
     if is_wanted:

@@ -39,6 +39,7 @@ from ui.session.opening import relative_path, with_uploaded_recordings
 from ui.session.uploads import ANNOTATION_FOLDERS, new_upload, remove_pictures, store_annotations
 from ui.session.workspace import PICTURES, Workspace
 from ui.shell.page_words import page_text
+from ui.widgets.buttons import button
 from ui.widgets.text import plain
 from ui.widgets.upload import upload_pictures
 
@@ -135,7 +136,7 @@ def draw() -> None:
     titles = [field.title for field in (truth, *systems)]
     checks_by_title = dict(zip(titles, [truth_check, *checks], strict=True))
     form = finish_form(PLACE, names, recording, frames, rows, pictures, checks_by_title, objects)
-    if st.button("Open these files", key="open_upload", type="primary"):
+    if button("Open these files", key="open_upload", type="primary"):
         try_to_open(lambda: _session(truth, systems, stored, form), label=LABEL, place=PLACE)
 
 

@@ -26,6 +26,7 @@ from ui.session.uploads import safe_name
 from ui.session.workspace import Workspace
 from ui.shell.messages import shown_error
 from ui.shell.navigate import ask_for_page
+from ui.widgets.buttons import button
 from ui.widgets.text import docs_link, plain
 
 RUN: Final = "detector_run"
@@ -102,11 +103,12 @@ def draw(job: RunJob, on_screen: OnScreen | None) -> None:
     if others:
         st.warning(plain(" ".join(others)), icon=":material/warning:")
     left, right = st.columns([1, 1])
-    if left.button(
+    if button(
         f"Compare with {plain(state.systems()[0])}",
         icon=":material/arrow_forward:",
         key="compare_detector",
         type="primary",
+        at=left,
     ):
         _open(job, written)
     right.download_button(
@@ -184,7 +186,7 @@ def draw_way_back() -> None:
     before: Before | None = space.notes.get(BEFORE)
     if before is None or before.n_opened != space.n_opened:
         return
-    if st.button(
+    if button(
         f"Back to {plain(before.label)}",
         icon=":material/arrow_back:",
         key="before_detector",

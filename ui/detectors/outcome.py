@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.columns import BoxColumns
+from nvcore.columns import boxes_of_frame
 from nvcore.dataset import Dataset
 from nvcore.detectors.base import Detections
 from nvcore.figures.detectors.boxes import iou_with, sides_in
 from nvcore.metrics.matching import match_boxes
 from nvcore.params import Params
 from nvcore.pictures import Picture
-from nvcore.schema import NO_LABEL, NO_TRACK, DetectionState
+from nvcore.schema import NO_LABEL, DetectionState
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,8 @@ def outcome_of(
     boxes: Detections,
     is_counting: NDArray[np.bool_],
     params: Params,
+    *,
+    classes: Collection[str],
 ) -> Outcome:
     """Boxes of a picture, matched to the truth of its frame as a comparison would.
 
@@ -64,12 +67,14 @@ def outcome_of(
         All candidates, and which of them the detector gives; (n,).
     params
         Of which those that say when a detection matches are read.
+    classes
+        What the detector can call a box, in any picture of a run.
     """
     frames, truth = dataset.frame_columns, dataset.truth.of_frames(row, row + 1)
     recording = int(frames.recording[row])
     size = float(frames.width[recording]), float(frames.height[recording])
     sides = sides_in(boxes, picture, size)
-    is_compared = np.flatnonzero(is_counting & _is_of_a_class_that_counts(dataset, boxes))
+    is_compared = np.flatnonzero(is_counting & _is_of_a_class_that_counts(dataset, boxes, classes))
     this_frame = slice(row, row + 1)
     frame = replace(
         frames,
@@ -77,7 +82,9 @@ def outcome_of(
         frame=frames.frame[this_frame],
         gap=frames.gap[this_frame],
     )
-    matches = match_boxes(truth, _columns(dataset, boxes, sides, is_compared), frame, params)
+    labels = _places_of_labels(dataset, boxes)[is_compared]
+    own = boxes_of_frame(sides[is_compared], boxes.score[is_compared], labels)
+    matches = match_boxes(truth, own, frame, params)
     states = np.zeros(len(boxes), np.int8)
     states[is_compared] = matches.state
     all_truth = np.column_stack(truth.xywh)
@@ -85,36 +92,22 @@ def outcome_of(
     return Outcome(states, iou_with(sides, counted), counted, all_truth[truth.ignore])
 
 
-def _is_of_a_class_that_counts(dataset: Dataset, boxes: Detections) -> NDArray[np.bool_]:
-    """Which boxes a comparison reads; as for the files of a run, all where none would be."""
-    if boxes.label is None:
+def _is_of_a_class_that_counts(
+    dataset: Dataset, boxes: Detections, classes: Collection[str]
+) -> NDArray[np.bool_]:
+    """Which boxes a comparison reads: all, where the detector knows no class that counts."""
+    if boxes.label is None or not any(map(dataset.objects.counts, classes)):
         return np.ones(len(boxes), dtype=bool)
-    names = boxes.label.astype(str)
-    counts = {name: dataset.objects.counts(name) for name in np.unique(names).tolist()}
-    is_read = np.array([counts[name] for name in names.tolist()], dtype=bool)
-    return is_read if is_read.any() else ~is_read
+    names, place = np.unique(boxes.label.astype(str), return_inverse=True)
+    counts = np.array([dataset.objects.counts(name) for name in names.tolist()], dtype=bool)
+    is_read: NDArray[np.bool_] = counts[place]
+    return is_read
 
 
-def _columns(
-    dataset: Dataset, boxes: Detections, sides: NDArray[np.float64], rows: NDArray[np.int64]
-) -> BoxColumns:
-    """These rows as the boxes of a single frame."""
-    n = len(rows)
-    label = np.full(n, NO_LABEL, np.int32)
-    if boxes.label is not None:
-        place = {name: i for i, name in enumerate(dataset.labels)}
-        own = [dataset.objects.label_of(str(name)) for name in boxes.label[rows]]
-        label = np.array([place.get(name, NO_LABEL) for name in own], np.int32)
-    columns = {
-        **dict(zip("xywh", np.ascontiguousarray(sides[rows].T), strict=True)),
-        "score": boxes.score[rows],
-        "track": np.full(n, NO_TRACK, np.int64),
-        "ignore": np.zeros(n, dtype=bool),
-        "distance_m": np.full(n, np.nan),
-        "label": label,
-        "frame_index": np.zeros(n, np.int64),
-        "offsets": np.array([0, n]),
-    }
-    for column in columns.values():  # as a dataset's own: kernels are compiled for one kind
-        column.flags.writeable = False
-    return BoxColumns(**columns, first_row=0)
+def _places_of_labels(dataset: Dataset, boxes: Detections) -> NDArray[np.int32]:
+    """Place of each box's class among `Dataset.labels`; NO_LABEL where it is none of them."""
+    if boxes.label is None:
+        return np.full(len(boxes), NO_LABEL, np.int32)
+    place = {name: i for i, name in enumerate(dataset.labels)}
+    own = [dataset.objects.label_of(str(name)) for name in boxes.label]
+    return np.array([place.get(name, NO_LABEL) for name in own], np.int32)

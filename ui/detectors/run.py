@@ -32,6 +32,7 @@ from ui.session import state
 from ui.session.opening import live_session
 from ui.session.uploads import ANNOTATION_FOLDERS
 from ui.session.workspace import Workspace
+from ui.widgets.buttons import button
 from ui.widgets.text import plain
 
 TIMING: Final = "detector_timing"
@@ -141,7 +142,7 @@ def _draw_start(key: RunKey, about: About, levels: Levels, *, is_busy: bool) -> 
     """The button that times the run; once that is done, how long it takes and its own button."""
     timing: BackgroundJob[Expectation] | None = state.workspace().job(TIMING)
     is_timed = timing is not None and timing.key == key
-    if not is_timed and st.button(
+    if not is_timed and button(
         "How long will it take?",
         icon=":material/timer:",
         key="time_detector",
@@ -159,7 +160,7 @@ def _draw_start(key: RunKey, about: About, levels: Levels, *, is_busy: bool) -> 
     assert timing.output is not None
     st.markdown(f"**{plain(str(timing.output))}**")
     if (
-        st.button(
+        button(
             "Run the detector",
             icon=":material/play_arrow:",
             key="run_detector",

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.auditing.training import trained_rows
 from nvcore.dataset.provenance import About
+from nvcore.dataset.training_overlap import training_overlap
 from ui.session import state
 
 
@@ -27,5 +27,5 @@ def _trained_frames(about: About) -> NDArray[np.bool_]:
     dataset = state.opened().dataset
     key = tuple(about.trained_on)
     return state.workspace().cached(
-        "detector_trained", key, lambda: trained_rows(dataset, key)[0], most=4
+        "detector_trained", key, lambda: training_overlap(dataset, key).is_trained, most=4
     )

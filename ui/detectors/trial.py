@@ -76,7 +76,8 @@ def draw(
         st.rerun()  # of the whole page: this part alone is drawn while a slider moves
     is_counting = counting(boxes, what.about, threshold=levels.threshold, overlap=levels.overlap)
     dataset, row = state.opened().dataset, state.row_in_all()
-    outcome = outcome_of(dataset, row, picture, boxes, is_counting, state.params())
+    classes, params = what.about.labels, state.params()
+    outcome = outcome_of(dataset, row, picture, boxes, is_counting, params, classes=classes)
     chosen = _clicked_box(spec, boxes, levels)
     with right:
         _draw_numbers(boxes, is_counting, levels)

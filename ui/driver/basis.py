@@ -1,4 +1,4 @@
-"""Driver page: what an estimate rests on: which regressions, and what they were not trained on."""
+"""Driver page: what an estimate rests on, what it was not trained on, why there is none."""
 
 from __future__ import annotations
 
@@ -10,13 +10,46 @@ import pandas as pd
 from nvcore.driver.estimate import EstimateRun
 from nvcore.driver.estimators import Estimator
 from nvcore.driver.features import FEATURE_KEYS, FEATURES
+from nvcore.driver.run import RecordingFeatures
 from nvcore.wording import listed
 
 MOST_DIGITS: Final = 6
 """After the point, where fewer would not tell a feature from the end of the range."""
-
-
 NO_BREAK: Final = "\N{NO-BREAK SPACE}"
+NO_VALUE: Final = (
+    "neither the ground truth nor the estimates of the session have a value. *Estimate*, above, "
+    "computes it from pictures of visible light."
+)
+NOT_RUN: Final = (
+    "this recording was not among those that were estimated. It needs pictures of visible light."
+)
+OF_HEAT: Final = (
+    "the pictures of this recording are grey and may be far infrared, which says nothing about "
+    "what eyes see. Where they are of visible light, name them as `visible` in the session."
+)
+NO_PICTURE: Final = "none of these frames has a picture."
+NO_FEATURE: Final = "a feature that the estimator needs is not known in any of these frames."
+
+
+def why_unknown(
+    part: RecordingFeatures | None, features: pd.DataFrame | None, *, has_run: bool
+) -> str:
+    """Why it is known in no frame how detectable a pedestrian is, in words.
+
+    Parameters
+    ----------
+    part
+        What the run has of his recording; None: nothing.
+    features
+        His own, frame by frame; None: not known.
+    has_run
+        Whether a run of this session made the estimates, of this recording or of others.
+    """
+    if part is None or features is None:
+        return NOT_RUN if has_run and part is None else NO_VALUE
+    if part.may_be_of_heat:
+        return OF_HEAT
+    return NO_PICTURE if features[list(FEATURE_KEYS)].isna().all(axis=None) else NO_FEATURE
 
 
 def period_words(run: EstimateRun, period_s: float) -> str:
@@ -27,7 +60,7 @@ def period_words(run: EstimateRun, period_s: float) -> str:
     period_s
         Seconds since the change at the end of the frame; NaN: none is known.
     """
-    rows = run.estimator.rows_taken(period_s, interpolate=run.is_interpolated)
+    rows = run.estimator.regression_rows(period_s, interpolate=run.is_interpolated)
     return f"{listed([f'{run.estimator.periods_s[row]:g}' for row in rows])}{NO_BREAK}s"
 
 
@@ -47,7 +80,7 @@ def outside_words(run: EstimateRun, features: pd.Series, period_s: float) -> lis
         As in `period_words`.
     """
     values = features[list(FEATURE_KEYS)].to_numpy(np.float64)
-    rows = run.estimator.rows_taken(period_s, interpolate=run.is_interpolated)
+    rows = run.estimator.regression_rows(period_s, interpolate=run.is_interpolated)
     return [
         f"{FEATURES[column].label} {_range_words(value, low, high)} {FEATURES[column].unit}"
         f"{f' for {run.estimator.periods_s[row]:g} s' if len(rows) > 1 else ''}"

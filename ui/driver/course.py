@@ -11,7 +11,7 @@ from nvcore.comparison import Result
 from nvcore.driver.illumination.clock import AdaptationClock, unknown_clock, with_change
 from nvcore.figures.driver.course import detectability_course_plot
 from nvcore.tables.encounters.driver import detectability_course, features_of_course
-from ui.driver import panel, tunnel
+from ui.driver import basis, panel, tunnel
 from ui.session import state
 from ui.session.chosen import chosen_encounter, name_of
 from ui.session.drawing import visible_of
@@ -23,6 +23,7 @@ from ui.session.results.driver import (
     is_estimated,
     may_be_another_clock,
     opened_run,
+    part_of,
 )
 from ui.widgets import compared_viewer
 from ui.widgets.charts import clicked_chart
@@ -39,6 +40,7 @@ BAND: Final = (
     " The band is the estimator's error (root mean square) on pedestrians that it was not trained "
     "on, one number for each adaptation period. Estimates and band are cut to 0 to 1."
 )
+NOT_KNOWN: Final = "In no frame is it known how detectable this pedestrian is"
 SHOWN: Final = "driver_shown"
 """Whom the page showed last, and who was chosen then."""
 
@@ -56,13 +58,13 @@ def draw(result: Result, encounter: int) -> None:
         is_new and state.row_in_all() not in course["row"].to_numpy()
     )
     if not is_there:
-        state.go_to(*state.place_of(_first_shown(course)))
+        state.go_to(*state.place_of(first_shown(course)))
     recording_name, _, track = name[1].rpartition(":")
     st.header(f"{state.words('Pedestrian')} {track} of {plain(recording_name)}")
     _draw_moving(result, encounter, course)
 
 
-def _first_shown(course: pd.DataFrame) -> int:
+def first_shown(course: pd.DataFrame) -> int:
     """Row of the first relevant frame; of a distant one, of the first."""
     before = course["row"][course["is_up_to_relevant"]]
     return int(before.iloc[-1] if len(before) else course["row"].iloc[0])
@@ -81,8 +83,12 @@ def _draw_moving(result: Result, encounter: int, course: pd.DataFrame) -> None:
     features = None if known is None else features_of_course(result, course, known)
     left, right = st.columns([5, 2], gap="medium")
     below = st.container()
-    with below:
-        change = tunnel.draw(result, course, features)
+    is_known = bool(course["detectability"].notna().any())
+    is_by_estimator = is_estimated(result, recording)
+    change = None
+    if is_known:
+        with below:
+            change = tunnel.draw(result, course, features, is_estimated=is_by_estimator)
     clock = _clock(result, recording, change)
     with left:
         compared_viewer.draw(
@@ -101,11 +107,15 @@ def _draw_moving(result: Result, encounter: int, course: pd.DataFrame) -> None:
             None if change is None else change.estimates,
             caution=caution_of(result),
             run=None if features is None or run is None else run.run,
-            is_estimated=is_estimated(result, recording),
+            is_estimated=is_by_estimator,
             has_run=run is not None,
         )
     with below:
-        _draw_plot(result, encounter, course, clock, change)
+        if is_known:
+            _draw_plot(result, encounter, course, clock, change)
+        else:
+            why = basis.why_unknown(part_of(recording), features, has_run=run is not None)
+            st.info(state.words(f"{NOT_KNOWN}: {why}"), icon=":material/visibility_off:")
 
 
 def _look() -> Look:

@@ -100,11 +100,13 @@ def _draw_field() -> None:
 def _draw_facts(facts: EstimatorFacts) -> None:
     """On what it was trained, what it looks at, by which digits it is known."""
     origin = facts.origin
+    doubts = SIMULATED.get(origin.simulated, "")
+    doubts += " Learnt by a quick search." if origin.search else ""
     periods = ", ".join(f"{period:g}" for period in facts.periods_s)
     st.caption(
         f"Trained on {count_text(origin.n_trials, 'trial')} of "
         f"{count_text(origin.n_subjects, 'subject')} with "
-        f"{count_text(origin.n_pedestrians, 'pedestrian')}.{SIMULATED.get(origin.simulated, '')} "
+        f"{count_text(origin.n_pedestrians, 'pedestrian')}.{doubts} "
         f"Features: {plain(listed([LABELS[key] for key in facts.features]))}. Adaptation periods: "
         f"{periods} s. Fingerprint {facts.fingerprint[:12]}."
     )

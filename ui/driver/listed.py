@@ -9,9 +9,11 @@ import numpy as np
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.schema import DriverRegion
-from nvcore.tables.encounters.driver import REGION_NAMES
+from nvcore.schema import Category, DriverRegion
+from nvcore.tables.encounters.driver import REGION_NAMES, detectability_course
 from nvcore.tables.result import encounters_table
+from nvcore.wording import count_text
+from ui.driver.course import first_shown
 from ui.session import state
 from ui.session.chosen import choose_encounter, chosen_encounter, name_of
 from ui.widgets.clicks import clicked_row
@@ -19,9 +21,17 @@ from ui.widgets.table_columns import MOST_ROWS, as_shown, column_config, rows_to
 from ui.widgets.text import UNDEFINED, plain
 
 COLUMNS: Final = (
-    *("recording", "track", "driver_region", "detectability"),
-    *("driver_sees", "driver_frame", "driver_in_time", "severity_s_x", "severity_s_y"),
+    *("recording", "track", "driver_region", "detectability", "detectability_sd"),
+    *("driver_seen_frames", "driver_in_time", "severity_s_x", "severity_s_y"),
 )
+DETECTED_BY: Final = {
+    Category.BOTH: "X and Y detect",
+    Category.X_ONLY: "X detects",
+    Category.Y_ONLY: "Y detects",
+    Category.NEITHER: "neither detects",
+    Category.DISTANT: "distant",
+}
+"""Who detects those of whom it is not known whether the driver sees them."""
 
 
 def draw(result: Result, region: DriverRegion | None) -> int | None:
@@ -39,18 +49,22 @@ def draw(result: Result, region: DriverRegion | None) -> int | None:
     rows = shown.index.to_numpy(np.int64).tolist()
     key = f"driver_list_{hash(tuple(rows))}"
     who = shown["driver_region"].map(REGION_NAMES.__getitem__)
+    is_unknown = shown["driver_region"] == DriverRegion.UNKNOWN
+    who = who.mask(is_unknown, "unknown; " + shown["category"].map(DETECTED_BY))
     st.dataframe(
         as_shown(shown[list(COLUMNS)].assign(driver_region=who)),
         hide_index=True,
         column_config=column_config("encounters.csv")
         | {"driver_region": st.column_config.TextColumn("Seen by")},
-        height=table_height(min(len(shown), 10)),
+        height=table_height(len(shown)),
         key=key,
         placeholder=UNDEFINED,
         selection_mode=("single-row", "single-cell"),
         on_select=partial(_choose, result, key, rows),
     )
-    st.caption(f"Click a row to see its course. {rows_told(len(listed), 'least detectable')}")
+    n = count_text(len(listed), "encounter")
+    told = rows_told(len(listed), "least detectable")
+    st.caption(f"{n}. Click a row to see its course. {told}")
     chosen = chosen_encounter(result)
     if chosen is None or chosen in rows:
         return rows[0] if chosen is None else chosen
@@ -75,3 +89,5 @@ def _choose(result: Result, key: str, rows: list[int]) -> None:
     row = clicked_row(key)
     if row is not None:
         choose_encounter(result, rows[row])
+        shown = first_shown(detectability_course(result, rows[row]))
+        state.go_to(*state.place_of(shown), writes=False)

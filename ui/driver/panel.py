@@ -17,17 +17,14 @@ from ui.session import state
 from ui.widgets.text import UNDEFINED, docs_link, number
 
 ADAPTED: Final = (
-    "{without} eyes count as adapted: the estimator of the longest period{longest} is taken, of "
+    "The eyes count as adapted: the estimator of the longest period{longest} is taken, of "
     "eyes in the dark after a change. In a bright picture, or with glare, take it with care."
 )
 UNLIT: Final = (
     "It is not known when the light last changed: the estimator of the longest period{longest} is "
     "taken, as if the eyes were adapted. Just after a change, fewer drivers would see him."
 )
-NOT_RUN: Final = (
-    "They are not known here: this recording was not among those that were estimated. It needs "
-    "pictures of visible light."
-)
+NOT_RUN: Final = f"They are not known here: {basis.NOT_RUN}"
 FROM_FILE: Final = (
     "They are not known here: only estimates came with the session. *Estimate*, above, computes "
     "them."
@@ -54,7 +51,8 @@ def draw(
     course
         Of `nvcore.tables.encounters.driver.detectability_course`.
     features, simulated
-        Rows as of the course; None: not known, nothing is simulated.
+        Rows as of the course; None: not known, nothing is simulated. Of features with
+        ``estimate``, NaN where the run has none of him.
     clock
         Of the recording; None: nothing is known of the light.
     caution
@@ -78,7 +76,8 @@ def draw(
     would = None if simulated is None else simulated.iloc[at]
     is_simulated = would is not None and bool(would["is_simulated"])
     own = None if run is None or features is None else features.iloc[at]
-    by = _by(run, own)
+    is_by_run = own is not None and is_estimated and bool(np.isfinite(own["estimate"]))
+    by = _by(run, own if is_by_run else None)
     rows = [(f"Detectability{by}{f' ({caution})' if caution else ''}", _share(estimate))]
     if would is not None:
         by = _by(run, would) if is_simulated else by
@@ -87,12 +86,10 @@ def draw(
     st.html(_table(rows))
     _draw_outside(estimate, own, would if is_simulated else None, run)
     _draw_features(features, at, NOT_RUN if has_run else FROM_FILE)
-    if is_estimated and _has_no_period(own, clock):
+    if is_estimated and not is_simulated and _has_no_period(own, clock):
         longest = "" if run is None else f" ({basis.longest_words(run)})"
-        without = "Without the simulated change the" if is_simulated else "The"
         is_lit = clock is not None and bool(clock.is_known[state.row()])
-        text = (ADAPTED if is_lit else UNLIT).format(without=without, longest=longest)
-        st.caption(state.words(text))
+        st.caption(state.words((ADAPTED if is_lit else UNLIT).format(longest=longest)))
 
 
 def _draw_features(features: pd.DataFrame | None, at: int, why_none: str) -> None:

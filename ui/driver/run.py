@@ -29,6 +29,7 @@ from ui.session.results.driver import RUN, OpenedRun, opened_run
 from ui.session.uploads import ANNOTATION_FOLDERS, check_room, count_folder, remove_folder
 from ui.session.workspace import Workspace
 from ui.shell.messages import shown_error, without_paths
+from ui.widgets.buttons import button
 from ui.widgets.text import docs_link, plain
 
 JOB: Final = "driver_run"
@@ -85,7 +86,7 @@ def _draw_form(job: EstimateJob | None) -> None:
         help="Else that of the nearest adaptation period is taken.",
     )
     if (
-        st.button(
+        button(
             "Estimate",
             icon=":material/visibility:",
             key="driver_estimate",

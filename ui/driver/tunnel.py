@@ -34,22 +34,35 @@ def forget() -> None:
     st.session_state[TUNNEL] = False
 
 
-def draw(result: Result, course: pd.DataFrame, features: pd.DataFrame | None) -> Change | None:
-    """The switch, the time, and what would be; None: nothing is simulated."""
+def draw(
+    result: Result, course: pd.DataFrame, features: pd.DataFrame | None, *, is_estimated: bool
+) -> Change | None:
+    """The switch, the time, and what would be; None: nothing is simulated.
+
+    Parameters
+    ----------
+    features
+        Rows as of the course; None: not known.
+    is_estimated
+        Whether the estimator said how detectable he is, with which the simulation is compared.
+    """
     known = opened_run()
+    missing = _missing(known, features, is_estimated=is_estimated)
     left, right = st.columns([1, 2], vertical_alignment="center")
     is_on = left.toggle(
         "A tunnel ends here",
         key=TUNNEL,
-        disabled=known is None or features is None,
+        disabled=bool(missing),
         on_change=_begin_here,
         help="Simulates that it becomes dark at the frame that is shown, as where a lit tunnel "
         "ends. The pictures stay what they are: only the time that the eyes have had to adapt is "
         "another. Nothing of the session changes.",
     )
-    if known is None or features is None:
-        right.caption(_missing(known))
+    if missing:
+        right.caption(missing)
         return None
+    assert known is not None
+    assert features is not None
     if not is_on:
         right.caption("Simulates a change from bright to dark at the frame that is shown.")
         return None
@@ -86,16 +99,24 @@ def _begin_here() -> None:
     st.session_state[TIME] = float(time_s)
 
 
-def _missing(known: OpenedRun | None) -> str:
+def _missing(known: OpenedRun | None, features: pd.DataFrame | None, *, is_estimated: bool) -> str:
+    """Why no change of light can be simulated; empty: it can."""
     if known is None:
         return (
             "To simulate a change of light, features and an estimator are needed, and the session "
             "has estimates alone: press *Estimate* above."
         )
-    return (
-        "Features of this recording are not known: it was not among those that were estimated, and "
-        "needs pictures of visible light."
-    )
+    if features is None:
+        return (
+            "Features of this recording are not known: it was not among those that were estimated, "
+            "and needs pictures of visible light."
+        )
+    if not is_estimated:
+        return (
+            "A simulated change of light is compared with what the estimator says without it, and "
+            "that is not known here: what is shown is the ground truth's."
+        )
+    return ""
 
 
 def _estimates(

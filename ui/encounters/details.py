@@ -17,6 +17,7 @@ from ui.encounters import picture, selection, weightings
 from ui.encounters.filters import class_name
 from ui.session import state
 from ui.shell.navigate import open_row
+from ui.widgets.buttons import button
 from ui.widgets.table_columns import class_words
 from ui.widgets.text import UNDEFINED, docs_link, number, plain
 
@@ -100,7 +101,7 @@ def _draw_ways(result: Result, row: pd.Series[Any], moments: pd.Series[Any]) -> 
     frames = result.dataset.frames
     shown_row = int(moments["shown_row"])
     missed = {letter: int(moments[f"missed_row_{letter}"]) for letter in "xy"}
-    if st.button(
+    if button(
         "Show in timeline",
         key="encounters_show",
         type="primary",
@@ -113,7 +114,7 @@ def _draw_ways(result: Result, row: pd.Series[Any], moments: pd.Series[Any]) -> 
         f"{_why(result, row, shown_row, any(place >= 0 for place in missed.values()))}."
     )
     for letter, place in missed.items():
-        if place not in (shown_row, NEVER) and st.button(
+        if place not in (shown_row, NEVER) and button(
             f"Show where {letter.upper()} first misses (frame {frames['frame'].iloc[place]})",
             key=f"encounters_show_{letter}",
             width="stretch",
@@ -121,7 +122,7 @@ def _draw_ways(result: Result, row: pd.Series[Any], moments: pd.Series[Any]) -> 
             open_row(place)
     encounter = int(str(row.name))
     chance = int(result.urgency["urgent_row"].iloc[encounter])
-    if result.is_urgent[encounter] and st.button(
+    if result.is_urgent[encounter] and button(
         f"Show the last chance to stop (frame {frames['frame'].iloc[chance]})",
         key="encounters_show_chance",
         width="stretch",

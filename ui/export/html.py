@@ -27,6 +27,7 @@ from ui.session import drawing, state
 from ui.session.results.findings import input_findings
 from ui.session.workspace import Workspace
 from ui.shell.messages import path_remover
+from ui.widgets.buttons import button
 from ui.widgets.text import plain
 
 NAME: Final = "nvcore-report.html"
@@ -74,7 +75,7 @@ def draw(result: Result) -> None:
         _ask_for_map(result),
         _ask_for_first_page(),
     )
-    if st.button(
+    if button(
         "Make the report",
         icon=":material/description:",
         key="make_html",

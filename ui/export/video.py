@@ -17,6 +17,7 @@ from ui.jobs.background import FileJob, JobState, new_path, while_open
 from ui.jobs.progress import draw_file, draw_job
 from ui.session import drawing, state
 from ui.session.workspace import Workspace
+from ui.widgets.buttons import button
 from ui.widgets.text import plain
 
 LONGEST_S: Final = 120.0
@@ -86,7 +87,7 @@ def _draw_form(result: Result, *, is_busy: bool) -> None:
     )
     if trouble:
         st.warning(trouble, icon=":material/info:")
-    if st.button(
+    if button(
         "Make the video",
         icon=":material/movie:",
         key="make_video",

@@ -18,6 +18,7 @@ from nvcore.tables.windows import windows_table, worst_windows_text
 from ui.session import drawing, state
 from ui.shell.messages import draw_as_set_note
 from ui.shell.navigate import open_row
+from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.clicks import clicked_cell, clicked_row
 from ui.widgets.table_columns import table_height
@@ -152,7 +153,7 @@ def _moment(result: Result, kind: str, title: str, moment: Mapping[Hashable, Any
             f"similarity X {moment['similarity_x']:.2f}, Y {moment['similarity_y']:.2f}; "
             f"{moment['duration_s']:.2f} s"
         )
-    if st.button("Open frame", key=f"moment_{kind}_{row}", width="stretch"):
+    if button("Open frame", key=f"moment_{kind}_{row}", width="stretch"):
         open_row(row)
 
 

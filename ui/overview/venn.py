@@ -14,6 +14,7 @@ from nvcore.tables.encounters.severity import weighed_encounters
 from ui.session import state
 from ui.shell.messages import draw_as_set_note
 from ui.shell.navigate import open_encounters, open_row
+from ui.widgets.buttons import button
 from ui.widgets.charts import clicked_chart, kept_figure
 from ui.widgets.clicks import clicked_row
 from ui.widgets.table_columns import as_shown, column_config
@@ -73,11 +74,12 @@ def draw(result: Result) -> None:
     with st.container(key="venn_open"):
         columns = st.columns(4)
     for column, (category, words) in zip(columns, WORDS.items(), strict=True):
-        if column.button(
+        if button(
             f"{words} {counts[category]}",
             key=f"open_{category}",
             width="stretch",
             help=OF_VERSIONS.get(category),
+            at=column,
         ):
             _open(category)
     _draw_worst(encounters)
@@ -111,7 +113,7 @@ def _draw_worst(encounters: pd.DataFrame) -> None:
             "which the other system detects the pedestrian, if there are any."
         )
     )
-    if st.button(
+    if button(
         f"Review all {len(encounters):,} one by one",
         key="overview_review",
         icon=":material/playlist_play:",

@@ -20,6 +20,7 @@ from nvcore.wording import count_text
 from ui.overview.tiles import tiles_html
 from ui.session import state
 from ui.shell.navigate import open_page
+from ui.widgets.buttons import button
 from ui.widgets.text import docs_link, plain
 
 LAST: Final = "last_verdict"
@@ -87,7 +88,7 @@ class Room:
 def _draw_caveat(caveat: str) -> None:
     with st.container(horizontal=True, vertical_alignment="center"):
         st.markdown(f":material/warning: {plain(caveat)}", width="stretch")
-        if st.button("See the findings on the Data page"):
+        if button("See the findings on the Data page", key="see_findings"):
             open_page("data")
 
 

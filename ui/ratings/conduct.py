@@ -15,6 +15,7 @@ from ui.ratings.participant import ENDS
 from ui.session import state
 from ui.session.studies.links import CONDUCT
 from ui.widgets.addresses import draw_addresses
+from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side, download_csv
 from ui.widgets.one_participant import draw_one_participant
 from ui.widgets.terms import ask_consent, ask_days
@@ -74,7 +75,7 @@ def _begin(result: Result) -> None:
     with st.expander("Consent, and how long ratings are kept"):
         consent = ask_consent(CONSENT, "rating")
         keep_days = ask_days("Days until the session is deleted with all ratings", "rating")
-    if st.button("Start a rating session", type="primary", key="rating_start"):
+    if button("Start a rating session", type="primary", key="rating_start"):
         try:
             study = links.store().begin(
                 dataset.fingerprint,
@@ -106,9 +107,9 @@ def _conduct(study: Study) -> None:
             "page first, or let them rate on this screen."
         )
     with st.container(horizontal=True):
-        if st.button("Rate on this screen", key="rating_here", icon=":material/play_circle:"):
+        if button("Rate on this screen", key="rating_here", icon=":material/play_circle:"):
             participant.enter(study.token)
-        if st.button("Close, and start another", key="rating_close", type="tertiary"):
+        if button("Close, and start another", key="rating_close", type="tertiary"):
             links.close()
             st.rerun()
         # outside the part that is redrawn every few seconds: a click would miss its button

@@ -21,6 +21,7 @@ from ui.ratings.applied_fit import AppliedFit
 from ui.ratings.source import RatingSource
 from ui.session import state
 from ui.shell import live_params
+from ui.widgets.buttons import button
 from ui.widgets.text import docs_link, plain
 
 AT_ONCE: Final = 20_000
@@ -86,7 +87,7 @@ def _ask(result: Result, start: Params, clips: pd.DataFrame, key: Any) -> Fit | 
             return None
         if job_state is JobState.DONE and job.output is not None:
             return _keep(key, job.output)
-    if not st.button("Fit saliency to these ratings", key="rating_fit", icon=":material/tune:"):
+    if not button("Fit saliency to these ratings", key="rating_fit", icon=":material/tune:"):
         return None
     if len(result.dataset.frames) > AT_ONCE:
         _begin(result, start, clips, key)

@@ -17,6 +17,7 @@ from ui.session import state
 from ui.session.drawing import viewer_arguments
 from ui.session.studies.links import PARTICIPANT, STUDY
 from ui.shell.navigate import open_page
+from ui.widgets.buttons import button, submit_button
 from ui.widgets.terms import draw_consent
 from ui.widgets.text import plain
 from ui.widgets.viewer import n_plays_in, viewer
@@ -81,11 +82,11 @@ def draw_waiting() -> None:
             "back to this page: it goes on from there. Ratings that were given are kept.",
             icon=":material/folder_open:",
         )
-        if st.button("Open the Data page", type="primary", key="rating_open_data"):
+        if button("Open the Data page", type="primary", key="rating_open_data"):
             open_page("data")
         return
     st.info("The comparison of the rating session is open now.")
-    if st.button("Go on with the rating session", type="primary", key="rating_go_on"):
+    if button("Go on with the rating session", type="primary", key="rating_go_on"):
         enter(token, name)
 
 
@@ -146,7 +147,7 @@ def _welcome(study: Study, store: RatingStore) -> None:
         agrees = bool(study.consent) and st.checkbox(
             "I have read this and agree to take part", key="rating_agrees"
         )
-        is_sent = st.form_submit_button("Begin", type="primary")
+        is_sent = submit_button("Begin", type="primary", key="rating_begin")
     if is_sent and not agrees and not store.may_rate(study, name or ""):
         st.warning("Without your agreement nothing is kept, and there is nothing to rate.")
     elif is_sent:
@@ -161,7 +162,7 @@ def _welcome(study: Study, store: RatingStore) -> None:
             f"{plain(known)} has rated {len(store.ratings_of(study, known))} of {n} clips already. "
             "If that was somebody else, choose another name."
         )
-        if st.button(f"I am {plain(known)}: go on", key="rating_known"):
+        if button(f"I am {plain(known)}: go on", key="rating_known"):
             st.session_state[KNOWN_NAME] = ""
             _join(study, store, known)
     _back(study)
@@ -193,7 +194,7 @@ def _clip(result: Result, study: Study, store: RatingStore, name: str, left: lis
 
 
 def _offer_change() -> None:
-    if st.button(
+    if button(
         "Change my last rating", key="rating_change", type="tertiary", icon=":material/undo:"
     ):
         st.session_state[CHANGING] = True
@@ -207,7 +208,7 @@ def _change(result: Result, study: Study, store: RatingStore, name: str, clip: i
     st.markdown(f"You gave it **{rating}**. You may watch it again, and give another rating.")
     _played(result, study, clip, key)
     _ask(study, store, name, clip, key)
-    if st.button(f"Keep {rating}", key="rating_keep", icon=":material/arrow_forward:"):
+    if button(f"Keep {rating}", key="rating_keep", icon=":material/arrow_forward:"):
         st.session_state[CHANGING] = False
         st.rerun()
 
@@ -227,7 +228,7 @@ def _scale(study: Study, clip: int) -> int | None:
     values = range(study.low, study.high + 1)
     chosen = None
     for value, column in zip(values, st.columns(len(values)), strict=True):
-        if column.button(str(value), key=f"rating_{clip}_{value}", width="stretch"):
+        if button(str(value), key=f"rating_{clip}_{value}", width="stretch", at=column):
             chosen = value
     left, right = st.columns(2)
     left.caption(f"{study.low} = {ENDS[0]}")
@@ -264,7 +265,7 @@ def _thanks(study: Study) -> None:
     st.title("Thank you")
     st.success(f"All {len(study.clips)} clips are rated, and your ratings are kept.")
     _offer_change()
-    if st.button("Next participant", key="rating_next"):
+    if button("Next participant", key="rating_next"):
         del st.query_params[PARTICIPANT]
         st.rerun()
     _back(study)
@@ -272,7 +273,7 @@ def _thanks(study: Study) -> None:
 
 def _back(study: Study) -> None:
     """The way back for who conducts on this very screen."""
-    if links.is_own(study) and st.button(
+    if links.is_own(study) and button(
         "Back to the results", key="rating_back", type="tertiary", icon=":material/arrow_back:"
     ):
         st.query_params.clear()

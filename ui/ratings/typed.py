@@ -12,6 +12,7 @@ from nvcore.studies.participants import MOST_NAME, fold_name
 from nvcore.studies.ratings.reading import check_ratings
 from nvcore.wording import count_text
 from ui.session import state
+from ui.widgets.buttons import submit_button
 from ui.widgets.text import plain
 
 COLUMNS: Final = ("participant", "clip", "system", "rating")
@@ -83,8 +84,11 @@ def _ask_for_rows(result: Result) -> None:
             autocomplete="off",
         )
         n = 2 * len(state.recording_names())
-        is_sent = button_at.form_submit_button(
-            f"Add a row for each of the {n:,} clips", icon=":material/playlist_add:"
+        is_sent = submit_button(
+            f"Add a row for each of the {n:,} clips",
+            icon=":material/playlist_add:",
+            key="rating_add_rows",
+            at=button_at,
         )
     if not is_sent:
         return

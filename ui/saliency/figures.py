@@ -17,6 +17,7 @@ from nvcore.report.words import describe_saliency, saliency_caveat
 from nvcore.tables.result import recordings_table, worst_events
 from ui.session import state
 from ui.shell.navigate import open_row
+from ui.widgets.buttons import button
 from ui.widgets.charts import draw_chart
 from ui.widgets.clicks import clicked_point
 from ui.widgets.text import docs_link, plain
@@ -78,7 +79,7 @@ def _draw_way(result: Result, letter: str) -> None:
             f"{worst['saliency_s']:.2f} s)."
         )
     )
-    if st.button("Show in timeline", key=f"saliency_show_{letter}", icon=":material/movie:"):
+    if button("Show in timeline", key=f"saliency_show_{letter}", icon=":material/movie:"):
         open_row(int(worst["first_row"]))
 
 

@@ -160,8 +160,7 @@ def visible_of(recording: int) -> VisiblePictures | None:
     if recording not in pictures.sources:
         return None
     clock = clock_of(recording)
-    return VisiblePictures(
-        pictures.area_of(recording),
-        pictures.indices[recording] >= 0,
-        None if clock is None else clock.seen_s,
-    )
+    visible = VisiblePictures(pictures.area_of(recording), pictures.indices[recording] >= 0)
+    if clock is None:
+        return visible
+    return visible._replace(seen_s=clock.seen_s, change_s=clock.change_s)

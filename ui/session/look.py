@@ -35,6 +35,9 @@ class VisiblePictures(NamedTuple):
         known, float64, shape (n_rows,). None: nothing is known of the light.
     is_simulated
         Rows whose seconds are of a change that never was, bool, shape (n_rows,); None: none.
+    change_s
+        When it really became dark, also between rows, on the axis of the rows' times, float64,
+        ascending: a change that the viewer simulates ends there.
     can_simulate
         Whether the viewer offers a change of light of its own; not where the page does.
     """
@@ -43,6 +46,7 @@ class VisiblePictures(NamedTuple):
     has_picture: np.ndarray
     seen_s: np.ndarray | None = None
     is_simulated: np.ndarray | None = None
+    change_s: np.ndarray = np.empty(0)
     can_simulate: bool = True
 
 

@@ -21,6 +21,7 @@ from ui.session.results.findings import input_findings
 from ui.session.workspace import Workspace
 from ui.settings.start import start_file
 from ui.shell.navigate import open_page
+from ui.widgets.buttons import button
 from ui.widgets.text import plain
 
 
@@ -65,7 +66,7 @@ def needs_comparison(draw: Callable[[Result], None]) -> Callable[[], None]:
 
 def _one_system_only() -> None:
     st.info("Only one system is open. A comparison needs two: add the second one on the Data page.")
-    if st.button("Open the Data page", type="primary"):
+    if button("Open the Data page", type="primary", key="open_data_page"):
         open_page("data")
 
 

@@ -17,6 +17,7 @@ from nvcore.studies.detectability.tables import (
 )
 from ui.study import links, participant, setup
 from ui.widgets.addresses import draw_addresses
+from ui.widgets.buttons import button
 from ui.widgets.choices import download_csv
 from ui.widgets.one_participant import draw_one_participant
 from ui.widgets.text import plain
@@ -47,9 +48,9 @@ def _conduct(study: DetectabilityStudy) -> None:
     )
     store = links.store()
     with st.container(horizontal=True):
-        if st.button("Take part on this screen", key="study_here", icon=":material/play_circle:"):
+        if button("Take part on this screen", key="study_here", icon=":material/play_circle:"):
             participant.enter(study.token)
-        if st.button("Close, and start another", key="study_close", type="tertiary"):
+        if button("Close, and start another", key="study_close", type="tertiary"):
             links.LINKS.close()
             st.rerun()
     with st.container(horizontal=True):

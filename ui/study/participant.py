@@ -23,6 +23,7 @@ from ui.shell.messages import shown_error
 from ui.study import links
 from ui.study.screen import draw_run
 from ui.study.setup import LIMITS, length_text
+from ui.widgets.buttons import button, submit_button
 from ui.widgets.terms import draw_consent
 from ui.widgets.text import plain
 
@@ -91,7 +92,7 @@ def _welcome(study: DetectabilityStudy, store: DetectabilityStore) -> None:
     with st.form("study_join", border=False):
         form = _draw_form(study)
         agrees = st.checkbox("I have read this and agree to take part", key="study_agrees")
-        is_sent = st.form_submit_button("Take part", type="primary")
+        is_sent = submit_button("Take part", type="primary", key="study_take_part")
     if is_sent and not agrees:
         st.warning("Without your agreement nothing is kept, and there is nothing to take part in.")
     elif is_sent:
@@ -103,7 +104,7 @@ def _welcome(study: DetectabilityStudy, store: DetectabilityStore) -> None:
             enter(study.token, person.code)
     with st.expander("I have a code already"):
         code = st.text_input("Your code", key="study_known_code", max_chars=MOST_NAME, width=420)
-        if st.button("Go on", key="study_go_on"):
+        if button("Go on", key="study_go_on"):
             known = store.participant(study, code)
             if known is None:
                 st.warning("Nobody takes part in this study with that code.")
@@ -222,14 +223,14 @@ def _thanks(study: DetectabilityStudy, person: Participant) -> None:
     st.title("Thank you")
     st.success(f"You have answered to all {len(person.plan)} pictures, and your answers are kept.")
     _draw_code(person)
-    if st.button("Next participant", key="study_next"):
+    if button("Next participant", key="study_next"):
         enter(study.token)
     _back(study)
 
 
 def _back(study: DetectabilityStudy) -> None:
     """The way back for who conducts on this very screen."""
-    if links.LINKS.is_own(study) and st.button(
+    if links.LINKS.is_own(study) and button(
         "Back to the study", key="study_back", type="tertiary", icon=":material/arrow_back:"
     ):
         st.query_params.clear()

@@ -24,6 +24,7 @@ from nvcore.wording import count_text
 from ui.session import state
 from ui.shell.messages import shown_error
 from ui.study import links
+from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.terms import ask_consent, ask_days
 from ui.widgets.text import docs_link, plain
@@ -68,7 +69,7 @@ def draw() -> None:
         st.error(shown_error(error))
         return
     st.info(LIMITS, icon=":material/info:")
-    if st.button("Start the study", type="primary", key="study_start"):
+    if button("Start the study", type="primary", key="study_start"):
         try:
             study = links.store().begin(ready, pictures, folder=folder)
         except InputError as error:

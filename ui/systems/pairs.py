@@ -12,6 +12,7 @@ from nvcore.report.matrix import pair_name, pair_text
 from ui.session import state
 from ui.shell import systems
 from ui.shell.navigate import ask_for_page, open_page
+from ui.widgets.buttons import button
 from ui.widgets.text import plain
 
 BETWEEN: Final = " – "
@@ -23,7 +24,7 @@ def draw_only_pair(result: Result) -> None:
         f"There is one pair, {plain(result.x.name)} and {plain(result.y.name)}: the Overview "
         "compares it. Add a third system on the Data page to see every pair here."
     )
-    if st.button("Open the Overview", key="pair_only", type="primary"):
+    if button("Open the Overview", key="pair_only", type="primary"):
         open_page("overview")
 
 

@@ -14,6 +14,7 @@ from ui.shell import review
 from ui.shell.messages import without_paths
 from ui.shell.navigate import open_page
 from ui.shell.page_words import page_text
+from ui.widgets.buttons import button
 from ui.widgets.steps import draw_steps
 from ui.widgets.text import plain
 from ui.widgets.viewer import ListedBox
@@ -45,7 +46,7 @@ def draw() -> None:
         with st.container(horizontal=True, vertical_alignment="center"):
             text = shortened(page_text(walk.finding.message), MOST_WORDS)
             st.markdown(f"**{plain(review.subject_text(walk.finding))}:** {plain(text)}")
-            if st.button(
+            if button(
                 "Back to the list", key="listed_back", icon=":material/list:", type="tertiary"
             ):
                 open_page("data")

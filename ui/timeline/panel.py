@@ -23,6 +23,7 @@ from nvcore.wording import count_text
 from ui.session import drawing, state
 from ui.session.chosen import choose_encounter, chosen_encounter, name_of
 from ui.shell.navigate import open_encounters
+from ui.widgets.buttons import button
 from ui.widgets.clicks import clicked_cell
 from ui.widgets.text import UNDEFINED, number, plain
 
@@ -98,7 +99,7 @@ def _chosen(result: Result, row: int) -> None:
             st.markdown(
                 state.words(f"**Pedestrian {track}** of {where} is chosen, and not in this frame.")
             )
-        if st.button("Open in Encounters", key="open_chosen", width="stretch"):
+        if button("Open in Encounters", key="open_chosen", width="stretch"):
             open_encounters(encounter=name_of(result, encounter))
 
 

@@ -30,6 +30,8 @@ HEADINGS: Final = {
     "margin_s": "margin (s)",
     "impact_kmh": "impact (km/h)",
     "confirmed_frame": "confirmed in frame",
+    "detectability_sd": "SD",
+    "driver_seen_frames": "Frames seen",
     "driver_frame": "Driver sees in frame",
     "min_ttc_s": "Least to contact (s)",
     "urgent_frame": "Last chance",
@@ -61,6 +63,8 @@ WIDTHS: Final = {
     "category": 72,
     "miss_class": 90,
     "coverage": 85,
+    "detectability_sd": 52,
+    "driver_seen_frames": 92,
     "severity_s": 88,
     "peak_cost": 88,
     "lead_time_s": 92,
@@ -74,7 +78,9 @@ WIDTHS: Final = {
 """Of columns that stand side by side in a window of 1280, px; the others are as wide as needed."""
 MOST_ROWS: Final = 5000
 """Rows of a table that are sent to the browser; more would slow down every change."""
-LINE_PX: Final = 35
+LINE_PX: Final = 33
+"""Height of a row, and of the heading: Streamlit's 2.1875 of our `theme.baseFontSize`."""
+BORDERS_PX: Final = 2
 MOST_LINES: Final = 10
 
 
@@ -131,7 +137,7 @@ def rows_told(n_rows: int, which: str) -> str:
 
 def table_height(n_rows: int) -> int:
     """Height of a table with its heading that shows up to ten rows, px."""
-    return LINE_PX * (min(max(n_rows, 1), MOST_LINES) + 1) + 3
+    return LINE_PX * (min(max(n_rows, 1), MOST_LINES) + 1) + BORDERS_PX
 
 
 def category_words(value: str) -> str:

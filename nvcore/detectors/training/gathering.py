@@ -1,8 +1,7 @@
-"""All that one training learns from: a session, folders, or both; and where its model goes."""
+"""All that one training learns from: a session, folders, or both."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -114,19 +113,3 @@ def _check_held_out(shots: Sequence[Shot], held_out: str) -> None:
             "physical object, to calibrate the rejection on: choose more recordings or frames, or "
             "another split or share"
         )
-
-
-def check_model_target(path: Path) -> None:
-    """Refuse what `write_model` would refuse, before a long training.
-
-    Raises
-    ------
-    InputError
-        If it is a folder, or cannot be written to.
-    """
-    if path.is_dir():
-        raise InputError("is a folder; give the name of a file, such as model.npz", file=path)
-    place = next(folder for folder in path.absolute().parents if folder.exists())
-    is_open = os.access(path, os.W_OK) if path.exists() else True
-    if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK) or not is_open:
-        raise InputError("cannot be written to; give another file", file=path)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Final, Literal
+from dataclasses import asdict, dataclass
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,8 @@ Kernel = Literal["linear", "rbf"]
 KERNELS: Final[tuple[Kernel, ...]] = ("linear", "rbf")
 N_FEATURES: Final = len(FEATURE_KEYS)
 _ROWS_AT_ONCE: Final = 1 << 14
+_DIGITS: Final = 9
+"""Of how far it is from one period to the next: times of frames are rounded."""
 
 
 @dataclass(frozen=True)
@@ -185,6 +187,10 @@ class Origin:
         Of all that was drawn at random.
     fingerprint
         sha256 of the training table.
+    search
+        ``"quick"``: fewer settings were tried than by default; empty: not fewer, or not known.
+    picture_px
+        Width and height of its pictures; None: they differ, or are not known.
     """
 
     n_pedestrians: int
@@ -196,6 +202,13 @@ class Origin:
     display_s: float
     seed: int
     fingerprint: str
+    search: str = ""
+    picture_px: tuple[int, int] | None = None
+
+    def as_json(self) -> dict[str, Any]:
+        """For a file; without what earlier ones did not have where it is empty or not known."""
+        later = ("search", "picture_px")
+        return {name: value for name, value in asdict(self).items() if name not in later or value}
 
 
 @dataclass(frozen=True)
@@ -266,17 +279,16 @@ class Estimator:
         """
         features = np.asarray(features, dtype=np.float64).reshape(-1, N_FEATURES)
         period = np.broadcast_to(np.asarray(period_s, np.float64), len(features))
-        below, above, share = self._taken(period, interpolate=interpolate)
+        below, above, share = self._regression_rows(period, interpolate=interpolate)
         parts = [self._of_periods(features, index) for index in (below, above)]
         (first, sd, outside), (second, second_sd, second_outside) = parts
-        is_between = share > 0
+        is_between = below != above
         detectability = np.where(is_between, (1 - share) * first + share * second, first)
-        taken = self.periods_s[np.where(share == 1, above, below)]
         return Estimates(
             detectability,
             np.where(is_between, (1 - share) * sd + share * second_sd, sd),
             outside | (is_between[:, None] & second_outside),
-            np.where(is_between & (share < 1), np.nan, taken),
+            np.where(is_between, np.nan, self.periods_s[below]),
         )
 
     def estimate_single(self, features: NDArray[np.float64]) -> Estimates:
@@ -286,17 +298,19 @@ class Estimator:
         detectability, sd, outside = self._of_periods(features, last)
         return Estimates(detectability, sd, outside, np.full(len(features), np.nan))
 
-    def rows_taken(self, period_s: float, *, interpolate: bool) -> list[int]:
+    def regression_rows(self, period_s: float, *, interpolate: bool) -> list[int]:
         """Rows of the regressions that `estimate` takes at a period, ascending: one, or two."""
-        below, above, _ = self._taken(np.array([period_s], np.float64), interpolate=interpolate)
+        below, above, _ = self._regression_rows(
+            np.array([period_s], np.float64), interpolate=interpolate
+        )
         return sorted({int(below[0]), int(above[0])})
 
-    def _taken(
+    def _regression_rows(
         self, period: NDArray[np.float64], *, interpolate: bool
     ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
         """Rows of the regressions before and after, and how far it is from the one to the other.
 
-        Unless it is interpolated both are the nearest.
+        Unless it is interpolated both are the nearest; at a period that has one, both are that.
         """
         period = np.where(np.isnan(period), np.inf, period)
         periods = self.periods_s
@@ -307,8 +321,9 @@ class Estimator:
         share = np.zeros(len(period))
         inside = step > 0
         share[inside] = (period[inside] - periods[below[inside]]) / step[inside]
+        share = share.round(_DIGITS)
         if interpolate:
-            return below, above, share
+            return np.where(share < 1, below, above), np.where(share > 0, above, below), share
         nearest = np.where(share <= 0.5, below, above)
         return nearest, nearest, np.zeros(len(share))
 

@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from nvcore.dataset.estimates import SEARCHES
 from nvcore.driver.estimators.model import (
     KERNELS,
     N_FEATURES,
@@ -20,7 +21,7 @@ from nvcore.driver.estimators.model import (
     Regression,
     SvrSettings,
 )
-from nvcore.driver.feature_record import settings_from_json
+from nvcore.driver.feature_record import picture_px_from_json, settings_from_json
 from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
 from nvcore.errors import EstimatorError
 from nvcore.output import arrays as archives
@@ -75,6 +76,7 @@ _ORIGIN: Final[dict[str, type]] = {
     "display_s": float,
     "seed": int,
     "fingerprint": str,
+    "search": str,
 }
 
 
@@ -185,7 +187,7 @@ def _members(estimator: Estimator) -> dict[str, NDArray[Any]]:
         "version": VERSION,
         "name": estimator.name,
         "features": list(FEATURE_KEYS),
-        "origin": asdict(estimator.origin),
+        "origin": estimator.origin.as_json(),
     }
     if estimator.feature_settings is not None:
         settings = asdict(estimator.feature_settings)
@@ -262,12 +264,19 @@ def _feature_settings(about: Mapping[str, Any]) -> FeatureSettings | None:
 
 
 def _origin(content: Mapping[str, Any]) -> Origin:
+    content = {"search": "", **content}
+    picture_px = content.pop("picture_px", None)
     if set(content) != set(_ORIGIN):
         raise BadArchiveError("origin: its keys are others")
     archives.check_facts(content, _ORIGIN)
     if content["simulated"] not in ("no", "all", "some"):
         raise BadArchiveError("simulated: expected no, all or some")
+    if content["search"] not in SEARCHES:
+        raise BadArchiveError("search: expected quick, or none")
     for name, kind in _ORIGIN.items():
         if kind is not str and not 0 <= content[name] <= _GREATEST:
             raise BadArchiveError(f"{name}: expected 0 to {_GREATEST}, got {content[name]!r:.80}")
-    return Origin(**content)
+    try:
+        return Origin(**content, picture_px=picture_px_from_json(picture_px))
+    except ValueError as error:
+        raise BadArchiveError(str(error)) from error

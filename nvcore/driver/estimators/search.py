@@ -56,6 +56,11 @@ class Search:
             if not low <= value <= high:
                 raise ParameterError(f"{name}: expected {low} to {high}, got {value}")
 
+    @property
+    def is_quick(self) -> bool:
+        """Whether fewer settings are tried than by default."""
+        return self.n_settings < Search.n_settings
+
 
 QUICK: Final = Search(n_settings=4, n_folds=3)
 """For a first look, and for tests: a tenth of the time."""

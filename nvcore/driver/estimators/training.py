@@ -170,4 +170,6 @@ def origin_of(table: TrainingTable, search: Search) -> Origin:
         display_s=float(table.judging.display_s),
         seed=search.seed,
         fingerprint=hashlib.sha256(content).hexdigest(),
+        search="quick" if search.is_quick else "",
+        picture_px=table.picture_px,
     )

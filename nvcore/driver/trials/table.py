@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from nvcore.driver.feature_record import settings_beside
+from nvcore.driver.feature_record import picture_px_beside, settings_beside
 from nvcore.driver.features import FeatureSettings
-from nvcore.driver.trials.judging import Judging, judge_trials
+from nvcore.driver.trials.judging import LATE_S, Judging, judge_trials
 from nvcore.driver.trials.reading import (
     SIMULATED,
     read_boxes,
@@ -47,6 +47,9 @@ class TrainingTable:
         How the responses were judged.
     feature_settings
         With which the features were computed; None: no record beside their file says it.
+    picture_px
+        Width and height of the pictures; None: they differ, or no record beside the features says
+        it.
     trials_file, features_file
         What it was read from, for errors.
     """
@@ -61,6 +64,7 @@ class TrainingTable:
     feature_settings: FeatureSettings | None = None
     trials_file: Path | None = None
     features_file: Path | None = None
+    picture_px: tuple[int, int] | None = None
 
     @property
     def n_subjects(self) -> int:
@@ -116,8 +120,8 @@ def training_table(
     Raises
     ------
     InputError
-        If a file cannot be used, a trial's pedestrian has no box or no features, or there is no
-        such subject.
+        If a file cannot be used, a trial's pedestrian has no box or no features, there is no such
+        subject, or two adaptation periods are nearer than `LATE_S`.
     """
     judging = judging or Judging()
     table, own_boxes = read_features(features)
@@ -132,6 +136,7 @@ def training_table(
     given = read_trials(trials)
     if given.empty:
         raise InputError("there is no trial in it", file=trials)
+    _refuse_measured_times(given, trials)
     judged = judge_trials(given, places, judging, name=str(trials))
     subjects = subjects_table(judged, judging)
     for name in leave_out:
@@ -156,6 +161,7 @@ def training_table(
         feature_settings=settings_beside(features),
         trials_file=trials,
         features_file=features,
+        picture_px=picture_px_beside(features),
     )
 
 
@@ -187,6 +193,23 @@ def detectability_table(judged: pd.DataFrame) -> pd.DataFrame:
         low=np.array([share.low for share in of_rows], dtype=np.float64),
         high=np.array([share.high for share in of_rows], dtype=np.float64),
     )
+
+
+def _refuse_measured_times(given: pd.DataFrame, trials: Path) -> None:
+    """Refuse times nearer to each other than pictures come on time: nobody plans these.
+
+    Each would have an estimator of its own, of the few trials that had it by the clock.
+    """
+    asked_s = np.unique(given["adaptation_asked_s"].round(6))
+    is_near = np.diff(asked_s) < LATE_S - 1e-9
+    if is_near.any():
+        at = int(np.argmax(is_near))
+        raise InputError(
+            f"the adaptation times {asked_s[at]:g} and {asked_s[at + 1]:g} s are less than "
+            f"{1000 * LATE_S:g} ms apart: are these the planned times (adaptation_asked_s), not "
+            "the measured ones? Each has an estimator of its own",
+            file=trials,
+        )
 
 
 def _refuse_without_features(

@@ -9,18 +9,19 @@ from nvcore.metrics.kernels import compiled
 
 @compiled
 def driver_frames(
-    lo, hi, offsets, order, frame_index, k, detectability, threshold, highest, known, seen
+    lo, hi, offsets, order, frame_index, k, detectability, threshold, highest, known, seen, n_seen
 ):
     """How detectable each encounter is up to its first relevant frame.
 
     ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e by frame, and
     `frame_index` has the frames of these rows in the same order. Writes the place in `order` of the
-    first largest detectability (-1: none is known), in how many frames one is known, and the row of
-    the first frame with at least `threshold` (-1: in none). Encounters without a relevant frame
-    have -1, 0 and -1. Of the boxes of one frame (a track id given twice) the largest counts.
+    first largest detectability (-1: none is known), in how many frames one is known, the row of the
+    first frame with at least `threshold` (-1: in none), and in how many it is that. Encounters
+    without a relevant frame have -1, 0, -1 and 0. Of the boxes of one frame (a track id given
+    twice) the largest counts.
     """
     for e in range(lo, hi):
-        highest[e], known[e], seen[e] = -1, 0, -1
+        highest[e], known[e], seen[e], n_seen[e] = -1, 0, -1, 0
         first, last = offsets[e], offsets[e + 1]
         relevant = -1
         for i in range(first, last):
@@ -29,7 +30,7 @@ def driver_frames(
                 break
         if relevant < 0:
             continue
-        before = -1
+        before, seen_before = -1, -1
         for i in range(first, last):
             if frame_index[i] > relevant:
                 break
@@ -41,5 +42,8 @@ def driver_frames(
                 before = frame_index[i]
             if highest[e] < 0 or value > detectability[order[highest[e]]]:
                 highest[e] = i
-            if seen[e] < 0 and value >= threshold:
-                seen[e] = frame_index[i]
+            if value >= threshold and frame_index[i] != seen_before:
+                seen_before = frame_index[i]
+                n_seen[e] += 1
+                if seen[e] < 0:
+                    seen[e] = frame_index[i]

@@ -17,6 +17,7 @@ from nvcore.report.gate.measures import (
     COUNTED_FINDINGS,
     COUNTED_REGIONS,
     OF_DRIVER,
+    OF_URGENT,
     WORSE,
     members,
 )
@@ -42,7 +43,9 @@ def _details(outcome: Outcome, result: Result, findings: Sequence[Finding]) -> t
             f"{UNEQUAL_POINTS} ({describe_alarms(result)}), from which nothing is claimed: set "
             "thresholds that give equally many",
         )
-    known = (describe_known(result),) if name in OF_DRIVER and result.driver.has_any else ()
+    known: tuple[str, ...] = ()
+    if name in OF_DRIVER and result.driver.has_any:
+        known = (describe_known(result, of_urgent=name in OF_URGENT),)
     if outcome.is_passed:
         return known
     counted = name.partition(".")[0] if class_in(name) else name

@@ -94,6 +94,12 @@ OF_DRIVER: Final = frozenset(
     }
 )
 """Measures of the driver's own view: of the encounters of which it is known."""
+OF_URGENT: Final = frozenset(
+    name
+    for name in OF_DRIVER
+    if name in ("driver.urgent", "driver.in_time") or "in_time_alone" in name
+)
+"""Those of them that count urgent encounters alone."""
 
 
 def measure_names() -> list[str]:

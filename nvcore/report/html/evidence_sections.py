@@ -24,7 +24,7 @@ from nvcore.evidence.subgroups import ALL
 from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.figures.forest import forest_in_words, subgroup_forest
 from nvcore.figures.stability import stability_map
-from nvcore.measures import evidence_form, inference_of
+from nvcore.measures import DETECTED, evidence_form
 from nvcore.palette import Theme
 from nvcore.progress import Progress, no_progress
 from nvcore.protocols import Protocol
@@ -142,9 +142,7 @@ def significance_section(evidence: pd.DataFrame, theme: Theme) -> Section:
 
 def subgroups_section(subgroups: pd.DataFrame, theme: Theme) -> Section:
     """Every measure for parts of the encounters, and who detects more of which."""
-    is_detected = np.array(
-        [inference_of(key).test == "encounters" for key in subgroups["figure"]], dtype=bool
-    )
+    is_detected = subgroups["figure"] == DETECTED
     detection_rows = subgroups[is_detected]
     head = (
         "Factor",

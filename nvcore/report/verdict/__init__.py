@@ -37,6 +37,7 @@ CAVEATS: Final = {
     "same-boxes": "two of the inputs have the same boxes",
     "trained-on-tested": "a system is scored on frames that it was trained on",
     "trained-on-namesake": "a system may be scored on frames that it was trained on",
+    "training-unchecked": "not all frames were compared with what a system was trained on",
     "size-too-large": "the image size seems wrong",
     "implausible-fps": "the frame rate seems wrong",
     "time-offset": "a system seems to be off in time",

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.measures.of_driver import is_driver_in_time, is_in_time_alone, is_judged_in_time
+from nvcore.measures.of_driver import count_in_time, is_judged_in_time
 from nvcore.metrics.driver import count_unknown
 from nvcore.schema import DriverRegion
 from nvcore.tables.encounters.driver import REGION_NAMES
@@ -15,6 +15,10 @@ from nvcore.wording import capitalised, count_text, listed, one_line, percent, s
 
 SMALL_SHARE: Final = 0.05
 """Share of the estimates up to which their doubts are not said (ours)."""
+NOTHING_KNOWN: Final = (
+    "Detectability is known in some frames, but for no encounter in a frame up to the first that "
+    "counts: whom the driver sees is not known."
+)
 _MOST_NAMED: Final = 3
 _SHOWN_NAME: Final = 40
 
@@ -22,7 +26,7 @@ _SHOWN_NAME: Final = 40
 def describe_driver(result: Result) -> tuple[str, ...]:
     """Whom the driver sees and whom each system warns him of; empty: nothing is known of him."""
     if not result.driver.has_any:
-        return ()
+        return (NOTHING_KNOWN,) if result.dataset.has_detectability else ()
     sentences = (_alerts(result), _in_time(result), describe_source(result), weighting(result))
     return tuple(filter(None, sentences))
 
@@ -33,7 +37,7 @@ def _alerts(result: Result) -> str:
     by = capitalised(_by(result))
     of = f"{by}, the driver sees {venn.n_seen} of {count_text(venn.n_known, 'encounter')}"
     if not n_unseen:
-        return f"{of} by himself: every alert is redundant."
+        return f"{of} by himself: every alert about these is redundant."
     useful_x = count[DriverRegion.X_Y] + count[DriverRegion.X]
     useful_y = count[DriverRegion.X_Y] + count[DriverRegion.Y]
     return (
@@ -43,9 +47,12 @@ def _alerts(result: Result) -> str:
     )
 
 
-def describe_known(result: Result) -> str:
+def describe_known(result: Result, *, of_urgent: bool = False) -> str:
     """Of how many encounters it is known whether the driver sees them, and on whose word."""
     known, near = result.driver.venn.n_known, count_text(result.venn.n_near, "encounter")
+    if of_urgent:
+        known = int(np.count_nonzero(is_judged_in_time(result)))
+        near = count_text(int(np.count_nonzero(result.is_urgent)), "urgent encounter")
     return f"whether the driver sees them is known of {known:,} of {near}, {_by(result)}"
 
 
@@ -53,13 +60,19 @@ def _by(result: Result) -> str:
     """On whose word it rests what the driver sees."""
     estimate = result.dataset.estimate
     n_estimated, n_stated = _origins(result)
-    if estimate is None or (n_stated and not n_estimated):
+    if estimate is None or _is_stated(result):
         return "by the ground truth"
     caution = f" ({estimate.caution})" if estimate.caution else ""
     if not n_stated:
         return f"by the estimates{caution}"
     among = count_text(n_estimated, "recording")
     return f"by estimates in {among}{caution} and the ground truth in {n_stated}"
+
+
+def _is_stated(result: Result) -> bool:
+    """Whether all that is known stands in the ground truth, whatever record there is."""
+    n_estimated, n_stated = _origins(result)
+    return bool(n_stated and not n_estimated)
 
 
 def _origins(result: Result) -> tuple[int, int]:
@@ -72,24 +85,23 @@ def _origins(result: Result) -> tuple[int, int]:
 
 
 def _in_time(result: Result) -> str:
-    """Of the urgent encounters, who alone was in time; empty: it is known of none."""
-    n = int(np.count_nonzero(is_judged_in_time(result)))
-    if not n:
+    """Who is in time for the urgent encounters; empty: it is known of none."""
+    parts = count_in_time(result)
+    if not parts.n:
         return ""
-    n_driver = int(np.count_nonzero(is_driver_in_time(result)))
-    x, y = (int(np.count_nonzero(is_in_time_alone(result, system))) for _, system in result.sides)
     return (
-        f"Of the {count_text(n, 'urgent one')} among them he is in time by himself in {n_driver}; "
-        f"neither he nor Y but X is in {x}, neither he nor X but Y in {y}."
+        f"Of {count_text(parts.n, 'urgent encounter')} of which it is known, the driver is in time "
+        f"by himself in {parts.driver:,}; of the others, both systems are in {parts.both:,}, X "
+        f"alone in {parts.x:,}, Y alone in {parts.y:,}, nobody in {parts.nobody:,}."
     )
 
 
 def describe_source(result: Result) -> str:
     """Where detectability comes from, and how far it can be trusted."""
-    estimate, venn = result.dataset.estimate, result.driver.venn
+    estimate = result.dataset.estimate
     threshold = f"he is taken to see from {result.params.driver_threshold:g} on"
     n_estimated, n_stated = _origins(result)
-    if estimate is None or (n_stated and not n_estimated):
+    if estimate is None or _is_stated(result):
         text = f"Detectability is as the ground truth states it; {threshold}"
     else:
         by = estimate.made_by or "estimated"
@@ -100,46 +112,73 @@ def describe_source(result: Result) -> str:
                 f"states it in {n_stated}"
             )
         text = f"Detectability is {words}; {threshold}"
-    parts = _doubts(result)
-    if n_unknown := venn.counts[DriverRegion.UNKNOWN]:
-        parts.append(f"{count_text(n_unknown, 'encounter')} unknown, not counted here")
-    return f"{text}{''.join(f'; {part}' for part in parts)}."
+    parts = (f"{text}.", _known(result), _outside(result), _undecided(result), _adapted(result))
+    return " ".join(filter(None, parts))
 
 
-def _doubts(result: Result) -> list[str]:
-    """Which share of the boxes has no value, or one that says little, where it is not small."""
+def _known(result: Result) -> str:
+    """Of how much it is known, where that is not nearly all."""
+    values = result.dataset.detectability.value
+    n_known = int(np.count_nonzero(~(np.isnan(values) | result.dataset.truth.ignore)))
+    n_boxes = n_known + count_unknown(result.dataset)
+    parts = []
+    if n_known < (1 - SMALL_SHARE) * n_boxes:
+        parts.append(f"it is known of {n_known:,} of {n_boxes:,} pedestrian boxes")
+    if n_unknown := result.driver.venn.counts[DriverRegion.UNKNOWN]:
+        are = "is" if n_unknown == 1 else "are"
+        encounters = count_text(n_unknown, "encounter")
+        parts.append(f"{encounters} of which it is unknown {are} not counted here")
+    return f"{capitalised('; '.join(parts))}." if parts else ""
+
+
+def _outside(result: Result) -> str:
+    """How many values were estimated outside the training's range, and how many of them decide."""
     record, values = result.dataset.estimate, result.dataset.detectability
     is_known = ~(np.isnan(values.value) | result.dataset.truth.ignore)
-    n_known = int(np.count_nonzero(is_known))
-    n_outside = int(np.count_nonzero(values.is_outside & is_known))
-    parts = []
-    n_boxes = n_known + count_unknown(result.dataset)
-    if n_known < (1 - SMALL_SHARE) * n_boxes:
-        parts.append(f"known of {n_known:,} of {n_boxes:,} pedestrian boxes")
-    if n_outside > SMALL_SHARE * n_known:
-        outside = record.outside if record else {}
-        names = [shortened(one_line(name), _SHOWN_NAME) for name in outside]
-        which = f" ({listed(names, most=_MOST_NAMED)})" if names else ""
-        share = percent(n_outside / n_known)
-        parts.append(
-            f"{share} of the values are estimated outside the range of the training{which}"
-        )
-    if result.driver.n_outside or n_outside > SMALL_SHARE * n_known:
-        parts.append(_encounters_outside(result))
-    if record and record.n_without_light > SMALL_SHARE * record.n_estimates > 0:
-        share = percent(record.n_without_light / record.n_estimates)
-        parts.append(
-            f"in {share} of the estimates nothing is known of the light: as for adapted eyes"
-        )
-    return parts
-
-
-def _encounters_outside(result: Result) -> str:
-    """In how many encounters the value that decides was estimated outside the training's range."""
-    among = count_text(result.driver.venn.n_known, "encounter")
+    n_known, n = (int(np.count_nonzero(is_known & of)) for of in (True, values.is_outside))
+    n_encounters = result.driver.n_outside
+    if not n_encounters and n <= SMALL_SHARE * n_known:
+        return ""
+    names = [shortened(one_line(name), _SHOWN_NAME) for name in (record.outside if record else ())]
+    which = f" (in that run by {listed(names, most=_MOST_NAMED)})" if names else ""
     return (
-        "the largest value of an encounter, which decides whether he sees it, is outside the "
-        f"range of the training in {result.driver.n_outside or 'none'} of {among}"
+        f"Outside the range of the training{which} are {n:,} of {n_known:,} values, and of the "
+        f"{result.driver.venn.n_known:,} that decide (the largest of each encounter) "
+        f"{n_encounters or 'none'}."
+    )
+
+
+def _undecided(result: Result) -> str:
+    """How many encounters may as well be on the other side of the threshold."""
+    driver = result.driver
+    n, n_with_sd, n_unseen = (
+        int(np.count_nonzero(which))
+        for which in (driver.is_within_sd, driver.has_sd, driver.is_within_sd & driver.is_unseen)
+    )
+    if not n:
+        return ""
+    unseen = (
+        f", {n_unseen:,} of the {driver.venn.n_unseen:,} not seen among them" if n_unseen else ""
+    )
+    known = count_text(n_with_sd, "encounter")
+    return (
+        f"Whether the driver sees the pedestrian is open in at least {n:,} of {known}{unseen}: "
+        "the value that decides is within one standard deviation of "
+        f"{result.params.driver_threshold:g}."
+    )
+
+
+def _adapted(result: Result) -> str:
+    """How many estimates take the eyes for adapted without knowing, where these are not few."""
+    record = result.dataset.estimate
+    if record is None or _is_stated(result):
+        return ""
+    n, n_unknown = record.n_estimates, record.n_light_unknown
+    if n_unknown <= SMALL_SHARE * n:
+        return ""
+    return (
+        f"In {percent(n_unknown / n)} of all estimates of that run it is not known when the light "
+        "last changed: the eyes are taken for adapted."
     )
 
 

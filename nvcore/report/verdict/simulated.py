@@ -11,6 +11,10 @@ from numpy.typing import NDArray
 from nvcore.wording import count_text
 
 NOBODY_THERE: Final = "The pedestrian is in no frame after it: nothing changes."
+SEEN_BEFORE: Final = (
+    "The driver had seen the pedestrian before, at {time_s:.2f} s: the change comes too late to "
+    "matter for an alert."
+)
 
 
 def describe_change(
@@ -41,20 +45,46 @@ def describe_change(
     head = f"Simulated: dark from {change_s:.2f} s on."
     if not is_after.any():
         return f"{head} {NOBODY_THERE}"
-    later_s = course["time_s"].to_numpy(float)[is_after] - change_s
+    time_s, is_up_to = course["time_s"].to_numpy(float), course["is_up_to_relevant"].to_numpy(bool)
     was, would = (table["detectability"].to_numpy(float) for table in (course, simulated))
-    before, soon = (_when(share[is_after], threshold, later_s) for share in (was, would))
-    text = f"{head}{f' Estimates are {caution}.' if caution else ''} {_compared(soon, before)}"
-    is_up_to = course["is_up_to_relevant"].to_numpy(bool)
+    later_s = time_s[is_after] - change_s
+    is_there = not is_after[0] or round(later_s[0], 6) <= 0
+    until = "" if is_after[-1] else " until the next real change"
+    before, soon = (
+        _when(share[is_after], threshold, later_s, is_there=is_there, until=until)
+        for share in (was, would)
+    )
+    seen = np.flatnonzero(was[: np.argmax(is_after)] >= threshold)
+    parts = [head, f"Estimates are {caution}." if caution else ""]
+    if len(seen) and is_up_to[seen[0]]:
+        parts.append(SEEN_BEFORE.format(time_s=time_s[seen[0]]))
+    text = " ".join(filter(None, [*parts, _compared(soon, before, again=len(seen) > 0)]))
     if not is_up_to.any():
         return f"{text} The encounter is distant: there is no frame by which he has to."
-    relevant_s = float(course["time_s"].to_numpy(float)[is_up_to][-1])
+    relevant_s = float(time_s[is_up_to][-1])
     in_time = _in_time(_is_seen(was[is_up_to], threshold), _is_seen(would[is_up_to], threshold))
     return f"{text} By the first frame that counts, at {relevant_s:.2f} s, {in_time}"
 
 
-def _when(share: NDArray[np.float64], threshold: float, later_s: NDArray[np.float64]) -> str:
-    """After how many frames he sees the pedestrian first; empty: it is known of none of them."""
+def _when(
+    share: NDArray[np.float64],
+    threshold: float,
+    later_s: NDArray[np.float64],
+    *,
+    is_there: bool,
+    until: str,
+) -> str:
+    """After how many frames he sees the pedestrian first; empty: it is known of none of them.
+
+    Parameters
+    ----------
+    later_s
+        Seconds of the pedestrian's frames since the change.
+    is_there
+        Whether the pedestrian was there before, too; else frames count from where he appears.
+    until
+        What ends these frames before the pedestrian has gone; empty: nothing.
+    """
     is_known = np.isfinite(share)
     if not is_known.any():
         return ""
@@ -62,23 +92,26 @@ def _when(share: NDArray[np.float64], threshold: float, later_s: NDArray[np.floa
     n_known, n = int(is_known.sum()), len(share)
     if not sees.any():
         known = "" if n_known == n else f" in which it is known, of {n:,}"
-        return f"in none of {count_text(n_known, 'frame')}{known}"
+        return f"in none of {count_text(n_known, 'frame')}{known}{until}"
     n_frames = int(np.argmax(sees))
+    seconds = f"{later_s[n_frames]:.2f} s"
     if not n_frames:
-        return "at once"
+        return "at once" if is_there else f"as soon as he appears, {seconds} after the change"
     sooner = "" if is_known[:n_frames].all() else "at the latest "
-    return f"{sooner}{count_text(n_frames, 'frame')} ({later_s[n_frames]:.2f} s) later"
+    frames = count_text(n_frames, "frame")
+    if is_there:
+        return f"{sooner}{frames} ({seconds}) later"
+    return f"{sooner}{frames} after he appears, {seconds} after the change"
 
 
-def _compared(soon: str, before: str) -> str:
-    """When he would see the pedestrian, beside when he does; empty: it is not known."""
+def _compared(soon: str, before: str, *, again: bool) -> str:
+    """When he would see the pedestrian, beside when he does, and whether that is not the first."""
     if not soon:
         return "Whether the driver would see the pedestrian is not known in any frame after it."
     without = f"; without the change, {before or 'it is not known'}"
     same = ", as without the change"
-    return (
-        f"After it the driver would see the pedestrian {soon}{same if soon == before else without}."
-    )
+    sees = "would see the pedestrian again" if again else "would see the pedestrian"
+    return f"After it the driver {sees} {soon}{same if soon == before else without}."
 
 
 def _is_seen(share: NDArray[np.float64], threshold: float) -> bool | None:

@@ -50,11 +50,28 @@ _DRIVER: Final = (
         is_optional=True,
     ),
     Column(
+        "within_sd",
+        Kind.TRUTH_VALUE,
+        "",
+        "Whether `detectability` is no further than `detectability_sd` from the parameter "
+        "`driver_threshold`: whether the driver sees him is open then.",
+        empty=f"{_UNKNOWN}, or no standard deviation is given",
+        is_optional=True,
+    ),
+    Column(
         "driver_sees",
         Kind.TRUTH_VALUE,
         "",
         "Whether the driver sees him by himself: detectability reaches the parameter "
         "`driver_threshold` in a frame up to the first that counts.",
+        empty=_UNKNOWN,
+        is_optional=True,
+    ),
+    Column(
+        "driver_seen_frames",
+        _INTEGER,
+        "frames",
+        "In how many frames up to the first that counts it does: one is enough.",
         empty=_UNKNOWN,
         is_optional=True,
     ),

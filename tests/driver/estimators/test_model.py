@@ -75,6 +75,7 @@ INSIDE = np.full((1, 8), 15.0)
         (0.0, 0.5, 0.1),
         (0.9, 0.5, 0.1),
         (1.0, 0.5, 0.1),  # as near to both: the shorter
+        (1.0 + 1e-12, 0.5, 0.1),  # likewise, but for rounding
         (1.1, 1.5, 0.3),
         (2.2, 1.5, 0.3),
         (2.3, 3.0, 1.0),
@@ -95,6 +96,8 @@ def test_the_nearest_period_is_taken(estimator: Estimator, period_s, taken_s, ex
         (0.5, 0.1, 0.1, 0.5),
         (0.75, 0.15, 0.125, np.nan),
         (1.5, 0.3, 0.2, 1.5),
+        (1.5 - 1e-12, 0.3, 0.2, 1.5),
+        (1.5 + 1e-12, 0.3, 0.2, 1.5),
         (2.25, 0.65, 0.25, np.nan),
         (3.0, 1.0, 0.3, 3.0),
         (9.0, 1.0, 0.3, 3.0),
@@ -135,6 +138,22 @@ def test_a_feature_outside_the_training_is_marked(estimator: Estimator):
     assert estimator.estimate(features, 1.5).is_outside.tolist() == [False, False, False, True]
     between = estimator.estimate(features, 1.0, interpolate=True)
     assert between.is_outside.tolist() == [False, True, True, True]
+
+
+@pytest.mark.parametrize(
+    ("period_s", "row"), [(0.5, 0), (1.5, 1), (1.5 - 1e-12, 1), (1.5 + 1e-12, 1), (3.0, 2)]
+)
+def test_interpolated_at_a_period_its_estimator_alone_says_what_is_outside_or_lacking(
+    estimator: Estimator, period_s: float, row: int
+):
+    features = np.tile(INSIDE, (5, 1))
+    features[1:3, 0] = 21, np.nan
+    features[3:, 3] = 21, np.nan
+    between = estimator.estimate(features, period_s, interpolate=True)
+    nearest = estimator.estimate(features, period_s)
+    for name in ("detectability", "sd", "outside", "period_s"):
+        np.testing.assert_array_equal(getattr(between, name), getattr(nearest, name))
+    assert estimator.regression_rows(period_s, interpolate=True) == [row]
 
 
 def test_each_row_has_its_own_period(estimator: Estimator):

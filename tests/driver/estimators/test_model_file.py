@@ -49,6 +49,24 @@ def test_the_settings_of_its_features_are_kept(training: Training):
     assert fingerprint(again) == fingerprint(wide) != fingerprint(training.estimator)
 
 
+def test_a_quick_search_is_kept_and_any_other_leaves_the_file_as_it_was(training: Training):
+    quick = training.estimator
+    assert quick.origin.search == "quick"  # few settings
+    assert from_bytes(to_bytes(quick), "m.npz").origin == quick.origin
+    full = replace(quick, origin=replace(quick.origin, search=""))
+    assert "search" not in about_of(to_bytes(full))["origin"]
+    assert from_bytes(to_bytes(full), "m.npz").origin == full.origin
+    assert fingerprint(full) != fingerprint(quick)
+
+
+def test_the_size_of_its_pictures_is_kept_where_it_is_known(training: Training):
+    unknown = training.estimator
+    assert "picture_px" not in about_of(to_bytes(unknown))["origin"]  # as in old files
+    known = replace(unknown, origin=replace(unknown.origin, picture_px=(960, 540)))
+    assert from_bytes(to_bytes(known), "m.npz").origin == known.origin
+    assert fingerprint(known) != fingerprint(unknown)
+
+
 def about_of(content: bytes) -> dict:
     with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
         return json.loads(arrays["about"].tobytes())
@@ -119,6 +137,11 @@ def of_origin(**facts: object):
         ),
         (of_origin(seed="x"), "seed: expected int, got 'x'"),
         (of_origin(simulated="perhaps"), "simulated: expected no, all or some"),
+        (of_origin(search="slow"), "search: expected quick, or none"),
+        (of_origin(picture_px=960), "picture_px: expected width and height, two whole numbers"),
+        (of_origin(picture_px=[960, 0]), "picture_px: expected width and height"),
+        (of_origin(picture_px=[960, 540, "x"]), "picture_px: expected width and height"),
+        (of_origin(search=True), "search: expected str, got True"),
         (of_origin(n_subjects=-1), "n_subjects: expected 0 to 4294967296, got -1"),
         (of_origin(display_s=float("inf")), "Infinity is not a number"),
         (of_origin(seed=10**400), "seed: expected 0 to 4294967296, got 1000"),
@@ -193,6 +216,8 @@ def test_a_file_that_is_not_there_is_named(tmp_path: Path):
 def test_the_samples_estimator_says_that_its_observer_is_simulated():
     estimator = read_estimator(SAMPLE_ESTIMATOR)
     assert (estimator.origin.simulated, estimator.origin.n_pedestrians) == ("all", 51)
+    assert estimator.origin.search == ""
+    assert estimator.origin.picture_px == (960, 540)
     assert estimator.periods_s.tolist() == [0.5, 1.5, 3.0, 4.5, 6.0, 7.5]
     for quality in estimator.qualities[:-1]:
         assert quality.error < quality.constant_error

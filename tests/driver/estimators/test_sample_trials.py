@@ -19,6 +19,7 @@ from nvcore.driver.estimators.model_file import SAMPLE_ESTIMATOR
 from nvcore.driver.estimators.nested import OutOfFold, Samples, out_of_fold, samples_of
 from nvcore.driver.estimators.search import folds_of
 from nvcore.driver.estimators.training import OUTER_FOLDS, errors_by_period, origin_of
+from nvcore.driver.feature_record import record_beside
 from nvcore.driver.images import image_features
 from nvcore.driver.trials import TrainingTable, training_table
 from nvcore.output.csv_text import to_csv_bytes
@@ -41,7 +42,10 @@ class LeftOut:
 def left_out(tmp_path_factory: pytest.TempPathFactory) -> LeftOut:
     study = FOLDER / "study"
     features = tmp_path_factory.mktemp("sample") / "study.csv"
-    features.write_bytes(to_csv_bytes(image_features(study, study / "boxes.csv").table))
+    run = image_features(study, study / "boxes.csv")
+    content = to_csv_bytes(run.table)
+    features.write_bytes(content)
+    record_beside(features).write_bytes(run.record({features.name: content}))
     table = training_table(FOLDER / "trials_simulated.csv", features)
     samples = samples_of(table)
     fold = folds_of(samples.group, OUTER_FOLDS, QUICK.seed + 1)

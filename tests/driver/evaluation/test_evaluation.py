@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import itertools
+import re
 from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
 from driver_trials import CHOSEN, PERIODS_S, made_table
+from places import ROOT
 
 from nvcore.driver.estimators import Search
 from nvcore.driver.estimators.search import PAIRS
@@ -161,6 +163,18 @@ def test_with_few_subjects_a_bar_is_a_value(evaluation: Evaluation):
     first = histograms[histograms["period_s"] == 0.5]
     assert first["detectability"].tolist() == [0, 0.25, 0.5, 0.75, 1]
     assert first["n"].tolist() == [4, 3, 0, 0, 3]
+
+
+def test_the_documentation_names_the_columns_of_each_table_in_their_order(tables):
+    page = (ROOT / "docs" / "driver.md").read_text(encoding="utf-8")
+    of_columns = page.partition("| File | Column | |\n|---|---|---|\n")[2].partition("\n\n")[0]
+    columns: dict[str, list[str]] = {}
+    for line in of_columns.splitlines():
+        _, file, names, _, _ = line.split("|")
+        if file.strip():
+            columns[file.strip(" `").removesuffix(".csv")] = of_file = []
+        of_file += re.findall("`([^`]+)`", names)
+    assert columns == {name: table.columns.tolist() for name, table in tables.items()}
 
 
 def test_equal_data_give_equal_files_without_the_time_taken(evaluation: Evaluation):

@@ -99,6 +99,26 @@ def test_what_lacks_boxes_or_features_is_refused(tmp_path: Path):
         training_table(*files, boxes=boxes)
 
 
+@pytest.mark.parametrize("n_pedestrians", [1, 3])
+def test_times_by_the_clock_in_place_of_the_planned_ones_are_refused(
+    tmp_path: Path, n_pedestrians: int
+):
+    features = made_features(n_pedestrians)
+    trials = made_trials(features, FEW[:3])
+    assert len(trials) == 18 * n_pedestrians
+    trials["adaptation_asked_s"] += np.arange(len(trials)) % 7 / 1000
+    words = "the adaptation times 0 and 0.00[1-3] s are less than 50 ms apart: .* not the measured"
+    with pytest.raises(InputError, match=words):
+        training_table(*written(tmp_path, trials, features))
+
+
+def test_many_adaptation_periods_may_be_planned(tmp_path: Path):
+    features = made_features(1)
+    (trial,) = made_trials(features, FEW[:1]).iloc[:1].to_dict("records")
+    plan = pd.DataFrame([trial | {"adaptation_asked_s": n / 20} for n in range(25)])
+    assert len(training_table(*written(tmp_path, plan, features)).periods_s) == 25
+
+
 def subject_rows(tmp_path: Path, change) -> pd.Series:
     """What is said of the first subject after a change of his trials."""
     features = made_features(12)

@@ -58,6 +58,9 @@ if kind in ("two pictures", "light known"):
     if seen_s is not None:
         seen_s[:3], seen_s[40:] = np.nan, np.inf
     visible = VisiblePictures(scene.VISIBLE_AREA, has_picture, seen_s)
+    if seen_s is not None:
+        # and dark for a moment within row 5, which no row's end shows
+        visible = visible._replace(change_s=(scene.FIRST_FRAME + np.array([5.5, 10])) / fps)
 settled = viewer(
     token="gone" if kind == "ended" else "token-of-the-test",
     recording=RECORDINGS.index(kind),

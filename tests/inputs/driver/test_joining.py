@@ -252,9 +252,11 @@ def test_the_record_says_who_estimated_and_whether_subjects_were_simulated(tmp_p
     record = EstimateRecord(
         *("driver", "5f1c00112233445566", "all", 12, {}, "nvcore 0.1.0"),
         n_estimates=9,
-        n_without_light=2,
+        n_light_unknown=2,
         outside={"Height": 3},
         no_better_at_s=(0.5, 1.5),
+        search="quick",
+        other_width={"urban": 480},
     )
     (tmp_path / "d.json").write_bytes(estimate_json(record))
     dataset = load(session)
@@ -262,9 +264,10 @@ def test_the_record_says_who_estimated_and_whether_subjects_were_simulated(tmp_p
     conversion = dataset.inputs["conversion"].iloc[-1]
     assert "1 of 1 rows joined" in conversion
     assert "estimated by driver (fingerprint 5f1c00112233)" in conversion
-    assert "learnt from simulated subjects and no better than a constant at 0.5 and 1.5 s" in (
-        conversion
-    )
+    assert (
+        "learnt from simulated subjects by a quick search, no better than a constant at 0.5 and "
+        "1.5 s and made on pictures of another width than those of the training in urban"
+    ) in conversion
 
 
 @pytest.mark.parametrize(
@@ -274,10 +277,12 @@ def test_the_record_says_who_estimated_and_whether_subjects_were_simulated(tmp_p
         "{",
         '{"estimator": {"simulated": "perhaps"}}',
         '{"estimator": {"n_subjects": "four"}}',
+        '{"estimator": {"search": "slow"}}',
         '{"estimator": {"no_better_at_s": 0.5}}',
         '{"estimator": {"no_better_at_s": ["0.5"]}}',
         '{"estimator": {"no_better_at_s": [NaN]}}',
         '{"files": []}',
+        '{"estimates": {"other_width": {"urban": -1}}}',
         '{"estimates": {"outside": {"Height": "many"}}}',
         "1" * 9,
     ],
@@ -296,6 +301,8 @@ def test_a_record_of_before_is_read_and_gives_the_same_bytes(tmp_path):
     record = EstimateRecord("m", "ab", "no", 4)
     content = estimate_json(record)
     assert b"no_better" not in content
+    assert b"search" not in content
+    assert b"other_width" not in content
     assert read_estimate_record(write(tmp_path / "d.json", content.decode()), "d.json") == record
     assert record.caution == ""
     assert replace(record, no_better_at_s=(3.0,)).caution == "no better than a constant at 3 s"

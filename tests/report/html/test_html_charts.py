@@ -10,12 +10,16 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 import pytest
+from approach import ALL, LATE, met
 from builders import at, make_dataset, result_of
 from plotly.offline import get_plotlyjs
 
 from nvcore.evidence.measures import significance_table
+from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.figures.style import LOOK
+from nvcore.report.html.blocks import Table
 from nvcore.report.html.charts import figure_json, interval_plot, packed_plotly
+from nvcore.report.html.evidence_sections import subgroups_section
 
 
 @pytest.fixture(scope="module")
@@ -99,3 +103,11 @@ def test_an_axis_of_no_difference_still_has_ticks_that_differ(evidence):
     assert list(figure.layout.xaxis.range) == [-1, 1]  # percentage points
     empty = interval_plot(evidence.assign(difference=np.nan))
     assert "No measure" in annotations(empty)[0]
+
+
+def test_who_detects_more_is_of_encounters_detected_alone():
+    section = subgroups_section(subgroup_table(met((ALL, LATE), (ALL, ALL))), "light")
+    tables = {block.title: block for block in section.blocks if isinstance(block, Table)}
+    groups = [row[:2] for row in tables["Encounters detected by subgroup"].rows]
+    assert len(groups) == len(set(groups))
+    assert tables["Encounters detected by subgroup"].rows[0][2:5] == ("2", "1", "1")

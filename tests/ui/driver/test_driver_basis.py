@@ -11,7 +11,16 @@ import pytest
 from driver_estimators import CONTRAST, estimator
 
 from nvcore.driver.features import FEATURE_KEYS
-from ui.driver.basis import outside_words, period_words
+from ui.driver.basis import (
+    NO_FEATURE,
+    NO_PICTURE,
+    NO_VALUE,
+    NOT_RUN,
+    OF_HEAT,
+    outside_words,
+    period_words,
+    why_unknown,
+)
 
 
 def run_of(*, is_interpolated: bool = False, high: float = 100.0):
@@ -55,3 +64,15 @@ def test_a_value_just_outside_has_digits_enough_to_be_told_from_the_range():
     ]
     between = outside_words(run_of(is_interpolated=True), features(101.0), 2.0)
     assert [words.rpartition("levels")[2] for words in between] == [" for 0.5 s", " for 4.5 s"]
+
+
+def test_why_nothing_is_known_of_a_pedestrian():
+    nothing = pd.DataFrame(np.full((2, len(FEATURE_KEYS)), np.nan), columns=FEATURE_KEYS)
+    size = nothing.assign(height_px=60.0)
+    grey, colour = (SimpleNamespace(may_be_of_heat=is_grey) for is_grey in (True, False))
+    assert why_unknown(None, None, has_run=False) == NO_VALUE
+    assert why_unknown(None, None, has_run=True) == NOT_RUN
+    assert why_unknown(colour, None, has_run=True) == NO_VALUE  # features are of other boxes
+    assert why_unknown(grey, size, has_run=True) == OF_HEAT
+    assert why_unknown(colour, nothing, has_run=True) == NO_PICTURE
+    assert why_unknown(colour, size, has_run=True) == NO_FEATURE

@@ -1,10 +1,11 @@
-"""All encounters of the Driver page, in parts that add up."""
+"""All encounters of the Driver page and all urgent ones, in parts that add up."""
 
 from __future__ import annotations
 
 from approach import approach, only
 from builders import NAN, Place, at, make_dataset, result_of
 
+from nvcore.report.verdict.driver import describe_driver
 from ui.driver.counts import describe_counts
 
 
@@ -21,12 +22,15 @@ def test_each_encounter_and_each_urgent_one_is_in_one_part():
         y += only(boxes, by_y)
     truth += [at(0, 5, h=4, track=9)._replace(detectability=0.5)]
     dataset = make_dataset(truth, x, y, places=[Place(always)] * len(kinds))
-    assert describe_counts(result_of(dataset, proximity="height")) == (
-        "6 encounters in all: 1 seen by the driver, 3 not seen, 1 unknown, 1 "
-        "distant (never near enough to count). 4 urgent ones of which it is known: in time is the "
-        "driver by himself in 1; of the others, both systems are in 1, X alone in 0, Y alone in 1, "
-        "nobody in 1."
+    result = result_of(dataset, proximity="height")
+    assert describe_counts(result) == (
+        "6 encounters in all: 1 seen by the driver, 3 not seen, 1 unknown, 1 distant (never near "
+        "enough to count)."
     )
+    assert (
+        "Of 4 urgent encounters of which it is known, the driver is in time by himself in 1; of "
+        "the others, both systems are in 1, X alone in 0, Y alone in 1, nobody in 1."
+    ) in describe_driver(result)
 
 
 def test_where_all_are_near_and_known_and_none_is_urgent_no_more_is_said():

@@ -8,9 +8,11 @@ import threading
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 import small_estimator
 from builders import at, make_dataset, result_of
+from picture_files import write_picture
 
 from nvcore.api.driver_run import estimate_driver
 from nvcore.dataset.estimates import EstimateRecord
@@ -26,14 +28,14 @@ from ui.session.chosen import CHOSEN
 from ui.session.workspace import Workspace
 
 
-def rows(x: int, detectability: float) -> str:
+def rows(x: int, detectability: float | str) -> str:
     return "".join(
         f"night,{frame},{x + frame},200,40,120,{x},{detectability}\n" for frame in FRAMES
     )
 
 
 @pytest.fixture
-def page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """X detects one of two pedestrians, whom the driver sees; Y both."""
     path = write(
         tmp_path,
@@ -50,6 +52,11 @@ def page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     head = "recording,frame,x,y,w,h,track,detectability\n"
     (tmp_path / "truth.csv").write_text(head + rows(300, 0.8) + rows(100, 0.2))
     begin_with(path, monkeypatch)
+    return tmp_path
+
+
+@pytest.fixture
+def page(folder: Path):
     return checked(alone("driver").run())
 
 
@@ -79,6 +86,21 @@ def test_a_chosen_encounter_that_is_not_listed_is_said(page):
     )
     page.session_state[CHOSEN] = (page.session_state["workspace"].n_opened, "night:100")
     assert "not in this list" not in texts(checked(page.run()))
+
+
+def test_of_a_pedestrian_of_whom_nothing_is_known_a_sentence_stands_in_place_of_the_plot(folder):
+    with (folder / "truth.csv").open("a") as truth:
+        truth.write(rows(500, ""))
+    page = checked(alone("driver").run())
+    assert "Click a mark to see its frame" in texts(page)
+    checked(page.selectbox(key="driver_region").set_value(DriverRegion.UNKNOWN).run())
+    assert "Pedestrian 500 of night" in [item.value for item in page.header]
+    assert (
+        "In no frame is it known how detectable this pedestrian is: neither the ground truth nor"
+        in texts(page)
+    )
+    assert "Click a mark to see its frame" not in texts(page)
+    assert not page.toggle
 
 
 def test_without_detectability_the_page_says_how_to_get_it():
@@ -267,7 +289,7 @@ def test_adapted_eyes_and_the_band_are_explained_where_an_estimator_was_used(vis
     page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
     assert "The eyes count as adapted" in texts(page)
     page = checked(page.toggle(key="driver_tunnel").set_value(True).run())
-    assert "Without the simulated change the eyes count as adapted" in texts(page)
+    assert "The eyes count as adapted" not in texts(page)  # not of whom it became dark for
 
 
 def test_where_nothing_is_known_of_the_light_nobody_is_said_to_be_adapted(visible):
@@ -293,6 +315,46 @@ def test_a_feature_outside_of_the_training_is_named_with_the_number_that_rests_o
 def test_of_values_that_the_truth_states_nothing_is_said_of_an_estimator(page):
     assert "estimator of the longest period" not in texts(page)
     assert "The band is" not in texts(page)
+
+
+def test_beside_estimates_a_value_that_the_truth_states_is_called_so(tmp_path, monkeypatch):
+    session = small_estimator.write_session(tmp_path, stated=0.7)
+    for frame in range(30, small_estimator.N_FRAMES):
+        (tmp_path / "visible" / f"{frame:03d}.png").unlink()
+    begin_with(session, monkeypatch)
+    page = estimated(sent(tmp_path))
+    assert re.search(r"Detectability, estimator of 4\.5\ss\s+0\.10 ± 0\.10", panel(page))
+    page.session_state["place"] = (0, 59)
+    assert re.search(r"Detectability\s+0\.70", panel(checked(page.run())))
+
+
+def test_no_change_of_light_is_simulated_where_the_truth_states_all_values(tmp_path, monkeypatch):
+    session = small_estimator.write_session(tmp_path, stated=0.7)
+    add_grey_recording(session)
+    begin_with(session, monkeypatch)
+    page = sent(tmp_path)
+    (recordings,) = (choice for choice in page.multiselect if choice.label == "Recordings")
+    page = estimated(checked(recordings.set_value(["drive", "heat"]).run()))
+    page.session_state[CHOSEN] = (page.session_state["workspace"].n_opened, "heat:1")
+    page = checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
+    assert "Pedestrian 1 of heat" in [item.value for item in page.header]
+    assert re.search(r"Detectability\s+0\.70", panel(page))
+    assert page.toggle(key="driver_tunnel").disabled
+    assert "what is shown is the ground truth's" in texts(page)
+
+
+def add_grey_recording(session: Path) -> None:
+    """Add "heat", of the same boxes, to a small session: its pictures may be far infrared."""
+    folder = session.parent
+    (folder / "heat").mkdir()
+    for path in (folder / "visible").iterdir():
+        write_picture(folder / "heat" / path.name, np.full((240, 320), 90, np.uint8))
+    for name in ("truth", "x", "y"):
+        path = folder / f"{name}.csv"
+        lines = path.read_text()
+        path.write_text(lines + lines.partition("\n")[2].replace("drive,", "heat,"))
+    with session.open("a") as text:
+        text.write('[[recording]]\nname = "heat"\npictures = "heat"\n')
 
 
 def test_a_light_meter_that_cannot_be_read_is_said_under_the_viewer(

@@ -103,8 +103,8 @@ def test_the_table_of_many_frames_is_made_on_a_wish():
 
 def test_what_the_audit_warns_of_stands_above_the_map(tmp_path, monkeypatch: pytest.MonkeyPatch):
     two_floors = session(tmp_path, "fir.csv", "nir.csv")
-    rows = [f"urban,{f},{10 * x},0,10,50" for f in range(20) for x in range(3)]
-    for name, floor in (("fir", 0.01), ("nir", 0.5)):
+    for name, floor, n_boxes in (("fir", 0.01, 6), ("nir", 0.5, 3)):
+        rows = [f"urban,{f},{10 * x},0,10,50" for f in range(20) for x in range(n_boxes)]
         scores = (f"{row},{min(0.99, floor + i / 200):.3f}" for i, row in enumerate(rows))
         write(tmp_path / f"{name}.csv", "recording,frame,x,y,w,h,score", *scores)
     begin_with(two_floors, monkeypatch)

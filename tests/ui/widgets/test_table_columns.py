@@ -66,6 +66,13 @@ def test_a_table_grows_up_to_ten_rows():
     assert table_height(0) == table_height(1) < table_height(10) == table_height(5000)
 
 
+def test_no_row_of_a_table_is_cut_in_two():
+    """Streamlit's rows, and its heading, are 2.1875 rem high, in whole pixels."""
+    theme = tomllib.loads((ROOT / ".streamlit" / "config.toml").read_text("utf-8"))["theme"]
+    row_px = round(2.1875 * theme["baseFontSize"])
+    assert [table_height(n) - 2 for n in (1, 3, 10, 12)] == [n * row_px for n in (2, 4, 11, 11)]
+
+
 def test_a_table_that_is_cut_short_says_so():
     assert rows_told(5000, "first") == ""
     told = rows_told(12345, "most salient")

@@ -19,6 +19,7 @@ from ui.shell.messages import without_paths
 from ui.shell.page_words import page_text
 from ui.shell.recordings_filter import filter_text
 from ui.shell.review import subject_text
+from ui.widgets.buttons import button
 from ui.widgets.text import plain
 
 BADGES: Final = {
@@ -137,9 +138,9 @@ def _draw_correction(findings: Sequence[Finding], finding: Finding, number: int)
     words = ", ".join(
         f"{name} {value:g}" for finding in chain for name, value in finding.suggestion
     )
-    is_wanted = st.button(
+    is_wanted = button(
         "Apply to the session",
-        key=f"apply_{number}",
+        key=f"apply_{number}_{hash((finding.subject, finding.suggestion))}",
         icon=":material/build:",
         help=f"Corrects the boxes of this system when they are read: {words}. The files stay as "
         "they are; a saved session holds the correction.",

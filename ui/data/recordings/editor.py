@@ -35,6 +35,7 @@ from ui.session import state
 from ui.session.opening import with_recordings
 from ui.session.uploads import SentFile, new_upload, store_annotations
 from ui.shell.page_words import page_text
+from ui.widgets.buttons import submit_button
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
 FRAMES: Final = "frames"
@@ -182,7 +183,9 @@ def draw(
             pictures=[*choices],
             columns=[*COLUMNS[:-2], FRAMES, *COLUMNS[-2:], NOTE],
         )
-        is_wanted = st.form_submit_button("Apply to the recordings", icon=":material/check:")
+        is_wanted = submit_button(
+            "Apply to the recordings", icon=":material/check:", key="apply_recordings"
+        )
     if is_wanted:
         _apply(before, after, choices)
 

@@ -14,6 +14,7 @@ from nvcore.wording import count_text
 from ui.data.opening import try_to_open
 from ui.session import state
 from ui.session.opening import with_recordings
+from ui.widgets.buttons import button
 from ui.widgets.text import docs_link, plain
 
 MOST_SHOWN: Final = 10
@@ -71,7 +72,7 @@ def _draw_estimates(whole: Dataset, horizons: Mapping[str, Horizon], n_open: int
         n_unknown = count_text(n_open - len(horizons), "recording")
         st.caption(f"Of {n_unknown} the boxes do not tell.")
     words = "this horizon" if len(horizons) == 1 else f"these {len(horizons):,} horizons"
-    if st.button(f"Use {words}", key="use_horizons", icon=":material/check:"):
+    if button(f"Use {words}", key="use_horizons", icon=":material/check:"):
         changes = {
             name: {"horizon": round(horizon.row_px, 1)} for name, horizon in horizons.items()
         }

@@ -16,6 +16,7 @@ from ui.session import state
 from ui.session.chosen import rename_chosen
 from ui.session.opening import with_recordings
 from ui.shell.page_words import page_text
+from ui.widgets.buttons import submit_button
 from ui.widgets.text import plain
 
 _DONE: Final = "names_changed"
@@ -44,7 +45,7 @@ def draw_systems() -> None:
             )
             for i, name in enumerate(names)
         ]
-        is_wanted = st.form_submit_button("Use these names", icon=":material/check:")
+        is_wanted = submit_button("Use these names", icon=":material/check:", key="use_names")
     if not is_wanted:
         return
     new = {old: text.strip() or old for old, text in zip(names, typed, strict=True)}

@@ -51,9 +51,18 @@ def opened_run() -> OpenedRun | None:
 
 
 def features_of(recording: int) -> pd.DataFrame | None:
-    """Features of the pedestrians of a recording (`FEATURE_COLUMNS`); None: not known."""
-    part = _part_of(recording)
-    return None if part is None else part.table
+    """Features of the pedestrians of a recording; None: not known.
+
+    Returns
+    -------
+    `FEATURE_COLUMNS`, and ``estimate``: detectability by the estimator, 0..1, NaN: it says none.
+    """
+    part, known = part_of(recording), opened_run()
+    if part is None or known is None:
+        return None
+    own = known.run.table
+    estimate = own.loc[own["recording"] == part.name_in_data, "detectability"]
+    return part.table.assign(estimate=estimate.to_numpy())
 
 
 def clock_of(recording: int) -> AdaptationClock | None:
@@ -62,14 +71,14 @@ def clock_of(recording: int) -> AdaptationClock | None:
     By the run of this session, else by the recording's light meter, with the settings of
     `recorded_light`, else our defaults.
     """
-    part = _part_of(recording)
+    part = part_of(recording)
     clock = _cached_by_meter(recording) if part is None else part.clock
     return None if isinstance(clock, str) else clock
 
 
 def light_trouble(recording: int) -> str:
     """Why the file of a recording's light meter cannot be used, without paths; empty: it can."""
-    trouble = _cached_by_meter(recording) if _part_of(recording) is None else None
+    trouble = _cached_by_meter(recording) if part_of(recording) is None else None
     return trouble if isinstance(trouble, str) else ""
 
 
@@ -99,11 +108,12 @@ def recorded_light() -> LightSettings | None:
 def may_be_another_clock(recording: int) -> bool:
     """Whether estimates may rest on another clock than `clock_of` shows beside them."""
     dataset = state.opened().dataset
-    is_of_file = dataset.estimate is not None and _part_of(recording) is None
+    is_of_file = dataset.estimate is not None and part_of(recording) is None
     return is_of_file and recorded_light() is None and clock_of(recording) is not None
 
 
-def _part_of(recording: int) -> RecordingFeatures | None:
+def part_of(recording: int) -> RecordingFeatures | None:
+    """What the opened run has of a recording; None: it was not among those that were estimated."""
     known = opened_run()
     if known is None:
         return None

@@ -1,6 +1,10 @@
 """A change of the theme, by the browser or in Streamlit's menu, draws charts and viewer anew.
 
 Streamlit changes its own colours at once, and tells Python of the theme with the next run only.
+
+It imports the script once for each document, however often the part is drawn anew, and keeps the
+element that is watched as long: there is one observer, which ends with the document. Each drawing
+says anew whom it tells. A clean-up by drawing would end the observer of the drawing after it.
 """
 
 from __future__ import annotations

@@ -235,6 +235,7 @@ def _pack_visible(visible: VisiblePictures) -> dict[str, Any]:
         "area": [float(side) for side in visible.area],
         "spans": spans,
         "seen_s": None if visible.seen_s is None else pack(visible.seen_s, "f4"),
+        "changes": pack(visible.change_s, "f8"),
         "simulated": pack(find_spans(is_simulated), "i4"),
         "can_simulate": visible.can_simulate,
     }

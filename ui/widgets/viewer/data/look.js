@@ -2,7 +2,6 @@
 
 const CLOCK = "clock"; // in place of seconds: those of the recording
 const SAME_S = 1e-6; // times closer than this differ by rounding alone
-const SINGLE_S = 1e-4; // the same of periods, which are sent with seven digits
 const LOOKS = [["own", "Own pictures"], ["visible", "Visible light"], ["blended", "Blended"], ["both", "Side by side"]];
 
 class Look {
@@ -13,10 +12,10 @@ class Look {
     this.sinceS = 0.5; // seconds since the light has changed
     this.isByHand = false; // whether `sinceS` holds also where the recording's own times are known
     this.changeAt = null; // time of a simulated change of light, s; null: none
-    this.realAt = Infinity; // time of the next real one after it, s
     this.visible = null; // what Python sends of it; null: the recording has none
     this.spans = new Int32Array(0);
     this.periods = new Float32Array(0); // seconds since the light has changed, by row; see `ownSeconds`
+    this.changes = new Float64Array(0); // times at which it really became dark, s, ascending
     this.simulated = new Int32Array(0); // spans of rows whose seconds are of a change that never was
   }
 
@@ -33,6 +32,7 @@ class Look {
     this.spans = visible ? unpack(visible.spans, Int32Array) : new Int32Array(0);
     this.simulated = visible ? unpack(visible.simulated, Int32Array) : new Int32Array(0);
     this.periods = visible?.seen_s ? unpack(visible.seen_s, Float32Array) : new Float32Array(0);
+    this.changes = visible ? unpack(visible.changes, Float64Array) : new Float64Array(0);
   }
 
   // Whether it is known how long ago the light has changed in this recording.
@@ -71,20 +71,15 @@ class Look {
     return this.followsClock ? this.periods[row] : NaN;
   }
 
-  // What a change of light at the beginning of a row sets.
-  changeFrom(recording, row) {
-    const changeAt = recording.times[row];
-    for (let later = row; later < this.periods.length; later += 1) {
-      const at = recording.endOf(later) - this.periods[later]; // adapted, or not known: no time
-      if (at > changeAt + SINGLE_S) return { changeAt, realAt: at };
-    }
-    return { changeAt, realAt: Infinity };
+  // Time of the next real change of light after the simulated one, also where no row shows it, s.
+  get realAt() {
+    return this.changes.find((at) => at > this.changeAt + SAME_S) ?? Infinity;
   }
 
   // Seconds since the change that is simulated here, at the end of a row; null: a real one came later, or none is.
   sinceChange(row, endS) {
     const seconds = this.changeAt === null ? 0 : endS - this.changeAt;
-    const isOver = this.followsClock && endS > this.realAt + SINGLE_S;
+    const isOver = this.followsClock && endS > this.realAt + SAME_S;
     return seconds > SAME_S && !isOver ? seconds : null;
   }
 

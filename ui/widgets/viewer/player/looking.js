@@ -47,7 +47,7 @@ class Looking extends Player {
   // Simulate that it becomes dark at this row, or no longer.
   toggleTunnel() {
     const isOver = this.look.changeAt !== null;
-    this.changeLook(isOver ? { changeAt: null } : this.look.changeFrom(this.recording, this.row));
+    this.changeLook({ changeAt: isOver ? null : this.recording.times[this.row] });
   }
 
   resetVisible() {

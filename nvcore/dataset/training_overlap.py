@@ -1,0 +1,142 @@
+"""Which frames of a dataset are in a training, by name and by ground truth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from nvcore.dataset import Dataset
+from nvcore.dataset.provenance import TrainedOn
+from nvcore.dataset.training import fingerprints_of_ranges
+
+MOST_HASHED: Final = 50_000_000
+"""Boxes of which fingerprints are made for a training: some seconds of work, more than 1,000 whole
+recordings take against 1,000 others. A model's file may come from a stranger, and list more."""
+_PER_PART, _PER_HASH = 1, 20
+"""What a part costs in a recording, and a fingerprint, in boxes."""
+_OPEN_END: Final = 2**60
+"""Beyond every frame number."""
+_ELSEWHERE: Final = -1
+
+
+class TrainingOverlap(NamedTuple):
+    """What of a dataset is in a training.
+
+    Attributes
+    ----------
+    is_trained, is_namesake
+        Frames of the training, and those of a recording of the same name with other ground truth;
+        bool, shape (n_frames,).
+    is_unchecked
+        Frames of which the ground truth was not compared, bool, shape (n_frames,).
+    has_part
+        Recordings of which some frames are in it, bool, shape (n_recordings,).
+    """
+
+    is_trained: NDArray[np.bool_]
+    is_namesake: NDArray[np.bool_]
+    is_unchecked: NDArray[np.bool_]
+    has_part: NDArray[np.bool_]
+
+
+def training_overlap(dataset: Dataset, trained_on: Sequence[TrainedOn]) -> TrainingOverlap:
+    """What of a dataset is in a training, by the names of recordings and by their ground truth.
+
+    A part whose recording is not here is looked for in all of them by its fingerprint; one whose
+    frames are all here under its name must have the same ground truth. Where that takes more than
+    `MOST_HASHED` allows, the ground truth is not compared.
+    """
+    frames, names = dataset.frame_columns, dataset.recordings["name"].tolist()
+    parts = _parts(trained_on, names)
+    is_trained, is_namesake, is_unchecked = np.zeros((3, len(frames)), dtype=bool)
+    has_part = np.zeros(len(names), dtype=bool)
+    left = MOST_HASHED
+    for number in range(len(names)):
+        rows = frames.rows_of(number)
+        places = (_ELSEWHERE, number) if left >= 0 else (number,)
+        own = parts[parts["recording"].isin(places)]
+        start, stop = _rows_of(own, frames.frame[rows])
+        n_frames = (own["last"] - own["first"] + 1).to_numpy()
+        is_named = (own["recording"] == number).to_numpy()
+        noted = own["fingerprint"].to_numpy()
+        is_compared = ~is_named | ((noted != "") & (stop - start == n_frames))
+        is_same = np.zeros(len(own), dtype=bool)
+        left -= _PER_PART * len(own)
+        prints, left = _fingerprints(dataset, number, start[is_compared], stop[is_compared], left)
+        is_same[is_compared] = prints == noted[is_compared]
+        is_own = np.where(is_compared, is_same, is_named)
+        is_other = is_named & ~is_own & (left >= 0)
+        is_trained[rows] = _is_covered(rows, start[is_own], stop[is_own])
+        is_namesake[rows] = _is_covered(rows, start[is_other], stop[is_other])
+        is_unchecked[rows] = left < 0
+        has_part[number] = is_own.any()
+    return TrainingOverlap(is_trained, is_namesake, is_unchecked, has_part)
+
+
+def _parts(trained_on: Sequence[TrainedOn], names: Sequence[str]) -> pd.DataFrame:
+    """Parts that may be here: number of the recording, fingerprint, first and last frame."""
+    number_of = {name: number for number, name in enumerate(names)}
+    parts = [
+        (
+            number_of.get(part.recording, _ELSEWHERE),
+            part.fingerprint,
+            _frame(part.first_frame, -_OPEN_END),
+            _frame(part.last_frame, _OPEN_END),
+        )
+        for part in trained_on
+        if part.fingerprint or part.recording in number_of
+    ]
+    table = pd.DataFrame(parts, columns=["recording", "fingerprint", "first", "last"])
+    types = {"recording": np.int64, "fingerprint": object, "first": np.int64, "last": np.int64}
+    return table.astype(types).drop_duplicates().sort_values(["first", "last"])
+
+
+def _frame(number: int | None, unstated: int) -> int:
+    return unstated if number is None else min(max(number, -_OPEN_END), _OPEN_END)
+
+
+def _rows_of(
+    parts: pd.DataFrame, frame: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """First row of each part among these frame numbers, and the one after its last."""
+    start = frame.searchsorted(parts["first"].to_numpy())
+    stop = frame.searchsorted(parts["last"].to_numpy(), side="right")
+    return start, np.maximum(start, stop)
+
+
+def _fingerprints(
+    dataset: Dataset, number: int, start: NDArray[np.int64], stop: NDArray[np.int64], left: int
+) -> tuple[NDArray[np.object_], int]:
+    """Fingerprints of the truth in these rows of a recording, and what is left to be spent.
+
+    Empty texts, and less than nothing left, if they cost more than is `left`.
+    """
+    rows = dataset.frame_columns.rows_of(number)
+    offsets = dataset.truth.offsets[rows.start : rows.stop + 1]
+    offsets = (offsets - offsets[0]).astype(np.int64)
+    n_boxes = offsets[-1]
+    ranges = offsets[start] * (n_boxes + 1) + offsets[stop]
+    unique, range_of = np.unique(ranges, return_inverse=True)
+    first, end = np.divmod(unique, n_boxes + 1)
+    is_longest = np.diff(first, append=-1) != 0
+    n_hashed = int((end - first)[is_longest].sum())
+    if len(unique):
+        left -= int(n_boxes) + n_hashed + _PER_HASH * len(unique)
+    if left < 0 or not len(unique):
+        return np.full(len(start), "", dtype=object), left
+    prints = fingerprints_of_ranges(dataset, number, first, end)
+    return np.array(prints, dtype=object)[range_of], left
+
+
+def _is_covered(
+    rows: slice, start: NDArray[np.int64], stop: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    """Which of a recording's rows are in one of these ranges."""
+    n = rows.stop - rows.start
+    changes = np.bincount(start, minlength=n + 1) - np.bincount(stop, minlength=n + 1)
+    is_covered: NDArray[np.bool_] = np.cumsum(changes)[:n] > 0
+    return is_covered

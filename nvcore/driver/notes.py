@@ -1,0 +1,168 @@
+"""What is said of a recording's features: what was taken for what, and what speaks against it."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.driver.fixation import FixedPoint, Gaze
+from nvcore.driver.illumination import Light, LightSettings, LightSource
+from nvcore.driver.illumination.clock import AdaptationClock
+from nvcore.driver.illumination.meter import LEAST_HELD_S
+from nvcore.driver.recording import DriverRecording
+from nvcore.wording import capitalised, count_text
+
+MANY_DARK: Final = 0.1
+"""From this share of readings below `least_lux` on it is said how many are: a wrong unit; ours."""
+_NO_LIGHT: Final = "Nothing is known of the light: no adaptation period."
+
+
+def picture_notes(recording: DriverRecording, faults: list[str], n_unseen: int) -> list[str]:
+    """Which pictures were taken, and what is wrong with them.
+
+    Parameters
+    ----------
+    faults
+        Of pictures that cannot be read.
+    n_unseen
+        Pedestrian boxes in frames without a picture.
+    """
+    notes = []
+    if recording.pictures is not None and not recording.is_visible:
+        notes.append("Features are of its own pictures: none of visible light are named.")
+        if recording.may_be_of_heat:
+            notes.append("They are grey; far-infrared ones say nothing about what eyes see.")
+    notes += recording.doubts
+    if n_unseen:
+        boxes = count_text(n_unseen, "pedestrian box is", "pedestrian boxes are")
+        notes.append(f"{boxes} in frames without a picture. {recording.picture_note}".strip())
+    if faults:
+        cannot = count_text(len(faults), "picture")
+        notes.append(f"{cannot} cannot be read: {faults[0]}.")
+    return notes
+
+
+def outside_note(recording: DriverRecording, n_outside: int, n_seen: int) -> str:
+    """How many of the boxes whose frame has a picture lie outside of it; empty: none does."""
+    if not n_outside:
+        return ""
+    by = "with its visible_map " if recording.has_map else ""
+    boxes = count_text(n_seen, "pedestrian box", "pedestrian boxes")
+    which = "all pedestrian boxes" if n_outside == n_seen else f"{n_outside:,} of {boxes}"
+    return f"{by}{which} lie outside the picture"
+
+
+def other_frames(gaze: Gaze, frames: NDArray[np.int64]) -> str:
+    """What is wrong with gaze of none of a recording's frames (n,); empty: it is of some."""
+    if not len(gaze.frame):
+        return "the gaze file has no row"
+    if not len(frames) or not np.isnan(gaze.at(frames)).all():
+        return ""
+    return (
+        f"the gaze file has frames {gaze.frame[0]} to {gaze.frame[-1]}, the recording "
+        f"{frames[0]} to {frames[-1]}"
+    )
+
+
+def fixation_note(
+    recording: DriverRecording,
+    assumed: FixedPoint,
+    frames: NDArray[np.int64],
+    with_boxes: NDArray[np.int64],
+) -> str:
+    """Where the driver is taken to look.
+
+    Parameters
+    ----------
+    frames, with_boxes
+        Numbers of the recording's frames, and of those of them with pedestrians, ascending.
+    """
+    gaze = recording.gaze
+    if gaze is None:
+        return f"Fixation assumed: {assumed.words}."
+    if fault := other_frames(gaze, frames):
+        return f"{capitalised(fault)}: no fixation is known."
+    is_known = ~np.isnan(gaze.at(with_boxes)[:, 0])
+    n_known = int(np.count_nonzero(is_known))
+    text = "Fixation by the gaze file."
+    if n_known < len(with_boxes):
+        n_without = len(with_boxes) - n_known
+        of_frames = f"{n_without:,} of {len(with_boxes):,} frames with pedestrians"
+        text = f"Fixation by the gaze file, which has none in {of_frames}."
+    if recording.picture_px is None:
+        return text
+    points = recording.fixations(with_boxes[is_known], assumed, recording.picture_px)
+    n_outside = int(np.count_nonzero(((points < 0) | (points > recording.picture_px)).any(axis=1)))
+    if n_outside:
+        width, height = recording.picture_px
+        text += (
+            f" {n_outside:,} of its {count_text(n_known, 'point')} in frames with pedestrians "
+            f"{'lies' if n_outside == 1 else 'lie'} outside the picture of {width} x {height} px."
+        )
+    return text
+
+
+def light_note(
+    light: Light | None,
+    clock: AdaptationClock | None,
+    frames: NDArray[np.int64],
+    fps: float,
+    settings: LightSettings,
+) -> str:
+    """What told how bright it was, and how often it became dark.
+
+    Parameters
+    ----------
+    light, clock
+        None: nothing is known.
+    frames
+        Numbers of the recording's frames, ascending.
+    """
+    if light is None or clock is None or not len(light.time_s) or not len(frames):
+        return _NO_LIGHT
+    begin_s, end_s = float(frames[0]) / fps, float(frames[-1] + 1) / fps
+    n_within = int(np.count_nonzero((clock.change_s >= 0) & (clock.change_s < end_s - begin_s)))
+    changes = count_text(n_within, "change") + " from bright to dark"
+    if n_before := int(np.count_nonzero(clock.change_s < 0)):
+        changes += f", {n_before:,} before the first frame"
+    if light.source is LightSource.PICTURE:
+        sparse = _sparse(frames / fps, "picture", settings)
+        return f"No light meter: the pictures' mean luminance stands in for one: {changes}{sparse}."
+    times = (
+        f"from {_amount(light.time_s[0])} to {_amount(light.time_s[-1])} s, the recording from "
+        f"{_amount(begin_s)} to {_amount(end_s)} s"
+    )
+    if light.time_s[0] >= end_s or light.end_s < begin_s:
+        return f"The light meter's readings are {times}. {_NO_LIGHT}"
+    is_short = light.time_s[0] > begin_s + LEAST_HELD_S or light.end_s < frames[-1] / fps
+    parts = [
+        f"Light by the light meter: {changes}{_sparse(light.time_s, 'reading', settings)}",
+        _levels(light, settings),
+        f"they are {times}" if is_short else "",
+    ]
+    return "; ".join(filter(None, parts)) + "."
+
+
+def _levels(light: Light, settings: LightSettings) -> str:
+    """The range of a light meter's readings: a wrong unit shows there."""
+    low, high = _amount(light.level.min()), _amount(light.level.max())
+    text = f"readings of {low} to {high} lx" if low != high else f"readings of {low} lx"
+    n_dark = int(np.count_nonzero(light.level < settings.least_lux))
+    if n_dark >= MANY_DARK * len(light.level):
+        of_all = f"{n_dark:,} of {len(light.level):,}"
+        text += f", {of_all} below {settings.least_lux:g} lx, which count as that"
+    return text
+
+
+def _sparse(time_s: NDArray[np.float64], noun: str, settings: LightSettings) -> str:
+    """How far apart readings are, where a change may be missed between two; else empty."""
+    every_s = float(np.median(np.diff(time_s))) if len(time_s) > 1 else 0.0
+    is_sparse = every_s > settings.bright_for_s / 2
+    return f", with one {noun} in {_amount(every_s)} s" if is_sparse else ""
+
+
+def _amount(value: float) -> str:
+    """A number with three figures, or all before the point."""
+    return f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}"

@@ -1,0 +1,45 @@
+"""Whether pictures are as wide as those of the training: px do not mean the same otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from nvcore.driver.estimators import Estimator
+from nvcore.driver.run import RecordingFeatures
+from nvcore.wording import MOST_NAMED, listed, one_line
+
+WIDTH_FACTOR: Final = 1.1
+"""By more than that the width of pictures differs from that of the training; ours."""
+
+
+def other_widths(recordings: Sequence[RecordingFeatures], estimator: Estimator) -> dict[str, int]:
+    """Width of the pictures of each recording, by name, where the training's is another.
+
+    Grey pictures that nobody calls visible are left out: nothing is estimated from them. Empty
+    where it is not known how wide those of the training were.
+    """
+    if estimator.origin.picture_px is None:
+        return {}
+    trained = estimator.origin.picture_px[0]
+    return {
+        part.name: part.picture_px[0]
+        for part in recordings
+        if part.picture_px is not None
+        and not part.may_be_of_heat
+        and max(part.picture_px[0], trained) > WIDTH_FACTOR * min(part.picture_px[0], trained)
+    }
+
+
+def other_width_lines(recordings: Sequence[RecordingFeatures], estimator: Estimator) -> list[str]:
+    """What is to be said of these pictures, a line for each width."""
+    names: dict[int, list[str]] = {}
+    for name, width in other_widths(recordings, estimator).items():
+        names.setdefault(width, []).append(one_line(name))
+    picture_px = estimator.origin.picture_px
+    return [
+        f"pictures of {listed(of_width, most=MOST_NAMED)} are {width:,} px wide, those of the "
+        f"training {picture_px[0]:,}: sizes and distances in px do not mean the same"
+        for width, of_width in names.items()
+        if picture_px is not None
+    ]
