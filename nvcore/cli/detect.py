@@ -40,7 +40,7 @@ _detector_options = (
         multiple=True,
         metavar="KEY=VALUE",
         help="A setting of the detector, such as upscale=2; may be given again. nvcore models "
-        "DETECTOR lists them.",
+        "NAME or FILE lists them.",
     ),
     grouped_option(
         DETECTOR,
@@ -140,16 +140,22 @@ def detect(session_file: Path, detector: str, settings: Sequence[str], **options
 
 @click.command(
     cls=GroupedCommand,
-    short_help="List the detectors, or describe a model.",
-    epilog=examples("nvcore models", "nvcore models hog:daimler", "nvcore models yolo.onnx"),
+    short_help="List the models, or describe one.",
+    epilog=examples(
+        "nvcore models",
+        "nvcore models hog:daimler",
+        "nvcore models yolo.onnx",
+        "nvcore models estimator.npz",
+    ),
 )
-@click.argument("detector", required=False, metavar="[DETECTOR]")
+@click.argument("detector", required=False, metavar="[NAME|FILE]")
 @_detector_options[0]
 def models(detector: str | None, settings: Sequence[str]) -> None:
-    """List the detectors that are built in, or describe DETECTOR: a name, or a model's file.
+    """List the models that are built in, or describe one: by its NAME, or the FILE it is in.
 
-    What a model detects, what it was trained on, and its settings with their meaning; icf: every
-    setting of nvcore train. Estimators of what the driver sees are described, too.
+    Of a detector: what it detects, what it was trained on, and its settings with their meaning;
+    icf: every setting of nvcore train. Of an estimator of what the driver sees: what it was trained
+    on and which features it takes.
     """
     with needs("detectors", "nvcore models needs"):
         from nvcore.detectors.registry import DETECTORS, open_detector

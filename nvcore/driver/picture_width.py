@@ -1,4 +1,4 @@
-"""Whether pictures are as wide as those of the training: px do not mean the same otherwise."""
+"""Whether pictures are as wide as those of the training: sizes mean something else otherwise."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from nvcore.driver.estimators import Estimator
+from nvcore.driver.features import FEATURES
 from nvcore.driver.run import RecordingFeatures
 from nvcore.wording import MOST_NAMED, listed, one_line
 
@@ -17,9 +18,9 @@ def other_widths(recordings: Sequence[RecordingFeatures], estimator: Estimator) 
     """Width of the pictures of each recording, by name, where the training's is another.
 
     Grey pictures that nobody calls visible are left out: nothing is estimated from them. Empty
-    where it is not known how wide those of the training were.
+    where it is not known how wide those of the training were, or no feature depends on it.
     """
-    if estimator.origin.picture_px is None:
+    if estimator.origin.picture_px is None or not _labels_of_scale(estimator):
         return {}
     trained = estimator.origin.picture_px[0]
     return {
@@ -39,7 +40,13 @@ def other_width_lines(recordings: Sequence[RecordingFeatures], estimator: Estima
     picture_px = estimator.origin.picture_px
     return [
         f"pictures of {listed(of_width, most=MOST_NAMED)} are {width:,} px wide, those of the "
-        f"training {picture_px[0]:,}: sizes and distances in px do not mean the same"
+        f"training {picture_px[0]:,}: another scale of {listed(_labels_of_scale(estimator))}"
         for width, of_width in names.items()
         if picture_px is not None
     ]
+
+
+def _labels_of_scale(estimator: Estimator) -> list[str]:
+    """Which features that it takes depend on the number of pixels of a picture."""
+    taken = estimator.features
+    return [feature.label for feature in FEATURES if feature.is_of_scale and feature.key in taken]

@@ -179,8 +179,9 @@ def test_why_the_estimator_is_to_be_doubted_is_said_and_recorded(place: Path):
     assert "no better" not in str(run(place, estimator()))
 
 
-def trained_on(width: int) -> Estimator:
-    return replace(estimator(), origin=replace(origin(), picture_px=(width, 48)))
+def trained_on(width: int, feature: str = "height_px") -> Estimator:
+    one = estimator(FEATURE_KEYS.index(feature))
+    return replace(one, origin=replace(origin(), picture_px=(width, 48)))
 
 
 @pytest.mark.parametrize(("width", "is_other"), [(128, True), (48, True), (70, False), (58, True)])
@@ -188,10 +189,15 @@ def test_pictures_of_another_width_than_the_training_s_are_named(
     place: Path, width: int, is_other: bool
 ):
     result = run(place, trained_on(width))  # they are 64 wide
-    words = f"pictures of drive are 64 px wide, those of the training {width}: sizes and distances"
+    words = (
+        f"pictures of drive are 64 px wide, those of the training {width}: another scale of Height"
+    )
     assert (words in str(result)) == is_other
     assert result.counts_json().get("other_width") == ({"drive": 64} if is_other else None)
-    assert "px wide" not in str(run(place, estimator()))  # as trained before it was kept
+    of_colours = run(place, trained_on(width, "luminance_contrast"))
+    for is_silent in (of_colours, run(place, estimator())):  # trained before it was kept
+        assert "px wide" not in str(is_silent)
+        assert "other_width" not in is_silent.counts_json()
 
 
 def test_another_width_is_in_the_record_and_what_is_said_of_the_comparison(place: Path):

@@ -53,12 +53,22 @@ def test_where_nothing_is_known_the_diagram_says_so():
 
 def test_a_course_marks_known_frames_and_its_band_ends_at_0_and_1():
     figure = detectability_course_plot(COURSE, threshold=0.5, theme="light")
-    band, before, later = figure.data
+    band, before, later, outside = figure.data
     shares = [share for share in band.y if share is not None]
     assert (min(shares), max(shares)) == (0, 1)
     assert (list(before.customdata), list(later.customdata)) == ([10], [12])
     assert "2 frames in which it is known, of 3" in figure.layout.title.text
     assert figure.layout.shapes[0].y0 == 0.5
+    assert not len(outside.x)
+    assert not outside.showlegend
+
+
+def test_a_course_marks_frames_outside_the_range_of_the_training_below_zero():
+    course = COURSE.assign(is_outside=[False, True, True])  # of the second nothing is known
+    outside = detectability_course_plot(course, threshold=0.5, theme="light").data[3]
+    assert list(outside.x) == [0.6]
+    assert outside.y[0] < 0
+    assert outside.hoverinfo == "skip"
 
 
 def test_a_course_of_which_nothing_is_known_says_so():

@@ -31,6 +31,8 @@ CLICKS: Final = "detector_clicks"
 LEAST_SPAN: Final = 0.1
 STEPS: Final = 200
 """Of the slider of the threshold."""
+MOST_DECIMALS: Final = 4
+"""Of a threshold beside the slider's steps: a detector's own need not lie on one."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +105,7 @@ def _draw_levels(spec: DetectorSpec, what: DetectorFacts, boxes: Detections) -> 
         max(high, low + step),
         min(max(before.threshold, low), high),
         step,
-        format=f"%.{max(0, -round(math.log10(step)))}f",
+        format=f"%.{max(0, -round(math.log10(step)), _decimals(before.threshold))}f",
         key=f"detector_threshold_{asking.key_of(spec, *asking.place())}",
         help="Lowest score of a box that counts. A run takes it as the threshold of the new "
         "system; the boxes below it are written, too, down to the detector's own, for the curves.",
@@ -122,6 +124,11 @@ def _draw_levels(spec: DetectorSpec, what: DetectorFacts, boxes: Detections) -> 
     levels = Levels(threshold, overlap)
     st.session_state[LEVELS][spec.text] = levels
     return levels
+
+
+def _decimals(value: float) -> int:
+    """Decimals that say a value, `MOST_DECIMALS` at most."""
+    return len(f"{value:.{MOST_DECIMALS}f}".rstrip("0").partition(".")[2])
 
 
 def _draw_numbers(boxes: Detections, is_counting: np.ndarray, levels: Levels) -> None:
@@ -206,4 +213,6 @@ def _draw_boxes(
         chosen=chosen,
     )
     alt = f"Boxes of {name}: {count_text(int(is_counting.sum()), 'box', 'boxes')} count"
-    return clicked_chart(figure, "detector_boxes", clicks=CLICKS, alt=alt)
+    clicked = clicked_chart(figure, "detector_boxes", clicks=CLICKS, alt=alt)
+    st.caption("Drag over a part of the picture to enlarge it; a double click shows all of it.")
+    return clicked

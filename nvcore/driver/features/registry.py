@@ -34,6 +34,8 @@ class Feature:
         Its values for the pedestrians of a picture, float64, shape (n,); NaN undefined.
     needs_colour
         Whether it is undefined in a grey picture.
+    is_of_scale
+        Whether it is another number for the same view in a picture with more pixels.
     """
 
     key: str
@@ -42,6 +44,7 @@ class Feature:
     meaning: str
     of: Callable[[View], NDArray[np.float64]]
     needs_colour: bool = False
+    is_of_scale: bool = False
 
 
 def _apart(of_regions: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -77,9 +80,21 @@ def _fixation_distance(view: View) -> NDArray[np.float64]:
 
 
 FEATURES: Final = (
-    Feature("width_px", "Width", "px", "Width of the pedestrian.", lambda v: v.regions.box[:, 2]),
     Feature(
-        "height_px", "Height", "px", "Height of the pedestrian.", lambda v: v.regions.box[:, 3]
+        "width_px",
+        "Width",
+        "px",
+        "Width of the pedestrian.",
+        lambda view: view.regions.box[:, 2],
+        is_of_scale=True,
+    ),
+    Feature(
+        "height_px",
+        "Height",
+        "px",
+        "Height of the pedestrian.",
+        lambda view: view.regions.box[:, 3],
+        is_of_scale=True,
     ),
     Feature(
         "luminance_sd",
@@ -109,6 +124,7 @@ FEATURES: Final = (
         "grey levels",
         "Difference of the mean Sobel gradient of the pedestrian and of his surround.",
         lambda view: _apart(view.edge_strength),
+        is_of_scale=True,
     ),
     Feature(
         "colour_emd",
@@ -125,6 +141,7 @@ FEATURES: Final = (
         "px",
         "From the middle of the pedestrian to where the driver looks.",
         _fixation_distance,
+        is_of_scale=True,
     ),
 )
 """In the order of every table."""

@@ -124,7 +124,9 @@ def boxes_plot(
         margin={"l": 4, "r": 4, "t": TOP_PX, "b": 4},
         legend={**LEGEND, "bgcolor": look.surface, "font": {"size": 12, "color": look.ink}},
         images=[picture_layer(picture, *own_size)],
-        **picture_axes(*own_size),
+        **picture_axes(*own_size, can_zoom=True),
+        dragmode="zoom",
+        uirevision=f"{title} {own_size}",  # what is enlarged stays while thresholds move
     )
 
 

@@ -43,17 +43,18 @@ def picture_layer(picture: Picture, width: float, height: float, **more: Any) ->
     }
 
 
-def picture_axes(width: float, height: float) -> dict[str, Any]:
+def picture_axes(width: float, height: float, *, can_zoom: bool = False) -> dict[str, Any]:
     """The axes of a layout on which a picture has its shape, rows downwards, on the left."""
+    common = {**HIDDEN_AXIS, "fixedrange": not can_zoom}
     return {
         "xaxis": {
-            **HIDDEN_AXIS,
+            **common,
             "range": [0, width],
             "constrain": "domain",
             "constraintoward": "left",
         },
         "yaxis": {
-            **HIDDEN_AXIS,
+            **common,
             "range": [height, 0],
             "scaleanchor": "x",
             "constrain": "domain",

@@ -24,6 +24,8 @@ LEAST_TOP_S: Final = 5.0
 """The axis of the adaptation reaches so far at least, seconds."""
 MOST_TOP_S: Final = 10.0
 """And no further: what matters happens in the first seconds."""
+OUTSIDE_AT: Final = -0.06
+"""Height of the strokes of doubtful frames: below 0, where no estimate can be."""
 ROOM_S: Final = 0.5
 """Before and after the pedestrian."""
 SOURCES: Final = {
@@ -70,6 +72,7 @@ def detectability_course_plot(
         return empty_figure(text, theme=theme)
     traces = [
         *_course(known, theme),
+        _outside(known, theme),
         *([] if simulated is None else _simulated(course, simulated, theme)),
     ]
     subtitle = f"{count_text(len(known), 'frame')} in which it is known, of {len(course):,}"
@@ -92,7 +95,7 @@ def detectability_course_plot(
         yaxis=axis(
             theme,
             title,
-            range=[-0.04, 1.04],
+            range=[-0.09, 1.04],
             fixedrange=True,
             domain=[0 if clock is None else 0.5, 1],
         ),
@@ -157,6 +160,22 @@ def _band(known: pd.DataFrame) -> tuple[list[float | None], list[float | None]]:
         x += [*frames["time_s"], *frames["time_s"][::-1], None]
         y += [*high, *low[::-1], None]
     return x, y
+
+
+def _outside(known: pd.DataFrame, theme: Theme) -> go.Scatter:
+    """Strokes at the bottom of the frames whose estimates are outside the range of the training."""
+    times = known["time_s"][known["is_outside"].astype(bool)]
+    line = {"width": 2, "color": LOOK[theme].muted}
+    return marks(
+        times,
+        np.full(len(times), OUTSIDE_AT),
+        None,
+        hover="",
+        hoverinfo="skip",
+        name="estimated outside the range of the training",
+        showlegend=len(times) > 0,
+        **steady_marker(symbol="line-ns", size=6, line=line),
+    )
 
 
 def _simulated(course: pd.DataFrame, simulated: pd.DataFrame, theme: Theme) -> list[go.Scatter]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -31,6 +31,7 @@ from nvcore.inputs.readers.csv_columns import (
     MISSING,
     Header,
     csv_content,
+    misspelt_columns,
     read_columns,
     read_header,
 )
@@ -61,6 +62,12 @@ class NamedColumns:
 EXPECTED = (
     "frame,x,y,w,h[,score,track,ignore,distance_m,occlusion,detectability,attributes,recording]"
 )
+
+_OF_OTHERS: Final[dict[Role, tuple[str, ...]]] = {
+    "truth": ("score",),
+    "detections": ("ignore", "attributes", "detectability"),
+}
+"""Columns that are not read in a file of this role."""
 
 
 def recognise(name: str, head: str, role: Role) -> bool:
@@ -234,12 +241,29 @@ def _read_one(
                 example="line 1",
             )
         )
+    findings += _misspelt(source, options.role)
     boxes = lines.boxes((x, y, w, h), recording=recording, frame=frame, file=number, **values)
     attributes = None
     if "attributes" in columns:
         facts.append("attributes as classes of encounters")
         attributes = attributes_of_boxes(boxes, columns["attributes"], MISSING)
     return boxes, columns.get("class"), facts, findings, attributes
+
+
+def _misspelt(source: NamedColumns, role: Role) -> list[Finding]:
+    """Columns left unused whose names are nearly those of columns that would count."""
+    return [
+        warning(
+            "misspelt-column",
+            1,
+            f"The column {found} is left unused; {meant}, which it may be, is missing.",
+            f"If it is meant, call it {meant}; else there is nothing to do.",
+            role=role,
+            file=source.file.name,
+            example="line 1",
+        )
+        for found, meant in misspelt_columns(source.header, _OF_OTHERS[role])
+    ]
 
 
 def _classes(
@@ -274,7 +298,7 @@ def _sorted_by_class(
 
 def _columns_to_read(header: Header, role: Role) -> list[str]:
     """Columns that are read: of two ways to say one thing, the clearer."""
-    left_aside = {"score"} if role == "truth" else {"ignore", "attributes", "detectability"}
+    left_aside = {*_OF_OTHERS[role]}
     left_aside |= {"picture"} if "frame" in header.place else set()
     # beside corners, width and height are often those of the picture
     has_corners = {"right", "bottom"} <= header.place.keys()

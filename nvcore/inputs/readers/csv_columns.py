@@ -7,6 +7,7 @@ import io
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from itertools import product
 from typing import Any, Final
 
@@ -56,6 +57,11 @@ SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
     "class": ("class", "class_name", "class_id", "category", "category_id", "label", "type"),
 }
 """Names that a column may have, the plainest first; case and punctuation do not matter."""
+
+CLOSE: Final = 0.85
+"""How alike two names are, from 0 to 1 as `difflib` has it, from which on one may be the other."""
+LEAST_LETTERS: Final = 5
+"""Shorter names are too easily like another."""
 
 NUMBERS = (
     *("frame", "x", "y", "w", "h", "right", "bottom"),
@@ -111,13 +117,46 @@ def read_header(line: str) -> Header:
 
 def header_of(names: Sequence[str], delimiter: str = ",") -> Header:
     """The header with these names of columns."""
-    plain = [re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_") for name in names]
+    plain = [*map(_plain, names)]
     place = {}
     for column, synonyms in SYNONYMS.items():
         places = [plain.index(name) for name in synonyms if name in plain]
         if places:
             place[column] = places[0]
     return Header(tuple(names), delimiter, place)
+
+
+def misspelt_columns(header: Header, aside: Sequence[str] = ()) -> list[tuple[str, str]]:
+    """Columns that nothing is read from and whose names are close to those of missing ones.
+
+    Parameters
+    ----------
+    header
+        The columns of a file.
+    aside
+        Columns, by their names in `SYNONYMS`, that would not be read either.
+
+    Returns
+    -------
+    list
+        Name as in the file, and the name that is close, one of `SYNONYMS`.
+
+    Examples
+    --------
+    >>> misspelt_columns(header_of(["frame", "x", "y", "w", "h", "Detectabilty", "speed"]))
+    [('Detectabilty', 'detectability')]
+    """
+    missing = [column for column in SYNONYMS if column not in {*header.place, *aside}]
+    meant = [name for column in missing for name in SYNONYMS[column] if len(name) >= LEAST_LETTERS]
+    known = {name for names in SYNONYMS.values() for name in names}
+    unknown = [(name, _plain(name)) for name in header.names if _plain(name) not in known]
+    close = [(name, get_close_matches(text, meant, 1, CLOSE)) for name, text in unknown]
+    return [(name, found[0]) for name, found in close if found]
+
+
+def _plain(name: str) -> str:
+    """A column's name without case and punctuation, as `SYNONYMS` has it."""
+    return re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
 
 
 def read_columns(

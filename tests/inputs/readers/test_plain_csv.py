@@ -230,6 +230,34 @@ def test_a_score_column_in_the_truth_looks_like_swapped_files(read_text):
     assert read_text(text, role="detections").findings == ()
 
 
+@pytest.mark.parametrize(
+    ("column", "role", "meant"),
+    [
+        ("Detectabilty", "truth", "detectability"),
+        ("scores", "detections", "score"),
+        ("scores", "truth", None),  # the truth needs none
+        ("detectabilty", "detections", None),
+        ("speed", "truth", None),
+    ],
+)
+def test_a_column_whose_name_is_nearly_that_of_a_missing_one_is_named(
+    read_text, column: str, role: str, meant: str | None
+):
+    text = f"frame,x,y,w,h,{column}\n1,2,3,4,5,0.5\n"
+    reading = read_text(text, role=role)
+    assert f"columns left unused: {column}" in reading.conversion
+    if meant is None:
+        assert not reading.findings
+    else:
+        finding = only_finding(reading, "misspelt-column")
+        assert f"The column {column} is left unused; {meant}, which it may be" in finding.message
+
+
+def test_an_unused_column_beside_the_one_it_resembles_is_no_finding(read_text):
+    text = "frame,x,y,w,h,score,scores\n1,2,3,4,5,0.5,0.4\n"
+    assert not read_text(text, role="detections").findings
+
+
 ATTRIBUTES = """frame,x,y,w,h,track,attributes
 1,2,3,4,5,1,child
 2,2,3,4,5,1,
