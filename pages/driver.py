@@ -3,7 +3,7 @@
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.report.verdict.driver import describe_driver
+from nvcore.report.verdict.driver import describe_doubt, describe_driver
 from ui.driver import course, listed, missing, regions, run
 from ui.driver.counts import describe_counts
 from ui.session import state
@@ -30,7 +30,11 @@ def draw(result: Result) -> None:
     run.draw(is_known=True)
     draw_warnings(result)
     draw_as_set_note(result)
-    st.markdown("\n\n".join(map(plain, describe_driver(result))))
+    sentences = describe_driver(result)
+    if doubt := describe_doubt(result):  # the first of them
+        st.warning(plain(doubt), icon=":material/warning:")
+        sentences = sentences[1:]
+    st.markdown("\n\n".join(map(plain, sentences)))
     st.caption(state.words(describe_counts(result)))
     region = regions.draw(result)
     encounter = listed.draw(result, region)

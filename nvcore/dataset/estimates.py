@@ -2,7 +2,7 @@
 
     {"written_by": "nvcore 0.1.0",
      "estimator": {"name": "driver", "fingerprint": "5f1c...", "simulated": "all",
-                   "n_subjects": 12, "no_better_at_s": [0.5]},
+                   "n_subjects": 12, "no_better_at_s": [0.5], "of_no_use": false},
      "estimates": {"n": 1557, "n_light_unknown": 821, "outside": {"Height": 12}},
      "settings": {"light": {"drop_factor": 10.0}},
      "files": {"detectability.csv": "9e07..."}}
@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Final
 
 from nvcore.dataset.records import numbers_of, read_record, typed, value_of
-from nvcore.wording import MOST_NAMED, listed, one_line, shortened
+from nvcore.wording import MOST_NAMED, count_text, listed, one_line, shortened
 
 SIMULATED: Final = ("no", "some", "all", "")
 """Of how many subjects the answers were simulated; empty: not known."""
@@ -65,6 +65,8 @@ class EstimateRecord:
     no_better_at_s
         Adaptation periods at which the estimator was no better than a constant on pedestrians that
         it had not seen; empty: none, or not known.
+    of_no_use
+        Whether it was no better than a constant on these over all periods, either.
     search
         ``quick``: it was learnt with fewer settings tried than by default; else empty.
     other_width
@@ -86,6 +88,7 @@ class EstimateRecord:
     n_light_unknown: int = 0
     outside: Mapping[str, int] = field(default_factory=dict)
     no_better_at_s: tuple[float, ...] = ()
+    of_no_use: bool = False
     search: str = ""
     other_width: Mapping[str, int] = field(default_factory=dict)
     estimated_in: frozenset[str] = field(default=frozenset(), compare=False)
@@ -105,8 +108,10 @@ class EstimateRecord:
         if not self.name:
             return ""
         name = shortened(one_line(self.name), _SHOWN_NAME)
-        known = one_line(self.fingerprint[:12])
-        return f"estimated by {name}" + (f" (fingerprint {known})" if known else "")
+        subjects = count_text(self.n_subjects, "subject") if self.n_subjects else ""
+        known = f"fingerprint {one_line(self.fingerprint[:12])}" if self.fingerprint else ""
+        facts = ", ".join(filter(None, (subjects, known)))
+        return f"estimated by {name}" + (f" ({facts})" if facts else "")
 
     @property
     def caution(self) -> str:
@@ -118,6 +123,8 @@ class EstimateRecord:
 
     @property
     def _no_better(self) -> str:
+        if self.of_no_use:
+            return "as a whole no better than a constant"
         if not self.no_better_at_s:
             return ""
         periods = listed([f"{period:g}" for period in self.no_better_at_s], most=MOST_NAMED)
@@ -139,6 +146,8 @@ def estimate_json(record: EstimateRecord) -> bytes:
     estimator: dict[str, object] = {name: getattr(record, name) for name in _OF_ESTIMATOR}
     if record.no_better_at_s:  # else as before there was such a thing
         estimator["no_better_at_s"] = list(record.no_better_at_s)
+    if record.of_no_use:
+        estimator["of_no_use"] = True
     if record.search:
         estimator["search"] = record.search
     estimates: dict[str, object] = {
@@ -190,6 +199,7 @@ def _record(content: object) -> EstimateRecord:
             name: _count(typed(m, int, "outside"), "outside", n) for name, m in outside.items()
         },
         no_better_at_s=_periods(value_of(estimator, "no_better_at_s", list)),
+        of_no_use=value_of(estimator, "of_no_use", bool),
         search=value_of(estimator, "search", str),
         other_width={
             name: _count(typed(px, int, "other_width"), "other_width", _MOST)

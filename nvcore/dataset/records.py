@@ -13,7 +13,13 @@ from nvcore.errors import FormatError, InputError
 T = TypeVar("T")
 MAX_BYTES: Final = 16 << 20
 """Millions of frames, unless they were picked one by one; a hundred thousand recordings."""
-_WORDS: Final = {dict: "an object", list: "a list", str: "a text", int: "a whole number"}
+_WORDS: Final = {
+    dict: "an object",
+    list: "a list",
+    str: "a text",
+    int: "a whole number",
+    bool: "true or false",
+}
 
 
 def read_record(path: Path, name: str, parse: Callable[[object], T], *, expected: str) -> T:
@@ -54,7 +60,7 @@ def value_of(table: dict[str, Any], key: str, kind: type) -> Any:
 
 def typed(value: object, kind: type, where: str) -> Any:
     """The value, which has to be of this type; ValueError, which says where, if it is not."""
-    if not isinstance(value, kind) or isinstance(value, bool):
+    if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
         raise ValueError(f"{where}: expected {_WORDS[kind]}, found {str(value)[:30]!r}")
     return value
 

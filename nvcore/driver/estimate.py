@@ -10,9 +10,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.estimators import Estimator, fingerprint
-from nvcore.driver.estimators.words import LABELS
+from nvcore.driver.estimators.words import LABELS, caution_of
 from nvcore.driver.feature_record import settings_words
 from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
 from nvcore.driver.picture_width import other_width_lines, other_widths
@@ -83,11 +82,7 @@ class EstimateRun:
         lines = [str(self.features), self._result(known)]
         lines += [*self._of_heat(), *(self._lacking() if len(known) else ())]
         origin = self.estimator.origin
-        if caution := EstimateRecord(
-            simulated=origin.simulated,
-            no_better_at_s=self.estimator.no_better_at_s,
-            search=origin.search,
-        ).caution:
+        if caution := caution_of(self.estimator, simulated=origin.simulated):
             lines.append(f"estimates are {caution}")
         lines += other_width_lines(self.features.recordings, self.estimator)
         if self.estimator.feature_settings is None:
@@ -214,6 +209,7 @@ class EstimateRun:
             "features": list(self.estimator.features),
             "is_interpolated": self.is_interpolated,
             "no_better_at_s": list(self.estimator.no_better_at_s),
+            "of_no_use": self.estimator.is_of_no_use,
             "trained_on": origin.pop("fingerprint"),
             **origin,
         }

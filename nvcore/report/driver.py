@@ -9,11 +9,10 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.estimators.model import Estimator, Origin
 from nvcore.driver.estimators.model_file import SAMPLE_NAME, fingerprint
 from nvcore.driver.estimators.training import Training
-from nvcore.driver.estimators.words import words_of
+from nvcore.driver.estimators.words import caution_of, words_of
 from nvcore.driver.evaluation import PUBLISHED_NOTE, Evaluation, evaluation_tables
 from nvcore.driver.evaluation.tables import errors_table
 from nvcore.driver.trials import TrainingTable
@@ -136,6 +135,7 @@ def render_estimator(estimator: Estimator) -> str:
         *_feature_settings(estimator),
         "mean squared error on pedestrians left out, in five folds; 0 is best:",
         *_errors(errors, last="single"),
+        "single: one for all periods, and one constant for all",
         *_choices(estimator),
         *_caution(estimator),
     ]
@@ -151,9 +151,7 @@ def _pictures(origin: Origin) -> str:
 
 def _caution(estimator: Estimator) -> list[str]:
     """Why its estimates are to be doubted, beside who its subjects were."""
-    caution = EstimateRecord(
-        no_better_at_s=estimator.no_better_at_s, search=estimator.origin.search
-    ).caution
+    caution = caution_of(estimator)
     return [f"its estimates are {caution}"] if caution else []
 
 
@@ -250,7 +248,7 @@ def render_evaluation(evaluation: Evaluation) -> str:
         "mean squared error, leaving out one pedestrian at a time; 0 is best:",
         *_errors(errors),
         *_warning(errors),
-        SAMPLING_NOTE,
+        *([SAMPLING_NOTE] if errors["sampling"].notna().any() else []),
         PUBLISHED_NOTE,
         f"evaluated in {duration_text(evaluation.seconds)}",
     ]

@@ -23,7 +23,7 @@ from nvcore.report.equal_alarms import (
 )
 from nvcore.report.plan import verdict_plan
 from nvcore.report.verdict import Verdict, verdict
-from nvcore.report.verdict.driver import describe_source, regions_text, weighting
+from nvcore.report.verdict.driver import describe_doubt, describe_source, regions_text, weighting
 from nvcore.report.words import (
     FUSION_RULE,
     count_leads,
@@ -250,7 +250,7 @@ def _venn(result: Result) -> str:
     lines.append(describe_exclusivity(result))
     lines.append(_lead(result))
     if result.driver.has_any:
-        source = describe_source(result)
+        source = " ".join(filter(None, (describe_doubt(result), describe_source(result))))
         lines.append(f"encounters seen by: {regions_text(result)}")
         lines.append(f"the driver: {source[0].lower()}{source[1:-1]}")
     urgency = describe_urgency(result)

@@ -23,6 +23,7 @@ from nvcore.report.terminal import render_scorecard
 from nvcore.report.verdict import verdict
 from nvcore.report.verdict.driver import (
     NOTHING_KNOWN,
+    describe_doubt,
     describe_driver,
     describe_source,
     regions_text,
@@ -98,7 +99,8 @@ def test_the_verdict_says_whom_each_system_warns_of_and_where_that_comes_from():
 def test_estimated_and_simulated_are_said():
     result = with_estimate(eight(unknown=0), EstimateRecord("m", "ab12", "all", 12))
     assert describe_source(result) == (
-        "Detectability is estimated by m (fingerprint ab12), learnt from simulated subjects; "
+        "Detectability is estimated by m (12 subjects, fingerprint ab12), learnt from simulated "
+        "subjects; "
         "he is taken to see from 0.5 on."
     )
     assert describe_driver(result)[0].startswith(
@@ -119,8 +121,8 @@ def test_what_is_estimated_and_what_the_truth_states_are_told_apart():
         "the driver sees"
     )
     assert describe_source(both).startswith(
-        "Detectability is estimated by m, learnt from simulated subjects, in 1 recording, and as "
-        "the ground truth states it in 1;"
+        "Detectability is estimated by m (12 subjects), learnt from simulated subjects, in 1 "
+        "recording, and as the ground truth states it in 1;"
     )
     stated = with_estimate(result, replace(record, estimated_in=other, stated_in=own))
     assert describe_driver(stated)[0].startswith("By the ground truth,")
@@ -379,6 +381,38 @@ def test_encounters_whose_largest_value_is_within_its_sd_of_the_threshold_are_op
     ) in describe_source(result)
     assert encounters_table(result)["within_sd"].tolist() == [1, 1, 1, 0, 0]
     assert summary(result)["driver"]["within_sd"] == 3
+
+
+def test_where_every_encounter_is_open_nothing_is_claimed_of_the_driver():
+    truth = [at(0, 50, track=i, detectability=0.55) for i in range(2)]
+    bare = result_of(make_dataset(truth))
+    assert not describe_doubt(bare)
+    boxes = bare.dataset.boxes.assign(detectability_sd=[0.1, 0.1])
+    result = compare(replace(bare.dataset, boxes=boxes), bare.params)
+    doubt, alerts, *_ = describe_driver(result)
+    assert doubt == (
+        "Nothing is claimed of whom the driver sees: in all 2 encounters of which it is known, the "
+        "value that decides is within one standard deviation of 0.5."
+    )
+    assert alerts.endswith("the driver sees 2 of 2 encounters by himself.")  # no "redundant"
+    assert "is open" not in describe_source(result)  # said before
+    assert f"the driver: {doubt[0].lower()}{doubt[1:]}" in render_scorecard(result)
+    one_known = compare(replace(bare.dataset, boxes=boxes.assign(detectability_sd=[0.1, 0.01])))
+    assert not describe_doubt(one_known)
+
+
+def test_of_an_estimator_that_learned_nothing_nothing_is_claimed():
+    result = with_estimate(eight(unknown=0), EstimateRecord("m", "", "no", 3, of_no_use=True))
+    doubt, alerts, *_ = describe_driver(result)
+    assert doubt == (
+        "Nothing is claimed of whom the driver sees: as a whole the estimator is no better than a "
+        "constant on pedestrians that it had not seen."
+    )
+    assert alerts.startswith("By the estimates (as a whole no better than a constant), the driver")
+    assert "estimated by m (3 subjects), as a whole no better" in describe_source(result)
+    (name,) = result.dataset.recordings["name"]
+    stated = EstimateRecord("m", of_no_use=True, stated_in=frozenset([name]))
+    assert not describe_doubt(with_estimate(result, stated))
 
 
 def test_without_a_standard_deviation_it_is_not_known_who_is_near_the_threshold():

@@ -21,6 +21,7 @@ from nvcore.dataset import Dataset
 from nvcore.driver.estimate import EstimateRun, run_estimate
 from nvcore.driver.estimators import Estimator, fingerprint, read_estimator
 from nvcore.driver.estimators.model import Origin
+from nvcore.driver.estimators.words import caution_of
 from nvcore.driver.illumination import LightSettings, read_light
 from nvcore.driver.illumination.clock import AdaptationClock, adaptation_clock
 from nvcore.driver.run import run_features
@@ -64,6 +65,8 @@ class EstimatorFacts:
         Adaptation periods that it has a regression for.
     fingerprint
         sha256, as hexadecimal digits.
+    caution
+        Why its estimates are to be doubted; empty: nothing is known.
     """
 
     name: str
@@ -71,6 +74,7 @@ class EstimatorFacts:
     features: tuple[str, ...]
     periods_s: tuple[float, ...]
     fingerprint: str
+    caution: str
 
 
 def run_confined(
@@ -188,6 +192,7 @@ def describe_estimator(spec: EstimatorSpec) -> EstimatorFacts:
         estimator.features,
         tuple(estimator.periods_s.tolist()),
         fingerprint(estimator),
+        caution_of(estimator),
     )
 
 

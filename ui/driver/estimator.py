@@ -101,7 +101,7 @@ def _draw_facts(facts: EstimatorFacts) -> None:
     """On what it was trained, what it looks at, by which digits it is known."""
     origin = facts.origin
     doubts = SIMULATED.get(origin.simulated, "")
-    doubts += " Learnt by a quick search." if origin.search else ""
+    doubts += f" Its estimates are {facts.caution}." if facts.caution else ""
     periods = ", ".join(f"{period:g}" for period in facts.periods_s)
     st.caption(
         f"Trained on {count_text(origin.n_trials, 'trial')} of "

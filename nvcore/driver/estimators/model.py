@@ -250,6 +250,12 @@ class Estimator:
         return tuple(s for s, quality in of_periods if quality.error >= quality.constant_error)
 
     @property
+    def is_of_no_use(self) -> bool:
+        """Whether the switched regressions are no better than a constant over all periods."""
+        of_periods = self.qualities[:-1]
+        return sum(q.error for q in of_periods) >= sum(q.constant_error for q in of_periods)
+
+    @property
     def features(self) -> tuple[str, ...]:
         """Keys of the features that any of the switched regressions takes, in their order."""
         used = {key for regression in self.regressions[:-1] for key in regression.features}

@@ -1,10 +1,12 @@
-"""Choices of features in words."""
+"""Estimators in words: choices of features, and why estimates are to be doubted."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Final
 
+from nvcore.dataset.estimates import EstimateRecord
+from nvcore.driver.estimators.model import Estimator
 from nvcore.driver.features import FEATURE_KEYS, FEATURES
 
 LABELS: Final = {feature.key: feature.label for feature in FEATURES}
@@ -22,3 +24,19 @@ def words_of(keys: Sequence[str]) -> str:
     return (
         "all eight" if len(keys) == len(FEATURE_KEYS) else " + ".join(LABELS[key] for key in keys)
     )
+
+
+def caution_of(estimator: Estimator, *, simulated: str = "") -> str:
+    """Why its estimates are to be doubted, whatever the pictures; empty: nothing is known.
+
+    Parameters
+    ----------
+    simulated
+        As of its origin; empty: nothing is said of it.
+    """
+    return EstimateRecord(
+        simulated=simulated,
+        no_better_at_s=estimator.no_better_at_s,
+        of_no_use=estimator.is_of_no_use,
+        search=estimator.origin.search,
+    ).caution

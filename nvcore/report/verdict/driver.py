@@ -27,8 +27,40 @@ def describe_driver(result: Result) -> tuple[str, ...]:
     """Whom the driver sees and whom each system warns him of; empty: nothing is known of him."""
     if not result.driver.has_any:
         return (NOTHING_KNOWN,) if result.dataset.has_detectability else ()
-    sentences = (_alerts(result), _in_time(result), describe_source(result), weighting(result))
+    sentences = (
+        describe_doubt(result),
+        _alerts(result),
+        _in_time(result),
+        describe_source(result),
+        weighting(result),
+    )
     return tuple(filter(None, sentences))
+
+
+def describe_doubt(result: Result) -> str:
+    """Why nothing is claimed of whom the driver sees, whatever the counts; empty: no reason."""
+    estimate, driver = result.dataset.estimate, result.driver
+    why = ""
+    if estimate is not None and estimate.of_no_use and not _is_stated(result):
+        why = (
+            "as a whole the estimator is no better than a constant on pedestrians that it had not "
+            "seen"
+        )
+    elif _are_all_open(result):
+        n = driver.venn.n_known
+        where = f"in all {n:,} encounters" if n > 1 else "in the only encounter"
+        why = (
+            f"{where} of which it is known, the value that decides is within one standard "
+            f"deviation of {result.params.driver_threshold:g}"
+        )
+    return f"Nothing is claimed of whom the driver sees: {why}." if why else ""
+
+
+def _are_all_open(result: Result) -> bool:
+    """Whether no encounter is further than its standard deviation from the threshold."""
+    driver = result.driver
+    n_known = driver.venn.n_known
+    return n_known > 0 and int(np.count_nonzero(driver.is_within_sd)) == n_known
 
 
 def _alerts(result: Result) -> str:
@@ -37,7 +69,10 @@ def _alerts(result: Result) -> str:
     by = capitalised(_by(result))
     of = f"{by}, the driver sees {venn.n_seen} of {count_text(venn.n_known, 'encounter')}"
     if not n_unseen:
-        return f"{of} by himself: every alert about these is redundant."
+        is_claimed = not describe_doubt(result)
+        return f"{of} by himself" + (
+            ": every alert about these is redundant." if is_claimed else "."
+        )
     useful_x = count[DriverRegion.X_Y] + count[DriverRegion.X]
     useful_y = count[DriverRegion.X_Y] + count[DriverRegion.Y]
     return (
@@ -155,7 +190,7 @@ def _undecided(result: Result) -> str:
         int(np.count_nonzero(which))
         for which in (driver.is_within_sd, driver.has_sd, driver.is_within_sd & driver.is_unseen)
     )
-    if not n:
+    if not n or _are_all_open(result):  # said by `describe_doubt`
         return ""
     unseen = (
         f", {n_unseen:,} of the {driver.venn.n_unseen:,} not seen among them" if n_unseen else ""

@@ -263,7 +263,7 @@ def test_the_record_says_who_estimated_and_whether_subjects_were_simulated(tmp_p
     assert dataset.estimate == record
     conversion = dataset.inputs["conversion"].iloc[-1]
     assert "1 of 1 rows joined" in conversion
-    assert "estimated by driver (fingerprint 5f1c00112233)" in conversion
+    assert "estimated by driver (12 subjects, fingerprint 5f1c00112233)" in conversion
     assert (
         "learnt from simulated subjects by a quick search, no better than a constant at 0.5 and "
         "1.5 s and made on pictures of another width than those of the training in urban"
@@ -281,6 +281,7 @@ def test_the_record_says_who_estimated_and_whether_subjects_were_simulated(tmp_p
         '{"estimator": {"no_better_at_s": 0.5}}',
         '{"estimator": {"no_better_at_s": ["0.5"]}}',
         '{"estimator": {"no_better_at_s": [NaN]}}',
+        '{"estimator": {"of_no_use": 1}}',
         '{"files": []}',
         '{"estimates": {"other_width": {"urban": -1}}}',
         '{"estimates": {"outside": {"Height": "many"}}}',
@@ -306,6 +307,13 @@ def test_a_record_of_before_is_read_and_gives_the_same_bytes(tmp_path):
     assert read_estimate_record(write(tmp_path / "d.json", content.decode()), "d.json") == record
     assert record.caution == ""
     assert replace(record, no_better_at_s=(3.0,)).caution == "no better than a constant at 3 s"
+
+
+def test_that_the_estimator_is_of_no_use_is_kept(tmp_path):
+    record = EstimateRecord("m", "ab", "no", 4, no_better_at_s=(3.0,), of_no_use=True)
+    path = write(tmp_path / "d.json", estimate_json(record).decode())
+    assert read_estimate_record(path, "d.json") == record
+    assert record.caution == "as a whole no better than a constant"
 
 
 def test_a_session_is_written_with_both_files_and_the_hash(tmp_path):
