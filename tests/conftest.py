@@ -22,7 +22,7 @@ settings.load_profile("steady")
 @pytest.fixture(scope="session")
 def realdata() -> Path:
     """Folder of the real recordings; tests that need it are skipped where it is absent."""
-    folder = Path(os.environ.get("NVCORE_REALDATA", ROOT.parent / "shared" / "realdata"))
+    folder = Path(os.environ.get("NVCORE_REALDATA") or ROOT.parent / "shared" / "realdata")
     if not folder.is_dir():
         pytest.skip(f"real recordings not found in {folder}; set NVCORE_REALDATA")
     return folder

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nvcore.extras import needs
-from nvcore.output.files import check_folder, check_model_file, write_run
+from nvcore.output.files import check_file, check_folder, write_run
 from nvcore.progress import Progress, no_progress
 from nvcore.report.protect_inputs import refuse_to_replace
 from nvcore.wording import one_line
@@ -86,8 +86,8 @@ def train_driver(
         from nvcore.driver.trials import training_table
 
     path = Path(out)
-    refuse_to_replace([path], _read(trials, features, boxes))
-    check_model_file(path)
+    refuse_to_replace([path], _paths(trials, features, boxes))
+    check_file(path, "model.npz")
     table = training_table(
         Path(trials),
         Path(features),
@@ -111,6 +111,7 @@ def evaluate_driver(
     features: str | Path,
     out: str | Path | None = None,
     *,
+    html: str | Path | None = None,
     boxes: str | Path | None = None,
     judging: Judging | None = None,
     leave_out: Sequence[str] = (),
@@ -125,6 +126,9 @@ def evaluate_driver(
     ----------
     out
         Folder for the tables as CSV files; None: none are written.
+    html
+        File for figures and tables as one HTML page; None: none is written. It needs the extra
+        ``report``.
     trials, features, boxes, judging, leave_out, quick, seed, n_threads, progress
         As of `train_driver`.
 
@@ -137,9 +141,9 @@ def evaluate_driver(
     ------
     InputError
         If an input cannot be used, would be replaced, or there is too little to learn; or `out`
-        cannot be written to, or holds the run of another command.
+        or `html` cannot be written to, or `out` holds the run of another command.
     MissingExtraError
-        If the extra ``driver`` is not installed.
+        If the extra ``driver`` is not installed, or with `html` ``report``.
 
     Examples
     --------
@@ -150,11 +154,16 @@ def evaluate_driver(
         from nvcore.driver.evaluation import evaluate_estimators
         from nvcore.driver.trials import training_table
         from nvcore.report.driver import EVALUATION_FILES, evaluation_files
+    if html is not None:
+        with needs("report", "the HTML page of an evaluation needs"):
+            from nvcore.report.html.evaluation import write_evaluation_html
 
+    files = [] if out is None else [Path(out) / name for name in EVALUATION_FILES]
+    refuse_to_replace([*files, *_paths(html)], _paths(trials, features, boxes))
     if out is not None:
-        files = [Path(out) / name for name in EVALUATION_FILES]
-        refuse_to_replace(files, _read(trials, features, boxes))
         check_folder(Path(out), EVALUATION_FILES)
+    if html is not None:
+        check_file(Path(html), "evaluation.html")
     table = training_table(
         Path(trials),
         Path(features),
@@ -170,8 +179,10 @@ def evaluate_driver(
     )
     if out is not None:
         write_run(Path(out), evaluation_files(evaluation), EVALUATION_FILES)
+    if html is not None:
+        write_evaluation_html(evaluation, Path(html))
     return evaluation
 
 
-def _read(*inputs: str | Path | None) -> list[Path]:
-    return [Path(path) for path in inputs if path is not None]
+def _paths(*files: str | Path | None) -> list[Path]:
+    return [Path(file) for file in files if file is not None]

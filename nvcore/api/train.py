@@ -14,7 +14,7 @@ from nvcore.dataset.provenance import Setting
 from nvcore.extras import needs
 from nvcore.inputs.pipes import pipes_kept
 from nvcore.inputs.session import Session
-from nvcore.output.files import check_model_file
+from nvcore.output.files import check_file
 from nvcore.progress import Progress, no_progress
 from nvcore.report.protect_inputs import files_read, refuse_to_replace
 from nvcore.settings import as_names
@@ -266,7 +266,7 @@ def training_job(
         dataset, session = load_part(source, part or Part(), progress=loading)
     files = [*inputs, *(Path(path) for path in [source] if isinstance(path, PathLike))]
     files += [folder for folder in (folders.crops, folders.background) if folder is not None]
-    check_model_file(path)
+    check_file(path, "model.npz")
     refuse_to_replace([path], [*files, *(files_read(session) if session is not None else ())])
     chosen = preset or preset_for(None if dataset is None else dataset.objects)
     resolved = preset_settings(chosen, settings)

@@ -84,6 +84,20 @@ def pair_of(text: str, flag: str) -> tuple[str, str]:
     return key.strip(), value.strip()
 
 
+def check_html_name(flag: str, file: Path) -> None:
+    """Refuse a name that is not of an HTML file: an input named by mistake stays as it is.
+
+    Raises
+    ------
+    click.UsageError
+        If it ends otherwise.
+    """
+    if file.suffix.lower() not in (".html", ".htm"):
+        raise click.UsageError(
+            f"{flag}: expected a file that ends in .html, got {one_line(str(file))}"
+        )
+
+
 def grouped_option(group: str, *names: str, **settings: Any) -> Callable[..., Any]:
     """`click.option` with the heading that it stands under."""
     return click.option(*names, cls=GroupedOption, group=group, **settings)

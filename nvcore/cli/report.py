@@ -10,6 +10,7 @@ import click
 from nvcore.cli.options import (
     OUTPUT,
     GroupedCommand,
+    check_html_name,
     examples,
     grouped_option,
     input_options,
@@ -91,10 +92,7 @@ def report(
     with needs("report", "the HTML report needs"):
         from nvcore.report.html import Inscription, write_html_report
 
-    if out.suffix.lower() not in (".html", ".htm"):  # an input named by mistake stays as it is
-        raise click.UsageError(
-            f"--out: expected a file that ends in .html, got {one_line(str(out))}"
-        )
+    check_html_name("--out", out)
     session = session_from(options, needs_y=True)
     refuse_to_replace([out], files_read(session))
     progress = step_lines()

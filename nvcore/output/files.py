@@ -116,8 +116,13 @@ def check_folder(folder: Path, known: Iterable[str]) -> None:
         raise InputError("cannot be written to; give another folder", file=folder)
 
 
-def check_model_file(path: Path) -> None:
-    """Refuse a model's file that could not be written, before a long training.
+def check_file(path: Path, example: str) -> None:
+    """Refuse a file that could not be written, before a long run.
+
+    Parameters
+    ----------
+    example
+        A name that would do, such as ``model.npz``.
 
     Raises
     ------
@@ -125,7 +130,7 @@ def check_model_file(path: Path) -> None:
         If it is a folder, or cannot be written to.
     """
     if path.is_dir():
-        raise InputError("is a folder; give the name of a file, such as model.npz", file=path)
+        raise InputError(f"is a folder; give the name of a file, such as {example}", file=path)
     if not _takes_files(path.absolute().parent) or (path.exists() and not os.access(path, os.W_OK)):
         raise InputError("cannot be written to; give another file", file=path)
 

@@ -31,7 +31,8 @@ SAMPLING_NOTE: Final = (
     "Few subjects: what even the true probabilities would err by, since these subjects stand for "
     "all. No estimator can do better."
 )
-_ERROR: Final = ".4f"
+ERROR: Final = ".4f"
+"""Format of a mean squared error."""
 _OF_TRIALS: Final = {
     "no": "",
     "all": " by a simulated observer, not by people",
@@ -106,7 +107,7 @@ def render_training(training: Training) -> str:
         "mean squared error on pedestrians left out, in five folds; 0 is best:",
         *_errors(errors),
         *_choices(estimator),
-        *_warning(errors),
+        *describe_learning(errors),
         f"trained in {duration_text(training.seconds)}",
     ]
     return "\n".join(lines)
@@ -189,7 +190,7 @@ def _errors(errors: pd.DataFrame, last: str = "mean") -> list[str]:
     lines = ["  period   " + "  ".join(f"{titles[name]:>15}" for name in shown)]
     for row in errors.to_dict("records"):
         period = f"{last:6}" if pd.isna(row["period_s"]) else f"{row['period_s']:.1f} s "
-        cells = "  ".join(f"{number(row[name], _ERROR):>15}" for name in shown)
+        cells = "  ".join(f"{number(row[name], ERROR):>15}" for name in shown)
         lines.append(f"  {period:>8} {cells}")
     return lines
 
@@ -208,8 +209,14 @@ def _choices(estimator: Estimator) -> list[str]:
     return lines
 
 
-def _warning(errors: pd.DataFrame) -> list[str]:
-    """Where nothing was learned: the constant does as well, or better; the last row is the mean."""
+def describe_learning(errors: pd.DataFrame) -> list[str]:
+    """Where nothing was learned: the constant does as well, or better.
+
+    Parameters
+    ----------
+    errors
+        ``period_s``, ``switched``, ``single`` and ``constant``; the last row is the mean.
+    """
     of_periods = errors[errors["period_s"].notna()]
     constant = of_periods["constant"]
     lines = []
@@ -221,8 +228,8 @@ def _warning(errors: pd.DataFrame) -> list[str]:
     mean = errors.iloc[-1]
     if mean["switched"] >= mean["constant"]:
         lines.append(
-            f"over all periods, too: {number(mean['switched'], _ERROR)} on average against "
-            f"{number(mean['constant'], _ERROR)}; as a whole it is of no use"
+            f"over all periods, too: {number(mean['switched'], ERROR)} on average against "
+            f"{number(mean['constant'], ERROR)}; as a whole it is of no use"
         )
     if (is_worse := of_periods["single"] > constant).any():
         lines.append(
@@ -236,18 +243,25 @@ def _periods(errors: pd.DataFrame) -> str:
     return ", ".join(f"{period:g}" for period in errors["period_s"]) + " s"
 
 
-def render_evaluation(evaluation: Evaluation) -> str:
-    """Errors at each period beside those of the paper, and what differs."""
-    errors = errors_table(evaluation)
+def describe_evaluated(evaluation: Evaluation) -> list[str]:
+    """What was evaluated on, whose responses are odd, and how features and settings were chosen."""
     search = evaluation.search
     quick = f"by a quick search of {count_text(search.n_settings, 'setting')}"
-    lines = [
+    return [
         *render_table(evaluation.table),
         *map(capitalised, evaluation.samples.notes),
         *([quick] if search.is_quick else []),
+    ]
+
+
+def render_evaluation(evaluation: Evaluation) -> str:
+    """Errors at each period beside those of the paper, and what differs."""
+    errors = errors_table(evaluation)
+    lines = [
+        *describe_evaluated(evaluation),
         "mean squared error, leaving out one pedestrian at a time; 0 is best:",
         *_errors(errors),
-        *_warning(errors),
+        *describe_learning(errors),
         *([SAMPLING_NOTE] if errors["sampling"].notna().any() else []),
         PUBLISHED_NOTE,
         f"evaluated in {duration_text(evaluation.seconds)}",

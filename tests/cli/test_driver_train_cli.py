@@ -14,6 +14,7 @@ from nvcore.driver.estimators import QUICK, Search, read_estimator
 from nvcore.driver.feature_record import record_beside, record_bytes
 from nvcore.driver.features import FeatureSettings
 from nvcore.driver.trials import Judging
+from nvcore.errors import InputError
 
 SUBJECTS = ("A", "B", "C", "D", "E", "F")
 
@@ -65,6 +66,38 @@ def test_from_trials_to_tables(files: tuple[Path, Path], tmp_path: Path):
     }
     assert (out / "summary.txt").read_text() in ran.stdout
     assert "by a quick search of 1 setting\n" in ran.stdout
+
+
+def test_figures_and_tables_on_one_page(files: tuple[Path, Path], tmp_path: Path):
+    trials, features = files
+    out = tmp_path / "evaluation.html"
+    given = ("driver", "evaluate", trials, "--features", features, "--quick", "--html")
+    ran = nvcore(*given, out)
+    assert ran.exit_code == 0, ran.output
+    assert f"figures written to {out}" in ran.stderr
+    page = out.read_text("utf-8")
+    for name in ("errors", "estimates", "periods", "histograms", "pairs", "ranks"):
+        assert page.count(f'id="chart-{name}"') == 1
+    assert "288 trials by a simulated observer, not by people" in page
+    assert "By a quick search of 1 setting." in page
+    assert "the mean of that row is 0.1418" in page
+    assert page.count('<td class="right">mean</td>') == 1
+    again = tmp_path / "again.html"
+    nvcore(*given, again)
+    assert again.read_bytes() == out.read_bytes()
+
+
+def test_a_page_that_would_replace_an_input_is_refused_before_the_work(
+    files: tuple[Path, Path], tmp_path: Path
+):
+    trials, features = files
+    given = ("driver", "evaluate", trials, "--features", features, "--quick", "--html")
+    named = nvcore(*given, trials)
+    assert named.exit_code == 2
+    assert "--html: expected a file that ends in .html" in named.stderr
+    (folder := tmp_path / "evaluation.html").mkdir()
+    with pytest.raises(InputError, match=r"is a folder; give the name of a file, such as eval"):
+        nv.evaluate_driver(trials, features, html=folder, quick=True)
 
 
 def test_the_square_can_be_an_angle(files: tuple[Path, Path], tmp_path: Path):

@@ -11,6 +11,7 @@ from figure_parts import trace, words
 from nvcore.figures import (
     detectability_histograms_plot,
     detectability_plot,
+    estimates_plot,
     estimator_errors_plot,
     feature_pairs_plot,
     pair_ranks_plot,
@@ -50,6 +51,18 @@ PERIODS = pd.DataFrame(
 )
 HISTOGRAMS = pd.DataFrame(
     {"period_s": [0.5] * 3 + [3.0] * 3, "detectability": [0, 0.5, 1] * 2, "n": [3, 1, 0, 1, 1, 2]}
+)
+
+
+ESTIMATES = pd.DataFrame(
+    {
+        "image": ["a.jpg", "a.jpg", "b.jpg"],
+        "pedestrian": "p1",
+        "period_s": [0.5, 3.0, 3.0],
+        "detectability": [0.0, 0.5, 1.0],
+        "n_subjects": 4,
+        "switched": [0.2, 0.4, 0.9],
+    }
 )
 
 
@@ -104,10 +117,23 @@ def test_each_period_has_its_histogram_beside_the_others():
     assert "4 pedestrians at each" in words(figure)
 
 
+def test_estimates_stand_over_what_was_seen_with_their_correlation():
+    figure = estimates_plot(ESTIMATES, theme="light")
+    line, marks = figure.data
+    assert list(line.x) == list(line.y) == [0, 1]
+    assert list(marks.x) == [0.2, 0.4, 0.9]
+    assert list(marks.y) == [0.0, 0.5, 1.0]
+    assert "p1 of b.jpg, 3 s<br>estimate 0.90, seen by 1.00 of 4 subjects" in marks.text[2]
+    assert "correlation 0.97" in words(figure)  # 0.35 / sqrt(0.26 * 0.5)
+    same = estimates_plot(ESTIMATES.assign(detectability=0.5), theme="light")
+    assert "correlation –" in words(same)
+
+
 @pytest.mark.parametrize(
     ("make", "table"),
     [
         (estimator_errors_plot, ERRORS),
+        (estimates_plot, ESTIMATES),
         (feature_pairs_plot, PAIRS),
         (pair_ranks_plot, RANKS),
         (detectability_plot, PERIODS),

@@ -12,6 +12,7 @@ from nvcore.cli.options import (
     INPUTS,
     OUTPUT,
     GroupedCommand,
+    check_html_name,
     examples,
     grouped_option,
     with_options,
@@ -168,7 +169,8 @@ def train(trials: Path, out: Path, **options: Any) -> None:
     cls=GroupedCommand,
     short_help="Say how well estimators do on unseen pedestrians.",
     epilog=examples(
-        "nvcore driver evaluate trials.csv --features features.csv --boxes boxes.csv --out tables"
+        "nvcore driver evaluate trials.csv --features features.csv --boxes boxes.csv --out tables",
+        "nvcore driver evaluate trials.csv --features features.csv --html evaluation.html",
     ),
 )
 @click.argument("trials", type=_File)
@@ -180,7 +182,14 @@ def train(trials: Path, out: Path, **options: Any) -> None:
     metavar="DIR",
     help="Write the tables into this folder (CSV).",
 )
-def evaluate(trials: Path, out: Path | None, **options: Any) -> None:
+@grouped_option(
+    OUTPUT,
+    "--html",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE.html",
+    help="Write figures and tables as one HTML page.",
+)
+def evaluate(trials: Path, out: Path | None, html: Path | None, **options: Any) -> None:
     """Evaluate estimators on TRIALS (CSV), leaving out one pedestrian at a time.
 
     Each pedestrian is estimated by regressions that were chosen and trained without him: one of
@@ -192,12 +201,16 @@ def evaluate(trials: Path, out: Path | None, **options: Any) -> None:
         from nvcore.api.driver import evaluate_driver
         from nvcore.report.driver import render_evaluation
 
+    if html is not None:
+        check_html_name("--html", html)
     arguments = _arguments(options)
     with ShareProgress() as progress:
-        evaluation = evaluate_driver(trials, out=out, progress=progress, **arguments)
+        evaluation = evaluate_driver(trials, out=out, html=html, progress=progress, **arguments)
     click.echo(render_evaluation(evaluation))
     if out is not None:
         click.echo(one_line(f"tables written to {out}"), err=True)
+    if html is not None:
+        click.echo(one_line(f"figures written to {html}"), err=True)
 
 
 def _arguments(options: dict[str, Any]) -> dict[str, Any]:

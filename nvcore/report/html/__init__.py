@@ -9,38 +9,25 @@ give the same bytes.
 
 from __future__ import annotations
 
-import base64
-import hashlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from markupsafe import Markup
-
 from nvcore.comparison import Result
-from nvcore.figures.style import CONFIG
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
 from nvcore.output.files import write_whole
 from nvcore.pictures.recordings import RecordingPictures, session_pictures
 from nvcore.progress import Progress, no_progress
-from nvcore.report.html.blocks import Chart, Table
-from nvcore.report.html.charts import figure_json, packed_plotly
 from nvcore.report.html.content import Content, report_content
 from nvcore.report.html.cover import Inscription
 from nvcore.report.html.frames import decisive_moments
+from nvcore.report.html.page import render_page
 from nvcore.settings import Settings
-from nvcore.wording import shortened
 
-__all__ = ["Inscription", "css_text", "render", "write_html_report"]
+__all__ = ["Inscription", "render", "write_html_report"]
 
 NO_INSCRIPTION: Final = Inscription()
-FOLDER: Final = Path(__file__).parent
-LONG_WORD: Final = 24
-SHORT_ROWS: Final = 12
-SHORT_SIGNS: Final = 900
-CHART_CONFIG: Final = {**CONFIG, "responsive": True}
 
 
 def write_html_report(
@@ -108,49 +95,11 @@ def _needed_pictures(result: Result, session: Session) -> RecordingPictures:
 
 def render(content: Content) -> str:
     """The page as text."""
-    environment = Environment(
-        loader=FileSystemLoader(FOLDER),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    charts = {
-        block.name: Markup(figure_json(block.figure))  # noqa: S704  # figure_json escapes it
-        for section in content.sections
-        for block in section.blocks
-        if isinstance(block, Chart)
-    }
-    nonce = hashlib.sha256(f"{content.fingerprint} {content.version}".encode()).hexdigest()[:32]
-    return environment.get_template("page.html").render(
+    return render_page(
+        "comparison.html",
+        sections=content.sections,
+        title=content.title,
+        version=content.version,
+        fingerprint=content.fingerprint,
         content=content,
-        charts=charts,
-        plotly=packed_plotly(),
-        nonce=nonce,
-        config=CHART_CONFIG,
-        base64=lambda picture: base64.b64encode(picture).decode(),
-        is_long=_is_long,
-        is_short=_is_short,
-        css_text=css_text,
     )
-
-
-def css_text(text: str, most: int) -> Markup:
-    """A CSS string of the text, cut to `most` characters; no text can end the string or style."""
-    signs = (
-        sign if sign == " " or (sign.isascii() and sign.isalnum()) else f"\\{ord(sign):x} "
-        for sign in shortened(text, most)
-    )
-    return Markup(f'"{"".join(signs)}"')  # noqa: S704  # nothing but letters, digits, escapes
-
-
-def _is_short(block: Table) -> bool:
-    """Whether a printed table goes to the next page whole: longer ones would leave a page empty."""
-    n_signs = sum(len(cell) for row in block.rows for cell in row)
-    return len(block.rows) < SHORT_ROWS and n_signs < SHORT_SIGNS
-
-
-def _is_long(cell: str) -> bool:
-    """Whether it has a word that may be broken anywhere, such as a hash or a path."""
-    return max(map(len, cell.split()), default=0) > LONG_WORD

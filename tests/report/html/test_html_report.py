@@ -25,7 +25,6 @@ from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
 from nvcore.report.html import (
     Inscription,
-    css_text,
     encounter_sections,
     result_sections,
     words,
@@ -41,6 +40,7 @@ from nvcore.report.html.blocks import (
     table,
 )
 from nvcore.report.html.classes_section import classes_section
+from nvcore.report.html.page import css_text
 from nvcore.report.words import FUSION_RULE
 from nvcore.settings import Settings
 from nvcore.tables.encounters.severity import weighed_encounters

@@ -1,0 +1,109 @@
+"""Sections as one HTML page that needs neither program nor network."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from nvcore.figures.style import CONFIG
+from nvcore.report.html.blocks import Chart, Section, Table
+from nvcore.report.html.charts import figure_json, packed_plotly
+from nvcore.wording import shortened
+
+TEMPLATES: Final = Path(__file__).parent / "templates"
+LONG_WORD: Final = 24
+SHORT_ROWS: Final = 12
+SHORT_SIGNS: Final = 900
+CHART_CONFIG: Final = {**CONFIG, "responsive": True}
+
+
+def render_page(
+    template: str,
+    *,
+    sections: Sequence[Section],
+    title: str,
+    version: str,
+    fingerprint: str,
+    **more: Any,
+) -> str:
+    """The page as text; the same content gives the same bytes.
+
+    Parameters
+    ----------
+    template
+        Of the folder ``templates``, made on ``base.html``.
+    sections
+        What it draws; names of charts are unique among them.
+    version, fingerprint
+        Of the program, and of what the page is about.
+    more
+        What this template needs besides.
+    """
+    charts = {
+        block.name: Markup(figure_json(block.figure))  # noqa: S704  # figure_json escapes it
+        for section in sections
+        for block in section.blocks
+        if isinstance(block, Chart)
+    }
+    nonce = hashlib.sha256(f"{fingerprint} {version}".encode()).hexdigest()[:32]
+    return (
+        _environment()
+        .get_template(template)
+        .render(
+            sections=sections,
+            title=title,
+            version=version,
+            fingerprint=fingerprint,
+            charts=charts,
+            plotly=packed_plotly(),
+            nonce=nonce,
+            config=CHART_CONFIG,
+            **more,
+        )
+    )
+
+
+@cache
+def _environment() -> Environment:
+    environment = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.globals |= {  # also in the macros of blocks.html
+        "base64": lambda picture: base64.b64encode(picture).decode(),
+        "is_long": _is_long,
+        "is_short": _is_short,
+        "css_text": css_text,
+    }
+    return environment
+
+
+def css_text(text: str, most: int) -> Markup:
+    """A CSS string of the text, cut to `most` characters; no text can end the string or style."""
+    signs = (
+        sign if sign == " " or (sign.isascii() and sign.isalnum()) else f"\\{ord(sign):x} "
+        for sign in shortened(text, most)
+    )
+    return Markup(f'"{"".join(signs)}"')  # noqa: S704  # nothing but letters, digits, escapes
+
+
+def _is_short(block: Table) -> bool:
+    """Whether a printed table goes to the next page whole: longer ones would leave a page empty."""
+    n_signs = sum(len(cell) for row in block.rows for cell in row)
+    return len(block.rows) < SHORT_ROWS and n_signs < SHORT_SIGNS
+
+
+def _is_long(cell: str) -> bool:
+    """Whether it has a word that may be broken anywhere, such as a hash or a path."""
+    return max(map(len, cell.split()), default=0) > LONG_WORD
