@@ -3,9 +3,8 @@
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.report.verdict.driver import describe_doubt, describe_driver
+from nvcore.report.verdict.driver import describe_counts, describe_doubt, describe_view
 from ui.driver import course, listed, missing, regions, run
-from ui.driver.counts import describe_counts
 from ui.session import state
 from ui.shell.messages import draw_as_set_note, draw_warnings, needs_comparison
 from ui.widgets.text import docs_link, plain
@@ -18,7 +17,7 @@ def draw(result: Result) -> None:
         state.words(
             "A warning is worth most where the driver does not see the pedestrian himself. "
             f"{docs_link('Detectability', 'whom-he-sees', doc='driver')} is the share of drivers "
-            "who would see him: 0 nobody, 1 everybody."
+            "who would see the pedestrian: 0 none, 1 all."
         )
     )
     run.draw_notes()
@@ -30,11 +29,9 @@ def draw(result: Result) -> None:
     run.draw(is_known=True)
     draw_warnings(result)
     draw_as_set_note(result)
-    sentences = describe_driver(result)
-    if doubt := describe_doubt(result):  # the first of them
-        st.warning(plain(doubt), icon=":material/warning:")
-        sentences = sentences[1:]
-    st.markdown("\n\n".join(map(plain, sentences)))
+    if doubt := describe_doubt(result):
+        st.warning(plain(state.words(doubt)), icon=":material/warning:")
+    st.markdown("\n\n".join(plain(state.words(text)) for text in describe_view(result)))
     st.caption(state.words(describe_counts(result)))
     region = regions.draw(result)
     encounter = listed.draw(result, region)

@@ -38,6 +38,7 @@ from nvcore.measures import (
     measure_of,
     repeated_by,
 )
+from nvcore.measures.driver_doubt import doubt_of
 
 D_Z: Final = "Cohen's d_z"
 ODDS_RATIO: Final = "odds ratio"
@@ -200,11 +201,14 @@ def judge(
     by_unit = {measure.key: measure for measure in unit_measures(result, units)}
 
     def judge_one(key: str) -> Evidence:
-        if inference_of(key).test == "encounters":
-            encounters = judge_encounters(result, key)
-            return encounters.values_only() if result.is_short else encounters
-        row = judge_measure(by_unit[key], units, has_interval=has_intervals)
-        return with_mean_over_recordings(result, units, row)
+        inference = inference_of(key)
+        if inference.test == "encounters":
+            row = judge_encounters(result, key)
+            row = row.values_only() if result.is_short else row
+        else:
+            row = judge_measure(by_unit[key], units, has_interval=has_intervals)
+            row = with_mean_over_recordings(result, units, row)
+        return replace(row, doubt=doubt_of(result, inference))
 
     return tuple(map(judge_one, keys))
 

@@ -18,9 +18,8 @@ from nvcore.evidence.claims import find_claims, values_of
 from nvcore.evidence.companions import are_unequal, find_companions
 from nvcore.evidence.measures import (
     Evidence,
+    judge,
     judge_encounters,
-    judge_measure,
-    unit_measures,
 )
 from nvcore.evidence.paired_tests import SIGNIFICANT, holm
 from nvcore.evidence.units import find_units
@@ -184,10 +183,9 @@ def systems_of(table: pd.DataFrame) -> pd.DataFrame:
 def _row(result: Result) -> tuple[dict[str, Any], tuple[Evidence, Evidence]]:
     """The row without what is corrected over all, and the evidence of the measures in `CLAIMED`."""
     units = find_units(result)
-    measures = {measure.key: measure for measure in unit_measures(result, units)}
     split = judge_encounters(result)
     split = split.values_only() if result.is_short else split
-    by_unit, similarity = (judge_measure(measures[key], units) for key in CLAIMED)
+    by_unit, similarity = judge(result, tuple(CLAIMED), units=units)
     alarms = values_of("false_alarms_per_frame", result)
     row = {
         "x": result.x.name,

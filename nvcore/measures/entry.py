@@ -99,6 +99,9 @@ class Inference:
         Whether it means little if encounters are single frames.
     repeats
         Key of the measure whose hypothesis this one tests again; empty: it has its own.
+    driver
+        How it rests on the driver's view: ``threshold``: on whom the driver sees; ``weight``: with
+        `driver_weighting`, on detectability itself; empty: not at all.
     """
 
     test: Literal["encounters", "units", "curve"]
@@ -123,6 +126,7 @@ class Inference:
     noun_unit: str = ""
     needs_tracks: bool = False
     repeats: str = ""
+    driver: Literal["", "threshold", "weight"] = ""
 
 
 @dataclass(frozen=True)

@@ -41,17 +41,28 @@ def is_judged_in_time(result: Result) -> np.ndarray:
 def is_driver_in_time(result: Result) -> np.ndarray:
     """Urgent encounters that the driver sees by himself while the car can still stop.
 
-    He confirms in the first frame in which detectability reaches `driver_threshold`, if that is
-    not after the first relevant one.
+    He confirms in the first frame in which detectability reaches `driver_threshold`, also where
+    that is after the first relevant one (docs/decisions/055-driver-in-time.md).
 
     Returns
     -------
     bool, shape (n_encounters,); False, too, where it is not known (`is_judged_in_time`).
     """
-    seen_row = result.driver.seen_row
-    is_before = seen_row < result.urgency["urgent_row"].to_numpy()
-    in_time: np.ndarray = is_before & result.is_urgent & result.driver.is_seen
+    row = result.driver.table["confirmed_row"].to_numpy()
+    is_before = (row >= 0) & (row < result.urgency["urgent_row"].to_numpy())
+    in_time: np.ndarray = is_before & is_judged_in_time(result)
     return in_time
+
+
+def is_seen_too_late(result: Result) -> np.ndarray:
+    """Urgent encounters that the driver sees, but only when the car can no longer stop.
+
+    Returns
+    -------
+    bool, shape (n_encounters,).
+    """
+    too_late: np.ndarray = result.is_urgent & result.driver.is_seen & ~is_driver_in_time(result)
+    return too_late
 
 
 def is_in_time_alone(result: Result, system: SystemResult) -> np.ndarray:
@@ -173,6 +184,7 @@ DRIVER_MEASURES: Final[tuple[Measure, ...]] = (
             split=lambda result: split_unseen(result.driver.venn),
             per="n_unseen",
             repeats="useful_alerts_by_unit",
+            driver="threshold",
         ),
     ),
     Measure(
@@ -188,6 +200,7 @@ DRIVER_MEASURES: Final[tuple[Measure, ...]] = (
             parts=_useful_parts,
             per="n_unseen",
             noun="useful alerts (by the given detectability)",
+            driver="threshold",
         ),
     ),
     _count(
@@ -196,16 +209,16 @@ DRIVER_MEASURES: Final[tuple[Measure, ...]] = (
         "unprotected: seen by neither the driver nor the system",
         LOWER,
         "Encounters that neither the driver sees by himself nor the system detects.",
-        part="unprotected: seen by neither him nor the system",
+        part="unprotected: seen by neither driver nor system",
     ),
     _count(
         "redundant_alerts",
         lambda result, system: result.driver.is_seen & _is_detected(system),
         "redundant alerts: detected, of {n_seen:,} that the driver sees",
         "",
-        "Encounters that the system detects and the driver sees by himself: a warning of these "
-        "tells him nothing. How many there are depends on whom he sees, too.",
-        part="redundant alerts: detected, seen by him anyway",
+        "Encounters that the system detects and the driver sees by himself, if not always while "
+        "the car can still stop. How many there are depends on whom the driver sees, too.",
+        part="redundant alerts: detected, seen by the driver anyway",
     ),
     _count(
         "in_time_alone",

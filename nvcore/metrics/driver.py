@@ -23,6 +23,8 @@ from nvcore.metrics.venn import Venn
 from nvcore.params import Params
 from nvcore.schema import DriverRegion
 
+SELDOM: Final = 0.5
+"""Share of the known frames below which seeing a pedestrian is called seldom (ours)."""
 _KNOWN: Final = (
     DriverRegion.DRIVER_X_Y,
     DriverRegion.DRIVER_X,
@@ -53,31 +55,36 @@ def judge_driver(
     Returns
     -------
     One row per encounter: detectability (the largest up to the first relevant frame, 0..1; NaN: the
-    encounter is distant, or it is known in none of these frames), sd, is_outside (of that largest
-    one), is_within_sd (whether it is no further than its sd from the threshold), n_known (frames
-    among these in which it is known), seen_row (frame row of his confirmation, -1: he does not see,
-    or it is unknown), n_seen (frames among these in which it reaches `driver_threshold`).
+    encounter is distant, or it is known in none of these frames), sd (of that largest one),
+    is_within_sd (whether it is no further than its sd from the threshold), n_known (frames among
+    these in which it is known), n_seen (in which it reaches `driver_threshold`), is_outside
+    (whether what decides was estimated outside the range of the training: the largest one, and
+    where it is below the threshold any of them), seen_row (frame row of his confirmation, -1: he
+    does not see, or it is unknown), confirmed_row (the first frame of all, later ones too, in which
+    it reaches the threshold; -1: none).
 
     References
     ----------
     ``docs/driver.md``, in the comparison; ``docs/decisions/050-driver-in-the-comparison.md``.
     """
     n = len(encounters)
-    place, seen_row = np.full((2, n), -1)
-    n_known, n_seen = np.zeros((2, n), np.int64)
+    place, seen_row, confirmed_row = np.full((3, n), -1)
+    n_known, n_seen, n_outside = np.zeros((3, n), np.int64)
     if not np.isnan(detectability.value).all():
         over_ranges(
             driver_frames,
             n,
             *(encounters.offsets, encounters.order, encounters.frame_index),
-            *(k_truth, detectability.value, float(params.driver_threshold)),
-            *(place, n_known, seen_row, n_seen),
+            *(k_truth, detectability.value, detectability.is_outside),
+            float(params.driver_threshold),
+            *(place, n_known, n_seen, n_outside, seen_row, confirmed_row),
         )
     is_known = place >= 0
     row = encounters.order[place[is_known]]
     highest, sd, is_outside = np.full(n, np.nan), np.full(n, np.nan), np.zeros(n, bool)
     highest[is_known], sd[is_known] = detectability.value[row], detectability.sd[row]
     is_outside[is_known] = detectability.is_outside[row]
+    is_outside |= (seen_row < 0) & (n_outside > 0)
     is_within_sd = np.abs(highest - params.driver_threshold) <= sd  # never where one is unknown
     return pd.DataFrame(
         {
@@ -86,8 +93,9 @@ def judge_driver(
             "is_outside": is_outside,
             "is_within_sd": is_within_sd,
             "n_known": n_known,
-            "seen_row": seen_row,
             "n_seen": n_seen,
+            "seen_row": seen_row,
+            "confirmed_row": confirmed_row,
         }
     )
 
@@ -253,5 +261,15 @@ class DriverView:
 
     @property
     def n_outside(self) -> int:
-        """Near encounters whose detectability was estimated outside the range of the training."""
+        """Near encounters decided by an estimate outside the range of the training."""
         return int(np.count_nonzero(self.table["is_outside"].to_numpy() & self.is_known))
+
+    @property
+    def is_seldom_seen(self) -> np.ndarray:
+        """Near encounters that he sees in fewer than `SELDOM` of the frames in which it is known.
+
+        bool, shape (n_encounters,); of the frames up to the first relevant one.
+        """
+        n_seen, n_known = (self.table[name].to_numpy() for name in ("n_seen", "n_known"))
+        is_seldom: np.ndarray = (n_seen < SELDOM * n_known) & self.is_seen
+        return is_seldom

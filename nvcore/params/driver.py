@@ -33,7 +33,7 @@ class DriverSettings:
         words={"off": "in full", "on": "by (1 - detectability)"},
         label="Missed pedestrians weigh",
         meaning="Whether a missed pedestrian weighs in full (off) or, in similarity, saliency and "
-        "severity, by (1 - detectability) (on): less, the likelier the driver sees him anyway. "
-        "This weighting is ours, not the papers'. In full where no detectability is known.",
+        "severity, by (1 - detectability) (on): less, the more drivers would see the pedestrian "
+        "anyway. This weighting is ours, not the papers'. In full where no detectability is known.",
         is_advanced=True,
     )

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.measures.of_driver import is_driver_in_time, is_judged_in_time
+from nvcore.measures.of_driver import is_driver_in_time, is_judged_in_time, is_seen_too_late
 from nvcore.metrics.driver import count_unknown
 from nvcore.schema import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.tables.column import Column, Kind
@@ -40,26 +40,32 @@ def _entry(
 DRIVER_ENTRIES: Final[tuple[Entry, ...]] = (
     _entry(
         "driver.seen",
-        "Encounters that the driver sees by himself.",
+        "Encounters that the driver sees unaided.",
         lambda result: result.driver.venn.n_seen,
     ),
     _entry(
         "driver.unseen",
-        "Encounters that he is known not to see.",
+        "Encounters that the driver is known not to see.",
         lambda result: result.driver.venn.n_unseen,
     ),
     _entry(
         "driver.outside_training",
-        "Of both, those whose largest detectability up to the first frame that counts was "
-        "estimated outside the range of the training.",
+        "Of both, those decided by an estimate outside the range of the training: by the largest "
+        "up to the first frame that counts, and where that is below `driver_threshold` by any.",
         lambda result: result.driver.n_outside,
     ),
     _entry(
         "driver.within_sd",
-        "Of both, those for whom it is no further than its standard deviation from "
+        "Of both, those for whom that largest one is no further than its standard deviation from "
         "`driver_threshold`: whether the driver sees them is open.",
         _count_within_sd,
         empty="no encounter has a standard deviation",
+    ),
+    _entry(
+        "driver.seldom",
+        "Of those seen, the ones that the driver sees in fewer than half of the frames up to the "
+        "first that counts in which it is known.",
+        lambda result: int(np.count_nonzero(result.driver.is_seldom_seen)),
     ),
     _entry(
         "driver.urgent",
@@ -70,6 +76,11 @@ DRIVER_ENTRIES: Final[tuple[Entry, ...]] = (
         "driver.in_time",
         "Of these, the ones that the driver sees while the car can still stop.",
         lambda result: int(np.count_nonzero(is_driver_in_time(result))),
+    ),
+    _entry(
+        "driver.too_late",
+        "Of these, the ones that the driver sees, but only when the car can no longer stop.",
+        lambda result: int(np.count_nonzero(is_seen_too_late(result))),
     ),
     _entry(
         "driver.boxes_without_detectability",

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -10,6 +13,7 @@ from drives import turned_by_strict_pairing
 
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
+from nvcore.dataset.estimates import EstimateRecord
 from nvcore.evidence.claims import Basis, Support, find_claims, least_corrected_p, values_of
 from nvcore.evidence.companions import (
     are_unequal,
@@ -21,6 +25,7 @@ from nvcore.evidence.measures import significance_table
 from nvcore.evidence.table import evidence_table
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
+from nvcore.report.verdict import verdict
 
 
 def detector(
@@ -198,3 +203,53 @@ def test_kaist_a_weak_system_at_a_low_threshold_is_not_preferred(kaist: Dataset)
     assert "log_average_miss_rate" in {claim.key for claim in support.claims}
     # eleven false alarms of each are too few to set them alike closely
     assert "equal false alarms" in support.withheld["encounters_detected_by_unit"]
+
+
+OF_NO_USE = EstimateRecord("m", "ab", "no", 3, of_no_use=True)
+
+
+def seen_little(detectability: Sequence[float], n: int = 14) -> Dataset:
+    """X detects all of as many pedestrians in each recording, Y those with an even number."""
+    truth = [
+        at(f, 20 + 20 * i, track=i, recording=recording, detectability=share)
+        for recording in range(n)
+        for i, share in enumerate(detectability)
+        for f in range(4)
+    ]
+    scores = np.random.default_rng(0).random(len(truth)).tolist()
+    x = [box._replace(score=score) for box, score in zip(truth, scores, strict=True)]
+    y = [box for box in x if box.track % 2 == 0]
+    return make_dataset(truth, x, y, places=[Place(range(4))] * n)
+
+
+@pytest.mark.parametrize("kind", ["useless", "open"])
+def test_useful_alerts_are_no_claim_where_nothing_is_claimed_of_whom_the_driver_sees(kind: str):
+    dataset = seen_little([0.3, 0.3, 0.3])
+    assert "useful_alerts_by_unit" in {c.key for c in support_of(result_of(dataset)).claims}
+    if kind == "useless":
+        names = frozenset(dataset.recordings["name"])
+        doubted = replace(dataset, estimate=replace(OF_NO_USE, estimated_in=names))
+    else:
+        doubted = replace(dataset, boxes=dataset.boxes.assign(detectability_sd=0.3))
+    support = support_of(result_of(doubted))
+    keys = {claim.key for claim in support.claims}
+    assert "useful_alerts_by_unit" not in keys
+    assert "encounters_detected_by_unit" in keys
+    why = {"useless": "no better than a constant", "open": "within one standard deviation"}
+    assert why[kind] in support.withheld["useful_alerts_by_unit"]
+
+
+def test_what_is_weighted_by_an_estimator_that_learned_nothing_is_no_claim():
+    dataset = replace(seen_little([0.3, 0.3, 0.3]), estimate=OF_NO_USE)
+    plain, weighted = (
+        support_of(result_of(dataset, driver_weighting=weighting)) for weighting in ("off", "on")
+    )
+    of_weights = {"mean_similarity", "severity_s_per_encounter"}
+    assert of_weights <= {claim.key for claim in plain.claims}
+    assert not of_weights & {claim.key for claim in weighted.claims}
+    assert of_weights <= set(weighted.withheld)
+    trusted = result_of(seen_little([0.3, 0.3, 0.3]), driver_weighting="on")
+    evidence = evidence_table(trusted)
+    companions = find_companions(trusted, evidence)
+    said = verdict(trusted, evidence=evidence, companions=companions).headline
+    assert said.endswith("(similarity, saliency and severity weighted by 1 - detectability).")

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
-from nvcore.measures.of_driver import is_driver_in_time, is_in_time_alone
+from nvcore.measures.of_driver import is_driver_in_time, is_in_time_alone, is_seen_too_late
 from nvcore.metrics.driver import count_driver_regions, driver_regions, split_unseen
 from nvcore.params import Params
 from nvcore.schema import Category, DriverRegion
@@ -211,7 +211,7 @@ ALL, LATE = range(40), range(30, 40)
 
 @pytest.mark.parametrize(
     ("seen_from", "by_driver", "alone_y"),
-    [(2, True, False), (35, False, True), (None, False, False)],
+    [(2, True, False), (27, True, False), (35, False, True), (None, False, False)],
 )
 def test_neither_the_driver_nor_x_in_time_but_y(seen_from, by_driver, alone_y):
     result = met(seen_from, LATE, ALL)
@@ -221,7 +221,15 @@ def test_neither_the_driver_nor_x_in_time_but_y(seen_from, by_driver, alone_y):
     assert is_in_time_alone(result, result.x).tolist() == [False]
 
 
+def test_who_is_seen_after_he_counts_but_before_the_last_chance_is_in_time_though_unseen():
+    result = met(27, LATE, ALL)  # counts from frame 25 on, last chance 29
+    assert result.driver.is_unseen.tolist() == [True]
+    assert is_driver_in_time(result).tolist() == [True]
+    assert not is_seen_too_late(result).any()
+
+
 def test_seen_at_the_last_chance_is_too_late():
+    assert is_seen_too_late(met(29, LATE, ALL, midpoint=30.0)).tolist() == [True]
     # near enough to count only when h is 30 px, in frame 34
     assert is_driver_in_time(met(28, LATE, ALL, midpoint=30.0)).tolist() == [True]
     assert is_driver_in_time(met(29, LATE, ALL, midpoint=30.0)).tolist() == [False]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from itertools import product
 
@@ -29,7 +30,7 @@ from nvcore.report.verdict.driver import (
     regions_text,
     weighting,
 )
-from nvcore.schema import DriverRegion
+from nvcore.schema import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.tables.encounters.driver import (
     detectability_course,
     driver_venn_table,
@@ -39,6 +40,7 @@ from nvcore.tables.encounters.driver import (
 from nvcore.tables.result import encounters_table, recordings_table
 from nvcore.tables.scorecard import score_rows
 from nvcore.tables.summary import summary
+from nvcore.wording.objects import objects_from
 
 
 def eight(n_recordings: int = 1, *, unknown: int = 1, **params: str) -> Result:
@@ -88,10 +90,10 @@ def test_of_recordings_of_which_nothing_is_known_the_alerts_are_undefined():
 def test_the_verdict_says_whom_each_system_warns_of_and_where_that_comes_from():
     text = " ".join(describe_driver(eight()))
     assert text == (
-        "By the ground truth, the driver sees 4 of 8 encounters by himself; of the 4 that he does "
-        "not see, X detects 2 and Y 2 (X alone 1, Y alone 1, neither 1). Detectability is as the "
-        "ground truth states it; he is taken to see from 0.5 on. It is known of 8 of 9 pedestrian "
-        "boxes; 1 encounter of which it is unknown is not counted here."
+        "By the ground truth, the driver sees 4 of 8 encounters unaided; of the 4 not seen, X "
+        "detects 2 and Y 2 (X alone 1, Y alone 1, neither 1). Detectability is as the ground truth "
+        "states it; seen means that at least 50 % of drivers would see the pedestrian. It is known "
+        "of 8 of 9 pedestrian boxes; 1 encounter of which it is unknown is not counted here."
     )
     assert text in [point.text for point in verdict(eight()).points]
 
@@ -100,14 +102,16 @@ def test_estimated_and_simulated_are_said():
     result = with_estimate(eight(unknown=0), EstimateRecord("m", "ab12", "all", 12))
     assert describe_source(result) == (
         "Detectability is estimated by m (12 subjects, fingerprint ab12), learnt from simulated "
-        "subjects; "
-        "he is taken to see from 0.5 on."
+        "subjects; seen means that at least 50 % of drivers would see the pedestrian."
     )
     assert describe_driver(result)[0].startswith(
         "By the estimates (learnt from simulated subjects), the driver sees 4 of 8 encounters"
     )
     plain = with_estimate(eight(unknown=0), EstimateRecord())
-    assert describe_source(plain) == ("Detectability is estimated; he is taken to see from 0.5 on.")
+    assert describe_source(plain) == (
+        "Detectability is estimated; seen means that at least 50 % of drivers would see the "
+        "pedestrian."
+    )
 
 
 def test_what_is_estimated_and_what_the_truth_states_are_told_apart():
@@ -134,9 +138,9 @@ def test_what_is_estimated_and_what_the_truth_states_are_told_apart():
 def test_the_regions_stand_in_the_terminal_and_the_unknown_only_where_there_are_some():
     assert regions_text(eight()) == (
         "driver, X and Y 1, driver and X 1, driver and Y 1, driver alone 1, X and Y 1, X alone 1, "
-        "Y alone 1, nobody 1, unknown of the driver 1"
+        "Y alone 1, none of them 1, unknown of the driver 1"
     )
-    assert regions_text(eight(unknown=0)).endswith("nobody 1")
+    assert regions_text(eight(unknown=0)).endswith("none of them 1")
     assert f"encounters seen by: {regions_text(eight())}" in render_scorecard(eight())
 
 
@@ -193,8 +197,8 @@ def test_neither_the_driver_nor_x_but_y_is_counted_listed_and_said():
     assert saved[["recording", "system", "impact_kmh_y"]].to_numpy().tolist() == [["r1", "y", 0.0]]
     text = " ".join(describe_driver(result))
     assert (
-        "Of 3 urgent encounters of which it is known, the driver is in time by himself in 1; of "
-        "the others, both systems are in 0, X alone in 0, Y alone in 1, nobody in 1."
+        "Of 3 urgent encounters of which it is known, the driver is in time unaided in 1; of "
+        "the others, both systems are in 0, X alone in 0, Y alone in 1, none of them in 1."
     ) in text
     assert encounters_table(result)["driver_in_time"].tolist()[:3] == [False, False, True]
     assert encounters_table(result)["driver_in_time"].isna().tolist() == [False] * 3 + [True]
@@ -344,7 +348,7 @@ def test_a_share_of_estimates_that_say_little_is_said_with_the_features():
     text = source(record, 1)
     assert (
         "Outside the range of the training (in that run by Height, Edge contrast, Width and 1 more)"
-        f" are 1 of {n} values, and of the 8 that decide (the largest of each encounter)"
+        f" are 1 of {n} values; such values decide 1 of 8 encounters."
     ) in text
     assert "In 6 % of all estimates of that run it is not known when the light last" in text
     (name,) = result.dataset.recordings["name"]
@@ -363,8 +367,8 @@ def test_where_boxes_are_outside_the_training_but_no_encounter_is_that_is_said()
     outside = boxes.assign(is_outside=(boxes["detectability"] == 0.2).to_numpy())
     text = describe_source(compare(replace(result.dataset, boxes=outside), result.params))
     assert text.replace("\xa0", " ").endswith(
-        "Outside the range of the training are 1 of 2 values, and of the 1 that decide (the "
-        "largest of each encounter) none."
+        "Outside the range of the training are 1 of 2 values; such values decide none of 1 "
+        "encounter."
     )
 
 
@@ -394,7 +398,7 @@ def test_where_every_encounter_is_open_nothing_is_claimed_of_the_driver():
         "Nothing is claimed of whom the driver sees: in all 2 encounters of which it is known, the "
         "value that decides is within one standard deviation of 0.5."
     )
-    assert alerts.endswith("the driver sees 2 of 2 encounters by himself.")  # no "redundant"
+    assert alerts.endswith("the driver sees 2 of 2 encounters unaided.")  # no "redundant"
     assert "is open" not in describe_source(result)  # said before
     assert f"the driver: {doubt[0].lower()}{doubt[1:]}" in render_scorecard(result)
     one_known = compare(replace(bare.dataset, boxes=boxes.assign(detectability_sd=[0.1, 0.01])))
@@ -409,10 +413,78 @@ def test_of_an_estimator_that_learned_nothing_nothing_is_claimed():
         "constant on pedestrians that it had not seen."
     )
     assert alerts.startswith("By the estimates (as a whole no better than a constant), the driver")
+    seen = make_dataset([at(0, 50, track=1, detectability=0.9)])
+    useless = with_estimate(result_of(seen), result.dataset.estimate)
+    assert describe_driver(useless)[1].endswith("the driver sees 1 of 1 encounter unaided.")
     assert "estimated by m (3 subjects), as a whole no better" in describe_source(result)
     (name,) = result.dataset.recordings["name"]
     stated = EstimateRecord("m", of_no_use=True, stated_in=frozenset([name]))
     assert not describe_doubt(with_estimate(result, stated))
+
+
+def test_whom_the_driver_sees_for_a_few_frames_only_is_counted():
+    far = [at(f, 50, h=4, track=1, detectability=0.1 + 0.5 * (f == 3)) for f in range(6)]
+    truth = [*far, at(6, 50, h=40, track=1, detectability=0.2), at(6, 20, detectability=0.9)]
+    result = result_of(make_dataset(truth), proximity="height")
+    assert (
+        "One frame is enough for that: 1 of the 2 that the driver sees are seen in fewer than 50 % "
+        "of the frames up to the first that counts."
+    ) in describe_driver(result)
+    assert summary(result)["driver"]["seldom"] == 1
+    often = result_of(make_dataset([b._replace(detectability=0.9) for b in truth]))
+    assert "One frame" not in " ".join(describe_driver(often))
+
+
+def test_who_is_seen_too_late_to_stop_is_said_and_no_alert_about_him_is_called_redundant():
+    # urgent from frame 29 on; near enough to count only when h is 30 px, in frame 34
+    truth = [b._replace(detectability=float(b.frame >= 33)) for b in approach(range(40), 5)]
+    sides = approach(range(40), 5), only(approach(range(40), 5), range(36, 40))
+    result = result_of(make_dataset(truth, *sides), proximity="height", midpoint=30.0)
+    text = " ".join(describe_driver(result))
+    assert "the driver sees 1 of 1 encounter unaided. " in text
+    assert "X alone in 1, Y alone in 0, none of them in 0. 1 that the driver sees are seen" in text
+    assert summary(result)["driver"]["too_late"] == 1
+
+
+def test_of_a_pedestrian_who_is_not_seen_any_estimate_outside_the_training_decides():
+    truth = [at(f, 50, h=4 + 36 * f, track=1, detectability=(0.1, 0.3)[f]) for f in range(2)]
+    bare = result_of(make_dataset(truth), proximity="height")
+    boxes = bare.dataset.boxes.assign(is_outside=[True, False])
+    for threshold, n in ((0.5, 1), (0.2, 0)):
+        result = compare(replace(bare.dataset, boxes=boxes), bare.params)
+        result = compare(result.dataset, replace(bare.params, driver_threshold=threshold))
+        assert f"such values decide {n or 'none'} of 1 encounter" in describe_source(result)
+        assert encounters_table(result)["outside_training"].tolist() == [n]
+
+
+def test_below_a_rule_of_the_gate_stands_why_nothing_is_claimed_and_what_is_open():
+    bare = eight(unknown=0)
+    rules = [parse_rule("unprotected_x <= 9")]
+
+    def details(sd: float) -> tuple[str, ...]:
+        boxes = bare.dataset.boxes.assign(detectability_sd=sd)
+        (outcome, *_), _ = run_gate(
+            rules, compare(replace(bare.dataset, boxes=boxes), bare.params), (), strict=False
+        )
+        return outcome.details
+
+    head = "whether the driver sees them is known of 8 of 8 encounters, by the ground truth"
+    assert details(0.1) == (head,)
+    known, doubt = details(0.4)
+    assert known == f"{head}; open in 8 of these, within one standard deviation"
+    assert doubt.startswith("Nothing is claimed of whom the driver sees: in all 8 encounters")
+
+
+def test_the_driver_stays_a_person_where_the_objects_are_others():
+    met = urgent()
+    settings = replace(met.dataset.settings, objects=objects_from("cyclist"))
+    result = compare(replace(met.dataset, settings=settings), met.params)
+    words = result.dataset.words
+    texts = [*describe_driver(result), *DRIVER_REGION_TEXT.values(), regions_text(result)]
+    said = " ".join(map(words, texts))
+    assert not re.search(r"\b(it needs|warn it|its confirmation|nothing|it is taken)\b", said)
+    assert "at least 50 % of drivers would see the cyclist" in said
+    assert "none of them in 1" in said
 
 
 def test_without_a_standard_deviation_it_is_not_known_who_is_near_the_threshold():
@@ -437,7 +509,7 @@ def test_if_he_sees_everybody_shares_of_the_others_are_undefined_not_an_error():
     truth = [at(0, 50, track=1, detectability=1.0)]
     result = result_of(make_dataset(truth, [at(0, 50, score=1.0)]))
     assert (
-        "sees 1 of 1 encounter by himself: every alert about these is redundant."
+        "sees 1 of 1 encounter unaided: every alert about these is redundant."
         in describe_driver(result)[0]
     )
     table = significance_table(result).set_index("figure")
@@ -448,5 +520,5 @@ def test_estimates_outside_the_training_are_counted():
     result = eight(unknown=0)
     boxes = result.dataset.boxes.assign(is_outside=np.arange(len(result.dataset.boxes)) < 3)
     outside = compare(replace(result.dataset, boxes=boxes), Params(proximity="none"))
-    assert "of the 8 that decide (the largest of each encounter) 3." in describe_source(outside)
+    assert "such values decide 3 of 8 encounters." in describe_source(outside)
     assert encounters_table(outside)["outside_training"].sum() == 3

@@ -35,7 +35,10 @@ def words(was: pd.DataFrame, would: pd.DataFrame) -> str:
 def test_frames_until_he_sees_the_pedestrian_are_counted_from_the_change():
     text = words(course(0.1, 0.8, 0.8, 0.8, 0.8), simulated(0.1, 0.1, 0.2, 0.4, 0.5))
     assert "3 frames (0.30 s) later; without the change, at once" in text
-    assert "By the first frame that counts, at 0.20 s, he would **not** have seen him" in text
+    assert (
+        "By the first frame that counts, at 0.20 s, the driver would **not** have seen the "
+        "pedestrian" in text
+    )
 
 
 def test_where_a_real_change_ends_the_simulated_one_frames_until_then_are_meant():
@@ -50,8 +53,8 @@ def test_of_a_pedestrian_who_comes_later_frames_count_from_where_he_appears():
     later["time_s"] += 4.1
     would = simulated(0.1, 0.1, 0.9, since=0)
     assert (
-        "2 frames after he appears, 4.20 s after the change; without the change, as soon as he "
-        "appears, 4.00 s after the change"
+        "2 frames after the pedestrian appears, 4.20 s after the change; without the change, as "
+        "soon as the pedestrian appears, 4.00 s after the change"
     ) in words(later, would)
 
 
@@ -59,9 +62,22 @@ def test_of_a_pedestrian_who_comes_later_frames_count_from_where_he_appears():
     ("was", "would", "expected"),
     [
         ((0.9, 0.9), (0.9, 0.1), "in none of 1 frame; without the change, at once"),
-        ((0.9, 0.9), (0.9, 0.1), "he would have seen him, with the change or without"),
-        ((0.1, 0.1), (0.1, 0.1), "he would not have seen him, with the change or without"),
-        ((0.1, 0.1), (0.1, 0.9), "he would have seen him; without the change he would not have"),
+        (
+            (0.9, 0.9),
+            (0.9, 0.1),
+            "the driver would have seen the pedestrian, with the change or without",
+        ),
+        (
+            (0.1, 0.1),
+            (0.1, 0.1),
+            "the driver would not have seen the pedestrian, with the change or without",
+        ),
+        (
+            (0.1, 0.1),
+            (0.1, 0.9),
+            "the driver would have seen the pedestrian; without the change the driver would not "
+            "have",
+        ),
         ((0.9, 0.9), (0.9, 0.9), "at once, as without the change"),
     ],
 )
@@ -76,7 +92,9 @@ def test_a_change_after_he_has_seen_the_pedestrian_comes_too_late_for_an_alert()
     text = words(course(0.5, 0.9, 0.9, 0.9), simulated(0.5, 0.1, 0.1, 0.9))
     assert BEFORE in text
     assert "would see the pedestrian again 2 frames (0.20 s) later; without" in text
-    assert "at 0.20 s, he would have seen him, with the change or without" in text
+    assert (
+        "at 0.20 s, the driver would have seen the pedestrian, with the change or without" in text
+    )
 
 
 @pytest.mark.parametrize("n_up_to", [0, 1])
@@ -121,7 +139,7 @@ def test_the_frame_before_the_change_is_seen_as_it_was(fps: float):
         text = describe_change(table, after, threshold=0.5, change_s=change_s)
         if k < 55:
             assert f"5 frames ({5 / fps:.2f} s) later" in text
-        assert "he would have seen him, with the change or without" in text
+        assert "the driver would have seen the pedestrian, with the change or without" in text
     text = describe_change(
         table, after.assign(is_simulated=False), threshold=0.5, change_s=60 / fps
     )
@@ -139,13 +157,15 @@ def test_who_was_seen_by_the_frame_that_counts_still_is_where_it_becomes_dark_af
         }
     )
     text = describe_change(was, would, threshold=0.5, change_s=0.3)
-    assert "at 0.20 s, he would have seen him, with the change or without" in text
+    assert (
+        "at 0.20 s, the driver would have seen the pedestrian, with the change or without" in text
+    )
 
 
 def test_where_nothing_is_known_after_the_change_nothing_is_said_of_who_sees():
     text = words(course(NAN, NAN, NAN), simulated(NAN, NAN, NAN))
     assert "the pedestrian is not known in any frame after it." in text
-    assert "at 0.20 s, it is not known whether he would have seen him." in text
+    assert "at 0.20 s, it is not known whether the driver would have seen the pedestrian." in text
     assert "none of" not in text
 
 
@@ -154,10 +174,16 @@ def test_frames_in_which_it_is_not_known_are_neither_seen_nor_unseen():
     assert (
         "in none of 1 frame in which it is known, of 3; without the change, it is not known" in text
     )
-    assert "he would **not** have seen him; without the change he would have." in text
+    assert (
+        "the driver would **not** have seen the pedestrian; without the change the driver would "
+        "have." in text
+    )
     later = words(course(NAN, NAN, NAN, 0.9), simulated(0.1, NAN, 0.1, 0.9))
     assert "at the latest 2 frames (0.20 s) later, as without the change" in later
-    assert "he would **not** have seen him; without the change it is not known." in later
+    assert (
+        "the driver would **not** have seen the pedestrian; without the change it is not known."
+        in later
+    )
 
 
 def test_a_simulated_observer_is_named():

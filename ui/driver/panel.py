@@ -22,7 +22,8 @@ ADAPTED: Final = (
 )
 UNLIT: Final = (
     "It is not known when the light last changed: the estimator of the longest period{longest} is "
-    "taken, as if the eyes were adapted. Just after a change, fewer drivers would see him."
+    "taken, as if the eyes were adapted. Just after a change, fewer drivers would see the "
+    "pedestrian."
 )
 NOT_RUN: Final = f"They are not known here: {basis.NOT_RUN}"
 FROM_FILE: Final = (

@@ -84,7 +84,7 @@ def detectability_course_plot(
         traces += _light(clock, span, theme)
         more = _lower_axes(clock, span, theme)
         subtitle += f"; {_light_words(clock)}"
-    title = "share of drivers who see him"
+    title = "share of drivers who see the pedestrian"
     figure = draw(
         traces,
         theme,

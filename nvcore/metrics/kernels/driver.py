@@ -9,19 +9,35 @@ from nvcore.metrics.kernels import compiled
 
 @compiled
 def driver_frames(
-    lo, hi, offsets, order, frame_index, k, detectability, threshold, highest, known, seen, n_seen
+    lo,
+    hi,
+    offsets,
+    order,
+    frame_index,
+    k,
+    detectability,
+    is_outside,
+    threshold,
+    highest,
+    known,
+    n_seen,
+    n_outside,
+    seen,
+    confirmed,
 ):
     """How detectable each encounter is up to its first relevant frame.
 
     ``order[offsets[e]:offsets[e + 1]]`` are the truth rows of encounter e by frame, and
-    `frame_index` has the frames of these rows in the same order. Writes the place in `order` of the
-    first largest detectability (-1: none is known), in how many frames one is known, the row of the
-    first frame with at least `threshold` (-1: in none), and in how many it is that. Encounters
-    without a relevant frame have -1, 0, -1 and 0. Of the boxes of one frame (a track id given
-    twice) the largest counts.
+    `frame_index` has the frames of these rows in the same order. Writes, of the frames up to the
+    first relevant one, the place in `order` of the first largest detectability (-1: none is known),
+    in how many one is known, is at least `threshold`, and is one with `is_outside`, and the row of
+    the first that is at least `threshold` (-1: in none). `confirmed` is that row of all frames,
+    later ones too. Encounters without a relevant frame have -1, 0, 0, 0, -1 and -1. Of the boxes of
+    one frame (a track id given twice) the largest counts.
     """
     for e in range(lo, hi):
-        highest[e], known[e], seen[e], n_seen[e] = -1, 0, -1, 0
+        highest[e], known[e], n_seen[e], n_outside[e] = -1, 0, 0, 0
+        seen[e], confirmed[e] = -1, -1
         first, last = offsets[e], offsets[e + 1]
         relevant = -1
         for i in range(first, last):
@@ -30,16 +46,23 @@ def driver_frames(
                 break
         if relevant < 0:
             continue
-        before, seen_before = -1, -1
+        before, seen_before, outside_before = -1, -1, -1
         for i in range(first, last):
-            if frame_index[i] > relevant:
-                break
             value = detectability[order[i]]
             if np.isnan(value):
+                continue
+            if value >= threshold and confirmed[e] < 0:
+                confirmed[e] = frame_index[i]
+            if frame_index[i] > relevant:
+                if confirmed[e] >= 0:
+                    break
                 continue
             if frame_index[i] != before:
                 known[e] += 1
                 before = frame_index[i]
+            if is_outside[order[i]] and frame_index[i] != outside_before:
+                n_outside[e] += 1
+                outside_before = frame_index[i]
             if highest[e] < 0 or value > detectability[order[highest[e]]]:
                 highest[e] = i
             if value >= threshold and frame_index[i] != seen_before:

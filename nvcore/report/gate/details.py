@@ -23,7 +23,7 @@ from nvcore.report.gate.measures import (
 )
 from nvcore.report.gate.outcomes import Outcome
 from nvcore.report.rules import class_in
-from nvcore.report.verdict.driver import describe_known
+from nvcore.report.verdict.driver import describe_doubt, describe_known
 from nvcore.schema import Category
 
 MAX_LISTED: Final = 10
@@ -45,7 +45,8 @@ def _details(outcome: Outcome, result: Result, findings: Sequence[Finding]) -> t
         )
     known: tuple[str, ...] = ()
     if name in OF_DRIVER and result.driver.has_any:
-        known = (describe_known(result, of_urgent=name in OF_URGENT),)
+        lines = describe_known(result, of_urgent=name in OF_URGENT), describe_doubt(result)
+        known = tuple(filter(None, lines))
     if outcome.is_passed:
         return known
     counted = name.partition(".")[0] if class_in(name) else name

@@ -1,4 +1,4 @@
-"""The driver in words: whom he sees by himself, who warns him, and how far the data say so."""
+"""The driver in words: whom the driver sees, who warns of the others, how far the data say so."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.measures.of_driver import count_in_time, is_judged_in_time
-from nvcore.metrics.driver import count_unknown
+from nvcore.measures.driver_doubt import are_all_open, count_origins, doubt_of_seen, is_stated
+from nvcore.measures.of_driver import count_in_time, is_judged_in_time, is_seen_too_late
+from nvcore.metrics.driver import SELDOM, count_unknown
 from nvcore.schema import DriverRegion
 from nvcore.tables.encounters.driver import REGION_NAMES
 from nvcore.wording import capitalised, count_text, listed, one_line, percent, shortened
@@ -24,43 +25,28 @@ _SHOWN_NAME: Final = 40
 
 
 def describe_driver(result: Result) -> tuple[str, ...]:
-    """Whom the driver sees and whom each system warns him of; empty: nothing is known of him."""
+    """Whom the driver sees and whom each system warns of; empty: nothing is known of that."""
+    return tuple(filter(None, (describe_doubt(result), *describe_view(result))))
+
+
+def describe_doubt(result: Result) -> str:
+    """Why nothing is claimed of whom the driver sees, whatever the counts; empty: no reason."""
+    why = doubt_of_seen(result) if result.driver.has_any else ""
+    return f"Nothing is claimed of whom the driver sees: {why}." if why else ""
+
+
+def describe_view(result: Result) -> tuple[str, ...]:
+    """`describe_driver` without its doubt."""
     if not result.driver.has_any:
         return (NOTHING_KNOWN,) if result.dataset.has_detectability else ()
     sentences = (
-        describe_doubt(result),
         _alerts(result),
+        _seldom(result),
         _in_time(result),
         describe_source(result),
         weighting(result),
     )
     return tuple(filter(None, sentences))
-
-
-def describe_doubt(result: Result) -> str:
-    """Why nothing is claimed of whom the driver sees, whatever the counts; empty: no reason."""
-    estimate, driver = result.dataset.estimate, result.driver
-    why = ""
-    if estimate is not None and estimate.of_no_use and not _is_stated(result):
-        why = (
-            "as a whole the estimator is no better than a constant on pedestrians that it had not "
-            "seen"
-        )
-    elif _are_all_open(result):
-        n = driver.venn.n_known
-        where = f"in all {n:,} encounters" if n > 1 else "in the only encounter"
-        why = (
-            f"{where} of which it is known, the value that decides is within one standard "
-            f"deviation of {result.params.driver_threshold:g}"
-        )
-    return f"Nothing is claimed of whom the driver sees: {why}." if why else ""
-
-
-def _are_all_open(result: Result) -> bool:
-    """Whether no encounter is further than its standard deviation from the threshold."""
-    driver = result.driver
-    n_known = driver.venn.n_known
-    return n_known > 0 and int(np.count_nonzero(driver.is_within_sd)) == n_known
 
 
 def _alerts(result: Result) -> str:
@@ -69,33 +55,65 @@ def _alerts(result: Result) -> str:
     by = capitalised(_by(result))
     of = f"{by}, the driver sees {venn.n_seen} of {count_text(venn.n_known, 'encounter')}"
     if not n_unseen:
-        is_claimed = not describe_doubt(result)
-        return f"{of} by himself" + (
-            ": every alert about these is redundant." if is_claimed else "."
-        )
+        is_open = doubt_of_seen(result) or result.driver.is_within_sd.any()
+        is_plain = not (is_open or is_seen_too_late(result).any())
+        redundant = ": every alert about these is redundant" if is_plain else ""
+        return f"{of} unaided{redundant}."
     useful_x = count[DriverRegion.X_Y] + count[DriverRegion.X]
     useful_y = count[DriverRegion.X_Y] + count[DriverRegion.Y]
     return (
-        f"{of} by himself; of the {n_unseen} that he does not see, X detects {useful_x} and Y "
+        f"{of} unaided; of the {n_unseen} not seen, X detects {useful_x} and Y "
         f"{useful_y} (X alone {count[DriverRegion.X]}, Y alone {count[DriverRegion.Y]}, neither "
         f"{count[DriverRegion.NOBODY]})."
     )
 
 
+def _seldom(result: Result) -> str:
+    """How many the driver sees for a few frames only; empty: none."""
+    n = int(np.count_nonzero(result.driver.is_seldom_seen))
+    if not n:
+        return ""
+    return (
+        f"One frame is enough for that: {n:,} of the {result.driver.venn.n_seen:,} that the "
+        f"driver sees are seen in fewer than {percent(SELDOM)} of the frames up to the first that "
+        "counts."
+    )
+
+
+def describe_counts(result: Result) -> str:
+    """Where each encounter is counted, those too that no sentence is about."""
+    venn = result.driver.venn
+    n_unknown, n_distant = (
+        venn.counts[region] for region in (DriverRegion.UNKNOWN, DriverRegion.DISTANT)
+    )
+    n = venn.n_known + n_unknown + n_distant
+    parts = [f"{venn.n_seen:,} seen by the driver, {venn.n_unseen:,} not seen"]
+    if n_unknown:
+        parts.append(f"{n_unknown:,} unknown")
+    if n_distant:
+        parts.append(f"{n_distant:,} distant (never near enough to count)")
+    return f"{count_text(n, 'encounter')} in all: {', '.join(parts)}."
+
+
 def describe_known(result: Result, *, of_urgent: bool = False) -> str:
     """Of how many encounters it is known whether the driver sees them, and on whose word."""
     known, near = result.driver.venn.n_known, count_text(result.venn.n_near, "encounter")
+    is_open = result.driver.is_within_sd
     if of_urgent:
-        known = int(np.count_nonzero(is_judged_in_time(result)))
+        is_judged = is_judged_in_time(result)
+        known, is_open = int(np.count_nonzero(is_judged)), is_open & is_judged
         near = count_text(int(np.count_nonzero(result.is_urgent)), "urgent encounter")
-    return f"whether the driver sees them is known of {known:,} of {near}, {_by(result)}"
+    n_open = int(np.count_nonzero(is_open))
+    return f"whether the driver sees them is known of {known:,} of {near}, {_by(result)}" + (
+        f"; open in {n_open:,} of these, within one standard deviation" if n_open else ""
+    )
 
 
 def _by(result: Result) -> str:
     """On whose word it rests what the driver sees."""
     estimate = result.dataset.estimate
-    n_estimated, n_stated = _origins(result)
-    if estimate is None or _is_stated(result):
+    n_estimated, n_stated = count_origins(result)
+    if estimate is None or is_stated(result):
         return "by the ground truth"
     caution = f" ({estimate.caution})" if estimate.caution else ""
     if not n_stated:
@@ -104,39 +122,27 @@ def _by(result: Result) -> str:
     return f"by estimates in {among}{caution} and the ground truth in {n_stated}"
 
 
-def _is_stated(result: Result) -> bool:
-    """Whether all that is known stands in the ground truth, whatever record there is."""
-    n_estimated, n_stated = _origins(result)
-    return bool(n_stated and not n_estimated)
-
-
-def _origins(result: Result) -> tuple[int, int]:
-    """In how many recordings values are estimates, and in how many the ground truth's own."""
-    estimate = result.dataset.estimate
-    if estimate is None:
-        return 0, 0
-    names = frozenset(result.dataset.recordings["name"])
-    return len(names & estimate.estimated_in), len(names & estimate.stated_in)
-
-
 def _in_time(result: Result) -> str:
     """Who is in time for the urgent encounters; empty: it is known of none."""
     parts = count_in_time(result)
     if not parts.n:
         return ""
+    n_late = int(np.count_nonzero(is_seen_too_late(result)))
+    late = f" {n_late:,} that the driver sees are seen too late to stop." if n_late else ""
     return (
         f"Of {count_text(parts.n, 'urgent encounter')} of which it is known, the driver is in time "
-        f"by himself in {parts.driver:,}; of the others, both systems are in {parts.both:,}, X "
-        f"alone in {parts.x:,}, Y alone in {parts.y:,}, nobody in {parts.nobody:,}."
+        f"unaided in {parts.driver:,}; of the others, both systems are in {parts.both:,}, X "
+        f"alone in {parts.x:,}, Y alone in {parts.y:,}, none of them in {parts.nobody:,}.{late}"
     )
 
 
 def describe_source(result: Result) -> str:
     """Where detectability comes from, and how far it can be trusted."""
     estimate = result.dataset.estimate
-    threshold = f"he is taken to see from {result.params.driver_threshold:g} on"
-    n_estimated, n_stated = _origins(result)
-    if estimate is None or _is_stated(result):
+    share = percent(result.params.driver_threshold)
+    threshold = f"seen means that at least {share} of drivers would see the pedestrian"
+    n_estimated, n_stated = count_origins(result)
+    if estimate is None or is_stated(result):
         text = f"Detectability is as the ground truth states it; {threshold}"
     else:
         by = estimate.made_by or "estimated"
@@ -177,9 +183,8 @@ def _outside(result: Result) -> str:
     names = [shortened(one_line(name), _SHOWN_NAME) for name in (record.outside if record else ())]
     which = f" (in that run by {listed(names, most=_MOST_NAMED)})" if names else ""
     return (
-        f"Outside the range of the training{which} are {n:,} of {n_known:,} values, and of the "
-        f"{result.driver.venn.n_known:,} that decide (the largest of each encounter) "
-        f"{n_encounters or 'none'}."
+        f"Outside the range of the training{which} are {n:,} of {n_known:,} values; such values "
+        f"decide {n_encounters or 'none'} of {count_text(result.driver.venn.n_known, 'encounter')}."
     )
 
 
@@ -190,7 +195,7 @@ def _undecided(result: Result) -> str:
         int(np.count_nonzero(which))
         for which in (driver.is_within_sd, driver.has_sd, driver.is_within_sd & driver.is_unseen)
     )
-    if not n or _are_all_open(result):  # said by `describe_doubt`
+    if not n or are_all_open(result):  # said by `describe_doubt`
         return ""
     unseen = (
         f", {n_unseen:,} of the {driver.venn.n_unseen:,} not seen among them" if n_unseen else ""
@@ -206,7 +211,7 @@ def _undecided(result: Result) -> str:
 def _adapted(result: Result) -> str:
     """How many estimates take the eyes for adapted without knowing, where these are not few."""
     record = result.dataset.estimate
-    if record is None or _is_stated(result):
+    if record is None or is_stated(result):
         return ""
     n, n_unknown = record.n_estimates, record.n_light_unknown
     if n_unknown <= SMALL_SHARE * n:

@@ -15,6 +15,7 @@ from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS
 from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
 from nvcore.measures import count_recordings, evidence_form, inference_of
+from nvcore.measures.driver_doubt import is_weighted
 from nvcore.report.verdict.words import shown_value
 from nvcore.wording import capitalised, count_text, listed, p_text
 
@@ -54,7 +55,7 @@ def _conclusion(
 ) -> str:
     """The headline without the operating points and without a capital."""
     if support.claims and evidence is not None:
-        return _claimed(support.claims, evidence)
+        return _claimed(result, support.claims, evidence)
     if evidence is None:
         return "nothing is claimed: the differences are not tested."
     if companions is None and support.withheld:
@@ -68,6 +69,7 @@ def _conclusion(
             return f"nothing is claimed: {why}"
         where = "this recording" if n == 1 else f"these {n} recordings"
         better = _better_text(within, evidence, n_with_values=len(within))
+        better += _weighting(result, within)
         return f"within {where} {better}; nothing is claimed of others: {why}"
     tested = evidence[np.isfinite(evidence["p_holm"])]
     if tested.empty:
@@ -85,11 +87,21 @@ def _conclusion(
     return f"nothing is claimed: {by}, no difference is shown to be more than chance."
 
 
-def _claimed(claims: Sequence[Claim], evidence: pd.DataFrame) -> str:
+def _claimed(result: Result, claims: Sequence[Claim], evidence: pd.DataFrame) -> str:
     """Who is better in what, the strongest difference first and with its values."""
     ranked = sorted(claims, key=lambda claim: claim.p)  # those alike in the table's order
     by = count_text(max(claim.n for claim in claims), "recording")
-    return f"{_better_text(ranked, evidence, n_with_values=1)}: more than chance, by {by}."
+    better = _better_text(ranked, evidence, n_with_values=1)
+    return f"{better}: more than chance, by {by}{_weighting(result, claims)}."
+
+
+def _weighting(result: Result, claims: Sequence[Claim]) -> str:
+    """That claims are of measures weighted by what the driver does not see; empty: none is."""
+    if not is_weighted(result):
+        return ""
+    if all(inference_of(claim.key).driver != "weight" for claim in claims):
+        return ""
+    return " (similarity, saliency and severity weighted by 1 - detectability)"
 
 
 def _better_text(claims: Sequence[Claim], evidence: pd.DataFrame, *, n_with_values: int) -> str:

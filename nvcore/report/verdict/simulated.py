@@ -60,7 +60,7 @@ def describe_change(
         parts.append(SEEN_BEFORE.format(time_s=time_s[seen[0]]))
     text = " ".join(filter(None, [*parts, _compared(soon, before, again=len(seen) > 0)]))
     if not is_up_to.any():
-        return f"{text} The encounter is distant: there is no frame by which he has to."
+        return f"{text} The encounter is distant: there is no frame by which that matters."
     relevant_s = float(time_s[is_up_to][-1])
     in_time = _in_time(_is_seen(was[is_up_to], threshold), _is_seen(would[is_up_to], threshold))
     return f"{text} By the first frame that counts, at {relevant_s:.2f} s, {in_time}"
@@ -96,12 +96,16 @@ def _when(
     n_frames = int(np.argmax(sees))
     seconds = f"{later_s[n_frames]:.2f} s"
     if not n_frames:
-        return "at once" if is_there else f"as soon as he appears, {seconds} after the change"
+        return (
+            "at once"
+            if is_there
+            else f"as soon as the pedestrian appears, {seconds} after the change"
+        )
     sooner = "" if is_known[:n_frames].all() else "at the latest "
     frames = count_text(n_frames, "frame")
     if is_there:
         return f"{sooner}{frames} ({seconds}) later"
-    return f"{sooner}{frames} after he appears, {seconds} after the change"
+    return f"{sooner}{frames} after the pedestrian appears, {seconds} after the change"
 
 
 def _compared(soon: str, before: str, *, again: bool) -> str:
@@ -121,11 +125,12 @@ def _is_seen(share: NDArray[np.float64], threshold: float) -> bool | None:
 
 def _in_time(was: bool | None, would: bool | None) -> str:
     if would is None:
-        return "it is not known whether he would have seen him."
+        return "it is not known whether the driver would have seen the pedestrian."
     if was == would:
         negated = "" if would else "not "
-        return f"he would {negated}have seen him, with the change or without."
-    text = f"he would {'' if would else '**not** '}have seen him; without the change"
+        return f"the driver would {negated}have seen the pedestrian, with the change or without."
+    negated = "" if would else "**not** "
+    text = f"the driver would {negated}have seen the pedestrian; without the change"
     if was is None:
         return f"{text} it is not known."
-    return f"{text} he would {'have' if was else 'not have'}."
+    return f"{text} the driver would {'have' if was else 'not have'}."

@@ -44,8 +44,9 @@ _DRIVER: Final = (
         "outside_training",
         Kind.TRUTH_VALUE,
         "",
-        "Whether `detectability`, which is of one frame, was estimated outside the range of the "
-        "training. `outside_features` in the file of estimates says by which feature.",
+        "Whether what decides was estimated outside the range of the training: `detectability`, "
+        "which is of one frame, and where it is below `driver_threshold` that of any frame up to "
+        "the first that counts. `outside_features` in the file of estimates says by which feature.",
         empty=_UNKNOWN,
         is_optional=True,
     ),
@@ -54,7 +55,7 @@ _DRIVER: Final = (
         Kind.TRUTH_VALUE,
         "",
         "Whether `detectability` is no further than `detectability_sd` from the parameter "
-        "`driver_threshold`: whether the driver sees him is open then.",
+        "`driver_threshold`: whether the driver sees the pedestrian is open then.",
         empty=f"{_UNKNOWN}, or no standard deviation is given",
         is_optional=True,
     ),
@@ -62,7 +63,7 @@ _DRIVER: Final = (
         "driver_sees",
         Kind.TRUTH_VALUE,
         "",
-        "Whether the driver sees him by himself: detectability reaches the parameter "
+        "Whether the driver sees the pedestrian unaided: detectability reaches the parameter "
         "`driver_threshold` in a frame up to the first that counts.",
         empty=_UNKNOWN,
         is_optional=True,
@@ -80,23 +81,24 @@ _DRIVER: Final = (
         _INTEGER,
         "",
         "The first such frame: when the driver confirms.",
-        empty="he does not see him, or it is unknown",
+        empty="the driver does not see the pedestrian, or it is unknown",
         is_optional=True,
     ),
     Column(
         "driver_in_time",
         Kind.TRUTH_VALUE,
         "",
-        "Whether `driver_frame` is before `urgent_frame`.",
-        empty=f"{_NOT_URGENT}, or it is unknown whether the driver sees him",
+        "Whether detectability reaches `driver_threshold` in a frame before `urgent_frame`, also "
+        "where that is after the first that counts, so that `driver_frame` is empty.",
+        empty=f"{_NOT_URGENT}, or it is unknown whether the driver sees the pedestrian",
         is_optional=True,
     ),
     Column(
         "driver_region",
         _TEXT,
         "",
-        "Who sees him, of driver, X and Y: `driver_x_y`, `driver_x`, `driver_y`, `driver`, `x_y`, "
-        "`x`, `y`, `nobody`, `unknown`, `distant`.",
+        "Who sees the pedestrian, of driver, X and Y: `driver_x_y`, `driver_x`, `driver_y`, "
+        "`driver`, `x_y`, `x`, `y`, `nobody`, `unknown`, `distant`.",
         is_optional=True,
     ),
 )

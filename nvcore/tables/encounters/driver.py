@@ -21,7 +21,7 @@ REGION_NAMES: Final[dict[DriverRegion, str]] = {
     DriverRegion.X_Y: "X and Y",
     DriverRegion.X: "X alone",
     DriverRegion.Y: "Y alone",
-    DriverRegion.NOBODY: "nobody",
+    DriverRegion.NOBODY: "none of them",
     DriverRegion.UNKNOWN: "unknown of the driver",
 }
 """Who sees the encounters of a region, in short."""

@@ -103,6 +103,19 @@ def test_of_a_pedestrian_of_whom_nothing_is_known_a_sentence_stands_in_place_of_
     assert not page.toggle
 
 
+def test_of_other_objects_the_page_speaks_as_of_pedestrians_and_of_the_driver_as_a_person(folder):
+    session = folder / "session.toml"
+    session.write_text(f'{session.read_text()}[compare]\nobjects = "cyclist"\n')
+    with (folder / "truth.csv").open("a") as truth:
+        truth.write(rows(500, ""))
+    said = texts(checked(alone("driver").run()))
+    said = re.sub(r"Trained on [^\n]*", "", said)  # of the estimator, whatever is compared
+    assert "It is known of 60 of 90 cyclist boxes" in said
+    assert "at least 50 % of drivers would see the cyclist" in said
+    of_pedestrians = re.findall(r".{40}\b(?:pedestrians?|it needs|it is taken)\b.{20}", said)
+    assert of_pedestrians == []
+
+
 def test_without_detectability_the_page_says_how_to_get_it():
     page = checked(alone("driver").run())
     assert "is not known here" in texts(page)
@@ -277,7 +290,10 @@ def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(visi
     assert re.search(r"simulated change, estimator of 0\.5\ss\s+0\.16 ± 0\.10", panel(page))
     assert "dark from 0.00 s on" in texts(page)
     assert "25 frames (2.50 s) later; without the change, at once" in texts(page)
-    assert "he would **not** have seen him; without the change he would have" in texts(page)
+    assert (
+        "the driver would **not** have seen the pedestrian; without the change the driver would "
+        "have" in texts(page)
+    )
     page = checked(page.slider(key="driver_tunnel_s").set_value(1.0).run())
     assert "dark from 1.00 s on" in texts(page)
 

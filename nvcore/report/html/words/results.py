@@ -158,17 +158,18 @@ def classes() -> Intro:
 def driver(params: Params) -> Intro:
     """Introduction of the driver."""
     return Intro(
-        what="Whom the driver sees by himself, and which system warns him of the others.",
+        what="Whom the driver sees unaided, and which system warns of the others.",
         how="Detectability is the share of drivers who would see the pedestrian of a frame by "
         f"themselves. The driver sees an encounter if it is at least {params.driver_threshold:g} "
-        "in a frame up to the first in which the pedestrian counts; that frame is his "
-        "confirmation. A useful alert is an encounter that a system detects and he does not see, a "
-        "redundant one he sees anyway, an unprotected one neither sees. Encounters in which "
-        "detectability is unknown until then are counted apart.",
-        best="Many useful alerts, nobody unprotected.",
+        "in a frame up to the first in which the pedestrian counts; that frame confirms. A useful "
+        "alert is an encounter that a system detects and the driver does not see, a redundant one "
+        "the driver sees anyway, an unprotected one neither sees. Encounters in which "
+        "detectability is unknown until then are counted apart. In time is the driver who sees the "
+        "pedestrian, early or late, before the car can no longer stop.",
+        best="Many useful alerts, no encounter unprotected.",
         limits="It rests on the detectability that was given: an estimate speaks of people like "
-        "those from whose answers it was learnt, who looked for a pedestrian. Nobody knows where "
-        "this driver looked, nor whether he would have heeded the warning.",
+        "those from whose answers it was learnt, who looked for a pedestrian. Where "
+        "this driver looked is not known, nor whether a warning would have been heeded.",
     )
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from approach import approach, only
 from builders import NAN, Place, at, make_dataset, result_of
 
-from nvcore.report.verdict.driver import describe_driver
-from ui.driver.counts import describe_counts
+from nvcore.report.verdict.driver import describe_counts, describe_driver
 
 
 def test_each_encounter_and_each_urgent_one_is_in_one_part():
@@ -28,8 +27,8 @@ def test_each_encounter_and_each_urgent_one_is_in_one_part():
         "enough to count)."
     )
     assert (
-        "Of 4 urgent encounters of which it is known, the driver is in time by himself in 1; of "
-        "the others, both systems are in 1, X alone in 0, Y alone in 1, nobody in 1."
+        "Of 4 urgent encounters of which it is known, the driver is in time unaided in 1; of "
+        "the others, both systems are in 1, X alone in 0, Y alone in 1, none of them in 1."
     ) in describe_driver(result)
 
 

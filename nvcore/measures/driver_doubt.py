@@ -1,0 +1,69 @@
+"""Why nothing is claimed of whom the driver sees, or of what is weighted by it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nvcore.comparison import Result
+from nvcore.measures.entry import Inference
+from nvcore.wording import count_text
+
+
+def is_stated(result: Result) -> bool:
+    """Whether all that is known of the driver is the ground truth's, whatever record there is."""
+    n_estimated, n_stated = count_origins(result)
+    return bool(n_stated and not n_estimated)
+
+
+def count_origins(result: Result) -> tuple[int, int]:
+    """In how many recordings detectability is estimated, and in how many the ground truth's own."""
+    estimate = result.dataset.estimate
+    if estimate is None:
+        return 0, 0
+    names = frozenset(result.dataset.recordings["name"])
+    return len(names & estimate.estimated_in), len(names & estimate.stated_in)
+
+
+def is_weighted(result: Result) -> bool:
+    """Whether misses weigh by what the driver does not see."""
+    return result.params.driver_weighting != "off" and result.dataset.has_detectability
+
+
+def are_all_open(result: Result) -> bool:
+    """Whether no encounter is further than its standard deviation from the threshold."""
+    driver = result.driver
+    n_known = driver.venn.n_known
+    return n_known > 0 and int(np.count_nonzero(driver.is_within_sd)) == n_known
+
+
+def doubt_of_estimator(result: Result) -> str:
+    """Why no estimate is to be believed; empty: no reason is known, or none was made."""
+    estimate = result.dataset.estimate
+    if estimate is None or not estimate.of_no_use or is_stated(result):
+        return ""
+    return (
+        "as a whole the estimator is no better than a constant on pedestrians that it had not seen"
+    )
+
+
+def doubt_of_seen(result: Result) -> str:
+    """Why nothing is claimed of whom the driver sees, whatever the counts; empty: no reason."""
+    if why := doubt_of_estimator(result):
+        return why
+    if not are_all_open(result):
+        return ""
+    n = result.driver.venn.n_known
+    where = f"in all {count_text(n, 'encounter')}" if n > 1 else "in the only encounter"
+    return (
+        f"{where} of which it is known, the value that decides is within one standard deviation "
+        f"of {result.params.driver_threshold:g}"
+    )
+
+
+def doubt_of(result: Result, inference: Inference) -> str:
+    """Why no claim can rest on a measure, as far as it rests on the driver's view; empty: none."""
+    if inference.driver == "threshold":
+        return doubt_of_seen(result)
+    if inference.driver == "weight" and is_weighted(result):
+        return doubt_of_estimator(result)
+    return ""
