@@ -5,6 +5,7 @@ from __future__ import annotations
 import streamlit as st
 
 from nvcore.errors import NvcoreError
+from ui.driver import finished
 from ui.session import state
 from ui.session.studies import links
 from ui.session.studies.on_screen import leave_screen
@@ -54,6 +55,7 @@ try:
     if not links.is_participant():
         with st.sidebar:  # before the page, so that its room is kept from the start
             systems.draw()
+            finished.draw_aside(is_on_page=page.url_path == "driver")
     wrong_params = live_params.read()
     if links.is_participant():
         live_params.keep_all_hidden()
@@ -84,5 +86,7 @@ if wrong_params is not None and not links.is_participant():  # something is open
         figure_menu.draw()
         narrow.draw()
         theme.draw()
+if failure is None and not links.is_participant():
+    finished.take_over()  # all is drawn: nobody's click is lost
 if failure is not None and not links.is_participant():
     way_out.draw(is_fault=not isinstance(failure, NvcoreError))

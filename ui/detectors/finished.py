@@ -77,7 +77,7 @@ class RunJob(FolderJob[WrittenRun]):
         name: str,
     ):
         """Start to run; see `FolderJob`."""
-        self.started = started
+        self.started, self.outlasts = started, True
         super().__init__(space, folder, work, key=name)
 
 
@@ -173,7 +173,8 @@ def _open(job: RunJob, written: WrittenRun) -> None:
     is_moved = state.params() != state.session_params()
     space.notes[BEFORE] = Before(space.n_opened + 1, live if is_moved else opened.session, label)
     try:
-        open_written(space, job, session, label=f"{label}, with {written.name}")
+        named = f"{label}, with {written.name}"
+        open_written(space, job, lambda: state.open_session(session, label=named))
     except NvcoreError as error:
         st.session_state.pop("wanted_page", None)
         space.notes.pop(BEFORE, None)

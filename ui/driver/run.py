@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
@@ -14,49 +13,30 @@ from nvcore.dataset import Dataset
 from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.writing import WrittenEstimates, write_estimates
 from nvcore.errors import InputError, NvcoreError
-from nvcore.inputs.driver.session import DriverTable
-from nvcore.inputs.session import Session
 from nvcore.progress import Progress
 from nvcore.wording import count_text, listed
 from ui.confined.driver import EstimatorSpec, run_confined
-from ui.driver import estimator
-from ui.jobs.background import JobState
-from ui.jobs.progress import draw_job
-from ui.jobs.runs import FolderJob, is_uploaded, new_run_folder, open_written
+from ui.driver import estimator, finished
+from ui.driver.finished import JOB, EstimateJob
+from ui.jobs.progress import draw_job, draw_job_aside
+from ui.jobs.runs import new_run_folder
 from ui.session import state
-from ui.session.opening import live_session, relative_path
-from ui.session.results.driver import RUN, OpenedRun, opened_run
+from ui.session.opening import live_session
+from ui.session.results.driver import opened_run
 from ui.session.uploads import ANNOTATION_FOLDERS, check_room, count_folder, remove_folder
 from ui.session.workspace import Workspace
 from ui.shell.messages import shown_error, without_paths
 from ui.widgets.buttons import button
 from ui.widgets.text import docs_link, plain
 
-JOB: Final = "driver_run"
 FOLDER: Final = "driver"
 MODEL: Final = "estimator.npz"
 TITLE: Final = "Features and estimate"
-
-
-class EstimateJob(FolderJob[WrittenEstimates]):
-    """A run.
-
-    Attributes
-    ----------
-    spec
-        The estimator, copied to the files.
-    """
-
-    def __init__(
-        self,
-        space: Workspace,
-        folder: Path,
-        spec: EstimatorSpec,
-        work: Callable[[Progress], WrittenEstimates],
-    ):
-        """Start to run; see `FolderJob`."""
-        self.spec = spec
-        super().__init__(space, folder, work)
+HOW_LONG: Final = (
+    "It looks at every pedestrian in every frame, and goes on while you look at other pages. The "
+    "comparison is then made anew, whichever page you look at. Opening something else, or changing "
+    "what is compared, ends it."
+)
 
 
 def draw(*, is_known: bool) -> None:
@@ -104,12 +84,20 @@ def _draw_form(job: EstimateJob | None) -> None:
         else:
             st.rerun()
     if job is None:
-        text = "It looks at every pedestrian in every frame, and goes on while you look at other"
-        st.caption(state.words(f"{text} pages. The comparison is then made anew."))
-        return
+        st.caption(state.words(HOW_LONG))
+    else:
+        _draw_job(job)
+    if text := finished.trouble():
+        st.error(text, icon=":material/error:")
+
+
+def _draw_job(job: EstimateJob) -> None:
     doing = "Looking at the pictures"
-    if draw_job(job, JOB, thing="estimate", doing=doing, with_steps=True) is JobState.DONE:
-        _open(job)
+    job_state = draw_job(job, JOB, thing="estimate", doing=doing, with_steps=True)
+    job.is_told = not job_state.is_busy
+    if finished.is_waiting(job):
+        draw_job_aside(job, doing, until=lambda: finished.is_ready(job))
+    finished.take_over()
 
 
 def draw_notes() -> None:
@@ -226,37 +214,3 @@ def start_job(
         return write_estimates(run, dataset, folder / ANNOTATION_FOLDERS)
 
     return EstimateJob(space, folder, spec, work)
-
-
-def _open(job: EstimateJob) -> None:
-    """Go on with what is open, and the estimates as what is known of the driver."""
-    written, space, opened = job.output, state.workspace(), state.opened()
-    assert written is not None
-    x, y = state.systems()
-    live = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
-    session = with_estimates(live, written, is_upload=is_uploaded(space, live))
-    named = session.driver.detectability
-    assert named is not None
-    files = (written.features, written.detectability, written.record)
-    before = space.notes.get(RUN)
-    space.notes[RUN] = OpenedRun(named, written.run, job.spec, files)
-    try:
-        open_written(space, job, session, label=opened.label)
-    except NvcoreError as error:
-        space.notes[RUN] = before
-        space.drop_job(JOB)  # else each run of the page would try again
-        st.error(shown_error(error), icon=":material/error:")
-
-
-def with_estimates(session: Session, written: WrittenEstimates, *, is_upload: bool) -> Session:
-    """The session as it is shown, with the estimates.
-
-    Parameters
-    ----------
-    is_upload
-        Whether its files are uploads, and those of the run lie beside them: they are then named
-        from its folder.
-    """
-    paths = written.detectability, written.record
-    named = [relative_path(path, session.folder) if is_upload else str(path) for path in paths]
-    return replace(session, driver=DriverTable(*named))

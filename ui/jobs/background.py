@@ -74,6 +74,8 @@ class BackgroundJob(Generic[Output]):
         Why it failed, in words.
     is_wanted
         Whether the session still shows what the work is for.
+    outlasts
+        Whether what came out is of use, too, when the same recordings are read again.
     """
 
     def __init__(
@@ -96,7 +98,7 @@ class BackgroundJob(Generic[Output]):
         self.key = key
         self.share, self.step, self.error = 0.0, "", ""
         self.state = JobState.WAITING
-        self.is_wanted = is_wanted
+        self.is_wanted, self.outlasts = is_wanted, False
         self._output: Output | None = None
         self._stop, self._ending = threading.Event(), threading.Lock()
         self._thread = threading.Thread(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Final
 
 import streamlit as st
@@ -12,6 +13,7 @@ from ui.widgets.text import plain
 POLL_S: Final = 0.4
 NO_TIME_YET: Final = "estimating how long it takes"
 """While nothing is done."""
+WAITS: Final = "It is done, and waits until other work in this tab has ended"
 MIME: Final = {".html": "text/html", ".mp4": "video/mp4"}
 
 
@@ -57,6 +59,21 @@ def _draw_progress(job: BackgroundJob[Any], kind: str, doing: str, *, with_steps
         on_click=job.cancel,
         disabled=job.is_stopping,
     )
+
+
+@st.fragment(run_every=POLL_S)
+def draw_job_aside(job: BackgroundJob[Any], doing: str, *, until: Callable[[], bool]) -> None:
+    """Progress of a job of another page; the page that is shown runs again when it is time.
+
+    Parameters
+    ----------
+    until
+        Whether what comes out can be taken over; a job that is done waits for that.
+    """
+    if until():
+        st.rerun()
+    words = _words(job, doing, with_steps=True) if job.is_busy else WAITS
+    st.progress(job.share if job.is_busy else 1.0, words)
 
 
 def _words(job: BackgroundJob[Any], doing: str, *, with_steps: bool) -> str:

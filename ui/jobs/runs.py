@@ -12,7 +12,6 @@ from nvcore.errors import NvcoreError
 from nvcore.inputs.session import Session
 from nvcore.progress import Progress
 from ui.jobs.background import BackgroundJob, Output, while_open
-from ui.session import state
 from ui.session.uploads import ANNOTATION_FOLDERS, count_folder, remove_folder
 from ui.session.workspace import Workspace
 
@@ -82,8 +81,13 @@ def new_run_folder(space: Workspace, session: Session, job: str, kind: str) -> P
     return folder
 
 
-def open_written(space: Workspace, job: FolderJob[Any], session: Session, *, label: str) -> None:
+def open_written(space: Workspace, job: FolderJob[Any], opens: Callable[[], None]) -> None:
     """Open a session with what a run wrote, which then stays, and start the page's run again.
+
+    Parameters
+    ----------
+    opens
+        Opens it, by `ui.session.state`.
 
     Raises
     ------
@@ -94,7 +98,7 @@ def open_written(space: Workspace, job: FolderJob[Any], session: Session, *, lab
     try:
         count_folder(space, job.folder)
         job.is_opened = True
-        state.open_session(session, label=label)
+        opens()
     except NvcoreError:
         job.is_opened = False
         raise

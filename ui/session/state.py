@@ -71,6 +71,26 @@ def open_session(session: Session, *, label: str) -> None:
     st.rerun()  # the widgets of this run are drawn: they take their new values in the next one
 
 
+def read_again(session: Session) -> None:
+    """Go on with the same recordings, read again as `session` says, and start the run again.
+
+    Frame, settings and choices stay, unless a file has changed so that there are other frames.
+
+    Raises
+    ------
+    NvcoreError
+        If an input cannot be used; what was open stays open.
+    """
+    space, before = workspace(), opened()
+    with st.spinner("Reading the files"):
+        again = Opened.of(session, load_for(space, session.of_all), before.label)
+        if again.whole.frames.equals(before.whole.frames):
+            space.look_at(again, keeps_outputs=True)
+        else:
+            _open(space, again)
+    st.rerun()
+
+
 def sample_session() -> Session:
     """The session of the sample recordings: to open it costs little."""
     return shared_sample(SAMPLE, label=SAMPLE_LABEL).opened.session

@@ -103,7 +103,19 @@ class Compared(NamedTuple):
 
 
 class Job(Protocol):
-    """Work in the background, of `ui.jobs.background`."""
+    """Work in the background, of `ui.jobs.background`.
+
+    Attributes
+    ----------
+    outlasts
+        Whether what came out is of use, too, when the same recordings are read again.
+    """
+
+    outlasts: bool
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether it has not ended yet."""
 
     def discard(self) -> None:
         """Stop, and remove what was made."""
@@ -213,15 +225,21 @@ class Workspace(Caching):
         if job is not None:
             job.discard()
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether any job has not ended yet."""
+        return any(job.is_busy for job in self._jobs.values())
+
     def put_job(self, kind: str, job: Job) -> None:
         """Hold the job until there is a newer one of its kind, or until `forget`."""
         self.drop_job(kind)
         self._jobs[kind] = job
 
-    def forget(self) -> None:
-        """Drop all computed values, and stop all jobs."""
-        for kind in list(self._jobs):
-            self.drop_job(kind)
+    def forget(self, *, keeps_outputs: bool = False) -> None:
+        """Drop all computed values, and stop all jobs; keep, if asked for, what outlasts that."""
+        for kind, job in list(self._jobs.items()):
+            if not (keeps_outputs and job.outlasts and not job.is_busy):
+                self.drop_job(kind)
         self.compared = None
         self.forget_values()
 
@@ -246,9 +264,9 @@ class Workspace(Caching):
         self.n_opened += 1
         return opened
 
-    def look_at(self, opened: Opened) -> None:
-        """Go on with other recordings of the same data; pictures stay open."""
-        self.forget()
+    def look_at(self, opened: Opened, *, keeps_outputs: bool = False) -> None:
+        """Go on with other recordings of the same data; pictures stay open; see `forget`."""
+        self.forget(keeps_outputs=keeps_outputs)
         self._look_at(opened)
 
     def _look_at(self, opened: Opened) -> None:

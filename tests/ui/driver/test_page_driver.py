@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import small_estimator
 from builders import at, make_dataset, result_of
+from held_estimate import Held
 from picture_files import write_picture
 
 from nvcore.api.driver_run import estimate_driver
@@ -19,10 +20,13 @@ from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.writing import WrittenEstimates
 from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source
+from nvcore.pictures.recordings import RecordingPictures
 from nvcore.schema import DriverRegion
 from pages import FRAMES, TIMEOUT_S, alone, begin_with, checked, texts, write
 from ui.driver import run
-from ui.driver.run import lost_words, with_estimates
+from ui.driver.finished import with_estimates
+from ui.driver.run import lost_words
+from ui.jobs.background import BackgroundJob, while_open
 from ui.session import drawing, state, uploads
 from ui.session.chosen import CHOSEN
 from ui.session.workspace import Workspace
@@ -209,7 +213,7 @@ def test_estimates_that_cannot_be_opened_leave_nothing_and_are_not_tried_again(
     page = checked(page.button(key="driver_estimate").click().run())
     assert space.used_bytes > used  # the estimator was copied
     space.job("driver_run").join()
-    monkeypatch.setattr(state, "open_session", refuse)
+    monkeypatch.setattr(state, "read_again", refuse)
     assert "it cannot be opened" in texts(checked(page.run()))
     assert (space.used_bytes, space.job("driver_run")) == (used, None)
     assert not [*space.folder.glob("driver-*")]
@@ -452,3 +456,101 @@ def test_where_no_record_says_how_light_was_judged_the_page_does(tmp_path, monke
 def test_where_only_estimates_are_known_the_page_says_what_a_simulation_needs(page):
     assert page.toggle(key="driver_tunnel").disabled
     assert "features and an estimator are needed" in texts(page)
+
+
+@pytest.fixture
+def held(visible, monkeypatch: pytest.MonkeyPatch) -> Held:
+    return Held(visible, monkeypatch)
+
+
+def aside(page) -> list[str]:
+    """What the sidebar says of an estimate: progress, trouble, and the way to its page."""
+    said = [item.proto.text.replace("\\", "") for item in page.sidebar.get("progress")]
+    said += [item.value for item in page.sidebar.error]
+    return said + [item.proto.label for item in page.sidebar.get("page_link")]
+
+
+def test_an_estimate_that_ends_while_another_page_is_open_is_taken_over_there(held):
+    page = held.look_at("timeline")
+    page.session_state["place"] = (0, 41)
+    n_opened = held.space.n_opened
+    held.ends()
+    checked(page.run())
+    assert held.space.result.driver.venn.n_known == 2
+    assert [item.value for item in page.title] == ["Timeline"]
+    # nothing that was chosen is lost
+    assert (page.session_state["place"], held.space.n_opened) == ((0, 41), n_opened)
+    assert [item.value for item in page.toast] == [
+        "Whom the driver sees is estimated in 1 recording. All pages count with it now."
+    ]
+    assert not checked(page.run()).toast  # said once
+
+
+def test_the_sidebar_of_other_pages_shows_how_far_an_estimate_is(held):
+    assert aside(held.page) == []  # the page itself says it
+    page = held.look_at("metrics")
+    assert aside(page)[0].startswith("Estimating whom the driver sees: 0%")
+    assert aside(page)[1] == "Driver"
+    held.ends()
+    assert aside(checked(page.run())) == []
+
+
+def test_estimates_wait_until_other_work_has_ended_which_they_would_end(held):
+    page = held.look_at("metrics")
+    is_over = threading.Event()
+    other = BackgroundJob(lambda _: is_over.wait(TIMEOUT_S), while_open(held.space))
+    held.space.put_job("other", other)
+    held.ends()
+    checked(page.run())
+    assert aside(page) == ["It is done, and waits until other work in this tab has ended", "Driver"]
+    assert not held.is_taken_over
+    is_over.set()
+    other.join()
+    checked(page.run())
+    assert held.is_taken_over
+
+
+def test_a_run_of_a_detector_that_is_not_compared_yet_outlasts_estimates(held):
+    of_detector = BackgroundJob(lambda _: "boxes", while_open(held.space))
+    of_detector.outlasts = True
+    held.space.put_job("detector_run", of_detector)
+    of_detector.join()
+    page = held.look_at("metrics")
+    held.ends()
+    checked(page.run())
+    assert held.is_taken_over
+    assert held.space.job("detector_run").output == "boxes"
+
+
+def test_estimates_do_not_come_to_another_session_that_was_opened_meanwhile(held):
+    page = held.look_at("metrics")
+    held.space.show(held.space.opened, RecordingPictures())
+    held.ends()
+    checked(page.run())
+    assert held.space.job("driver_run") is None
+    assert not held.is_taken_over
+    assert not page.toast
+
+
+def test_what_cannot_be_taken_over_is_said_beside_every_page_until_its_own_has_said_it(
+    held, monkeypatch: pytest.MonkeyPatch
+):
+    def refuse(*_: object, **__: object) -> None:
+        raise InputError("it cannot be opened")
+
+    monkeypatch.setattr(state, "read_again", refuse)
+    page = held.look_at("metrics")
+    held.ends()
+    checked(checked(page.run()).run())
+    assert "it cannot be opened" in aside(page)[0]
+    assert "it cannot be opened" in texts(held.look_at("driver"))
+    assert aside(held.look_at("metrics")) == []
+
+
+def test_other_pages_say_that_an_estimate_has_failed(visible, monkeypatch: pytest.MonkeyPatch):
+    held = Held(visible, monkeypatch, fails="no picture can be read")
+    page = held.look_at("metrics")
+    held.ends()
+    assert aside(checked(page.run())) == ["Whom the driver sees could not be estimated.", "Driver"]
+    assert "no picture can be read" in texts(held.look_at("driver"))
+    assert aside(held.look_at("metrics")) == []

@@ -1,0 +1,148 @@
+"""Driver: an estimate that has ended becomes what is open, whatever page the visitor is on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import streamlit as st
+
+from nvcore.driver.writing import WrittenEstimates
+from nvcore.errors import NvcoreError
+from nvcore.inputs.driver.session import DriverTable
+from nvcore.inputs.session import Session
+from nvcore.progress import Progress
+from nvcore.wording import count_text
+from ui.confined.driver import EstimatorSpec
+from ui.jobs.background import JobState
+from ui.jobs.progress import draw_job_aside
+from ui.jobs.runs import FolderJob, is_uploaded, open_written
+from ui.session import state
+from ui.session.opening import live_session, relative_path
+from ui.session.results.driver import RUN, OpenedRun
+from ui.session.workspace import Workspace
+from ui.shell.messages import shown_error
+from ui.shell.navigate import PAGES
+
+JOB: Final = "driver_run"
+DOING: Final = "Estimating whom the driver sees"
+_NEWS: Final = "driver_news"
+"""What the workspace remembers of estimates that were taken over, until it is said."""
+_TROUBLE: Final = "driver_trouble"
+"""The same of why the last ones could not be, until the page Driver has said it."""
+
+
+class EstimateJob(FolderJob[WrittenEstimates]):
+    """A run.
+
+    Attributes
+    ----------
+    spec
+        The estimator, copied to the files.
+    is_told
+        Whether the page Driver has said how it ended.
+    """
+
+    def __init__(
+        self,
+        space: Workspace,
+        folder: Path,
+        spec: EstimatorSpec,
+        work: Callable[[Progress], WrittenEstimates],
+    ):
+        """Start to run; see `FolderJob`."""
+        self.spec, self.is_told = spec, False
+        super().__init__(space, folder, work)
+
+
+def draw_aside(*, is_on_page: bool) -> None:
+    """In the sidebar: how far an estimate is, with the way to its page; once, that it is there.
+
+    Parameters
+    ----------
+    is_on_page
+        Whether the page Driver is drawn, which says all of that but the last itself.
+    """
+    space = state.workspace()
+    if news := space.notes.pop(_NEWS, ""):
+        st.toast(state.words(news), icon=":material/visibility:")
+    job: EstimateJob | None = space.job(JOB)
+    trouble = space.notes.get(_TROUBLE, "")
+    if is_on_page or (job is None and not trouble):
+        return
+    if job is None:
+        text = f"Whom the driver sees was estimated, but cannot be taken over: {trouble}"
+        st.error(text, icon=":material/error:")
+    elif job.is_busy or is_waiting(job):
+        draw_job_aside(job, DOING, until=lambda: is_ready(job))
+    elif job.state is JobState.FAILED and not job.is_told:
+        st.error("Whom the driver sees could not be estimated.", icon=":material/error:")
+    else:
+        return
+    st.page_link(PAGES / "driver.py", label="Driver", icon=":material/arrow_forward:")
+
+
+def is_waiting(job: EstimateJob) -> bool:
+    """Whether estimates are there and wait for other work of the session, which they would end."""
+    return job.state is JobState.DONE and state.workspace().is_busy
+
+
+def is_ready(job: EstimateJob) -> bool:
+    """Whether the run has ended and may be taken over, if there is anything to be."""
+    return not job.is_busy and not is_waiting(job)
+
+
+def take_over() -> None:
+    """Make the estimates of a run that is done what is open, and start the page's run again.
+
+    Frame, settings and choices stay. To be called once all widgets have been drawn: nobody's click
+    is lost.
+    """
+    job: EstimateJob | None = state.workspace().job(JOB)
+    if job is not None and job.state is JobState.DONE and is_ready(job):
+        _open(job)
+
+
+def trouble() -> str:
+    """Why the last estimates could not be taken over; empty: they could. Returned once."""
+    text: str = state.workspace().notes.pop(_TROUBLE, "")
+    return text
+
+
+def _open(job: EstimateJob) -> None:
+    """Go on with what is open, and the estimates as what is known of the driver."""
+    written, space, opened = job.output, state.workspace(), state.opened()
+    assert written is not None
+    x, y = state.systems()
+    live = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
+    session = with_estimates(live, written, is_upload=is_uploaded(space, live))
+    named = session.driver.detectability
+    assert named is not None
+    files = (written.features, written.detectability, written.record)
+    before = space.notes.get(RUN)
+    space.notes[RUN] = OpenedRun(named, written.run, job.spec, files)
+    n = count_text(len(written.run.features.recordings), "recording")
+    space.notes[_NEWS] = f"Whom the driver sees is estimated in {n}. All pages count with it now."
+    try:
+        open_written(space, job, lambda: state.read_again(session))
+    except NvcoreError as error:
+        space.notes[RUN] = before
+        space.notes.pop(_NEWS)
+        space.notes[_TROUBLE] = shown_error(error)
+        space.drop_job(JOB)  # else each run of a page would try again
+
+
+def with_estimates(session: Session, written: WrittenEstimates, *, is_upload: bool) -> Session:
+    """The session as it is shown, with the estimates.
+
+    Parameters
+    ----------
+    is_upload
+        Whether its files are uploads, and those of the run lie beside them: they are then named
+        from its folder.
+    """
+    paths = written.detectability, written.record
+    named = [relative_path(path, session.folder) if is_upload else str(path) for path in paths]
+    return replace(session, driver=DriverTable(*named))
