@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path, PurePath
+from types import MappingProxyType
 from typing import Final, Literal, get_args
 
 import numpy as np
@@ -218,11 +219,19 @@ def report_zip(
     session: Session,
     findings: tuple[Finding, ...] = (),
     *,
+    inputs: Mapping[str, Callable[[], bytes]] = MappingProxyType({}),
     progress: Progress = no_progress,
 ) -> bytes:
-    """A zip of the files of a report, byte for byte those of `write_report`."""
+    """A zip of the files of a report, byte for byte those of `write_report`.
+
+    Parameters
+    ----------
+    inputs
+        Contents of files that the session names and nobody has but the caller, by those names.
+    """
     content = io.BytesIO()
-    files = list(_file_contents(export_files(result, session, findings), progress))
+    made = {**export_files(result, session, findings), **inputs}
+    files = list(_file_contents(made, progress))
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, text in (*files, (MANIFEST, manifest(files))):
             entry = zipfile.ZipInfo(name, ZIP_TIME)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
+from pathlib import Path
 from typing import Final
 
 import streamlit as st
@@ -16,7 +17,9 @@ from nvcore.report.files import export_files, report_zip
 from nvcore.tables.boxes.matches import MATCH_COLUMNS, MATCHES, matches_parquet
 from nvcore.tables.column import Column
 from nvcore.tables.columns import REPORT_COLUMNS
+from nvcore.wording import listed
 from ui.export.session import (
+    estimates_of,
     inputs_beside,
     names_in_files,
     portable_session,
@@ -25,6 +28,7 @@ from ui.export.session import (
 )
 from ui.session import state
 from ui.session.opening import live_session
+from ui.session.results.driver import opened_run
 from ui.session.results.findings import input_findings
 from ui.shell.messages import path_remover, shown_root
 from ui.widgets.text import UNDEFINED, docs_link, plain
@@ -44,6 +48,10 @@ CONTENTS: Final = {
     "summary.json": "All aggregates over all recordings, parameters and version",
     "session.toml": "The session: what to run to get the same report again",
 }
+ESTIMATES: Final = (
+    "What was estimated on the page Driver: in each frame, how detectable each pedestrian is",
+    "How that was estimated; both lie beside session.toml, which names them",
+)
 TERMS: Final = (
     f"{docs_link('Similarity', 'similarity')} (0 to 1, 1 is best) says how near what a system "
     f"shows is to what is there. An {docs_link('encounter', 'encounters')} is one pedestrian, from "
@@ -65,10 +73,23 @@ MOST_NAMED: Final = 12
 
 @dataclass(frozen=True)
 class _Report:
-    """What goes into the files."""
+    """What goes into the files.
+
+    Attributes
+    ----------
+    estimates
+        Files of what the page Driver has estimated, which only the app has, by their names in the
+        session.
+    """
 
     session: Session
     findings: tuple[Finding, ...]
+    estimates: Mapping[str, Path]
+
+    @property
+    def inputs(self) -> dict[str, Callable[[], bytes]]:
+        """Their contents."""
+        return {name: path.read_bytes for name, path in self.estimates.items()}
 
 
 def draw(result: Result) -> None:
@@ -87,7 +108,7 @@ def draw(result: Result) -> None:
     )
     st.download_button(
         "All files (ZIP)",
-        lambda: report_zip(public(), report.session, report.findings),
+        lambda: report_zip(public(), report.session, report.findings, inputs=report.inputs),
         "nvcore-report.zip",
         "application/zip",
         on_click="ignore",
@@ -100,7 +121,7 @@ def draw(result: Result) -> None:
     st.markdown(state.words(TERMS))
     with st.expander("What the columns mean"):
         _draw_columns()
-    _draw_session_note(report.session)
+    _draw_session_note(report)
 
 
 def _report(result: Result, remove_paths: Callable[[object], str]) -> _Report:
@@ -113,7 +134,11 @@ def _report(result: Result, remove_paths: Callable[[object], str]) -> _Report:
         recordings=names_in_files(session, state.opened().whole),
         root=shown_root(),
     )
-    return _Report(portable, public_findings(input_findings(), remove_paths))
+    return _Report(
+        portable,
+        public_findings(input_findings(), remove_paths),
+        {} if opened_run() is None else estimates_of(session, portable),
+    )
 
 
 def _draw_files(result: Result, report: _Report, public: Callable[[], Result]) -> None:
@@ -138,6 +163,8 @@ def _draw_files(result: Result, report: _Report, public: Callable[[], Result]) -
     makers: dict[str, Callable[[], bytes]] = {name: partial(content, name) for name in names}
     if counts[MATCHES] <= MOST_BOXES:
         makers[MATCHES] = lambda: matches_parquet(public())
+    makers |= report.inputs
+    contents = CONTENTS | dict(zip(report.estimates, ESTIMATES, strict=False))
     for name, make in makers.items():
         button, text = st.columns([1, 4], vertical_alignment="center")
         button.download_button(
@@ -150,7 +177,7 @@ def _draw_files(result: Result, report: _Report, public: Callable[[], Result]) -
             icon=":material/download:",
             key=f"export_{name}",
         )
-        what = state.words(CONTENTS[name])
+        what = state.words(contents[name])
         text.markdown(f"{counts[name]:,} {what}" if name in counts else what)
 
 
@@ -183,12 +210,14 @@ def _joined(columns: tuple[Column, ...]) -> list[tuple[str, Column]]:
     return rows
 
 
-def _draw_session_note(session: Session) -> None:
-    input_files = inputs_beside(session)
+def _draw_session_note(report: _Report) -> None:
+    input_files = inputs_beside(report.session, report.estimates)
     more = len(input_files) - MOST_NAMED
     first_files = ", ".join(plain(name) for name in input_files[:MOST_NAMED])
+    own = listed(["`session.toml`", *map(plain, report.estimates)])
+    rest = " (what the page Driver has estimated is in the ZIP)" if report.estimates else ""
     st.caption(
-        f"To get the same report again, put `session.toml` beside its inputs: {first_files}"
+        f"To get the same report again, put {own}{rest} beside its inputs: {first_files}"
         + (f" and {more} more" if more > 0 else "")
         + ". Then run `nvcore compare session.toml --out again`, or open it on the Data page "
         "together with these files. It names no folder of this computer."

@@ -9,7 +9,7 @@ folder: they are written as bare file names, as their sender knows them.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping, Set
+from collections.abc import Callable, Container, Iterable, Mapping, Set
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import Final
@@ -57,11 +57,24 @@ def portable_session(
     return session.with_paths(names.__getitem__, folder=BESIDE)
 
 
-def inputs_beside(portable: Session) -> list[str]:
-    """What has to lie beside the written session, in its words; pictures are not needed."""
+def inputs_beside(portable: Session, given: Container[str] = ()) -> list[str]:
+    """What has to lie beside the written session, in its words; pictures are not needed.
+
+    Parameters
+    ----------
+    given
+        Names of files that come with it.
+    """
     entries = portable.recordings
     of_view = {path for entry in entries for path in (entry.pictures, *entry.driver_paths())}
-    return [path for path in dict.fromkeys(portable.paths()) if path not in of_view]
+    names = dict.fromkeys(portable.paths())
+    return [path for path in names if path not in of_view and path not in given]
+
+
+def estimates_of(session: Session, portable: Session) -> dict[str, Path]:
+    """Files of estimates that the app has made of a session, by their names in `portable`."""
+    files = zip(vars(session.driver).values(), vars(portable.driver).values(), strict=True)
+    return {name: session.folder / path for path, name in files if path is not None}
 
 
 def public_findings(

@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
+import shutil
 import threading
+import zipfile
 from collections.abc import Callable
 from concurrent.futures import CancelledError
+from io import BytesIO
 from pathlib import Path
 from urllib.parse import parse_qs, urlsplit
 
 import av
 import numpy as np
 import pytest
+import small_estimator
+import streamlit as st
 from export_page import downloads, job_of, opened, opened_drive, opened_folder
+from held_estimate import Held
 from inputs import drive
 from places import ROOT
 from streamlit.testing.v1 import AppTest
 
+import nvcore
 from nvcore.comparison import Result
 from nvcore.errors import MediaError
 from nvcore.overlay.annotate import annotate
 from nvcore.overlay.brush import Canvas
 from nvcore.progress import Progress
-from pages import TIMEOUT_S, checked, press, texts, to_page
+from pages import TIMEOUT_S, begin_with, checked, press, texts, to_page
 from pages import opened as app_opened
 from ui.export.frame import file_stem
 from ui.export.link import link
@@ -74,6 +81,48 @@ def test_files_are_named_without_folders_when_they_are_made_and_not_in_each_run(
     assert str(tmp_path) not in made[-1]().decode()  # no page is drawn any more
     (named,) = renamed
     assert set(named.dataset.inputs["file"]) == {"truth.csv", "fir.csv", "nir.csv"}
+
+
+@pytest.fixture
+def packed(monkeypatch: pytest.MonkeyPatch) -> list[Callable[[], bytes]]:
+    """What the buttons make the ZIP by, the newest last."""
+    made: list[Callable[[], bytes]] = []
+    download_button = st.download_button
+
+    def noted(label: str, data: Callable[[], bytes], *given: object, **more: object):
+        if label == "All files (ZIP)":
+            made.append(data)
+        return download_button(label, data, *given, **more)
+
+    monkeypatch.setattr(st, "download_button", noted)
+    return made
+
+
+def test_the_zip_holds_the_estimates_that_its_session_names(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, packed: list[Callable[[], bytes]]
+):
+    theirs = tmp_path / "theirs"
+    theirs.mkdir()
+    begin_with(small_estimator.write_session(theirs), monkeypatch)
+    held = Held(theirs, monkeypatch)
+    page = held.look_at("export")
+    held.ends()
+    checked(page.run())
+    names = ["detectability.csv", "driver.json"]
+    assert names == [name for name in downloads(page) if name in names]
+    assert (
+        "put `session.toml`, detectability.csv and driver.json (what the page Driver has estimated "
+        "is in the ZIP) beside its inputs: truth.csv, x.csv, y.csv." in texts(page)
+    )
+    beside = tmp_path / "beside"
+    with zipfile.ZipFile(BytesIO(packed[-1]())) as archive:
+        archive.extractall(beside)
+    for name in ("truth.csv", "x.csv", "y.csv"):
+        shutil.copy(theirs / name, beside / name)
+    again = nvcore.compare(beside / "session.toml").result
+    assert again.dataset.fingerprint == held.space.opened.dataset.fingerprint
+    assert again.driver.venn == held.space.result.driver.venn
+    assert again.driver.venn.n_seen == 1
 
 
 def test_with_one_system_the_page_says_what_to_do(tmp_path: Path):
