@@ -73,9 +73,8 @@ def draw_field(kind: ModelKind, label: str, *, shown: Callable[[NvcoreError], st
         An error as the page says it, not yet plain.
     """
     seen, trouble = f"{kind.field}_seen", f"{kind.field}_trouble"
-    file = st.file_uploader(
-        label, type=[*kind.sent_endings], max_upload_size=kind.max_bytes >> 20, key=kind.field
-    )
+    # of any ending: what Streamlit itself refuses leaves the file before, and stands there for good
+    file = st.file_uploader(label, max_upload_size=kind.max_bytes >> 20, key=kind.field)
     if file is not None and st.session_state.get(seen) != file.file_id:
         st.session_state[seen] = file.file_id
         st.session_state[trouble] = _take(kind, file, shown)
@@ -146,6 +145,9 @@ def _stored(kind: ModelKind, file: UploadedFile) -> ModelFile:
     NvcoreError
         If it is too large, no model that may be sent, or there is no room.
     """
+    if not file.name.lower().endswith(kind.sent_endings):
+        expected = " or ".join(kind.sent_endings)
+        raise InputError(f"is none that may be sent here: expected {expected}", file=file.name)
     content = file.getbuffer()
     if len(content) > kind.max_bytes:
         raise InputError(f"a model has at most {kind.max_bytes >> 20} MiB", file=file.name)
