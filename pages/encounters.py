@@ -23,7 +23,7 @@ def draw_filtered(result: Result) -> None:
     encounters = encounters_table(result)
     follow_link(result, filters.class_names(encounters))
     selection.go_along(result)
-    chosen, matching = filters.draw(encounters)
+    chosen, matching = filters.draw(result, encounters)
     with st.container(key="encounters_review"):
         left, right = st.columns([5, 4], gap="medium")
         with left, st.container(horizontal=True, vertical_alignment="center"):
@@ -51,7 +51,8 @@ def follow_link(result: Result, classes: Sequence[str]) -> None:
     link = back.page_link()
     if link is None:
         return
-    choice, wrong = address.from_address(link, state.recording_names(), classes)
+    sights = filters.possible_sights(result)
+    choice, wrong = address.from_address(link, state.recording_names(), classes, sights)
     filters.take(choice.filters)
     table.take_order(choice.order)
     if choice.has_all_columns:

@@ -5,7 +5,9 @@ from nvcore.tables.classes import classes_table, has_classes
 from nvcore.tables.columns import REPORT_COLUMNS, column_names
 from nvcore.tables.encounters.driver import (
     detectability_course,
+    driver_sights,
     driver_venn_table,
+    over_driver_threshold,
     saved_encounters,
 )
 from nvcore.tables.encounters.miss_classes import fusion_table, miss_class_counts, miss_class_totals
@@ -46,6 +48,7 @@ __all__ = [
     "column_names",
     "compare_weightings",
     "detectability_course",
+    "driver_sights",
     "driver_venn_table",
     "encounter_moments",
     "encounters_table",
@@ -67,6 +70,7 @@ __all__ = [
     "miss_class_counts",
     "miss_class_totals",
     "next_misses",
+    "over_driver_threshold",
     "recordings_table",
     "saved_encounters",
     "score_rows",

@@ -14,7 +14,7 @@ ENCOUNTER: Final = "encounter"
 ALL_COLUMNS: Final = "all"
 NAMES: Final = (
     *("category", "miss_x", "miss_y", "only", "class", "position", "height", "pose", "severity"),
-    *("order", "columns", ENCOUNTER),
+    *("driver", "order", "columns", ENCOUNTER),
 )
 """Entries of the address that belong to the page."""
 LONGEST: Final = 40
@@ -41,6 +41,7 @@ def to_address(choice: Choice) -> dict[str, str]:
         "miss_y": _joined(filters.classes_y),
         "only": _joined(filters.recordings),
         "class": _joined(filters.classes),
+        "driver": _joined(filters.sights),
         "position": _range_text(filters.position),
         "height": _range_text(filters.height_px),
         "pose": _range_text(filters.pose_z),
@@ -53,9 +54,18 @@ def to_address(choice: Choice) -> dict[str, str]:
 
 
 def from_address(
-    query: Mapping[str, str], recordings: Sequence[str], classes: Sequence[str] = ()
+    query: Mapping[str, str],
+    recordings: Sequence[str],
+    classes: Sequence[str] = (),
+    sights: Sequence[str] = (),
 ) -> tuple[Choice, tuple[str, ...]]:
-    """What an address asks for, and what of it cannot be followed, in words."""
+    """What an address asks for, and what of it cannot be followed, in words.
+
+    Parameters
+    ----------
+    recordings, classes, sights
+        Those that there are.
+    """
     wrong: list[str] = []
 
     def read(name: str, text_to_value: Callable[[str], T | None], default: T) -> T:
@@ -79,6 +89,7 @@ def from_address(
         classes_y=among("miss_y", CLASSES),
         recordings=among("only", recordings),
         classes=among("class", classes),
+        sights=among("driver", sights),
         position=read("position", _range, None),
         height_px=read("height", _range, None),
         pose_z=read("pose", _range, None),

@@ -10,6 +10,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.report.time_left import describe_encounter
 from nvcore.schema import CATEGORY_TEXT, CLASS_SEPARATOR, Category
+from nvcore.tables.encounters.driver import describe_sight
 from nvcore.tables.moments import NEVER, encounter_time
 from nvcore.wording import listed as listed_words
 from nvcore.wording import minus
@@ -35,6 +36,8 @@ def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
     st.header(state.words(f"Pedestrian {row['track']} in {plain(row['recording'])}"))
     category = state.words(CATEGORY_TEXT[Category(row["category"])])
     st.markdown(f"{category}  \n{_who_missed(result, row)}")
+    if sight := describe_sight(result, encounter):
+        st.markdown(f":material/visibility: {plain(sight)}")
     moments = selection.moments_of(result).iloc[encounter]
     if names := [class_name(name) for name in str(row["classes"]).split(CLASS_SEPARATOR) if name]:
         classes = plain(listed_words(names))

@@ -10,8 +10,10 @@ import numpy as np
 import pandas as pd
 import streamlit as st
 
+from nvcore.comparison import Result
 from nvcore.metrics.encounter_classes import DERIVED
 from nvcore.schema import CATEGORY_TEXT, CLASS_SEPARATOR, MISS_CLASS_TEXT, Category, MissClass
+from nvcore.tables.encounters.driver import SIGHT_TEXT, SIGHT_WORDS, driver_sights
 from nvcore.wording import shortened
 from ui.session import state
 from ui.session.chosen import recordings_key
@@ -21,7 +23,8 @@ from ui.widgets.text import plain
 CATEGORIES: Final = tuple(kind.value for kind in Category)
 CLASSES: Final = tuple(kind.value for kind in MissClass)
 SEVERITY_STEP_S: Final = 0.05
-LISTS: Final = ("category", "class_x", "class_y", "recording", "class")
+SIGHTS: Final = tuple(SIGHT_WORDS)
+LISTS: Final = ("category", "class_x", "class_y", "recording", "class", "driver")
 """Names of the filters that are lists, and of those that are ranges."""
 RANGES: Final = ("position", "height", "pose")
 MOST_WORDS: Final = 80
@@ -30,20 +33,33 @@ MOST_WORDS: Final = 80
 
 @dataclass(frozen=True)
 class Filters:
-    """Which encounters to keep, by columns of ``encounters.csv``; empty or None: all."""
+    """Which encounters to keep, by columns of ``encounters.csv``; empty or None: all.
+
+    Attributes
+    ----------
+    sights
+        Whether the driver sees the pedestrian, values of `nvcore.tables.encounters.driver.Sight`.
+    """
 
     categories: Sequence[str] = ()
     classes_x: Sequence[str] = ()
     classes_y: Sequence[str] = ()
     recordings: Sequence[str] = ()
     classes: Sequence[str] = ()
+    sights: Sequence[str] = ()
     position: tuple[float, float] | None = None
     height_px: tuple[float, float] | None = None
     pose_z: tuple[float, float] | None = None
     least_severity_s: float = 0.0
 
-    def keep(self, encounters: pd.DataFrame) -> pd.DataFrame:
-        """Rows of `nvcore.tables.result.encounters_table` that pass, with their index."""
+    def keep(self, encounters: pd.DataFrame, sights: np.ndarray) -> pd.DataFrame:
+        """Rows of `nvcore.tables.result.encounters_table` that pass, with their index.
+
+        Parameters
+        ----------
+        sights
+            Of `nvcore.tables.encounters.driver.driver_sights`.
+        """
         passes = np.ones(len(encounters), dtype=bool)
         for column, chosen in (
             ("category", self.categories),
@@ -53,6 +69,8 @@ class Filters:
         ):
             if chosen:
                 passes &= encounters[column].isin(list(chosen)).to_numpy()
+        if self.sights:
+            passes &= np.isin(sights, list(self.sights))
         if self.classes:
             texts, names = pd.factorize(encounters["classes"])
             has_one = [
@@ -90,10 +108,15 @@ def key(name: str) -> str:
     return f"encounters_{name}_{state.workspace().n_opened}"
 
 
-def draw(encounters: pd.DataFrame) -> tuple[Filters, pd.DataFrame]:
+def possible_sights(result: Result) -> tuple[str, ...]:
+    """By what of the driver encounters can be filtered; nothing where nothing is known of him."""
+    return SIGHTS if result.driver.has_any else ()
+
+
+def draw(result: Result, encounters: pd.DataFrame) -> tuple[Filters, pd.DataFrame]:
     """Draw the filters; returns them, and the encounters that pass."""
-    filters = _draw_widgets(encounters)
-    return filters, filters.keep(encounters)
+    filters = _draw_widgets(encounters, possible_sights(result))
+    return filters, filters.keep(encounters, driver_sights(result))
 
 
 def draw_count(filters: Filters, n_matching: int, n_all: int) -> None:
@@ -142,7 +165,7 @@ def take(filters: Filters) -> None:
     clear_filters()
     lists = (
         *(filters.categories, filters.classes_x, filters.classes_y),
-        *(filters.recordings, filters.classes),
+        *(filters.recordings, filters.classes, filters.sights),
     )
     for name, chosen in zip(LISTS, lists, strict=True):
         st.session_state[key(name)] = list(chosen)
@@ -171,7 +194,7 @@ def clear_filters() -> None:
         st.session_state.pop(key(name), None)
 
 
-def _draw_widgets(encounters: pd.DataFrame) -> Filters:
+def _draw_widgets(encounters: pd.DataFrame, possible: Sequence[str]) -> Filters:
     categories = st.pills(
         "Detected by",
         CATEGORIES,
@@ -182,6 +205,21 @@ def _draw_widgets(encounters: pd.DataFrame) -> Filters:
         help=state.words(
             " ".join(f"*{category_words(kind)}*: {CATEGORY_TEXT[kind]}" for kind in Category)
         ),
+    )
+    sights: Sequence[str] = (
+        ()
+        if not possible
+        else st.pills(
+            "By the driver",
+            possible,
+            selection_mode="multi",
+            format_func=SIGHT_WORDS.__getitem__,
+            key=key("driver"),
+            persist_state="session",
+            help=state.words(
+                "  \n".join(f"*{SIGHT_WORDS[it]}*: {SIGHT_TEXT[it]}." for it in SIGHTS)
+            ),
+        )
     )
     place = st.expander("More filters: how and where, recording, class, height, severity")
     left, middle, right = place.columns(3)
@@ -260,6 +298,7 @@ def _draw_widgets(encounters: pd.DataFrame) -> Filters:
         classes_y=tuple(classes_y),
         recordings=tuple(recordings),
         classes=tuple(classes),
+        sights=tuple(sights),
         position=position,
         height_px=height_px,
         pose_z=pose_z,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 import pandas as pd
@@ -27,6 +27,64 @@ REGION_NAMES: Final[dict[DriverRegion, str]] = {
 """Who sees the encounters of a region, in short."""
 
 
+DRIVER_THRESHOLDS: Final = np.arange(5, 100, 5) / 100
+"""Those of `over_driver_threshold`."""
+Sight = Literal["sees", "unseen", "open", "unknown", "distant"]
+SIGHT_WORDS: Final[dict[Sight, str]] = {
+    "sees": "sees",
+    "unseen": "does not see",
+    "open": "open",
+    "unknown": "not known",
+}
+"""Whether the driver sees the pedestrian of a near encounter, in short."""
+SIGHT_TEXT: Final[dict[Sight, str]] = {
+    "sees": "the driver sees the pedestrian unaided",
+    "unseen": "the driver does not see the pedestrian unaided",
+    "open": "the value that decides is within one standard deviation of the threshold",
+    "unknown": "detectability is known in no frame up to the first that counts",
+}
+
+
+def driver_sights(result: Result) -> np.ndarray:
+    """Whether the driver sees each pedestrian by himself, where that is not open.
+
+    Returns
+    -------
+    Values of `Sight`, object, shape (n_encounters,): ``open`` where the largest detectability up to
+    the first frame that counts is no further than its standard deviation from `driver_threshold`,
+    whatever its side.
+    """
+    driver = result.driver
+    claims = [~driver.is_near, ~driver.is_known, driver.is_within_sd, driver.is_seen]
+    kinds: list[Sight] = ["distant", "unknown", "open", "sees"]
+    return np.select(claims, kinds, default="unseen").astype(object)
+
+
+def describe_sight(result: Result, encounter: int) -> str:
+    """What the driver sees of one encounter, in a sentence; empty: distant, or nothing is known.
+
+    Examples
+    --------
+    >>> describe_sight(result, 0)  # doctest: +SKIP
+    'Driver: detectability 0.52 ± 0.15 at most up to the first frame that counts: open.'
+    """
+    sight: Sight = driver_sights(result)[encounter]
+    if sight == "distant" or not result.dataset.has_detectability:
+        return ""
+    if sight == "unknown":
+        return f"Driver: {SIGHT_WORDS[sight]}, as {SIGHT_TEXT[sight]}."
+    largest, sd = result.driver.table[["detectability", "sd"]].iloc[encounter]
+    value = f"{largest:.2f}" + (f" ± {sd:.2f}" if np.isfinite(sd) else "")
+    record = result.dataset.estimate
+    name = result.dataset.recordings["name"].iloc[result.encounters.recording[encounter]]
+    if record is not None and record.caution and name in record.estimated_in:
+        value = f"{value} ({record.caution})"
+    return (
+        f"Driver: detectability {value} at most up to the first frame that counts: "
+        f"{SIGHT_WORDS[sight]}."
+    )
+
+
 def driver_venn_table(result: Result) -> pd.DataFrame:
     """The eight regions of driver, X and Y, and the encounters of which the driver's is unknown.
 
@@ -44,6 +102,37 @@ def driver_venn_table(result: Result) -> pd.DataFrame:
         rows.append((region.value, who, n, of_x, of_y, DRIVER_REGION_TEXT[region]))
     names = ["region", "who", "encounters", "severity_x", "severity_y", "meaning"]
     return pd.DataFrame(rows, columns=names)
+
+
+def over_driver_threshold(result: Result) -> pd.DataFrame:
+    """Whom the driver sees, and what that leaves to X and Y, over `driver_threshold`.
+
+    Counted from the largest detectability of each encounter and who detects it: nothing is compared
+    anew.
+
+    Returns
+    -------
+    One row for each of `DRIVER_THRESHOLDS`, of the near encounters of which it is known:
+    driver_threshold, known (how many these are, the same in each row), seen (by the driver, by
+    himself), useful_x, useful_y (detected by the system, not seen by him; higher is better),
+    nobody (neither he nor X nor Y; lower is better). No row where it is known of none.
+    """
+    driver = result.driver
+    is_known, n_known = driver.is_known, driver.venn.n_known
+    thresholds = DRIVER_THRESHOLDS if n_known else DRIVER_THRESHOLDS[:0]
+    largest = driver.table["detectability"].to_numpy()[is_known]
+    is_unseen = largest < thresholds[:, np.newaxis]
+    by_x, by_y = driver.by_x[is_known], driver.by_y[is_known]
+    return pd.DataFrame(
+        {
+            "driver_threshold": thresholds,
+            "known": n_known,
+            "seen": (~is_unseen).sum(axis=1),
+            "useful_x": (is_unseen & by_x).sum(axis=1),
+            "useful_y": (is_unseen & by_y).sum(axis=1),
+            "nobody": (is_unseen & ~by_x & ~by_y).sum(axis=1),
+        }
+    )
 
 
 def detectability_course(result: Result, encounter: int) -> pd.DataFrame:

@@ -415,10 +415,13 @@ def test_the_heavier_failure_comes_first_then_the_taller_and_distant_ones_last()
         (Filters(height_px=(60, 80)), [1, 2, 3]),
         (Filters(pose_z=(-3, 0)), [0, 3, 4]),
         (Filters(least_severity_s=0.5), [2, 3, 4]),
+        (Filters(sights=["open", "unseen"]), [1, 3]),
+        (Filters(sights=["sees"], categories=["both"]), [0]),
     ],
 )
 def test_filters_are_joined_and_keep_the_index(filters: Filters, rows: list[int]):
-    assert filters.keep(SIX).index.tolist() == rows
+    sights = np.array(["sees", "open", "sees", "unseen", "unknown", "distant"], object)
+    assert filters.keep(SIX, sights).index.tolist() == rows
 
 
 def test_the_encounter_is_weighed_by_height_horizon_and_distance_when_unfolded():
@@ -450,3 +453,49 @@ def test_the_pedestrian_is_cut_out_of_visible_light_as_chosen(tmp_path, monkeypa
     page = checked(page.toggle(key="encounters_visible").set_value(True).run())
     assert page.toggle(key="encounters_visible").value
     assert only(page, "picture") == "visible"
+
+
+@pytest.fixture
+def seen_and_not(tmp_path, monkeypatch: pytest.MonkeyPatch) -> AppTest:
+    """One pedestrian whom the driver sees, and one of whom it is not known."""
+    of_x, of_y = (pages.rows(x).replace(",1,0.9", ",0.9") for x in (300, 100))
+    folder = pages.write(tmp_path, {"one": of_x, "two": of_y}, truth="")
+    head = "recording,frame,x,y,w,h,track,detectability\n"
+    lines = [
+        f"night,{frame},{x + frame},200,40,120,{x},{share}\n"
+        for frame in pages.FRAMES
+        for x, share in ((300, 0.8), (100, ""))
+    ]
+    (tmp_path / "truth.csv").write_text(head + "".join(lines))
+    begin_with(folder, monkeypatch)
+    return opened()
+
+
+def test_the_encounters_panel_says_what_the_driver_sees(seen_and_not: AppTest):
+    page = seen_and_not
+    page.button_group(key="encounters_driver_1").set_value(["sees"]).run()
+    assert "Driver: detectability 0.80 at most up to the first frame that counts: sees." in texts(
+        page
+    )
+    assert only(page, "driver") == "sees"
+
+
+def test_encounters_are_listed_by_what_the_driver_sees(seen_and_not: AppTest):
+    page = seen_and_not
+    options = page.button_group(key="encounters_driver_1").options
+    assert options == ["sees", "does not see", "open", "not known"]
+    page.button_group(key="encounters_driver_1").set_value(["unknown"]).run()
+    assert listed(page)["track"].tolist() == [100]
+    checked(page.button(key="encounters_clear").click().run())
+    assert len(listed(page)) == 2
+
+
+def test_an_address_asks_for_what_the_driver_sees(seen_and_not: AppTest):
+    assert listed(opened(driver="unknown"))["track"].tolist() == [100]
+
+
+def test_without_detectability_nothing_is_said_or_asked_of_the_driver():
+    page = opened(driver="sees")
+    assert "driver cannot be sees" in page.warning[0].value
+    assert "Driver:" not in texts(page)
+    assert "By the driver" not in [group.label for group in page.button_group]
