@@ -21,7 +21,7 @@ from ui.widgets.table_columns import MOST_ROWS, as_shown, column_config, rows_to
 from ui.widgets.text import UNDEFINED, plain
 
 COLUMNS: Final = (
-    *("recording", "track", "driver_region", "detectability", "detectability_sd"),
+    *("recording", "track", "driver_region", "detectability", "detectability_sd", "within_sd"),
     *("driver_seen_frames", "driver_in_time", "severity_s_x", "severity_s_y"),
 )
 DETECTED_BY: Final = {

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import pandas as pd
 import streamlit as st
+from pandas.api.types import is_bool_dtype
 
 from nvcore.figures.encounters import CLASS_WORDS
 from nvcore.figures.venn import WORDS
@@ -31,6 +32,7 @@ HEADINGS: Final = {
     "impact_kmh": "impact (km/h)",
     "confirmed_frame": "confirmed in frame",
     "detectability_sd": "SD",
+    "within_sd": "Open",
     "driver_seen_frames": "Frames seen",
     "driver_frame": "Driver sees in frame",
     "min_ttc_s": "Least to contact (s)",
@@ -57,6 +59,7 @@ SIGNED: Final = frozenset({"lead_time_s", "margin_s", "lateral_position", "aspec
 WHOLE: Final = frozenset({"peak_height", "impact_kmh"})
 CATEGORY_WORDS: Final = {kind.value: text for kind, text in WORDS.items()}
 MISS_WORDS: Final = {kind.value: text for kind, text in CLASS_WORDS.items()}
+YES_NO: Final = {True: "yes", False: "no"}
 WIDTHS: Final = {
     "recording": 124,
     "track": 80,
@@ -64,7 +67,9 @@ WIDTHS: Final = {
     "miss_class": 90,
     "coverage": 85,
     "detectability_sd": 52,
+    "within_sd": 56,
     "driver_seen_frames": 92,
+    "driver_in_time": 98,
     "severity_s": 88,
     "peak_cost": 88,
     "lead_time_s": 92,
@@ -97,7 +102,10 @@ def column_config(file: str) -> dict[str, Any]:
 
 
 def as_shown(table: pd.DataFrame) -> pd.DataFrame:
-    """Rows of a report's table for `column_config`: shares in percent, categories in words."""
+    """Rows of a report's table for `column_config`: shares in percent, what is named in words.
+
+    Truth values are "yes" and "no": a box that is empty is not told from a cell that is.
+    """
     configs = {}
     for name in table:
         base, _ = _split(str(name))
@@ -107,6 +115,8 @@ def as_shown(table: pd.DataFrame) -> pd.DataFrame:
             configs[str(name)] = table[name].map(
                 MISS_WORDS if base == "miss_class" else CATEGORY_WORDS
             )
+        elif is_bool_dtype(table[name]):
+            configs[str(name)] = table[name].map(YES_NO, na_action="ignore").astype(object)
         elif base in ("time_left", "urgency"):
             configs[str(name)] = table[name].str.replace("_", " ")
     return table.assign(**configs)
@@ -163,7 +173,7 @@ def _config(column: Column) -> Any:
     label, text = heading(column.name), state.words(text)
     pinned, width = column.name in ("recording", "track"), WIDTHS.get(base)
     if column.kind is Kind.TRUTH_VALUE:
-        return st.column_config.CheckboxColumn(label, help=text)
+        return st.column_config.TextColumn(label, width=width, help=text)
     if column.kind is Kind.TEXT:
         return st.column_config.TextColumn(label, width=width, help=text, pinned=pinned)
     if column.kind is Kind.INTEGER:

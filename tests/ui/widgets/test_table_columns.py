@@ -62,6 +62,15 @@ def test_shares_are_shown_in_percent_and_classes_in_words():
     assert table["coverage_x"].iloc[0] == 0.25
 
 
+def test_truth_values_are_said_in_words_and_what_is_not_known_stays_empty():
+    values = pd.array([True, False, None], dtype="boolean")
+    shown = as_shown(pd.DataFrame({"within_sd": values, "detected_x": [True, False, True]}))
+    assert shown["within_sd"].tolist()[:2] == ["yes", "no"]
+    assert shown["within_sd"].isna().tolist() == [False, False, True]
+    assert shown["detected_x"].tolist() == ["yes", "no", "yes"]
+    assert column_config("encounters.csv")["within_sd"]["type_config"]["type"] == "text"
+
+
 def test_a_table_grows_up_to_ten_rows():
     assert table_height(0) == table_height(1) < table_height(10) == table_height(5000)
 
