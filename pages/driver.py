@@ -4,7 +4,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.report.verdict.driver import describe_counts, describe_doubt, describe_view
-from ui.driver import course, listed, missing, regions, run
+from ui.driver import course, listed, missing, regions, run, threshold
 from ui.session import state
 from ui.shell.messages import draw_as_set_note, draw_warnings, needs_comparison
 from ui.widgets.text import docs_link, plain
@@ -34,6 +34,7 @@ def draw(result: Result) -> None:
     st.markdown("\n\n".join(plain(state.words(text)) for text in describe_view(result)))
     st.caption(state.words(describe_counts(result)))
     region = regions.draw(result)
+    threshold.draw(result)
     encounter = listed.draw(result, region)
     if encounter is not None:
         course.draw(result, encounter)

@@ -17,6 +17,7 @@ with needs("report", "figures need"):
     )
     from nvcore.figures.driver.errors import estimator_errors_plot
     from nvcore.figures.driver.estimates import estimates_plot
+    from nvcore.figures.driver.over_threshold import driver_threshold_plot
     from nvcore.figures.driver.pairs import feature_pairs_plot, pair_ranks_plot
     from nvcore.figures.driver.venn import driver_venn_plot
     from nvcore.figures.encounters import (
@@ -53,6 +54,7 @@ __all__ = [
     "detectability_course_plot",
     "detectability_histograms_plot",
     "detectability_plot",
+    "driver_threshold_plot",
     "driver_venn_plot",
     "estimates_plot",
     "estimator_errors_plot",

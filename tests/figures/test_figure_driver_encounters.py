@@ -8,7 +8,12 @@ import pytest
 
 from nvcore.driver.illumination import Light, LightSource
 from nvcore.driver.illumination.clock import adaptation_clock, unknown_clock, with_change
-from nvcore.figures import detectability_course_plot, driver_venn_plot
+from nvcore.figures import (
+    detectability_course_plot,
+    driver_threshold_plot,
+    driver_venn_plot,
+)
+from nvcore.figures.style import LOOK
 from nvcore.metrics.driver import DriverVenn
 from nvcore.schema import DriverRegion
 
@@ -150,3 +155,49 @@ def test_a_simulated_observer_is_named_where_the_numbers_stand():
         COURSE, threshold=0.5, theme="light", caution="learnt from simulated subjects"
     )
     assert "learnt from simulated subjects" in figure.layout.title.text
+
+
+COUNTS = pd.DataFrame(
+    {
+        "driver_threshold": [0.45, 0.5, 0.55],
+        "known": 9,
+        "seen": [5, 4, 3],
+        "useful_x": [2, 3, 4],
+        "useful_y": [1, 1, 2],
+        "nobody": [1, 2, 2],
+    }
+)
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_over_the_threshold_each_count_is_a_line_that_is_told_without_its_colour(theme):
+    figure = driver_threshold_plot(COUNTS, ("A", "<B>"), threshold=0.5, theme=theme)
+    assert [list(line.y) for line in figure.data] == [[5, 4, 3], [2, 3, 4], [1, 1, 2], [1, 2, 2]]
+    assert [line.name for line in figure.data] == [
+        "the driver sees",
+        "useful alerts of X: A",
+        "useful alerts of Y: &lt;B&gt;",
+        "none of them sees",
+    ]
+    assert len({line.line.dash for line in figure.data}) == 4
+    symbols = [line.marker.symbol for line in figure.data]
+    assert not {symbols[0], symbols[3]} & {symbols[1], symbols[2]}
+    x, y = (figure.data[row].line for row in (1, 2))
+    assert (x.color, y.color) == (LOOK[theme].x, LOOK[theme].y)
+    assert (x.dash, y.dash) == (LOOK[theme].dash("x"), LOOK[theme].dash("y"))
+    assert "9 near encounters of which it is known" in figure.layout.title.text
+    assert figure.layout.yaxis.title.text == "encounters"
+
+
+@pytest.mark.parametrize(("threshold", "side"), [(0.62, "left"), (0.9, "right")])
+def test_the_threshold_that_is_set_is_marked_wherever_it_is(threshold, side):
+    figure = driver_threshold_plot(COUNTS, ("A", "B"), threshold=threshold, theme="light")
+    assert [line.x0 for line in figure.layout.shapes] == [threshold]
+    (text,) = figure.layout.annotations
+    assert (text.text, text.xanchor) == (f"now {threshold:g}", side)
+
+
+def test_over_the_threshold_of_nobody_known_a_sentence_stands():
+    figure = driver_threshold_plot(COUNTS.iloc[:0], ("A", "B"), threshold=0.5, theme="light")
+    assert not figure.data
+    assert "not known of any encounter" in figure.layout.annotations[0].text.replace("<br>", " ")

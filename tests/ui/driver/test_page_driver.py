@@ -72,6 +72,12 @@ def test_regions_and_encounters_say_who_sees_whom(page):
     assert "Pedestrian 100 of night" in [item.value for item in page.header]
 
 
+def test_what_another_threshold_would_change_is_folded_away(page):
+    (fold,) = [item for item in page.expander if item.label == "Over the threshold"]
+    (plot,) = fold.get("plotly_chart")
+    assert "2 near encounters of which it is known" in plot.proto.spec
+
+
 def test_a_region_is_chosen_and_its_encounters_are_listed(page):
     checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
     assert page.dataframe[1].value["detectability"].tolist() == [0.8]
@@ -160,6 +166,14 @@ def test_an_estimator_that_was_sent_is_run_and_says_whom_the_driver_sees(visible
     page.file_uploader(key="estimator_file").set_value([("dim.npz", content, "")])
     page = estimated(checked(page.run()))
     assert page.dataframe[1].value["detectability"].max() < 0.2
+
+
+def test_the_list_says_in_words_who_is_open_and_whether_the_driver_is_in_time(visible):
+    page = estimated(sent(visible, late=0.65))
+    encounters = page.dataframe[1].value
+    assert encounters["detectability"].round(2).tolist() == [0.06, 0.52]
+    assert encounters["within_sd"].tolist() == ["no", "yes"]
+    assert set(encounters["driver_in_time"].dropna()) <= {"yes", "no"}
 
 
 def form(page):
@@ -275,6 +289,19 @@ def test_an_estimator_that_is_refused_leaves_the_one_before(visible):
     assert "other.npz: is not an estimator that nvcore driver train wrote" in texts(page)
     assert page.selectbox(key="estimator").value == chosen
     assert "Trained on 306 trials" in texts(page)
+
+
+def test_each_file_that_is_sent_takes_the_place_of_what_was_said_of_the_one_before(visible):
+    page = checked(alone("driver").run())
+
+    def send(name: str, content: bytes) -> str:
+        page.file_uploader(key="estimator_file").set_value([(name, content, "text/csv")])
+        return "\n".join(error.value for error in checked(page.run()).error).replace("\\", "")
+
+    assert "other.npz: is not an estimator" in send("other.npz", b"PK no estimator")
+    of_table = send("trials.csv", b"subject,trial\n")
+    assert of_table == "trials.csv: is none that may be sent here: expected .npz"
+    assert send("small.npz", small_estimator.write_model(visible / "a.npz").read_bytes()) == ""
 
 
 def panel(page) -> str:

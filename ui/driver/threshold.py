@@ -1,0 +1,32 @@
+"""Driver page: what another threshold of seeing would change."""
+
+from __future__ import annotations
+
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.figures.driver.over_threshold import driver_threshold_plot
+from nvcore.tables.encounters.driver import over_driver_threshold
+from ui.session import state
+from ui.widgets.charts import draw_chart
+from ui.widgets.text import docs_link
+
+
+def draw(result: Result) -> None:
+    """Whom the driver sees and what that leaves to X and Y over the threshold, folded away."""
+    with st.expander("Over the threshold"):
+        figure = driver_threshold_plot(
+            over_driver_threshold(result),
+            (result.x.name, result.y.name),
+            threshold=result.params.driver_threshold,
+            theme=state.theme(),
+        )
+        draw_chart(figure, "driver_over_threshold")
+        st.caption(
+            state.words(
+                "The driver sees the pedestrian where detectability reaches the threshold in a "
+                "frame up to the first that counts. How many of the encounters that leaves to X "
+                "and Y is no matter of the systems: no number here holds without its threshold "
+                f"({docs_link('whom the driver sees', 'whom-he-sees', doc='driver')})."
+            )
+        )
