@@ -49,6 +49,10 @@ THUMB = """field => {
   return [left + width / 2, top + height / 2];
 }"""
 
+# Between the upper edges of the viewer and of its picture, px.
+HEIGHT_ABOVE = """stage => stage.getBoundingClientRect().top
+  - stage.closest(".viewer").getBoundingClientRect().top"""
+
 # Mean red, green and blue of a small part of the picture, at these shares of its size.
 MEAN_COLOUR = """(canvas, [across, down]) => {
   const [w, h] = [canvas.width, canvas.height];
@@ -306,3 +310,18 @@ def test_what_a_miss_would_cost_is_laid_over_the_picture_by_key_and_follows_the_
     timeline.page.wait_for_function(IS_PURPLE, arg=[shown, near, False])
     timeline.viewer.press("c")
     expect(button).to_have_attribute("aria-pressed", "false")
+
+
+def test_the_time_since_the_light_has_changed_moves_no_picture(visit):
+    one = visit(f"{LINK}&picture=visible")
+    expect(one.viewer).to_have_attribute("data-picture", "visible")
+
+    def height_above() -> float:
+        return one.viewer.locator(".stage").evaluate(HEIGHT_ABOVE)
+
+    before = height_above()
+    one.viewer.press("d")
+    since = one.viewer.get_by_text(re.compile("after the change|not known|eyes adapted"))
+    expect(since).to_be_visible()
+    expect(one.page.get_by_role("button", name="A tunnel ends here")).to_be_visible()
+    assert height_above() == before

@@ -95,6 +95,21 @@ def test_as_the_driver_sees_it_is_visible_light_from_another_address(page):
     assert colour(page, 0.4) == "red"
 
 
+def test_as_the_driver_sees_it_is_said_to_be_a_model_over_the_picture(page):
+    choose_two_pictures(page)
+    said = page.locator(".stage").get_by_text("model, not measured", exact=True)
+    sync_api.expect(said).not_to_be_visible()
+    press(page, "d")
+    shown(page, "visible")
+    sync_api.expect(said).to_be_visible()
+    press(page, "v", "v")
+    shown(page, "both")
+    middle = viewer_of(page).bounding_box()["width"] / 2
+    assert said.bounding_box()["x"] > middle  # over visible light, not over the other picture
+    press(page, "d")
+    sync_api.expect(said).not_to_be_visible()
+
+
 def test_where_the_light_is_not_known_only_a_time_that_is_set_is_kept(page):
     choose_two_pictures(page)
     press(page, "d")

@@ -120,8 +120,8 @@ function makeControls(actions) {
   }
   parts.picture = make("canvas", { class: "picture", role: "img", "aria-label": "Loading" });
   parts.message = make("div", { class: "message", hidden: "" });
-  parts.stage = make("div", { class: "stage" }, [parts.picture, parts.message]);
   parts.sources = makeSources(actions);
+  parts.stage = make("div", { class: "stage" }, [parts.picture, parts.message, parts.sources.seen]);
   parts.strip = make("canvas", { class: "strip", role: "slider", "aria-label": "Position in the recording" });
   parts.tip = make("div", { class: "tip", hidden: "", "aria-hidden": "true" });
   parts.stripHolder = make("div", { class: "strip-holder" }, [parts.strip, parts.tip]);

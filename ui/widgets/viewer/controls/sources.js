@@ -2,6 +2,7 @@
 
 const DRIVER_HINT = "As the driver sees it after the light has changed: contrast and sharpness come back "
   + "while the eyes adapt (a model with numbers of ours)";
+const MODEL = "model, not measured";
 const BY_HAND_HINT = "The time since the light has changed by a slider, in place of that of the recording";
 const TUNNEL_HINT = "Simulate a change from bright to dark at this frame, and see the eyes adapt while it plays. "
   + "Press again to end it";
@@ -32,10 +33,12 @@ function makeSources(actions) {
   });
   byHand.addEventListener("click", () => actions.byHand());
   const clock = make("span", { class: "clock" });
+  // over the picture: there it moves nothing, and stays in full screen
+  const seen = make("div", { class: "seen", hidden: "" }, [clock, make("span", { text: MODEL, title: DRIVER_HINT })]);
   const root = make("div", { class: "sources", role: "group", "aria-label": "Pictures", hidden: "" }, [
-    choice, blend.part, driver, byHand, since.part, tunnel, clock,
+    choice, blend.part, driver, byHand, since.part, tunnel,
   ]);
-  return { root, choice, blend, driver, byHand, since, tunnel, clock };
+  return { root, choice, blend, driver, byHand, since, tunnel, seen, clock };
 }
 
 function showSources({ root, choice, blend, driver, byHand, since, tunnel }, look) {
@@ -57,9 +60,11 @@ function showSources({ root, choice, blend, driver, byHand, since, tunnel }, loo
   since.shown.textContent = `${look.sinceS.toFixed(1)} s`;
 }
 
-// The time since the change of light, in the row that is painted; where a slider says it, it does.
-function showClock({ clock }, look, row, endS) {
-  const isKnown = look.needsVisible && look.isDriver && (look.changeAt !== null || look.followsClock);
+// That it is a model's picture, and the time since the change of light in the row that is painted; where a
+// slider says that, it does.
+function showClock({ seen, clock }, look, row, endS) {
+  seen.hidden = !(look.needsVisible && look.isDriver);
+  const isKnown = !seen.hidden && (look.changeAt !== null || look.followsClock);
   clock.hidden = !isKnown;
   clock.textContent = isKnown ? `${look.isSimulatedAt(row, endS) ? "simulated: " : ""}${sinceText(look, row, endS)}` : "";
 }
