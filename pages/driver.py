@@ -5,8 +5,9 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.report.verdict.driver import describe_counts, describe_doubt, describe_view
 from ui.driver import course, listed, missing, regions, run, threshold
+from ui.jobs.companions import choose_comparison, companions_if_needed
 from ui.session import state
-from ui.shell.messages import draw_as_set_note, draw_warnings, needs_comparison
+from ui.shell.messages import draw_warnings, needs_comparison
 from ui.widgets.text import docs_link, plain
 
 
@@ -28,16 +29,16 @@ def draw(result: Result) -> None:
         return
     run.draw(is_known=True)
     draw_warnings(result)
-    draw_as_set_note(result)
-    if doubt := describe_doubt(result):
+    shown = choose_comparison(result, companions_if_needed(result), "driver")
+    if doubt := describe_doubt(shown):
         st.warning(plain(state.words(doubt)), icon=":material/warning:")
-    st.markdown("\n\n".join(plain(state.words(text)) for text in describe_view(result)))
-    st.caption(state.words(describe_counts(result)))
-    region = regions.draw(result)
-    threshold.draw(result)
-    encounter = listed.draw(result, region)
+    st.markdown("\n\n".join(plain(state.words(text)) for text in describe_view(shown)))
+    st.caption(state.words(describe_counts(shown)))
+    region = regions.draw(shown)
+    threshold.draw(shown)
+    encounter = listed.draw(shown, region)
     if encounter is not None:
-        course.draw(result, encounter)
+        course.draw(result, encounter, is_as_shown=shown is result)
 
 
 st.title("Driver")

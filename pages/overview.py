@@ -4,7 +4,8 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.report.equal_alarms import equal_alarms_of
-from ui.overview import companions, evidence, moments, plan, scorecard, strip, venn, verdict
+from ui.jobs import companions
+from ui.overview import evidence, moments, plan, scorecard, strip, venn, verdict
 from ui.session.results.evidence import known_evidence, measure_evidence
 from ui.session.results.findings import input_findings, known_findings
 from ui.shell.messages import needs_comparison

@@ -3,35 +3,29 @@
 from __future__ import annotations
 
 import math
-from typing import Final
 
 import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.evidence.claims import Basis
 from nvcore.evidence.companions import Companions
 from nvcore.figures.paired import recordings_plot
 from nvcore.measures import MeasureTable, count_recordings
 from nvcore.report.equal_alarms import (
     detected_text,
-    equal_alarms_of,
-    equal_alarms_title,
     weights_text,
 )
 from nvcore.report.terminal import SHORT_ROWS
 from nvcore.tables.influence import lead_text
 from nvcore.tables.result import recordings_table
 from nvcore.tables.scorecard import score_rows
+from ui.jobs.companions import choose_comparison
 from ui.session import state
 from ui.shell.messages import draw_as_set_note
 from ui.shell.navigate import open_frame
 from ui.widgets.charts import clicked_chart, kept_figure
-from ui.widgets.choices import choose_side_by_side
 from ui.widgets.html import measures_html, score_row
 from ui.widgets.text import docs_link, plain
-
-BASES: Final = {Basis.AS_SET: "As set", Basis.EQUAL_ALARMS: "At equal false alarms"}
 
 
 class Scorecard:
@@ -75,37 +69,14 @@ def scorecard(
     The table of the comparison as set, which the evidence is about; None: another is drawn.
     """
     st.header("Scorecard")
-    equal = equal_alarms_of(result, companions)
-    if equal is None:
-        draw_as_set_note(result)
+    shown = choose_comparison(result, companions, "scorecard")
+    if shown is result:
         return _draw_scorecard(result, evidence)
-    assert companions is not None
-    basis = choose_side_by_side(
-        "What is compared",
-        BASES,
-        "scorecard_basis",
-        default=Basis.EQUAL_ALARMS,
-        label_visibility="collapsed",
-    )
-    if basis is Basis.AS_SET:
-        draw_as_set_note(result)
-        return _draw_scorecard(result, evidence)
-    text, button = st.columns([3, 2], vertical_alignment="center")
-    text.markdown(plain(f"{equal_alarms_title(companions)}, as in the verdict."))
-    moved = companions.moved
-    button.button(
-        "Set this threshold",
-        key="set_equal_alarms",
-        on_click=state.set_threshold,
-        args=(moved, equal.system(moved).threshold),
-        width="stretch",
-        help="The whole page, and every other, is then at equal false alarms.",
-    )
-    _draw_scorecard(equal, None)
+    _draw_scorecard(shown, None)
     st.caption(
         plain(
-            f"Encounters detected by: {detected_text(equal)}. Severity, of encounters detected by "
-            f"{weights_text(equal)}."
+            f"Encounters detected by: {detected_text(shown)}. Severity, of encounters detected by "
+            f"{weights_text(shown)}."
         )
     )
     return None

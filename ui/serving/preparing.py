@@ -9,7 +9,7 @@ from nvcore.comparison import compare
 from nvcore.errors import NvcoreError
 from nvcore.evidence.companions import find_companions
 from ui.confined import process
-from ui.overview import companions
+from ui.jobs import companions
 from ui.session.results.comparison import result_kept_by
 from ui.session.results.evidence import comparison_key, evidence_kept_by
 from ui.session.results.findings import findings_kept_by

@@ -22,7 +22,7 @@ from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source
 from nvcore.pictures.recordings import RecordingPictures
 from nvcore.schema import DriverRegion
-from pages import FRAMES, TIMEOUT_S, alone, begin_with, checked, texts, write
+from pages import FRAMES, TIMEOUT_S, alone, begin_with, checked, opened, texts, write
 from ui.driver import run
 from ui.driver.finished import with_estimates
 from ui.driver.run import lost_words
@@ -76,6 +76,40 @@ def test_what_another_threshold_would_change_is_folded_away(page):
     (fold,) = [item for item in page.expander if item.label == "Over the threshold"]
     (plot,) = fold.get("plotly_chart")
     assert "2 near encounters of which it is known" in plot.proto.spec
+
+
+@pytest.fixture
+def unequal(folder: Path) -> Path:
+    """X also detects, by low scores, the other pedestrian and much that is not there."""
+    more = "".join(
+        f"night,{frame},{x + frame},200,40,120,0.3\n" for frame in FRAMES for x in (100, 400, 500)
+    )
+    with (folder / "one.csv").open("a") as boxes:
+        boxes.write(more)
+    other = (folder / "two.csv").read_text()
+    (folder / "two.csv").write_text(other.replace(",200,40,", ",201,40,"))  # not the truth's own
+    return folder
+
+
+def test_at_unequal_operating_points_the_page_shows_what_the_verdict_shows(unequal):
+    page = checked(alone("driver").run())
+    assert "At equal false alarms (X with scores of" in texts(page)
+    of_verdict = "of the 1 not seen, X detects 0 and Y 1"
+    assert of_verdict in texts(page)
+    assert "The picture shows X and Y as set" in texts(page)
+    counts = page.dataframe[0].value.set_index("who")["encounters"]
+    assert (counts["Y alone"], counts["X and Y"]) == (1, 0)
+    overview = checked(opened("overview"))
+    assert of_verdict in texts(overview)
+    page.session_state["driver_basis"] = "as set"
+    checked(page.run())
+    assert "Nothing is claimed from these" in texts(page)
+    assert "of the 1 not seen, X detects 1 and Y 1" in texts(page)
+    assert "The picture shows X and Y as set" not in texts(page)
+
+
+def test_at_equal_operating_points_there_is_one_comparison_to_show(page):
+    assert "driver_basis" not in {control.key for control in page.button_group}
 
 
 def test_a_region_is_chosen_and_its_encounters_are_listed(page):

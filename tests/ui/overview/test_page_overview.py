@@ -15,8 +15,9 @@ from nvcore.evidence.table import evidence_table
 from nvcore.report.verdict import Verdict, verdict
 from nvcore.tables.moments import worst_moments
 from pages import checked, measures, opened, press, texts, to_page
-from ui.overview import companions, moments, venn
+from ui.jobs import companions
 from ui.overview import evidence as evidence_page
+from ui.overview import moments, venn
 from ui.overview import verdict as verdict_page
 from ui.overview.moments import window_row
 from ui.overview.scorecard import Scorecard
@@ -319,7 +320,7 @@ def test_at_unequal_operating_points_the_scorecard_can_be_that_of_the_verdict(ap
     checked(to_page(app, "overview"))
     app.session_state["scorecard_basis"] = "equal false alarms"
     checked(app.run())
-    checked(app.button(key="set_equal_alarms").click().run())
+    checked(app.button(key="scorecard_set_equal_alarms").click().run())
     assert mark not in texts(app)
     found = "encounters detected, of 38 ↑"
     assert scorecard(app)[found] == at_equal[found]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from pages import alone, checked
-from ui.overview import companions
+from ui.jobs import companions
 from ui.serving.preparing import prepare_start
 from ui.session import sample, state
 from ui.session.results import evidence, findings
