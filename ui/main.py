@@ -55,7 +55,7 @@ try:
     if not links.is_participant():
         with st.sidebar:  # before the page, so that its room is kept from the start
             systems.draw()
-            finished.draw_aside(is_on_page=page.url_path == "driver")
+            finished.draw_aside(page.url_path)
     wrong_params = live_params.read()
     if links.is_participant():
         live_params.keep_all_hidden()

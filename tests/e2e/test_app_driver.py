@@ -176,3 +176,17 @@ def test_from_a_study_to_whom_the_driver_sees(
     for visit in (conductor, subject, one):
         assert visit.complaints == []
         visit.close()
+
+
+def test_an_estimate_is_taken_over_on_the_page_that_is_open_when_it_ends(visit):
+    one = visit("driver")
+    one.page.get_by_role("button", name="Estimate", exact=True).click()
+    expect(one.page.get_by_text(re.compile("^Looking at the pictures"))).to_be_visible()
+    one.keyed("navigation").get_by_role("link", name="Export").click()
+    expect(one.heading("Export", level=1)).to_be_visible()
+    # the files that only the app has
+    expect(
+        one.page.get_by_text("(what the page Driver has estimated is in the ZIP)")
+    ).to_be_visible()
+    one.switch_to("Overview")
+    expect(one.page.get_by_text("useful alerts: detected").first).to_be_visible()

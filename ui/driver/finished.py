@@ -27,9 +27,11 @@ from ui.shell.messages import shown_error
 from ui.shell.navigate import PAGES
 
 JOB: Final = "driver_run"
+PAGE: Final = "driver"
+"""Path of the page."""
 DOING: Final = "Estimating whom the driver sees"
 _NEWS: Final = "driver_news"
-"""What the workspace remembers of estimates that were taken over, until it is said."""
+"""What the workspace remembers of estimates that were taken over, and the page that has said it."""
 _TROUBLE: Final = "driver_trouble"
 """The same of why the last ones could not be, until the page Driver has said it."""
 
@@ -57,31 +59,46 @@ class EstimateJob(FolderJob[WrittenEstimates]):
         super().__init__(space, folder, work)
 
 
-def draw_aside(*, is_on_page: bool) -> None:
-    """In the sidebar: how far an estimate is, with the way to its page; once, that it is there.
+def draw_aside(page: str) -> None:
+    """In the sidebar of any page: how far an estimate is, what came of it, and the way to Driver.
 
     Parameters
     ----------
-    is_on_page
-        Whether the page Driver is drawn, which says all of that but the last itself.
+    page
+        Path of the page. Driver says all of that itself; the news stays on the page where it came.
     """
     space = state.workspace()
-    if news := space.notes.pop(_NEWS, ""):
-        st.toast(state.words(news), icon=":material/visibility:")
     job: EstimateJob | None = space.job(JOB)
-    trouble = space.notes.get(_TROUBLE, "")
-    if is_on_page or (job is None and not trouble):
+    trouble, news = space.notes.get(_TROUBLE, ""), _news_on(page)
+    if page == PAGE:
         return
-    if job is None:
+    if news:  # no toast: what reads pages aloud has no name for those
+        st.success(state.words(news), icon=":material/visibility:")
+    elif trouble and job is None:
         text = f"Whom the driver sees was estimated, but cannot be taken over: {trouble}"
         st.error(text, icon=":material/error:")
-    elif job.is_busy or is_waiting(job):
+    elif job is not None and (job.is_busy or is_waiting(job)):
         draw_job_aside(job, DOING, until=lambda: is_ready(job))
-    elif job.state is JobState.FAILED and not job.is_told:
+    elif job is not None and job.state is JobState.FAILED and not job.is_told:
         st.error("Whom the driver sees could not be estimated.", icon=":material/error:")
     else:
         return
-    st.page_link(PAGES / "driver.py", label="Driver", icon=":material/arrow_forward:")
+    st.page_link(PAGES / f"{PAGE}.py", label="Driver", icon=":material/arrow_forward:")
+
+
+def _news_on(page: str) -> str:
+    """What is to be said of estimates that were taken over, on the page where that was said first.
+
+    Empty: nothing, or somebody has gone to another page since.
+    """
+    notes = state.workspace().notes
+    text, where = notes.get(_NEWS, ("", None))
+    if where not in (None, page) or page == PAGE:
+        notes.pop(_NEWS, None)
+        return ""
+    if text:
+        notes[_NEWS] = text, page
+    return str(text)
 
 
 def is_waiting(job: EstimateJob) -> bool:
@@ -124,7 +141,8 @@ def _open(job: EstimateJob) -> None:
     before = space.notes.get(RUN)
     space.notes[RUN] = OpenedRun(named, written.run, job.spec, files)
     n = count_text(len(written.run.features.recordings), "recording")
-    space.notes[_NEWS] = f"Whom the driver sees is estimated in {n}. All pages count with it now."
+    text = f"Whom the driver sees is estimated in {n}. All pages count with it now."
+    space.notes[_NEWS] = text, None
     try:
         open_written(space, job, lambda: state.read_again(session))
     except NvcoreError as error:

@@ -541,10 +541,11 @@ def test_an_estimate_that_ends_while_another_page_is_open_is_taken_over_there(he
     assert [item.value for item in page.title] == ["Timeline"]
     # nothing that was chosen is lost
     assert (page.session_state["place"], held.space.n_opened) == ((0, 41), n_opened)
-    assert [item.value for item in page.toast] == [
-        "Whom the driver sees is estimated in 1 recording. All pages count with it now."
-    ]
-    assert not checked(page.run()).toast  # said once
+    news = "Whom the driver sees is estimated in 1 recording. All pages count with it now."
+    assert [item.value for item in page.sidebar.success] == [news]
+    assert checked(page.run()).sidebar.success  # as long as the page is open
+    assert not held.look_at("metrics").sidebar.success
+    assert not held.look_at("timeline").sidebar.success
 
 
 def test_the_sidebar_of_other_pages_shows_how_far_an_estimate_is(held):
@@ -553,7 +554,8 @@ def test_the_sidebar_of_other_pages_shows_how_far_an_estimate_is(held):
     assert aside(page)[0].startswith("Estimating whom the driver sees: 0%")
     assert aside(page)[1] == "Driver"
     held.ends()
-    assert aside(checked(page.run())) == []
+    assert aside(checked(page.run())) == ["Driver"]
+    assert aside(held.look_at("driver")) == []
 
 
 def test_estimates_wait_until_other_work_has_ended_which_they_would_end(held):
@@ -590,7 +592,7 @@ def test_estimates_do_not_come_to_another_session_that_was_opened_meanwhile(held
     checked(page.run())
     assert held.space.job("driver_run") is None
     assert not held.is_taken_over
-    assert not page.toast
+    assert not page.sidebar.success
 
 
 def test_what_cannot_be_taken_over_is_said_beside_every_page_until_its_own_has_said_it(
