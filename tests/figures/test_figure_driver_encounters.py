@@ -177,7 +177,7 @@ def test_over_the_threshold_each_count_is_a_line_that_is_told_without_its_colour
         "the driver sees",
         "useful alerts of X: A",
         "useful alerts of Y: &lt;B&gt;",
-        "none of them sees",
+        "unprotected by both",
     ]
     assert len({line.line.dash for line in figure.data}) == 4
     symbols = [line.marker.symbol for line in figure.data]

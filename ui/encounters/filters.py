@@ -195,32 +195,20 @@ def clear_filters() -> None:
 
 
 def _draw_widgets(encounters: pd.DataFrame, possible: Sequence[str]) -> Filters:
-    categories = st.pills(
-        "Detected by",
-        CATEGORIES,
-        selection_mode="multi",
-        format_func=category_words,
-        key=key("category"),
-        persist_state="session",
-        help=state.words(
-            " ".join(f"*{category_words(kind)}*: {CATEGORY_TEXT[kind]}" for kind in Category)
-        ),
-    )
-    sights: Sequence[str] = (
-        ()
-        if not possible
-        else st.pills(
-            "By the driver",
-            possible,
+    with st.container(horizontal=True, gap="large"):
+        categories = st.pills(
+            "Detected by",
+            CATEGORIES,
             selection_mode="multi",
-            format_func=SIGHT_WORDS.__getitem__,
-            key=key("driver"),
+            format_func=category_words,
+            key=key("category"),
             persist_state="session",
+            width="content",
             help=state.words(
-                "  \n".join(f"*{SIGHT_WORDS[it]}*: {SIGHT_TEXT[it]}." for it in SIGHTS)
+                " ".join(f"*{category_words(kind)}*: {CATEGORY_TEXT[kind]}" for kind in Category)
             ),
         )
-    )
+        sights = _choose_sights(possible)
     place = st.expander("More filters: how and where, recording, class, height, severity")
     left, middle, right = place.columns(3)
     meaning = "  \n".join(f"*{class_words(kind)}*: {MISS_CLASS_TEXT[kind]}" for kind in MissClass)
@@ -304,6 +292,24 @@ def _draw_widgets(encounters: pd.DataFrame, possible: Sequence[str]) -> Filters:
         pose_z=pose_z,
         least_severity_s=_least_severity(right, encounters),
     )
+
+
+def _choose_sights(possible: Sequence[str]) -> Sequence[str]:
+    """What the driver sees of the encounters that are listed; nothing chosen: all."""
+    if not possible:
+        return ()
+    meanings = (f"*{SIGHT_WORDS[sight]}*: {SIGHT_TEXT[sight]}." for sight in SIGHT_WORDS)
+    chosen: Sequence[str] = st.pills(
+        "By the driver",
+        possible,
+        selection_mode="multi",
+        format_func=SIGHT_WORDS.__getitem__,
+        key=key("driver"),
+        persist_state="session",
+        width="content",
+        help=state.words("  \n".join(meanings)),
+    )
+    return chosen
 
 
 def _least_severity(place: st.delta_generator.DeltaGenerator, encounters: pd.DataFrame) -> float:

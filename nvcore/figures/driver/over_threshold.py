@@ -49,7 +49,7 @@ def driver_threshold_plot(
             _line(counts, f"useful_{letter}", _useful(letter, name), _of_system(letter, theme))
             for letter, name in zip("xy", names, strict=True)
         ),
-        _line(counts, "nobody", "none of them sees", _own("ink", "longdash", "x-thin", theme)),
+        _line(counts, "nobody", "unprotected by both", _own("ink", "longdash", "x-thin", theme)),
     ]
     n = count_text(int(counts["known"].iloc[0]), "near encounter")
     figure = draw(
