@@ -136,8 +136,8 @@ class EstimateRecord:
             return ""
         names = [shortened(one_line(name), _SHOWN_NAME) for name in self.other_width]
         return (
-            "made on pictures of another width than those of the training in "
-            f"{listed(names, most=MOST_NAMED)}"
+            f"in {listed(names, most=MOST_NAMED)} made on pictures of another width than the "
+            "training's"
         )
 
 

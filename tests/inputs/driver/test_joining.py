@@ -266,7 +266,7 @@ def test_the_record_says_who_estimated_and_whether_subjects_were_simulated(tmp_p
     assert "estimated by driver (12 subjects, fingerprint 5f1c00112233)" in conversion
     assert (
         "learnt from simulated subjects by a quick search, no better than a constant at 0.5 and "
-        "1.5 s and made on pictures of another width than those of the training in urban"
+        "1.5 s and in urban made on pictures of another width than the training's"
     ) in conversion
 
 
