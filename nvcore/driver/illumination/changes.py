@@ -41,8 +41,8 @@ class Changes:
 
         NaN until the first, and after the light is back until the next: the eyes are then adapted,
         as far as is known. That readings end, or have a gap, is for
-        `nvcore.driver.illumination.clock.adaptation_clock` to know. The moment of a change still belongs to what was before it: a frame
-        that ends there lies wholly before.
+        `nvcore.driver.illumination.clock.adaptation_clock` to know. The moment of a change still
+        belongs to what was before it: a frame that ends there lies wholly before.
         """
         time_s = np.asarray(time_s, np.float64)
         last = np.searchsorted(self.start_s, time_s - SAME_S, side="left") - 1
@@ -63,8 +63,8 @@ def changes_of(light: Light, settings: LightSettings) -> Changes:
 
     Readings are smoothed by a running median. It has become dark where the light is below what it
     was by the factor: the most that it had been for `bright_for_s` without a break, up to
-    `within_s` ago, or at the reading before where that is longer ago. The light is back where it rises by the factor above the darkest since, and
-    stays so for `bright_for_s`.
+    `within_s` ago, or at the reading before where that is longer ago. The light is back where it
+    rises by the factor above the darkest since, and stays so for `bright_for_s`.
 
     Flicker is taken out by the median, and by the least of `bright_for_s`. A tunnel entered is a
     change, a tunnel left is none and ends the adaptation. An oncoming lamp neither begins nor ends
