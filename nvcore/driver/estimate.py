@@ -253,8 +253,9 @@ def run_estimate(
 
     Returns
     -------
-    Detectability of each row, 0..1, with its standard deviation. Without an estimate are boxes that lack a feature which it needs, and those in grey pictures
-    that nobody calls visible: far-infrared ones say nothing about what eyes see.
+    Detectability of each row, 0..1, with its standard deviation. Without an estimate are boxes that
+    lack a feature which it needs, and those in grey pictures that nobody calls visible:
+    far-infrared ones say nothing about what eyes see.
 
     Raises
     ------
