@@ -29,7 +29,7 @@ def check_picture(picture: object) -> None:
 
 
 def rows_of(values: ArrayLike, n_columns: int, name: str) -> NDArray[np.float64]:
-    """Rows of numbers, float64, shape (n, n_columns).
+    """Rows of numbers, float64, shape (n, n_columns); NaN is not known.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def rows_of(values: ArrayLike, n_columns: int, name: str) -> NDArray[np.float64]
     Raises
     ------
     ParameterError
-        If they are of another shape, or no numbers.
+        If they are of another shape, no numbers, or infinite.
     """
     try:
         rows = np.asarray(values, np.float64)
@@ -49,4 +49,6 @@ def rows_of(values: ArrayLike, n_columns: int, name: str) -> NDArray[np.float64]
         raise ParameterError(
             f"{name}: expected the shape (n, {n_columns}), found {rows.shape}; give one row each"
         )
+    if np.isinf(rows).any():
+        raise ParameterError(f"{name}: expected numbers, or NaN for not known, found infinity")
     return rows

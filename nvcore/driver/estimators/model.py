@@ -277,7 +277,8 @@ class Estimator:
         Parameters
         ----------
         features
-            The eight in their order, float64, shape (n, 8); NaN: undefined.
+            The eight in their order, float64, shape (n, 8), or (8,) of one pedestrian; NaN:
+            undefined.
         period_s
             Seconds since the last change from bright to dark, shape (n,), or one for all.
         interpolate
@@ -289,9 +290,7 @@ class Estimator:
         ParameterError
             If features or periods are of another shape, or a feature is infinite.
         """
-        features = rows_of(features, N_FEATURES, "features")
-        if np.isinf(features).any():
-            raise ParameterError("features: expected numbers, or NaN for undefined, found infinity")
+        features = rows_of(np.atleast_2d(features), N_FEATURES, "features")
         period = np.asarray(period_s, np.float64)
         if period.shape not in ((), (len(features),)):
             raise ParameterError(

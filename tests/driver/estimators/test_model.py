@@ -175,12 +175,17 @@ def test_the_single_one_takes_no_period(estimator: Estimator):
     assert estimator.qualities[-1].sd == pytest.approx(0.4)
 
 
+def test_the_features_of_one_pedestrian_are_one_row(estimator: Estimator):
+    assert estimator.estimate(INSIDE[0], 0.5).detectability == pytest.approx([0.1])
+
+
 @pytest.mark.parametrize(
     ("features", "period_s", "words"),
     [
         (np.ones((8, 3)), 1.0, r"features: expected the shape \(n, 8\), found \(8, 3\)"),
-        (np.ones(8), 1.0, r"features: expected the shape \(n, 8\), found \(8,\)"),
-        (np.full((1, 8), np.inf), 1.0, "features: expected numbers, or NaN for undefined"),
+        (np.ones(16), 1.0, r"features: expected the shape \(n, 8\), found \(1, 16\)"),
+        (np.ones((1, 2, 8)), 1.0, r"features: expected the shape \(n, 8\), found \(1, 2, 8\)"),
+        (np.full((1, 8), np.inf), 1.0, "features: expected numbers, or NaN for not known"),
         (np.ones((2, 8)), np.ones(3), r"each of 2 rows, found the shape \(3,\)"),
         (np.ones((2, 8)), np.ones(1), r"each of 2 rows, found the shape \(1,\)"),
     ],

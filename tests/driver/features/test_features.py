@@ -317,6 +317,7 @@ def test_what_is_no_picture_is_refused(picture: object, found: str):
         (np.arange(20.0).reshape(4, 5), r"boxes: expected the shape \(n, 4\), found \(4, 5\)"),
         (np.arange(4.0), r"boxes: expected the shape \(n, 4\), found \(4,\)"),
         (np.array([["a", "b", "c", "d"]]), "boxes: expected numbers"),
+        (np.array([[-np.inf, 0, np.inf, 5]]), "boxes: expected numbers, or NaN for not known"),
     ],
 )
 def test_boxes_of_another_shape_are_refused(boxes: np.ndarray, words: str):
