@@ -179,15 +179,17 @@ def _gaps(light: Light, noun: str, begin_s: float, end_s: float, settings: Light
     gaps_s = gaps_s[(gaps_s[:, 0] + light.held_s < end_s) & (unknown_until_s > begin_s)]
     if not len(gaps_s):
         return ""
-    longest = gaps_s[np.diff(gaps_s, axis=1).argmax()]
-    where = f"from {_amount(longest[0])} to {_amount(longest[1])} s"
-    text = f"no {noun} {where}"
-    if len(gaps_s) > 1:
-        text = f"{count_text(len(gaps_s), 'gap')} between {noun}s, the longest {where}"
+    before_s, after_s = gaps_s[np.diff(gaps_s, axis=1).argmax()]
+    where = f"from {_amount(before_s)} to {_amount(after_s)} s"
+    if len(gaps_s) == 1:
+        unknown = (
+            f"{_amount(before_s + light.held_s)} to {_amount(after_s + settings.bright_for_s)} s"
+        )
+        return f"no {noun} {where}: the light is not known from {unknown}"
     return (
-        f"{text}: from {_amount(light.held_s)} s after the {noun} before "
-        f"{'it' if len(gaps_s) == 1 else 'each'} until there are {noun}s for "
-        f"{_amount(settings.bright_for_s)} s again no change of light is known"
+        f"{count_text(len(gaps_s), 'gap')} between {noun}s, the longest {where}: the light is not "
+        f"known from {_amount(light.held_s)} s after each begins to "
+        f"{_amount(settings.bright_for_s)} s after it ends"
     )
 
 

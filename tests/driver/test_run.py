@@ -288,8 +288,7 @@ def test_a_gap_in_the_readings_is_named(place: Path):
     rows = [row for row in readings(-5, 0.05, 200) if not 4.5 < float(row.split(",")[0]) <= 9]
     assert light_note(place, rows).startswith(
         "Light by the light meter: 0 changes from bright to dark; readings of 10 to 1,000 lx; no "
-        "reading from 4.5 to 9.05 s: from 1 s after the reading before it until there are readings "
-        "for 3 s again no change of light is known"
+        "reading from 4.5 to 9.05 s: the light is not known from 5.5 to 12.1 s."
     )
     early = [row for row in readings(-9, 0.05, 400) if not -8 < float(row.split(",")[0]) <= -4]
     assert "no reading" not in light_note(place, early)
@@ -303,8 +302,8 @@ def test_of_several_gaps_the_longest_is_named(place: Path):
         if not any(start < float(row.split(",")[0]) < end for start, end in gaps)
     ]
     assert (
-        "; 2 gaps between readings, the longest from 4 to 7 s: from 1 s after the reading before "
-        "each until there are readings for 3 s again no change of light is known"
+        "; 2 gaps between readings, the longest from 4 to 7 s: the light is not known from 1 s "
+        "after each begins to 3 s after it ends."
     ) in light_note(place, rows)
 
 
@@ -314,8 +313,7 @@ def test_missing_pictures_that_stand_in_for_a_light_meter_are_said_to_be(place: 
     part = run(place).recordings[0]
     assert part.notes[-1] == (
         "No light meter: the pictures' mean luminance stands in for one: 0 changes from bright to "
-        "dark; no picture from 2.75 to 8 s: from 1 s after the picture before it until there are "
-        "pictures for 3 s again no change of light is known."
+        "dark; no picture from 2.75 to 8 s: the light is not known from 3.75 to 11 s."
     )
     assert part.is_light_known.tolist() == [frame in range(12, 16) for frame in range(N_FRAMES)]
 
