@@ -149,10 +149,8 @@ class EstimateRun:
         spans = f"{periods.min():.2g} to {periods.max():.2g} s after a change of light"
         when = f" ({int(periods.notna().sum()):,} {spans})" if periods.notna().any() else ""
         boxes = count_text(n, "pedestrian box", "pedestrian boxes")
-        return [
-            f"{boxes} in pictures without an estimate{when}: the estimator needs "
-            f"{listed([LABELS[key] for key in keys])} there"
-        ]
+        why = f": the estimator needs {listed([LABELS[key] for key in keys])} there" if keys else ""
+        return [f"{boxes} in pictures without an estimate{when}{why}"]
 
     def _missing(self) -> list[str]:
         """What is to be said of features that the estimator needs and no box has."""
@@ -244,6 +242,9 @@ def run_estimate(
 
     Parameters
     ----------
+    features
+        The run, of `nvcore.driver.run.run_features`: a row for each box, with its features and how
+        long the eyes have adapted.
     estimator
         Trained on pictures of the same size and angle of view.
     interpolate
@@ -252,8 +253,9 @@ def run_estimate(
 
     Returns
     -------
-    Without an estimate are boxes that lack a feature which it needs, and those in grey pictures
-    that nobody calls visible: far-infrared ones say nothing about what eyes see.
+    Detectability of each row, 0..1, with its standard deviation. Without an estimate are boxes that
+    lack a feature which it needs, and those in grey pictures that nobody calls visible:
+    far-infrared ones say nothing about what eyes see.
 
     Raises
     ------

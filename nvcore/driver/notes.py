@@ -128,8 +128,11 @@ def light_note(
     if n_before := int(np.count_nonzero(clock.change_s < 0)):
         changes += f", {n_before:,} before the first frame"
     if light.source is LightSource.PICTURE:
-        sparse = _sparse(frames / fps, "picture", settings)
-        return f"No light meter: the pictures' mean luminance stands in for one: {changes}{sparse}."
+        sparse = _sparse(light, "picture", settings)
+        text = f"No light meter: the pictures' mean luminance stands in for one: {changes}{sparse}"
+        return (
+            "; ".join(filter(None, [text, _gaps(light, "picture", begin_s, end_s, settings)])) + "."
+        )
     times = (
         f"from {_amount(light.time_s[0])} to {_amount(light.time_s[-1])} s, the recording from "
         f"{_amount(begin_s)} to {_amount(end_s)} s"
@@ -138,8 +141,9 @@ def light_note(
         return f"The light meter's readings are {times}. {_NO_LIGHT}"
     is_short = light.time_s[0] > begin_s + LEAST_HELD_S or light.end_s < frames[-1] / fps
     parts = [
-        f"Light by the light meter: {changes}{_sparse(light.time_s, 'reading', settings)}",
+        f"Light by the light meter: {changes}{_sparse(light, 'reading', settings)}",
         _levels(light, settings),
+        _gaps(light, "reading", begin_s, end_s, settings),
         f"they are {times}" if is_short else "",
     ]
     return "; ".join(filter(None, parts)) + "."
@@ -156,11 +160,37 @@ def _levels(light: Light, settings: LightSettings) -> str:
     return text
 
 
-def _sparse(time_s: NDArray[np.float64], noun: str, settings: LightSettings) -> str:
+def _sparse(light: Light, noun: str, settings: LightSettings) -> str:
     """How far apart readings are, where a change may be missed between two; else empty."""
-    every_s = float(np.median(np.diff(time_s))) if len(time_s) > 1 else 0.0
-    is_sparse = every_s > settings.bright_for_s / 2
-    return f", with one {noun} in {_amount(every_s)} s" if is_sparse else ""
+    is_sparse = light.step_s > settings.bright_for_s / 2
+    return f", with one {noun} in {_amount(light.step_s)} s" if is_sparse else ""
+
+
+def _gaps(light: Light, noun: str, begin_s: float, end_s: float, settings: LightSettings) -> str:
+    """Where readings have gaps so that light is not known in the recording; empty: nowhere.
+
+    Parameters
+    ----------
+    begin_s, end_s
+        Of the recording, on the axis of the light.
+    """
+    gaps_s = light.gaps_s
+    unknown_until_s = gaps_s[:, 1] + settings.bright_for_s
+    gaps_s = gaps_s[(gaps_s[:, 0] + light.held_s < end_s) & (unknown_until_s > begin_s)]
+    if not len(gaps_s):
+        return ""
+    before_s, after_s = gaps_s[np.diff(gaps_s, axis=1).argmax()]
+    where = f"from {_amount(before_s)} to {_amount(after_s)} s"
+    if len(gaps_s) == 1:
+        unknown = (
+            f"{_amount(before_s + light.held_s)} to {_amount(after_s + settings.bright_for_s)} s"
+        )
+        return f"no {noun} {where}: the light is not known from {unknown}"
+    return (
+        f"{count_text(len(gaps_s), 'gap')} between {noun}s, the longest {where}: the light is not "
+        f"known from {_amount(light.held_s)} s after each begins to "
+        f"{_amount(settings.bright_for_s)} s after it ends"
+    )
 
 
 def _amount(value: float) -> str:

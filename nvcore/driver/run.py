@@ -188,10 +188,10 @@ class _Pass:
         self.frame = columns.frame[rows]
         self.fps = float(columns.fps[recording.number])
         boxes = slice(*truth.offsets[[rows.start, rows.stop]].tolist())
-        kept = np.flatnonzero(~truth.ignore[boxes]) + boxes.start
-        self.box = np.stack([truth.x, truth.y, truth.w, truth.h], axis=1)[kept]
-        self.track = truth.track[kept]
-        self.frame_of_box = truth.frame_index[kept] - rows.start
+        counted = np.flatnonzero(~truth.ignore[boxes]) + boxes.start
+        self.box = np.stack([truth.x, truth.y, truth.w, truth.h], axis=1)[counted]
+        self.track = truth.track[counted]
+        self.frame_of_box = truth.frame_index[counted] - rows.start
         self.first = np.searchsorted(self.frame_of_box, np.arange(len(self.frame) + 1))
         needed = recording.index >= 0
         if not recording.needs_light:

@@ -189,7 +189,7 @@ def _errors(errors: pd.DataFrame, last: str = "mean") -> list[str]:
     shown = [name for name in titles if name in errors and errors[name].notna().any()]
     lines = ["  period   " + "  ".join(f"{titles[name]:>15}" for name in shown)]
     for row in errors.to_dict("records"):
-        period = f"{last:6}" if pd.isna(row["period_s"]) else f"{row['period_s']:.1f} s "
+        period = f"{last:6}" if pd.isna(row["period_s"]) else f"{row['period_s']:g} s "
         cells = "  ".join(f"{number(row[name], ERROR):>15}" for name in shown)
         lines.append(f"  {period:>8} {cells}")
     return lines
@@ -198,7 +198,7 @@ def _errors(errors: pd.DataFrame, last: str = "mean") -> list[str]:
 def _choices(estimator: Estimator) -> list[str]:
     """Features and settings of each regression."""
     lines = ["chosen:"]
-    names = [*(f"{period:.1f} s" for period in estimator.periods_s), "single"]
+    names = [*(f"{period:g} s" for period in estimator.periods_s), "single"]
     for name, regression in zip(names, estimator.regressions, strict=True):
         s = regression.settings
         gamma = f", gamma {s.gamma:.2g}" if s.kernel == "rbf" else ""

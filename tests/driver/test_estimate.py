@@ -65,6 +65,17 @@ def test_each_box_has_the_estimate_of_its_adaptation_period(place: Path):
     assert table["estimator_s"].tolist() == [4.5] * 20 + [0.5] * 10 + [4.5] * 10
 
 
+def test_boxes_without_an_estimate_are_counted_though_no_feature_is_lacking(place: Path):
+    """As by an estimator that somebody made who did not compute it."""
+    hollow = replace(regression(CONTRAST), offset=np.nan)
+    made = estimator()
+    result = run(place, replace(made, regressions=(hollow, *made.regressions[1:])))
+    assert (
+        "10 pedestrian boxes in pictures without an estimate (10 0.25 to 2.5 s after a change of "
+        "light)"
+    ) in str(result).splitlines()
+
+
 def test_between_two_periods_it_may_be_interpolated(place: Path):
     table = run(place, estimator(), interpolate=True).table
     assert table["detectability"][29] == pytest.approx(0.45)  # 2.5 s, in the middle

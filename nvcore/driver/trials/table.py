@@ -11,7 +11,7 @@ import pandas as pd
 
 from nvcore.driver.feature_record import picture_px_beside, settings_beside
 from nvcore.driver.features import FeatureSettings
-from nvcore.driver.trials.judging import LATE_S, Judging, judge_trials
+from nvcore.driver.trials.judging import Judging, judge_trials
 from nvcore.driver.trials.reading import (
     SIMULATED,
     read_boxes,
@@ -21,6 +21,7 @@ from nvcore.driver.trials.reading import (
 from nvcore.driver.trials.subjects import CELL, subjects_table
 from nvcore.errors import InputError
 from nvcore.inputs.driver.picture_boxes import PEDESTRIAN
+from nvcore.inputs.driver.trials import LATE_S, is_same_time
 from nvcore.metrics.shares import share_of
 from nvcore.wording import count_text, did_you_mean, listed
 
@@ -107,7 +108,7 @@ def training_table(
     Parameters
     ----------
     trials
-        File of `nvcore.driver.trials.reading.TRIAL_COLUMNS`.
+        File of `nvcore.inputs.driver.trials.TRIAL_COLUMNS`.
     features
         File of ``image,pedestrian`` and the eight features.
     boxes
@@ -133,11 +134,11 @@ def training_table(
         )
     places = own_boxes if boxes is None else read_boxes(boxes)
     assert places is not None
-    given = read_trials(trials)
-    if given.empty:
+    responses = read_trials(trials)
+    if responses.empty:
         raise InputError("there is no trial in it", file=trials)
-    _refuse_measured_times(given, trials)
-    judged = judge_trials(given, places, judging, name=str(trials))
+    _refuse_measured_times(responses, trials)
+    judged = judge_trials(responses, places, judging, name=str(trials))
     subjects = subjects_table(judged, judging)
     for name in leave_out:
         if name not in set(subjects["subject"]):
@@ -195,13 +196,13 @@ def detectability_table(judged: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def _refuse_measured_times(given: pd.DataFrame, trials: Path) -> None:
+def _refuse_measured_times(responses: pd.DataFrame, trials: Path) -> None:
     """Refuse times nearer to each other than pictures come on time: nobody plans these.
 
     Each would have an estimator of its own, of the few trials that had it by the clock.
     """
-    asked_s = np.unique(given["adaptation_asked_s"].round(6))
-    is_near = np.diff(asked_s) < LATE_S - 1e-9
+    asked_s = np.unique(responses["adaptation_asked_s"].round(6))
+    is_near = is_same_time(np.diff(asked_s))
     if is_near.any():
         at = int(np.argmax(is_near))
         raise InputError(

@@ -135,12 +135,12 @@ def _joined(
         text += estimate_json(record)
         facts = (conversion, record.made_by, record.caution)
         conversion = "; ".join(filter(None, facts))
-    given = [dataset.inputs, _input_row(name, estimates.digest, conversion)]
+    inputs = [dataset.inputs, _input_row(name, estimates.digest, conversion)]
     rows = [part for part in (dataset.left_out, left_out) if len(part)] or [dataset.left_out]
     return replace(
         dataset,
         boxes=dataset.boxes.assign(**columns),
-        inputs=pd.concat(given, ignore_index=True),
+        inputs=pd.concat(inputs, ignore_index=True),
         left_out=pd.concat(rows, ignore_index=True)[list(dataset.left_out)],
         findings=(
             *dataset.findings,
