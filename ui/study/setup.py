@@ -15,6 +15,7 @@ from nvcore.studies.detectability.settings import (
     ADAPTATION_S,
     CONSENT,
     DESIGNS,
+    LONGEST_S,
     Facts,
     StudySettings,
     Timing,
@@ -46,6 +47,8 @@ TIMES: Final = {
     "answer_s": "Answer (0: no limit)",
     "again_s": "Cross before the second picture",
 }
+MOST_TIMES_TEXT: Final = 200
+"""Characters of the field for the times after the change of light."""
 FACTS: Final = {
     "screen_inch": "Diagonal of the screen, inches",
     "distance_cm": "Eyes to screen, cm",
@@ -156,6 +159,7 @@ def _draw_timing() -> Timing:
             "Seconds from dark to each picture",
             ", ".join(f"{time_s:g}" for time_s in ADAPTATION_S),
             key="study_adaptation_s",
+            max_chars=MOST_TIMES_TEXT,
             width=420,
         )
         usual = Timing()
@@ -164,7 +168,7 @@ def _draw_timing() -> Timing:
             name: column.number_input(
                 f"{label}, s",
                 min_value=0.0,
-                max_value=600.0,
+                max_value=LONGEST_S,
                 value=float(getattr(usual, name)),
                 step=0.1,
                 format="%g",

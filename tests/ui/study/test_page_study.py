@@ -105,12 +105,17 @@ def test_a_study_has_what_was_set_and_an_address_for_each_side(store: Detectabil
     assert not page.code
 
 
+def test_the_field_of_times_takes_no_more_than_a_study_may_have():
+    assert opened().text_input(key="study_adaptation_s").proto.max_chars == 200
+
+
 @pytest.mark.parametrize(
     ("key", "value", "words"),
     [
         ("study_adaptation_s", "0, soon", "expected seconds, separated by commas"),
         ("study_adaptation_s", "0, 1, 2", "even number, rising"),
         ("study_adaptation_s", "0, 2", "needs 4 s"),
+        ("study_adaptation_s", ",".join(map(str, range(40))), "expected 24 at most, got 40"),
         ("study_consent", " ", "1 to 20,000 characters"),
     ],
 )
