@@ -24,8 +24,13 @@ def marks_of(trial: Trial, answer: Answer, n_shown: int, timing: Timing) -> list
     """What was not as it should be, in words; empty: nothing.
 
     A trial is marked if its picture came more than 50 ms early or late, was to be seen for 50 ms
-    less or more than asked, was shown before (the page was loaded again before the answer), or has
-    no answer in the time given.
+    less or more than asked, was shown before (the page was loaded again before the answer), was
+    never reported as shown, or has no answer in the time given.
+
+    Parameters
+    ----------
+    n_shown
+        How often the browser reported that the picture appears.
     """
     marks = []
     late_s = answer.measured_s - trial.adaptation_s
@@ -35,6 +40,8 @@ def marks_of(trial: Trial, answer: Answer, n_shown: int, timing: Timing) -> list
         marks.append(f"shown for {answer.shown_s:.2f} s")
     if n_shown > 1:
         marks.append(f"shown {n_shown} times")
+    if n_shown == 0:
+        marks.append("never reported as shown")
     if not answer.is_answered:
         marks.append("no answer")
     return marks

@@ -291,6 +291,7 @@ def test_the_conductor_sees_progress_and_marks(store: DetectabilityStore):
         person = store.join(study, {})
         for trial in person.plan[:n]:
             measured = trial.adaptation_s + (0.2 if trial.order == 1 else 0.01)
+            store.note_showing(study, person.code, trial.order)
             store.answer(study, person.code, trial.order, Answer(measured_s=measured, shown_s=0.5))
     page = opened(conduct=study.conductor)
     assert metrics(page) == {

@@ -182,12 +182,13 @@ class Screen {
     this.enter("picture");
     const seen = await clock.show(() => drawing.whole(trial.screens.picture));
     dark = dark === null ? seen : dark;
-    if (trial.place) this.send(trial, "shown", {});
+    const shown = trial.place ? this.send(trial, "shown", {}) : null;
     await this.until(seen + 1000 * timing.show_s);
     const gone = await clock.show(() => drawing.answer(trial, null));
     this.enter("answer");
     const answer = await this.ask(trial, gone);
-    if (trial.place) this.send(trial, "answer", this.report(trial, answer, { dark, seen, gone }));
+    const report = this.report(trial, answer, { dark, seen, gone });
+    if (trial.place) this.send(trial, "answer", report, shown);
     return dark;
   }
 
@@ -224,10 +225,13 @@ class Screen {
     };
   }
 
-  send(trial, kind, content) {
-    const sent = put(`${this.data.url}/${trial.place}/${kind}`, content);
+  // After `before`: an answer that overtakes the report that its picture appears is marked.
+  send(trial, kind, content, before = null) {
+    const address = `${this.data.url}/${trial.place}/${kind}`;
+    const sent = before ? before.then(() => put(address, content)) : put(address, content);
     sent.catch(() => {}); // said at the end of the run
     this.kept.push(sent);
+    return sent;
   }
 
   key(event) {
