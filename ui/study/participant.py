@@ -142,7 +142,7 @@ def _next(study: DetectabilityStudy, store: DetectabilityStore, person: Particip
     if not person.has_practised and n_practised < study.settings.n_practice:
         _practise(study, store, person, n_practised)
     elif left:
-        _run(study, person, next([*run] for _, run in groupby(left, key=lambda one: one.run)))
+        _run(study, person, next([*run] for _, run in groupby(left, key=lambda trial: trial.run)))
     else:
         _thanks(study, person)
 
