@@ -118,7 +118,7 @@ class Participant:
     plan
         Their trials.
     has_practised
-        Whether the practice is over.
+        Whether the practice was seen to its end.
     """
 
     code: str

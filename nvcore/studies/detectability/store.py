@@ -207,7 +207,7 @@ class DetectabilityStore(AnswerFile):
         ]
 
     def end_practice(self, study: DetectabilityStudy, code: str) -> None:
-        """Remember that the participant's practice is over."""
+        """Remember that the participant has seen the practice to its end."""
         with self.connect() as base:
             base.execute(
                 "UPDATE form SET has_practised = 1 WHERE study = ? AND participant = ?",

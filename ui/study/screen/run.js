@@ -132,7 +132,7 @@ class Screen {
       await Promise.all(this.kept);
       this.tell("ended", run);
     } catch (error) {
-      if (error instanceof Stopped) this.end(run);
+      if (error instanceof Stopped) this.end("stopped");
       else this.fail(error);
     }
   }
@@ -262,18 +262,19 @@ class Screen {
 
   stop() {
     if (!["ready", "loading", "failed"].includes(this.phase)) this.isStopped = true;
-    else if (this.dialog.open) this.end(null);
+    else if (this.dialog.open) this.end();
   }
 
-  // Back to the page; what was answered is kept.
-  async end(run) {
+  // Back to the page, which is told what happened to the run, if anything; what was answered is kept.
+  async end(event = null) {
+    const { run } = this.data;
     this.asked = null;
     this.close();
     if (this.phase === "loading" || this.phase === "failed") return;
     this.enter("ready");
-    if (run === null) return;
+    if (event === null) return;
     await Promise.allSettled(this.kept);
-    this.tell("ended", run);
+    this.tell(event, run);
   }
 
   close() {
