@@ -216,6 +216,10 @@ def _draw_instructions() -> None:
         "the pedestrian was, or press *Not seen*. By keyboard: arrow keys move a mark (with Shift "
         "in small steps), Enter takes its place, N is *not seen*. A second picture follows."
     )
+    st.markdown(
+        "**You may stop at any time:** press *Stop* at the edge on the lower right, or Esc. In the "
+        "dark the button is not to be seen, but it works at the same place."
+    )
 
 
 def _thanks(study: DetectabilityStudy, person: Participant) -> None:

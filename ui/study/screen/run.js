@@ -78,7 +78,7 @@ class Screen {
     this.text.textContent = TEXTS[phase] || "";
     this.inside.hidden = phase !== "ready";
     this.unseen.hidden = phase !== "answer";
-    this.leave.hidden = !["ready", "answer", "loading", "failed"].includes(phase);
+    this.leave.hidden = phase === "sending";
     this.dialog.dataset.ground = this.isBright() ? "bright" : "dark";
   }
 
