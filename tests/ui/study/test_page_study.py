@@ -128,6 +128,16 @@ def test_what_cannot_be_is_told_and_not_begun(key: str, value: str, words: str):
     assert "study_start" not in keys(page)
 
 
+def test_a_wrong_time_leaves_all_else_that_was_entered():
+    page = opened()
+    page.text_area(key="study_questions").set_value("Glasses?")
+    checked(page.number_input(key="study_dark_lux").set_value(10.0).run())
+    for times in ("0, soon", "0, 5"):
+        checked(page.text_input(key="study_adaptation_s").set_value(times).run())
+    assert page.text_area(key="study_questions").value == "Glasses?"
+    assert page.number_input(key="study_dark_lux").value == 10
+
+
 def test_without_a_folder_the_page_says_who_can_name_one(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.delenv("NVCORE_LOCAL_ROOT")
     page = opened()
