@@ -24,10 +24,16 @@ const picture = await grey.convertToBlob();
 window.told = [];
 window.sent = [];
 window.waiting = [];
-window.isHeld = false;
+window.isHeld = window.isRefused = false;
+window.locks = [];
+Object.defineProperty(navigator, "wakeLock", { value: { request: async (kind) => {
+  locks.push(kind);
+  return { release: async () => { locks.push("released"); } };
+} } });
 window.fetch = async (address, options = {}) => {
   if (options.method !== "PUT") return new Response(picture);
   sent.push(address);
+  if (isRefused) return new Response("no such trial", { status: 400 });
   if (isHeld) await new Promise((done) => waiting.push(done));
   return new Response(null, { status: 204 });
 };
@@ -66,7 +72,7 @@ def answer_request(route: Route) -> None:
 
 @pytest.fixture
 def run(person: BrowserContext) -> Iterator[Callable[..., Page]]:
-    """Opens a run of two pictures with these times, and begins it."""
+    """Opens a run of two pictures with these times in a window of this size, and begins it."""
     errors: list[str] = []
     page = person.new_page()
     page.on("pageerror", lambda error: errors.append(str(error)))
@@ -74,8 +80,15 @@ def run(person: BrowserContext) -> Iterator[Callable[..., Page]]:
     page.goto(ADDRESS)
     page.wait_for_function("'begin' in window")
 
-    def begin(*, is_held: bool = False, **times: Any) -> Page:
-        page.evaluate(f"isHeld = {json.dumps(is_held)}")
+    def begin(
+        *,
+        is_held: bool = False,
+        is_refused: bool = False,
+        size: tuple[int, int] = (1280, 800),
+        **times: Any,
+    ) -> Page:
+        page.set_viewport_size({"width": size[0], "height": size[1]})
+        page.evaluate(f"isHeld = {json.dumps(is_held)}; isRefused = {json.dumps(is_refused)}")
         timing = Timing(**{**SHORT, **times})
         trials = [
             {"place": place, "picture": str(place), "width": 32, "height": 18, "adaptation_s": time}
@@ -144,6 +157,21 @@ def test_stop_is_at_the_lower_edge_and_no_light_in_the_dark(run: Callable[..., P
     assert window["width"] - stop["x"] - stop["width"] == pytest.approx(24, abs=1)
 
 
+def test_a_narrow_screen_has_room_for_text_and_buttons(run: Callable[..., Page]):
+    page = run(size=(390, 844))
+    reach(page, "answer")
+    bar = page.locator(".nv-bar").bounding_box()
+    parts = page.locator(".nv-bar > :visible")
+    expect(parts).to_have_count(3)
+    boxes = [part.bounding_box() for part in parts.all()]
+    assert bar is not None
+    edges = [edge for box in boxes if box for edge in (box["x"], box["x"] + box["width"])]
+    assert edges == sorted(edges)
+    assert (edges[0] >= 0, edges[-1] <= 390) == (True, True)
+    assert all(box and bar["y"] <= box["y"] for box in boxes)
+    assert all(box and box["y"] + box["height"] <= 844 for box in boxes)
+
+
 def test_a_run_that_is_seen_to_its_end_has_ended(run: Callable[..., Page]):
     page = run()
     for _ in range(2):
@@ -154,6 +182,28 @@ def test_a_run_that_is_seen_to_its_end_has_ended(run: Callable[..., Page]):
     assert page.evaluate("sent") == [
         "study/1/shown", "study/1/answer", "study/2/shown", "study/2/answer",
     ]  # fmt: skip
+
+
+def test_an_answer_that_is_refused_is_told_and_the_run_is_not_offered_again(
+    run: Callable[..., Page],
+):
+    page = run(is_refused=True)
+    for _ in range(2):
+        answer(page)
+        expect(page.locator('.nv-study[data-phase="answer"]')).to_have_count(0)
+    reach(page, "failed")
+    tap(page, stop_of(page))
+    expect(page.locator("dialog")).not_to_be_visible()
+    expect(page.locator(".nv-message")).to_have_text("This does not work: no such trial")
+    expect(page.get_by_role("button", name="Begin run 1")).to_be_disabled()
+    assert page.evaluate("told") == []
+
+
+def test_the_screen_stays_awake_during_a_run_and_no_longer(run: Callable[..., Page]):
+    page = run(**STAYS["bright"])
+    page.wait_for_function("locks.join() === 'screen'")
+    tap(page, stop_of(page))
+    page.wait_for_function("locks.join() === 'screen,released'")
 
 
 def test_an_answer_waits_for_the_report_that_its_picture_appears(run: Callable[..., Page]):

@@ -225,7 +225,7 @@ def _draw_instructions() -> None:
 def _thanks(study: DetectabilityStudy, person: Participant) -> None:
     leave_screen(state.workspace())
     st.title("Thank you")
-    st.success(f"You have answered to all {len(person.plan)} pictures, and your answers are kept.")
+    st.success(f"You have answered all {len(person.plan)} pictures, and your answers are kept.")
     _draw_code(person)
     if button("Next participant", key="study_next"):
         enter(study.token)

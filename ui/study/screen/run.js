@@ -108,6 +108,7 @@ class Screen {
 
   fail(error) {
     this.enter("failed");
+    this.outside.disabled = true; // until the page is loaded again
     this.message.textContent = `This does not work: ${error.message}`;
     this.text.textContent = this.message.textContent;
   }
@@ -139,8 +140,25 @@ class Screen {
 
   // The whole screen, where the browser lets us; else the window.
   fill() {
+    this.stayAwake();
     if (document.fullscreenElement || !document.fullscreenEnabled) return;
     document.documentElement.requestFullscreen().catch(() => {});
+  }
+
+  // A tablet that nobody touches for the length of a bright screen goes to sleep.
+  async stayAwake() {
+    try {
+      // the browser releases it when the page is out of sight
+      if (!this.lock || this.lock.released) this.lock = await navigator.wakeLock?.request("screen");
+      if (!this.dialog.open) this.sleep();
+    } catch {
+      this.lock = null; // not allowed here, or the battery is low
+    }
+  }
+
+  sleep() {
+    this.lock?.release().catch(() => {});
+    this.lock = null;
   }
 
   async go() {
@@ -278,6 +296,7 @@ class Screen {
   }
 
   close() {
+    this.sleep();
     if (this.dialog.open) this.dialog.close();
     if (document.fullscreenElement) document.exitFullscreen().catch(() => {});
   }
