@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from typing import Any
@@ -24,7 +25,7 @@ const picture = await grey.convertToBlob();
 window.told = [];
 window.sent = [];
 window.waiting = [];
-window.isHeld = window.isRefused = false;
+window.isHeld = window.isRefused = window.isLost = false;
 window.locks = [];
 Object.defineProperty(navigator, "wakeLock", { value: { request: async (kind) => {
   locks.push(kind);
@@ -33,6 +34,7 @@ Object.defineProperty(navigator, "wakeLock", { value: { request: async (kind) =>
 window.fetch = async (address, options = {}) => {
   if (options.method !== "PUT") return new Response(picture);
   sent.push(address);
+  if (isLost) throw new TypeError("Failed to fetch");
   if (isRefused) return new Response("no such trial", { status: 400 });
   if (isHeld) await new Promise((done) => waiting.push(done));
   return new Response(null, { status: 204 });
@@ -84,11 +86,13 @@ def run(person: BrowserContext) -> Iterator[Callable[..., Page]]:
         *,
         is_held: bool = False,
         is_refused: bool = False,
+        is_lost: bool = False,
         size: tuple[int, int] = (1280, 800),
         **times: Any,
     ) -> Page:
+        answers = {"isHeld": is_held, "isRefused": is_refused, "isLost": is_lost}
+        page.evaluate(f"Object.assign(window, {json.dumps(answers)})")
         page.set_viewport_size({"width": size[0], "height": size[1]})
-        page.evaluate(f"isHeld = {json.dumps(is_held)}; isRefused = {json.dumps(is_refused)}")
         timing = Timing(**{**SHORT, **times})
         trials = [
             {"place": place, "picture": str(place), "width": 32, "height": 18, "adaptation_s": time}
@@ -197,6 +201,17 @@ def test_an_answer_that_is_refused_is_told_and_the_run_is_not_offered_again(
     expect(page.locator(".nv-message")).to_have_text("This does not work: no such trial")
     expect(page.get_by_role("button", name="Begin run 1")).to_be_disabled()
     assert page.evaluate("told") == []
+
+
+def test_answers_that_do_not_arrive_are_told_and_sent_again(run: Callable[..., Page]):
+    page = run(is_lost=True)
+    for _ in range(2):
+        answer(page)
+        expect(page.locator('.nv-study[data-phase="answer"]')).to_have_count(0)
+    expect(page.locator(".nv-bar span")).to_have_text(re.compile("trying again. Leave this page"))
+    page.evaluate("isLost = false")
+    page.wait_for_function("told.length > 0")
+    assert page.evaluate("told") == [["ended", "run 1"]]
 
 
 def test_the_screen_stays_awake_during_a_run_and_no_longer(run: Callable[..., Page]):

@@ -6,6 +6,7 @@ const TEXTS = {
   loading: "Getting the pictures …",
   answer: "Touch the place where the pedestrian was",
   sending: "Keeping your answers …",
+  unreached: "The app does not answer; trying again. Leave this page open to keep your answers.",
 };
 const screens = new WeakMap();
 
@@ -246,7 +247,10 @@ class Screen {
   // After `before`: an answer that overtakes the report that its picture appears is marked.
   send(trial, kind, content, before = null) {
     const address = `${this.data.url}/${trial.place}/${kind}`;
-    const sent = before ? before.then(() => put(address, content)) : put(address, content);
+    const onRetry = () => {
+      if (this.phase === "sending") this.text.textContent = TEXTS.unreached;
+    };
+    const sent = Promise.resolve(before).then(() => put(address, content, onRetry));
     sent.catch(() => {}); // said at the end of the run
     this.kept.push(sent);
     return sent;
