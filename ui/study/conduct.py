@@ -9,10 +9,12 @@ import streamlit as st
 
 from nvcore.errors import InputError
 from nvcore.studies.detectability.records import DetectabilityStudy
+from nvcore.studies.detectability.settings import LATE_S
 from nvcore.studies.detectability.tables import (
     about,
     boxes_table,
     participants_table,
+    progress,
     trials_table,
 )
 from ui.study import links, participant, setup
@@ -91,16 +93,17 @@ def _conduct(study: DetectabilityStudy) -> None:
 def _draw_progress(study: DetectabilityStudy) -> None:
     st.header("Progress")
     people = participants_table(links.store(), study)
+    so_far = progress(people)
     columns = st.columns(4)
-    columns[0].metric("participants", f"{len(people):,}")
-    is_done = people["n_answered"] == people["n_trials"]
-    columns[1].metric("have seen all pictures", f"{int(is_done.sum()):,}")
-    columns[2].metric("trials so far", f"{int(people['n_answered'].sum()):,}")
+    columns[0].metric("participants", f"{so_far.n_participants:,}")
+    columns[1].metric("have seen all pictures", f"{so_far.n_finished:,}")
+    columns[2].metric("trials so far", f"{so_far.n_trials:,}")
     columns[3].metric(
         "marked",
-        f"{int(people['n_marked'].sum()):,}",
-        help="More than 50 ms early or late, shown for more or less than asked, shown again after "
-        "a reload, or without an answer in time. They stay in the table, with what it was.",
+        f"{so_far.n_marked:,}",
+        help=f"More than {1000 * LATE_S:g} ms early or late, shown for more or less than asked, "
+        "shown again after a reload, never reported as shown, or without an answer in time. They "
+        "stay in the table, with the reason.",
     )
     if people.empty:
         st.caption("Nobody has joined yet. This is looked up every five seconds.")

@@ -27,6 +27,7 @@ def test_the_answer_to_the_first_picture_ends_before_the_second():
         ({"adaptation_s": (1, 0)}, "even number, rising"),
         ({"adaptation_s": (0, math.nan)}, "0 to 600"),
         ({"adaptation_s": (-1, 8)}, "0 to 600"),
+        ({"adaptation_s": range(26)}, "expected 24 at most, got 26"),
         ({"bright_s": -1}, "bright_s: expected 0 to 600 s, got -1"),
         ({"show_s": 0}, "more than 0"),
     ],
