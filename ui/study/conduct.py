@@ -7,9 +7,10 @@ from typing import Final
 
 import streamlit as st
 
+from nvcore.driver.estimators.nested import LEAST_PEDESTRIANS
 from nvcore.errors import InputError
+from nvcore.inputs.driver.trials import LATE_S
 from nvcore.studies.detectability.records import DetectabilityStudy
-from nvcore.studies.detectability.settings import LATE_S
 from nvcore.studies.detectability.tables import (
     about,
     boxes_table,
@@ -22,8 +23,12 @@ from ui.widgets.addresses import draw_addresses
 from ui.widgets.buttons import button
 from ui.widgets.choices import download_csv
 from ui.widgets.one_participant import draw_one_participant
-from ui.widgets.text import plain
+from ui.widgets.text import docs_link, plain
 
+COMMANDS: Final = """\
+nvcore driver features --images PICTURES --boxes boxes.csv --out features.csv
+nvcore driver train trials.csv --features features.csv --out driver.npz
+"""
 NEWS_S: Final = 5.0
 """Interval at which the progress is updated, seconds."""
 
@@ -77,6 +82,13 @@ def _conduct(study: DetectabilityStudy) -> None:
             key="study_about",
         )
     _draw_progress(study)
+    with st.expander("From the answers to an estimate"):
+        st.caption(
+            "Save trials and boxes. An estimator needs "
+            f"{LEAST_PEDESTRIANS} pedestrians or more at each time "
+            f"({docs_link('more', 'estimators', doc='driver')}); the page Driver takes it."
+        )
+        st.code(COMMANDS, language="sh")
     draw_one_participant(
         "Code of the participant",
         "study",

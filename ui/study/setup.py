@@ -8,6 +8,7 @@ from typing import Final
 
 import streamlit as st
 
+from nvcore.driver.estimators.nested import LEAST_PEDESTRIANS
 from nvcore.errors import InputError
 from nvcore.studies.detectability.pictures import BOXES_FILE, StudyPicture, read_pictures
 from nvcore.studies.detectability.plan import duration_s, plan_trials
@@ -67,6 +68,12 @@ def draw() -> None:
         settings = _draw_settings()
         pictures = _pictures(folder)
         _draw_length(pictures, settings)
+        if len(pictures) < LEAST_PEDESTRIANS:
+            st.warning(
+                f"Too few for an estimator, which needs {LEAST_PEDESTRIANS} pedestrians or more at "
+                "each time: good for a try.",
+                icon=":material/warning:",
+            )
     except InputError as error:
         st.error(shown_error(error))
         return

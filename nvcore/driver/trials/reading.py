@@ -18,12 +18,11 @@ from nvcore.inputs.driver.picture_boxes import (
     picture_boxes,
     read_picture_boxes,
 )
-from nvcore.inputs.driver.trials import TRIAL_COLUMNS
+from nvcore.inputs.driver.trials import LONGEST_S, TRIAL_COLUMNS
 from nvcore.inputs.readers.parse.table import TextTable, parse_table, read_table
 
 SIMULATED: Final = "simulated"
 """Device of trials that no person took."""
-LONGEST_S: Final = 3600.0
 
 
 def read_trials(path: Path) -> pd.DataFrame:

@@ -16,6 +16,8 @@ TRIAL_COLUMNS: Final = (
 LATE_S: Final = 0.05
 """A trial is marked if its picture came earlier or later than asked by more than this, or was to be
 seen for so much more or less."""
+LONGEST_S: Final = 3600.0
+"""Longest of the times of a trial."""
 _ROUNDING_S: Final = 1e-9
 
 

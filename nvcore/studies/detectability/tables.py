@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any, Final
+from typing import Any
 
 import pandas as pd
 
 from nvcore.inputs.driver.picture_boxes import BOX, PEDESTRIAN
+from nvcore.inputs.driver.trials import TRIAL_COLUMNS, is_off_time
 from nvcore.studies.detectability.plan import Trial
 from nvcore.studies.detectability.records import Answer, DetectabilityStudy
-from nvcore.studies.detectability.settings import LATE_S, Timing
+from nvcore.studies.detectability.settings import Timing
 from nvcore.studies.detectability.store import DetectabilityStore
-
-TRIAL_COLUMNS: Final = (
-    *("subject", "run", "position", "order", "image", "pedestrian"),
-    *("adaptation_asked_s", "adaptation_measured_s", "touch_x", "touch_y"),
-    *("response_s", "not_seen", "device"),
-)
 
 
 def marks_of(trial: Trial, answer: Answer, n_shown: int, timing: Timing) -> list[str]:
@@ -34,9 +29,9 @@ def marks_of(trial: Trial, answer: Answer, n_shown: int, timing: Timing) -> list
     """
     marks = []
     late_s = answer.measured_s - trial.adaptation_s
-    if abs(late_s) > LATE_S + 1e-9:
+    if is_off_time(late_s):
         marks.append(f"{abs(late_s):.2f} s {'late' if late_s > 0 else 'early'}")
-    if abs(answer.shown_s - timing.show_s) > LATE_S + 1e-9:
+    if is_off_time(answer.shown_s - timing.show_s):
         marks.append(f"shown for {answer.shown_s:.2f} s")
     if n_shown > 1:
         marks.append(f"shown {n_shown} times")

@@ -23,7 +23,8 @@ def test_the_answer_to_the_first_picture_ends_before_the_second():
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
-        ({"adaptation_s": (0, 1, 2)}, "even number, rising"),
+        ({"adaptation_s": (0, 1, 2)}, "even number, rising; got 3: 0, 1 and 2"),
+        ({"adaptation_s": (0, 0.04), "answer_s": 0}, "0 s and the next are less than 50 ms apart"),
         ({"adaptation_s": (1, 0)}, "even number, rising"),
         ({"adaptation_s": (0, math.nan)}, "0 to 600"),
         ({"adaptation_s": (-1, 8)}, "0 to 600"),
