@@ -57,13 +57,14 @@ DATASET_BOX_DTYPES: Final[dict[str, str]] = {
     **BOX_DTYPES,
     "detectability_sd": "float64",  # standard deviation of the estimate; NaN: unknown
     "is_outside": "bool",  # whether it was estimated outside the range of the training
+    "is_adapted": "bool",  # whether for adapted eyes: no change of light is known before
 }
 """Boxes of a `Dataset`, sorted by source, then frame_index, then file order."""
 
 DETECTABILITY: Final = "detectability"
 """Subject of findings about a file of estimates of it, among truth and systems."""
 
-DETECTABILITY_COLUMNS: Final = ("detectability", "detectability_sd", "is_outside")
+DETECTABILITY_COLUMNS: Final = ("detectability", "detectability_sd", "is_outside", "is_adapted")
 """What is known of the driver's view of each box. Where it is unknown throughout, these columns
 take no memory: no kernel reads them then."""
 
@@ -292,6 +293,7 @@ def conform(
         "label": NO_LABEL,
         "ignore": False,
         "is_outside": False,
+        "is_adapted": False,
     }
     table: dict[str, Any] = {}
     for name, dtype in dtypes.items():

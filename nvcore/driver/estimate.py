@@ -154,7 +154,11 @@ class EstimateRun:
 
     def _missing(self) -> list[str]:
         """What is to be said of features that the estimator needs and no box has."""
-        is_missing = self.features.table[list(self.estimator.features)].isna().all()
+        tables = [part.table for part in self.features.recordings if not part.may_be_of_heat]
+        tables = [table for table in tables if len(table)]
+        if not tables:
+            return []
+        is_missing = pd.concat(tables)[list(self.estimator.features)].isna().all()
         keys = [key for key in self.estimator.features if is_missing[key]]
         if not keys:
             return []
@@ -162,7 +166,7 @@ class EstimateRun:
             f"{one_line(part.name)}: {part.why_missing[key]}"
             for part in self.features.recordings
             for key in keys
-            if key in part.why_missing
+            if key in part.why_missing and not part.may_be_of_heat
         )
         reasons = f" ({listed([*why], most=MOST_NAMED)})" if why else ""
         return [f"the estimator needs {listed(keys)}, which no box has{reasons}"]
@@ -181,8 +185,8 @@ class EstimateRun:
         if n_unseen == len(self.table):
             reasons = ["they are in frames without a picture"]
         else:
-            of_heat = self._of_heat()
-            reasons = of_heat or self._missing() or ["each lacks a feature that is needed"]
+            reasons = [*self._missing(), *self._of_heat()]
+            reasons = reasons or ["each lacks a feature that is needed"]
             if n_unseen:
                 reasons.append(f"{n_unseen:,} are in frames without a picture")
         boxes = count_text(len(self.table), "pedestrian box", "pedestrian boxes")
@@ -196,7 +200,12 @@ class EstimateRun:
             "outside": self.outside_by_feature,
         }
         widths = other_widths(self.features.recordings, self.estimator)
-        return counts | ({"other_width": widths} if widths else {})
+        doubts = {part.name: part.light_doubt for part in self.features.recordings}
+        more = {
+            "other_width": widths,
+            "light_doubts": {name: doubt for name, doubt in doubts.items() if doubt},
+        }
+        return counts | {name: entries for name, entries in more.items() if entries}
 
     def as_json(self) -> dict[str, Any]:
         """The estimator, for a record."""

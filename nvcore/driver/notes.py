@@ -12,10 +12,12 @@ from nvcore.driver.illumination import Light, LightSettings, LightSource
 from nvcore.driver.illumination.clock import AdaptationClock
 from nvcore.driver.illumination.meter import LEAST_HELD_S
 from nvcore.driver.recording import DriverRecording
-from nvcore.wording import capitalised, count_text
+from nvcore.wording import capitalised, count_text, percent
 
 MANY_DARK: Final = 0.1
 """From this share of readings below `least_lux` on it is said how many are: a wrong unit; ours."""
+LEAST_COVERED: Final = 0.5
+"""Readings of a smaller part of a recording may be of another clock; ours."""
 _NO_LIGHT: Final = "Nothing is known of the light: no adaptation period."
 
 
@@ -147,6 +149,34 @@ def light_note(
         f"they are {times}" if is_short else "",
     ]
     return "; ".join(filter(None, parts)) + "."
+
+
+def light_doubt(
+    light: Light | None, frames: NDArray[np.int64], fps: float, settings: LightSettings
+) -> str:
+    """What looks like a light meter of another unit or clock, as a clause; empty: nothing.
+
+    Parameters
+    ----------
+    light
+        None: nothing is known.
+    frames
+        Numbers of the recording's frames, ascending.
+    """
+    if light is None or light.source is LightSource.PICTURE:
+        return ""
+    if not len(light.time_s) or not len(frames):
+        return ""
+    n, n_dark = len(light.level), int(np.count_nonzero(light.level < settings.least_lux))
+    if n_dark >= MANY_DARK * n:
+        return f"{n_dark:,} of {count_text(n, 'reading')} below {settings.least_lux:g} lx"
+    if _sparse(light, "reading", settings):
+        return f"one reading in {_amount(light.step_s)} s"
+    times_s = frames / fps
+    is_covered = (times_s >= light.time_s[0]) & (times_s <= light.end_s)
+    if is_covered.mean() < LEAST_COVERED:
+        return f"readings in {percent(float(is_covered.mean()))} of the recording"
+    return ""
 
 
 def _levels(light: Light, settings: LightSettings) -> str:

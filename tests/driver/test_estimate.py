@@ -344,6 +344,21 @@ def test_why_no_box_has_a_feature_is_said(place: Path, keys: str, words: str):
         estimate_driver(session, place / "m.npz", place / "out")
 
 
+def test_a_wrong_map_is_named_before_the_grey_pictures_of_other_recordings(place: Path):
+    with (place / "truth.csv").open("a") as truth:
+        truth.write("heat,0,20,10,8,16,5\n")
+    write_picture(place / "heat" / "000.png", np.full((48, 64), 90, np.uint8))
+    session = place / "session.toml"
+    heat = '[[recording]]\nname = "heat"\nframes = "0:0"\npictures = "heat"\n'
+    session.write_text(f"{session.read_text()}visible_map = [1, 1, 640, 0]\n{heat}")
+    write_estimator(estimator(), place / "m.npz")
+    with pytest.raises(InputError) as refused:
+        estimate_driver(session, place / "m.npz", place / "out")
+    cause, advice = str(refused.value).split("; no estimate from")
+    assert "drive: with its visible_map all pedestrian boxes lie outside the picture" in cause
+    assert advice.startswith(" grey pictures that may be far infrared: heat;")
+
+
 def test_pedestrians_without_a_picture_are_refused_and_recordings_without_any_are_fine(place: Path):
     (place / "truth.csv").write_text("recording,frame,x,y,w,h,track\ndrive,39,20,10,8,16,5\n")
     (place / "drive" / "039.png").unlink()

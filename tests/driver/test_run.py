@@ -333,6 +333,25 @@ def test_how_many_readings_count_as_the_least_is_said_where_many_do(place: Path)
     assert "below" not in light_note(place, readings(0, 0.05, 280, unit=5e-4))
 
 
+@pytest.mark.parametrize(
+    ("rows", "doubt"),
+    [
+        (readings(0, 0.05, 120), ""),
+        (readings(0, 0.05, 120, unit=5e-4), "180 of 300 readings below 0.1 lx"),
+        (readings(0, 50, 120), "one reading in 50 s"),
+        (readings(7.5, 0.05, 120), "readings in 25 % of the recording"),
+        (readings(4.5, 0.05, 120), ""),
+    ],
+)
+def test_a_light_meter_that_looks_like_another_unit_or_clock_is_doubted(
+    place: Path, rows: list[str], doubt: str
+):
+    (place / "lux.csv").write_text("\n".join(["time_s,lux", *rows]) + "\n")
+    part = run(place, 'pictures = "drive"\nlight = "lux.csv"\n').recordings[0]
+    assert part.light_doubt.replace("\xa0", " ") == doubt
+    assert run(place).recordings[0].light_doubt == ""
+
+
 def test_a_light_file_without_readings_tells_nothing(place: Path):
     (place / "lux.csv").write_text("time_s,lux\n")
     part = run(place, 'pictures = "drive"\nlight = "lux.csv"\n').recordings[0]

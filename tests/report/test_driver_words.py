@@ -458,6 +458,20 @@ def test_of_a_pedestrian_who_is_not_seen_any_estimate_outside_the_training_decid
         assert encounters_table(result)["outside_training"].tolist() == [n]
 
 
+def test_how_many_encounters_estimates_for_adapted_eyes_decide_is_said():
+    bare = with_estimate(eight(unknown=0), EstimateRecord("m"))
+    boxes = bare.dataset.boxes
+    marked = boxes.assign(is_adapted=(boxes["detectability"] == 0.1).to_numpy())
+    result = compare(replace(bare.dataset, boxes=marked), bare.params)
+    assert (
+        "Estimates for adapted eyes, as no change from bright to dark is known before, decide 4 of "
+        "8 encounters."
+    ) in describe_driver(result)
+    assert encounters_table(result)["adapted_eyes"].tolist() == [0] * 4 + [1] * 4
+    assert summary(result)["driver"]["adapted"] == 4
+    assert "adapted eyes" not in " ".join(describe_driver(bare))
+
+
 def test_below_a_rule_of_the_gate_stands_why_nothing_is_claimed_and_what_is_open():
     bare = eight(unknown=0)
     rules = [parse_rule("unprotected_x <= 9")]

@@ -21,7 +21,7 @@ from nvcore.driver.trials.reading import (
 from nvcore.driver.trials.subjects import CELL, subjects_table
 from nvcore.errors import InputError
 from nvcore.inputs.driver.picture_boxes import PEDESTRIAN
-from nvcore.inputs.driver.trials import LATE_S, is_same_time
+from nvcore.inputs.driver.trials import LATE_S, NO_ANSWER, is_same_time
 from nvcore.metrics.shares import share_of
 from nvcore.wording import count_text, did_you_mean, listed
 
@@ -42,6 +42,10 @@ class TrainingTable:
         Names of subjects whose responses are not in it.
     n_trials, n_off_time
         Trials in it, and those of them whose picture came more than 50 ms early or late.
+    n_unanswered
+        Trials without an answer in time, by their mark in ``device``; they count as not seen.
+    n_outside
+        Touches outside the picture; 0 where its size is not known.
     simulated
         ``"no"``, ``"all"`` or ``"some"``: trials that no person took.
     judging
@@ -66,6 +70,8 @@ class TrainingTable:
     trials_file: Path | None = None
     features_file: Path | None = None
     picture_px: tuple[int, int] | None = None
+    n_unanswered: int = 0
+    n_outside: int = 0
 
     @property
     def n_subjects(self) -> int:
@@ -151,6 +157,7 @@ def training_table(
     rows = detectability_table(used).merge(table, how="left", on=[*PEDESTRIAN], indicator=True)
     _refuse_without_features(rows, used, trials, features)
     is_simulated = used["device"].str.casefold() == SIMULATED
+    picture_px = picture_px_beside(features)
     return TrainingTable(
         rows=rows.drop(columns="_merge"),
         subjects=subjects,
@@ -162,8 +169,18 @@ def training_table(
         feature_settings=settings_beside(features),
         trials_file=trials,
         features_file=features,
-        picture_px=picture_px_beside(features),
+        picture_px=picture_px,
+        n_unanswered=int(used["device"].str.contains(NO_ANSWER, regex=False).sum()),
+        n_outside=_count_outside(used, picture_px),
     )
+
+
+def _count_outside(responses: pd.DataFrame, picture_px: tuple[int, int] | None) -> int:
+    """Touches that lie outside the picture."""
+    if picture_px is None:
+        return 0
+    touch = responses[["touch_x", "touch_y"]].to_numpy(np.float64)
+    return int(np.count_nonzero(((touch < 0) | (touch > picture_px)).any(axis=1)))
 
 
 def detectability_table(judged: pd.DataFrame) -> pd.DataFrame:

@@ -18,6 +18,8 @@ LATE_S: Final = 0.05
 seen for so much more or less."""
 LONGEST_S: Final = 3600.0
 """Longest of the times of a trial."""
+NO_ANSWER: Final = "no answer"
+"""What `device` says after "marked:" of a trial without an answer in time; it has `not_seen`."""
 _ROUNDING_S: Final = 1e-9
 
 

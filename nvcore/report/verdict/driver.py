@@ -220,17 +220,23 @@ def _undecided(result: Result) -> str:
 
 
 def _adapted(result: Result) -> str:
-    """How many estimates take the eyes for adapted without knowing, where these are not few."""
+    """How many estimates take the eyes for adapted, where these are not few or decide."""
     record = result.dataset.estimate
     if record is None or is_stated(result):
         return ""
     n, n_unknown = record.n_estimates, record.n_light_unknown
-    if n_unknown <= SMALL_SHARE * n:
-        return ""
-    return (
-        f"In {percent(n_unknown / n)} of all estimates of that run it is not known when the light "
-        "last changed: the eyes are taken for adapted."
-    )
+    sentences = []
+    if n_unknown > SMALL_SHARE * n:
+        sentences.append(
+            f"In {percent(n_unknown / n)} of all estimates of that run it is not known when the "
+            "light last changed: the eyes are taken for adapted."
+        )
+    if n_adapted := int(np.count_nonzero(result.driver.is_adapted)):
+        sentences.append(
+            f"Estimates for adapted eyes, as no change from bright to dark is known before, decide "
+            f"{n_adapted:,} of {count_text(result.driver.venn.n_known, 'encounter')}."
+        )
+    return " ".join(sentences)
 
 
 def weighting(result: Result) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from nvcore.inputs.driver.picture_boxes import BOX, PEDESTRIAN
-from nvcore.inputs.driver.trials import TRIAL_COLUMNS, is_off_time
+from nvcore.inputs.driver.trials import NO_ANSWER, TRIAL_COLUMNS, is_off_time
 from nvcore.studies.detectability.plan import Trial
 from nvcore.studies.detectability.records import Answer, DetectabilityStudy
 from nvcore.studies.detectability.settings import Timing
@@ -38,7 +38,7 @@ def marks_of(trial: Trial, answer: Answer, n_shown: int, timing: Timing) -> list
     if n_shown == 0:
         marks.append("never reported as shown")
     if not answer.is_answered:
-        marks.append("no answer")
+        marks.append(NO_ANSWER)
     return marks
 
 
