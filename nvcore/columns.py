@@ -121,11 +121,15 @@ class Detectability(NamedTuple):
         Standard deviation of the estimate; float64, shape (n_truth,); NaN where unknown.
     is_outside
         Whether it was estimated outside the range of the training; bool, shape (n_truth,).
+    is_adapted
+        Whether it was estimated for adapted eyes, since no change from bright to dark is known
+        before; bool, shape (n_truth,).
     """
 
     value: np.ndarray
     sd: np.ndarray
     is_outside: np.ndarray
+    is_adapted: np.ndarray
 
 
 @dataclass(frozen=True)

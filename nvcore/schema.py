@@ -57,13 +57,14 @@ DATASET_BOX_DTYPES: Final[dict[str, str]] = {
     **BOX_DTYPES,
     "detectability_sd": "float64",  # standard deviation of the estimate; NaN: unknown
     "is_outside": "bool",  # whether it was estimated outside the range of the training
+    "is_adapted": "bool",  # whether for adapted eyes: no change of light is known before
 }
 """Boxes of a `Dataset`, sorted by source, then frame_index, then file order."""
 
 DETECTABILITY: Final = "detectability"
 """Subject of findings about a file of estimates of it, among truth and systems."""
 
-DETECTABILITY_COLUMNS: Final = ("detectability", "detectability_sd", "is_outside")
+DETECTABILITY_COLUMNS: Final = ("detectability", "detectability_sd", "is_outside", "is_adapted")
 """What is known of the driver's view of each box. Where it is unknown throughout, these columns
 take no memory: no kernel reads them then."""
 
@@ -198,8 +199,8 @@ DRIVER_REGION_TEXT: Final[dict[DriverRegion, str]] = {
     DriverRegion.DRIVER_Y: "The driver and Y, not X: the warning of Y is redundant.",
     DriverRegion.DRIVER: "The driver, but neither X nor Y: a warning would be redundant.",
     DriverRegion.X_Y: "Not the driver, but both X and Y: either can warn.",
-    DriverRegion.X: "Neither the driver nor Y, but X: where X can save lives.",
-    DriverRegion.Y: "Neither the driver nor X, but Y: where Y can save lives.",
+    DriverRegion.X: "Neither the driver nor Y, but X: only X can warn.",
+    DriverRegion.Y: "Neither the driver nor X, but Y: only Y can warn.",
     DriverRegion.NOBODY: "Neither the driver nor X nor Y: the pedestrian is unprotected.",
     DriverRegion.UNKNOWN: "It is not known whether the driver sees the pedestrian.",
     DriverRegion.DISTANT: "The pedestrian never came near enough to count.",
@@ -292,6 +293,7 @@ def conform(
         "label": NO_LABEL,
         "ignore": False,
         "is_outside": False,
+        "is_adapted": False,
     }
     table: dict[str, Any] = {}
     for name, dtype in dtypes.items():

@@ -13,7 +13,7 @@ Every entry may be missing: it is not known then. Others are not read.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -72,6 +72,8 @@ class EstimateRecord:
     other_width
         Width of the pictures, px, of the recordings, by name, where those of the training were of
         another width.
+    light_doubts
+        What looks like a light meter of another unit or clock, by the name of the recording.
     estimated_in, stated_in
         Names of the dataset's recordings in which values are estimates, and of those in which some
         are the ground truth's own; no part of the record itself.
@@ -91,6 +93,7 @@ class EstimateRecord:
     of_no_use: bool = False
     search: str = ""
     other_width: Mapping[str, int] = field(default_factory=dict)
+    light_doubts: Mapping[str, str] = field(default_factory=dict)
     estimated_in: frozenset[str] = field(default=frozenset(), compare=False)
     stated_in: frozenset[str] = field(default=frozenset(), compare=False)
 
@@ -115,11 +118,12 @@ class EstimateRecord:
 
     @property
     def caution(self) -> str:
-        """Why it is to be doubted: subjects, learning, pictures; empty: nothing is known."""
+        """Why it is to be doubted: subjects, learning, pictures, light; empty: nothing is known."""
         learnt = _SUBJECTS.get(self.simulated, "")
         if self.search:
             learnt = f"{learnt or 'learnt'} by a quick search"
-        return listed([part for part in (learnt, self._no_better, self._other_width) if part])
+        parts = learnt, self._no_better, self._other_width, self._light_doubts
+        return listed([part for part in parts if part])
 
     @property
     def _no_better(self) -> str:
@@ -134,11 +138,22 @@ class EstimateRecord:
     def _other_width(self) -> str:
         if not self.other_width:
             return ""
-        names = [shortened(one_line(name), _SHOWN_NAME) for name in self.other_width]
         return (
-            "made on pictures of another width than those of the training in "
-            f"{listed(names, most=MOST_NAMED)}"
+            f"in {_named(self.other_width)} made on pictures of another width than the training's"
         )
+
+    @property
+    def _light_doubts(self) -> str:
+        if not self.light_doubts:
+            return ""
+        return (
+            f"in {_named(self.light_doubts)} by a light meter that may be of another unit or clock"
+        )
+
+
+def _named(names: Iterable[str]) -> str:
+    """Names of recordings, which may be anything."""
+    return listed([shortened(one_line(name), _SHOWN_NAME) for name in names], most=MOST_NAMED)
 
 
 def estimate_json(record: EstimateRecord) -> bytes:
@@ -157,6 +172,8 @@ def estimate_json(record: EstimateRecord) -> bytes:
     }
     if record.other_width:
         estimates["other_width"] = dict(record.other_width)
+    if record.light_doubts:
+        estimates["light_doubts"] = dict(record.light_doubts)
     content = {
         "written_by": record.written_by,
         "estimator": estimator,
@@ -204,6 +221,10 @@ def _record(content: object) -> EstimateRecord:
         other_width={
             name: _count(typed(px, int, "other_width"), "other_width", _MOST)
             for name, px in value_of(estimates, "other_width", dict).items()
+        },
+        light_doubts={
+            name: typed(why, str, "light_doubts")
+            for name, why in value_of(estimates, "light_doubts", dict).items()
         },
     )
 

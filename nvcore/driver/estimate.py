@@ -149,14 +149,16 @@ class EstimateRun:
         spans = f"{periods.min():.2g} to {periods.max():.2g} s after a change of light"
         when = f" ({int(periods.notna().sum()):,} {spans})" if periods.notna().any() else ""
         boxes = count_text(n, "pedestrian box", "pedestrian boxes")
-        return [
-            f"{boxes} in pictures without an estimate{when}: the estimator needs "
-            f"{listed([LABELS[key] for key in keys])} there"
-        ]
+        why = f": the estimator needs {listed([LABELS[key] for key in keys])} there" if keys else ""
+        return [f"{boxes} in pictures without an estimate{when}{why}"]
 
     def _missing(self) -> list[str]:
         """What is to be said of features that the estimator needs and no box has."""
-        is_missing = self.features.table[list(self.estimator.features)].isna().all()
+        tables = [part.table for part in self.features.recordings if not part.may_be_of_heat]
+        tables = [table for table in tables if len(table)]
+        if not tables:
+            return []
+        is_missing = pd.concat(tables)[list(self.estimator.features)].isna().all()
         keys = [key for key in self.estimator.features if is_missing[key]]
         if not keys:
             return []
@@ -164,7 +166,7 @@ class EstimateRun:
             f"{one_line(part.name)}: {part.why_missing[key]}"
             for part in self.features.recordings
             for key in keys
-            if key in part.why_missing
+            if key in part.why_missing and not part.may_be_of_heat
         )
         reasons = f" ({listed([*why], most=MOST_NAMED)})" if why else ""
         return [f"the estimator needs {listed(keys)}, which no box has{reasons}"]
@@ -183,8 +185,8 @@ class EstimateRun:
         if n_unseen == len(self.table):
             reasons = ["they are in frames without a picture"]
         else:
-            of_heat = self._of_heat()
-            reasons = of_heat or self._missing() or ["each lacks a feature that is needed"]
+            reasons = [*self._missing(), *self._of_heat()]
+            reasons = reasons or ["each lacks a feature that is needed"]
             if n_unseen:
                 reasons.append(f"{n_unseen:,} are in frames without a picture")
         boxes = count_text(len(self.table), "pedestrian box", "pedestrian boxes")
@@ -198,7 +200,12 @@ class EstimateRun:
             "outside": self.outside_by_feature,
         }
         widths = other_widths(self.features.recordings, self.estimator)
-        return counts | ({"other_width": widths} if widths else {})
+        doubts = {part.name: part.light_doubt for part in self.features.recordings}
+        more = {
+            "other_width": widths,
+            "light_doubts": {name: doubt for name, doubt in doubts.items() if doubt},
+        }
+        return counts | {name: entries for name, entries in more.items() if entries}
 
     def as_json(self) -> dict[str, Any]:
         """The estimator, for a record."""
@@ -244,6 +251,9 @@ def run_estimate(
 
     Parameters
     ----------
+    features
+        The run, of `nvcore.driver.run.run_features`: a row for each box, with its features and how
+        long the eyes have adapted.
     estimator
         Trained on pictures of the same size and angle of view.
     interpolate
@@ -252,8 +262,9 @@ def run_estimate(
 
     Returns
     -------
-    Without an estimate are boxes that lack a feature which it needs, and those in grey pictures
-    that nobody calls visible: far-infrared ones say nothing about what eyes see.
+    Detectability of each row, 0..1, with its standard deviation. Without an estimate are boxes that
+    lack a feature which it needs, and those in grey pictures that nobody calls visible:
+    far-infrared ones say nothing about what eyes see.
 
     Raises
     ------

@@ -27,12 +27,13 @@ Communications 31 (1983), 532-540.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from nvcore.driver.shapes import check_picture
 from nvcore.errors import ParameterError
 from nvcore.extras import needs
 
@@ -43,8 +44,19 @@ OCTAVES: Final = 6
 """Bands of the pyramid; the finest is of single pixels."""
 LEAST_SIGMA_PX: Final = 0.2
 """Blur of less than that is none."""
+MOST_SIGMA_PX: Final = 100.0
+"""More blur than that is drawn as that: it would take minutes, and nothing is left to see."""
 LEAST_THRESHOLD: Final = 1 / 1024
 """A threshold of less than that is none: it moves no grey level."""
+_RANGES: Final = {
+    "threshold": (0.0, 100.0),
+    "threshold_decay_s": (0.01, 3600.0),
+    "blur_arcmin": (0.0, 600.0),
+    "blur_decay_s": (0.01, 3600.0),
+    "width_degrees": (1.0, 360.0),
+    "gamma": (0.1, 10.0),
+    "veil_level": (0.0, 255.0),
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,12 +91,10 @@ class FilterSettings:
     veil_level: float = 4.0
 
     def __post_init__(self) -> None:
-        may_be_zero = ("threshold", "blur_arcmin", "veil_level")
-        for name in (field.name for field in fields(self)):
+        for name, (low, high) in _RANGES.items():
             value = getattr(self, name)
-            if not math.isfinite(value) or value < 0 or (value == 0 and name not in may_be_zero):
-                least = "of 0 or more" if name in may_be_zero else "above 0"
-                raise ParameterError(f"{name}: expected a number {least}, found {value:g}")
+            if not low <= value <= high:  # nan is within nothing
+                raise ParameterError(f"{name}: expected {low:g} to {high:g}, found {value:g}")
 
 
 def contrast_threshold(period_s: float, settings: FilterSettings | None = None) -> float:
@@ -96,7 +106,8 @@ def contrast_threshold(period_s: float, settings: FilterSettings | None = None) 
 def blur_px(period_s: float, width_px: int, settings: FilterSettings | None = None) -> float:
     """Standard deviation of the blur so many seconds after the change, px; NaN seconds: 0.
 
-    Half the angle of the details that blur: of bars that wide 0.3 of the contrast is left.
+    Half the angle of the details that blur: of bars that wide 0.3 of the contrast is left. At the
+    most `MOST_SIGMA_PX`.
 
     Parameters
     ----------
@@ -105,7 +116,7 @@ def blur_px(period_s: float, width_px: int, settings: FilterSettings | None = No
     """
     settings = settings or FilterSettings()
     angle = settings.blur_arcmin * _left(period_s, settings.blur_decay_s)
-    return angle / 60 * width_px / settings.width_degrees / 2
+    return min(angle / 60 * width_px / settings.width_degrees / 2, MOST_SIGMA_PX)
 
 
 def as_the_driver_sees(
@@ -129,7 +140,7 @@ def as_the_driver_sees(
     Raises
     ------
     ParameterError
-        If the period is negative.
+        If the period is negative, or the picture has no pixel or is of another shape or type.
 
     Examples
     --------
@@ -137,7 +148,7 @@ def as_the_driver_sees(
     >>> int(np.ptp(as_the_driver_sees(picture, 0.5))), int(np.ptp(as_the_driver_sees(picture, 60)))
     (0, 4)
     """
-    assert picture.dtype == np.uint8, picture.dtype
+    check_picture(picture)
     settings = settings or FilterSettings()
     threshold = contrast_threshold(period_s, settings)
     sigma = blur_px(period_s, picture.shape[1], settings)

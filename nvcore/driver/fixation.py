@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.errors import FormatError, ParameterError
+from nvcore.inputs.driver.picture_boxes import LARGEST
 from nvcore.inputs.readers.parse.table import read_table
 from nvcore.inputs.readers.parse.text import MAX_INTEGER
 
@@ -60,11 +61,12 @@ def read_gaze(path: Path) -> Gaze:
     ------
     InputError
         If it cannot be opened, all points lie in 0 to 1, as shares of the picture do, or, with the
-        line, a field is no number or a frame stands there twice.
+        line, a field is no number or too large, or a frame stands there twice.
     """
     table = read_table(path, what="fixations", required=GAZE_COLUMNS)
     frame = table.whole_numbers("frame", low=-int(MAX_INTEGER))
-    point = np.stack([table.numbers("x"), table.numbers("y")], axis=1)
+    columns = [table.numbers(name, low=-LARGEST, high=LARGEST) for name in ("x", "y")]
+    point = np.stack(columns, axis=1)
     if len(point) and ((point >= 0) & (point <= 1)).all():
         raise FormatError(
             "x, y: all points lie in 0 to 1, as shares of the picture do; expected pixels (x times "

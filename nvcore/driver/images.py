@@ -8,8 +8,10 @@ The fixation may be missing, as columns or as empty cells: a point is assumed th
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Final
 
@@ -21,8 +23,10 @@ from nvcore import __version__
 from nvcore.driver.feature_record import record_bytes
 from nvcore.driver.features import FEATURE_KEYS, features_of
 from nvcore.driver.settings import DriverSettings
+from nvcore.errors import FormatError
 from nvcore.inputs.driver.picture_boxes import (
     BOX,
+    LARGEST,
     PEDESTRIAN,
     picture_boxes,
     read_picture_boxes,
@@ -33,9 +37,11 @@ from nvcore.pictures.images import decode_image, file_bytes
 from nvcore.pictures.passes import PictureClock, in_order
 from nvcore.pictures.recordings import STRETCH
 from nvcore.progress import Progress, no_progress
-from nvcore.wording import count_text
+from nvcore.wording import count_text, did_you_mean, listed
 
 FIXATION_COLUMNS: Final = ("fixation_x", "fixation_y")
+_ALIKE: Final = 0.8
+"""From this similarity (`difflib`) on a column is taken for a misspelt one."""
 IMAGE_FEATURE_COLUMNS: Final = (*PEDESTRIAN, *BOX, *FEATURE_KEYS)
 
 
@@ -133,7 +139,7 @@ def image_features(
     pedestrians = picture_boxes(table)
     box = pedestrians[[*BOX]].to_numpy(np.float64)
     fixation = _fixations(table)
-    names, row_of = np.unique(pedestrians["image"].to_numpy(str), return_inverse=True)
+    row_of, names = pd.factorize(pedestrians["image"], sort=True)
     rows = [np.flatnonzero(row_of == number) for number in range(len(names))]
     features = np.full((len(table), len(FEATURE_KEYS)), np.nan)
 
@@ -149,7 +155,7 @@ def image_features(
         return width, height
 
     clock = PictureClock(len(names), progress)
-    pictures = _read(table, folder, names.tolist(), rows)
+    pictures = _read(table, folder, list(names), rows)
     sizes = set[tuple[int, int]]()
     for size in in_order(look, pictures, lambda: clock.count(0, folder.name), n_threads=n_threads):
         sizes.add(size)
@@ -161,15 +167,40 @@ def image_features(
 
 def _fixations(table: TextTable) -> NDArray[np.float64]:
     """Where the driver looked, x and y, px, shape (n, 2); NaN: not known."""
-    if not all(name in table for name in FIXATION_COLUMNS):
+    if lost := [name for name in FIXATION_COLUMNS if name not in table]:
+        _refuse_misspelt(table, lost)
         return np.full((len(table), 2), np.nan)
-    columns = [table.numbers(name, may_be_empty=True) for name in FIXATION_COLUMNS]
+    columns = [
+        table.numbers(name, low=-LARGEST, high=LARGEST, may_be_empty=True)
+        for name in FIXATION_COLUMNS
+    ]
     points = np.stack(columns, axis=1)
     is_half = np.isnan(points).sum(axis=1) == 1
     if is_half.any():
         row = int(np.argmax(is_half))
         raise table.fault(row, "expected both fixation_x and fixation_y, or neither")
     return points
+
+
+def _refuse_misspelt(table: TextTable, lost: list[str]) -> None:
+    """Refuse one column of the fixation without the other, and names that are nearly theirs."""
+    present = [name for name in FIXATION_COLUMNS if name not in lost]
+    others = [name for name in table.fields if name not in IMAGE_FEATURE_COLUMNS]
+    similar = [
+        name
+        for name in others
+        if name not in present and get_close_matches(name, lost, n=1, cutoff=_ALIKE)
+    ]
+    if not present and not similar:
+        return
+    remedy = "give both, or neither"
+    if similar:
+        remedy = did_you_mean(similar[0], lost, remedy)
+    raise FormatError(
+        f"expected both {listed(FIXATION_COLUMNS)}, found {listed([*present, *similar])}; {remedy}",
+        file=table.name,
+        line=1,
+    )
 
 
 def _check_inside(
@@ -189,6 +220,6 @@ def _read(
         path, row = folder / name, int(rows[number][0])
         if not is_below(path, folder):
             raise table.fault(row, f"image: {name!r} lies outside the folder of the pictures")
-        if not path.is_file():
+        if not os.path.isfile(path):  # noqa: PTH113 - Path.is_file raises where a name is too long
             raise table.fault(row, f"image: there is no {name!r} in {folder.name}")
         yield number, decode_image(file_bytes(path), name)

@@ -12,10 +12,12 @@ from nvcore.driver.illumination import Light, LightSettings, LightSource
 from nvcore.driver.illumination.clock import AdaptationClock
 from nvcore.driver.illumination.meter import LEAST_HELD_S
 from nvcore.driver.recording import DriverRecording
-from nvcore.wording import capitalised, count_text
+from nvcore.wording import capitalised, count_text, percent
 
 MANY_DARK: Final = 0.1
 """From this share of readings below `least_lux` on it is said how many are: a wrong unit; ours."""
+LEAST_COVERED: Final = 0.5
+"""Readings of a smaller part of a recording may be of another clock; ours."""
 _NO_LIGHT: Final = "Nothing is known of the light: no adaptation period."
 
 
@@ -128,8 +130,11 @@ def light_note(
     if n_before := int(np.count_nonzero(clock.change_s < 0)):
         changes += f", {n_before:,} before the first frame"
     if light.source is LightSource.PICTURE:
-        sparse = _sparse(frames / fps, "picture", settings)
-        return f"No light meter: the pictures' mean luminance stands in for one: {changes}{sparse}."
+        sparse = _sparse(light, "picture", settings)
+        text = f"No light meter: the pictures' mean luminance stands in for one: {changes}{sparse}"
+        return (
+            "; ".join(filter(None, [text, _gaps(light, "picture", begin_s, end_s, settings)])) + "."
+        )
     times = (
         f"from {_amount(light.time_s[0])} to {_amount(light.time_s[-1])} s, the recording from "
         f"{_amount(begin_s)} to {_amount(end_s)} s"
@@ -138,11 +143,40 @@ def light_note(
         return f"The light meter's readings are {times}. {_NO_LIGHT}"
     is_short = light.time_s[0] > begin_s + LEAST_HELD_S or light.end_s < frames[-1] / fps
     parts = [
-        f"Light by the light meter: {changes}{_sparse(light.time_s, 'reading', settings)}",
+        f"Light by the light meter: {changes}{_sparse(light, 'reading', settings)}",
         _levels(light, settings),
+        _gaps(light, "reading", begin_s, end_s, settings),
         f"they are {times}" if is_short else "",
     ]
     return "; ".join(filter(None, parts)) + "."
+
+
+def light_doubt(
+    light: Light | None, frames: NDArray[np.int64], fps: float, settings: LightSettings
+) -> str:
+    """What looks like a light meter of another unit or clock, as a clause; empty: nothing.
+
+    Parameters
+    ----------
+    light
+        None: nothing is known.
+    frames
+        Numbers of the recording's frames, ascending.
+    """
+    if light is None or light.source is LightSource.PICTURE:
+        return ""
+    if not len(light.time_s) or not len(frames):
+        return ""
+    n, n_dark = len(light.level), int(np.count_nonzero(light.level < settings.least_lux))
+    if n_dark >= MANY_DARK * n:
+        return f"{n_dark:,} of {count_text(n, 'reading')} below {settings.least_lux:g} lx"
+    if _sparse(light, "reading", settings):
+        return f"one reading in {_amount(light.step_s)} s"
+    times_s = frames / fps
+    is_covered = (times_s >= light.time_s[0]) & (times_s <= light.end_s)
+    if is_covered.mean() < LEAST_COVERED:
+        return f"readings in {percent(float(is_covered.mean()))} of the recording"
+    return ""
 
 
 def _levels(light: Light, settings: LightSettings) -> str:
@@ -156,11 +190,37 @@ def _levels(light: Light, settings: LightSettings) -> str:
     return text
 
 
-def _sparse(time_s: NDArray[np.float64], noun: str, settings: LightSettings) -> str:
+def _sparse(light: Light, noun: str, settings: LightSettings) -> str:
     """How far apart readings are, where a change may be missed between two; else empty."""
-    every_s = float(np.median(np.diff(time_s))) if len(time_s) > 1 else 0.0
-    is_sparse = every_s > settings.bright_for_s / 2
-    return f", with one {noun} in {_amount(every_s)} s" if is_sparse else ""
+    is_sparse = light.step_s > settings.bright_for_s / 2
+    return f", with one {noun} in {_amount(light.step_s)} s" if is_sparse else ""
+
+
+def _gaps(light: Light, noun: str, begin_s: float, end_s: float, settings: LightSettings) -> str:
+    """Where readings have gaps so that light is not known in the recording; empty: nowhere.
+
+    Parameters
+    ----------
+    begin_s, end_s
+        Of the recording, on the axis of the light.
+    """
+    gaps_s = light.gaps_s
+    unknown_until_s = gaps_s[:, 1] + settings.bright_for_s
+    gaps_s = gaps_s[(gaps_s[:, 0] + light.held_s < end_s) & (unknown_until_s > begin_s)]
+    if not len(gaps_s):
+        return ""
+    before_s, after_s = gaps_s[np.diff(gaps_s, axis=1).argmax()]
+    where = f"from {_amount(before_s)} to {_amount(after_s)} s"
+    if len(gaps_s) == 1:
+        unknown = (
+            f"{_amount(before_s + light.held_s)} to {_amount(after_s + settings.bright_for_s)} s"
+        )
+        return f"no {noun} {where}: the light is not known from {unknown}"
+    return (
+        f"{count_text(len(gaps_s), 'gap')} between {noun}s, the longest {where}: the light is not "
+        f"known from {_amount(light.held_s)} s after each begins to "
+        f"{_amount(settings.bright_for_s)} s after it ends"
+    )
 
 
 def _amount(value: float) -> str:

@@ -124,6 +124,18 @@ class DriverRecording:
 def open_recordings(session: Session, dataset: Dataset) -> list[DriverRecording]:
     """The recordings of a dataset; their pictures are to be closed.
 
+    Parameters
+    ----------
+    session
+        Names the pictures, light and gaze of each recording, in files below its folder.
+    dataset
+        What was loaded of it.
+
+    Returns
+    -------
+    One for each recording of the dataset, in its order; one that the session does not name, or of
+    which it names no pictures, has none.
+
     Raises
     ------
     InputError

@@ -18,6 +18,7 @@ from nvcore.driver.illumination import Light, LightSource, picture_level
 from nvcore.driver.illumination.clock import AdaptationClock, adaptation_clock
 from nvcore.driver.notes import (
     fixation_note,
+    light_doubt,
     light_note,
     other_frames,
     outside_note,
@@ -68,6 +69,8 @@ class RecordingFeatures:
         Width and height of its pictures; None: it has none.
     why_missing
         Why none of its boxes has a feature, by its key, as a clause, where it is known.
+    light_doubt
+        What looks like a light meter of another unit or clock, as a clause; empty: nothing.
     """
 
     name: str
@@ -80,6 +83,7 @@ class RecordingFeatures:
     name_in_data: str = ""
     picture_px: tuple[int, int] | None = None
     why_missing: Mapping[str, str] = field(default_factory=dict)
+    light_doubt: str = ""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -188,10 +192,10 @@ class _Pass:
         self.frame = columns.frame[rows]
         self.fps = float(columns.fps[recording.number])
         boxes = slice(*truth.offsets[[rows.start, rows.stop]].tolist())
-        kept = np.flatnonzero(~truth.ignore[boxes]) + boxes.start
-        self.box = np.stack([truth.x, truth.y, truth.w, truth.h], axis=1)[kept]
-        self.track = truth.track[kept]
-        self.frame_of_box = truth.frame_index[kept] - rows.start
+        counted = np.flatnonzero(~truth.ignore[boxes]) + boxes.start
+        self.box = np.stack([truth.x, truth.y, truth.w, truth.h], axis=1)[counted]
+        self.track = truth.track[counted]
+        self.frame_of_box = truth.frame_index[counted] - rows.start
         self.first = np.searchsorted(self.frame_of_box, np.arange(len(self.frame) + 1))
         needed = recording.index >= 0
         if not recording.needs_light:
@@ -233,6 +237,7 @@ class _Pass:
             recording.name_in_data,
             recording.picture_px,
             self._why_missing(),
+            light_doubt(light, self.frame, self.fps, self.settings.light),
         )
 
     def _look(self, row: int, picture: Picture) -> int:

@@ -44,7 +44,27 @@ def steps_between_periods(
     table
         Of `nvcore.driver.estimate.EstimateRun`; boxes without a track are left out.
     taken_s
-        The period whose estimator was taken for each row, float64, shape (n,).
+        The period whose estimator was taken for each row, seconds, float64, shape (n,); NaN: none,
+        such rows are left out.
+
+    Returns
+    -------
+    How many pedestrians are followed to another period's estimator, and for how many of them the
+    two differ by more than the sd of each; both 0 without tracks, or estimates.
+
+    Examples
+    --------
+    >>> from nvcore.driver.estimators import estimator_path, read_estimator
+    >>> estimator = read_estimator(estimator_path("sample"))
+    >>> features = np.tile([30, 80, 20, 15, 8, 12, 2, 150.0], (2, 1))
+    >>> period_s = np.array([0.9, 1.1])  # the nearest are those of 0.5 s and of 1.5 s
+    >>> estimates = estimator.estimate(features, period_s)
+    >>> table = pd.DataFrame({
+    ...     "recording": "drive", "track": 7, "frame": [17, 21], "period_s": period_s,
+    ...     "detectability": estimates.detectability, "sd": estimates.sd,
+    ... })
+    >>> steps_between_periods(estimator, features, table, estimates.period_s).n_crossing
+    1
     """
     rows = table.assign(taken_s=taken_s, row=np.arange(len(table)))
     needed = ["track", "detectability", "period_s", "taken_s"]

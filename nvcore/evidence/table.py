@@ -46,19 +46,33 @@ def evidence_table(
 
 
 def mark_undecided(result: Result, table: pd.DataFrame) -> pd.DataFrame:
-    """The table of evidence, the notes of what is undecided at unequal operating points extended.
+    """The table of evidence, the notes extended by what is undecided, and by doubts.
+
+    Undecided is what depends on unequal operating points.
 
     Labels and notes are in the words for the objects.
 
     Parameters
     ----------
     table
-        With columns figure, label, difference and note.
+        With columns figure, label, difference and note, and doubt if it has some.
     """
     is_defined = np.isfinite(table["difference"].to_numpy(dtype=float))
+    doubts = table["doubt"] if "doubt" in table else [""] * len(table)
     notes = [
-        "; ".join(filter(None, (note, AS_SET if has and is_undecided(result, key) else "")))
-        for key, has, note in zip(table["figure"], is_defined, table["note"], strict=True)
+        "; ".join(
+            filter(
+                None,
+                (
+                    note,
+                    AS_SET if has and is_undecided(result, key) else "",
+                    f"no claim: {doubt}" if has and doubt else "",
+                ),
+            )
+        )
+        for key, has, note, doubt in zip(
+            table["figure"], is_defined, table["note"], doubts, strict=True
+        )
     ]
     words = result.dataset.words
     return table.assign(label=table["label"].map(words), note=[words(note) for note in notes])

@@ -50,13 +50,17 @@ def doubt_of_seen(result: Result) -> str:
     """Why nothing is claimed of whom the driver sees, whatever the counts; empty: no reason."""
     if why := doubt_of_estimator(result):
         return why
-    if not are_all_open(result):
+    is_unseen = result.driver.is_unseen
+    if are_all_open(result):
+        n, which = result.driver.venn.n_known, "of which it is known"
+    elif is_unseen.any() and bool(result.driver.is_within_sd[is_unseen].all()):
+        n, which = int(np.count_nonzero(is_unseen)), "that the driver is said not to see"
+    else:
         return ""
-    n = result.driver.venn.n_known
     where = f"in all {count_text(n, 'encounter')}" if n > 1 else "in the only encounter"
     return (
-        f"{where} of which it is known, the value that decides is within one standard deviation "
-        f"of {result.params.driver_threshold:g}"
+        f"{where} {which}, the value that decides is within one standard deviation of "
+        f"{result.params.driver_threshold:g}"
     )
 
 

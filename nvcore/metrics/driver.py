@@ -59,9 +59,10 @@ def judge_driver(
     is_within_sd (whether it is no further than its sd from the threshold), n_known (frames among
     these in which it is known), n_seen (in which it reaches `driver_threshold`), is_outside
     (whether what decides was estimated outside the range of the training: the largest one, and
-    where it is below the threshold any of them), seen_row (frame row of his confirmation, -1: he
-    does not see, or it is unknown), confirmed_row (the first frame of all, later ones too, in which
-    it reaches the threshold; -1: none).
+    where it is below the threshold any of them), is_adapted (whether the largest one was estimated
+    for adapted eyes: no change from bright to dark is known before), seen_row (frame row of his
+    confirmation, -1: he does not see, or it is unknown), confirmed_row (the first frame of all,
+    later ones too, in which it reaches the threshold; -1: none).
 
     References
     ----------
@@ -84,6 +85,8 @@ def judge_driver(
     highest, sd, is_outside = np.full(n, np.nan), np.full(n, np.nan), np.zeros(n, bool)
     highest[is_known], sd[is_known] = detectability.value[row], detectability.sd[row]
     is_outside[is_known] = detectability.is_outside[row]
+    is_adapted = np.zeros(n, bool)
+    is_adapted[is_known] = detectability.is_adapted[row]
     is_outside |= (seen_row < 0) & (n_outside > 0)
     is_within_sd = np.abs(highest - params.driver_threshold) <= sd  # never where one is unknown
     return pd.DataFrame(
@@ -91,6 +94,7 @@ def judge_driver(
             "detectability": highest,
             "sd": sd,
             "is_outside": is_outside,
+            "is_adapted": is_adapted,
             "is_within_sd": is_within_sd,
             "n_known": n_known,
             "n_seen": n_seen,
@@ -263,6 +267,12 @@ class DriverView:
     def n_outside(self) -> int:
         """Near encounters decided by an estimate outside the range of the training."""
         return int(np.count_nonzero(self.table["is_outside"].to_numpy() & self.is_known))
+
+    @property
+    def is_adapted(self) -> np.ndarray:
+        """Near encounters decided by an estimate for adapted eyes; bool, (n_encounters,)."""
+        is_adapted: np.ndarray = self.table["is_adapted"].to_numpy() & self.is_known
+        return is_adapted
 
     @property
     def is_seldom_seen(self) -> np.ndarray:

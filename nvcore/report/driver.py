@@ -17,7 +17,7 @@ from nvcore.driver.evaluation import PUBLISHED_NOTE, Evaluation, evaluation_tabl
 from nvcore.driver.evaluation.tables import errors_table
 from nvcore.driver.trials import TrainingTable
 from nvcore.output.csv_text import to_csv_bytes
-from nvcore.wording import capitalised, count_text, duration_text, number, one_line
+from nvcore.wording import MOST_NAMED, capitalised, count_text, duration_text, number, one_line
 
 TABLES: Final = (
     *("errors", "choices", "pairs", "pair_ranks"),
@@ -54,17 +54,38 @@ def render_table(table: TrainingTable) -> list[str]:
             f"{count_text(table.n_off_time, 'trial')} came more than 50 ms early or late; they "
             "count as any other"
         )
-    for name, odd in table.subjects[["subject", "odd"]].to_numpy().tolist():
-        if odd or name in table.left_out:
-            lines.append(one_line(_subject(name, odd, is_left_out=name in table.left_out)))
-    n_odd = len(table.odd_subjects)
-    if n_odd > 1 and n_odd > table.n_subjects / 2:
+    if table.n_unanswered:
         lines.append(
-            f"{n_odd:,} of {count_text(table.n_subjects, 'subject')} are odd: rather the data are "
-            "wrong than the people. Are touch_x and touch_y in pixels of the picture, the boxes "
-            "those of these pictures, and the square large enough?"
+            f"{count_text(table.n_unanswered, 'trial')} without an answer in time: learned from as "
+            "not seen"
         )
-    return lines
+    if table.n_outside and table.picture_px is not None:
+        width, height = table.picture_px
+        lines.append(
+            f"{count_text(table.n_outside, 'touch', 'touches')} outside the picture of {width:,} x "
+            f"{height:,} px: are touch_x and touch_y in its pixels?"
+        )
+    return [*lines, *_subjects(table)]
+
+
+def _subjects(table: TrainingTable) -> list[str]:
+    """Who is left out, and whose responses are odd; where most are, that before a few of them."""
+    rows = table.subjects[["subject", "odd"]].to_numpy().tolist()
+    lines = [
+        one_line(_subject(name, odd, is_left_out=name in table.left_out))
+        for name, odd in rows
+        if odd or name in table.left_out
+    ]
+    n_odd = len(table.odd_subjects)
+    if n_odd <= max(1, table.n_subjects / 2):
+        return lines
+    head = (
+        f"{n_odd:,} of {count_text(table.n_subjects, 'subject')} are odd: rather the data are "
+        "wrong than the people. Are touch_x and touch_y in pixels of the picture, the boxes "
+        "those of these pictures, and the square large enough?"
+    )
+    more = len(lines) - MOST_NAMED
+    return [head, *lines[:MOST_NAMED], *([f"and {more:,} more (subjects.csv)"] if more > 0 else [])]
 
 
 def _responses(table: TrainingTable) -> str:
@@ -189,7 +210,7 @@ def _errors(errors: pd.DataFrame, last: str = "mean") -> list[str]:
     shown = [name for name in titles if name in errors and errors[name].notna().any()]
     lines = ["  period   " + "  ".join(f"{titles[name]:>15}" for name in shown)]
     for row in errors.to_dict("records"):
-        period = f"{last:6}" if pd.isna(row["period_s"]) else f"{row['period_s']:.1f} s "
+        period = f"{last:6}" if pd.isna(row["period_s"]) else f"{row['period_s']:g} s "
         cells = "  ".join(f"{number(row[name], ERROR):>15}" for name in shown)
         lines.append(f"  {period:>8} {cells}")
     return lines
@@ -198,7 +219,7 @@ def _errors(errors: pd.DataFrame, last: str = "mean") -> list[str]:
 def _choices(estimator: Estimator) -> list[str]:
     """Features and settings of each regression."""
     lines = ["chosen:"]
-    names = [*(f"{period:.1f} s" for period in estimator.periods_s), "single"]
+    names = [*(f"{period:g} s" for period in estimator.periods_s), "single"]
     for name, regression in zip(names, estimator.regressions, strict=True):
         s = regression.settings
         gamma = f", gamma {s.gamma:.2g}" if s.kernel == "rbf" else ""

@@ -23,7 +23,7 @@ from nvcore.report.equal_alarms import (
 )
 from nvcore.report.plan import verdict_plan
 from nvcore.report.verdict import Verdict, verdict
-from nvcore.report.verdict.driver import describe_doubt, describe_source, regions_text, weighting
+from nvcore.report.verdict.driver import describe_basis, regions_text, weighting
 from nvcore.report.words import (
     FUSION_RULE,
     count_leads,
@@ -250,9 +250,9 @@ def _venn(result: Result) -> str:
     lines.append(describe_exclusivity(result))
     lines.append(_lead(result))
     if result.driver.has_any:
-        source = " ".join(filter(None, (describe_doubt(result), describe_source(result))))
+        basis = describe_basis(result)
         lines.append(f"encounters seen by: {regions_text(result)}")
-        lines.append(f"the driver: {source[0].lower()}{source[1:-1]}")
+        lines.append(f"the driver: {basis[0].lower()}{basis[1:-1]}")
     urgency = describe_urgency(result)
     lines += [f"time left: {urgency[0].lower()}{urgency[1:-1]}"] if urgency else []
     boxes = result.boxes

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import secrets
 import sqlite3
 from collections.abc import Iterator
@@ -21,7 +22,8 @@ class AnswerFile:
     Parameters
     ----------
     path
-        The file; it and its folder are created if necessary.
+        The file; it and its folder are created if necessary, for this user alone. A file that is
+        there keeps its permissions.
     tables
         SQL that creates what is not there yet.
     what
@@ -47,6 +49,10 @@ class AnswerFile:
             raise InputError(
                 f"the folder of the {what} cannot be made ({error.strerror})"
             ) from error
+        try:
+            _create(path)
+        except OSError as error:
+            raise InputError(f"the file of the {what} cannot be used ({error.strerror})") from error
         with self.connect() as base:
             base.executescript(tables)
 
@@ -64,6 +70,12 @@ class AnswerFile:
             raise
         except sqlite3.DatabaseError as error:
             raise InputError(f"the file of the {self._what} cannot be used ({error})") from error
+
+
+def _create(path: Path) -> None:
+    """Create the file if it is not there, for this user alone; SQLite's journals take its mode."""
+    if not path.exists():  # to close a file that is in use would drop SQLite's locks on it
+        os.close(os.open(path, os.O_CREAT | os.O_WRONLY, 0o600))
 
 
 def new_names() -> tuple[str, str]:

@@ -55,6 +55,12 @@ DRIVER_ENTRIES: Final[tuple[Entry, ...]] = (
         lambda result: result.driver.n_outside,
     ),
     _entry(
+        "driver.adapted",
+        "Of both, those decided by an estimate for adapted eyes, since no change from bright to "
+        "dark is known before.",
+        lambda result: int(np.count_nonzero(result.driver.is_adapted)),
+    ),
+    _entry(
         "driver.within_sd",
         "Of both, those for whom that largest one is no further than its standard deviation from "
         "`driver_threshold`: whether the driver sees them is open.",

@@ -135,6 +135,7 @@ def _driver_columns(result: Result) -> dict[str, Any]:
         "detectability_sd": table["sd"],
         "detectability_frames": table["n_known"],
         "outside_training": _booleans(table["is_outside"].to_numpy(), is_known),
+        "adapted_eyes": _booleans(result.driver.is_adapted, is_known),
         "within_sd": _booleans(result.driver.is_within_sd, result.driver.has_sd),
         "driver_sees": _booleans(result.driver.is_seen, is_known),
         "driver_seen_frames": integers_of(table["n_seen"].to_numpy(), is_known),

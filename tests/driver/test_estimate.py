@@ -65,6 +65,17 @@ def test_each_box_has_the_estimate_of_its_adaptation_period(place: Path):
     assert table["estimator_s"].tolist() == [4.5] * 20 + [0.5] * 10 + [4.5] * 10
 
 
+def test_boxes_without_an_estimate_are_counted_though_no_feature_is_lacking(place: Path):
+    """As by an estimator that somebody made who did not compute it."""
+    hollow = replace(regression(CONTRAST), offset=np.nan)
+    made = estimator()
+    result = run(place, replace(made, regressions=(hollow, *made.regressions[1:])))
+    assert (
+        "10 pedestrian boxes in pictures without an estimate (10 0.25 to 2.5 s after a change of "
+        "light)"
+    ) in str(result).splitlines()
+
+
 def test_between_two_periods_it_may_be_interpolated(place: Path):
     table = run(place, estimator(), interpolate=True).table
     assert table["detectability"][29] == pytest.approx(0.45)  # 2.5 s, in the middle
@@ -175,7 +186,7 @@ def test_why_the_estimator_is_to_be_doubted_is_said_and_recorded(place: Path):
     assert dataset.estimate.caution == said
     assert said in dataset.inputs["conversion"].iloc[-1]
     text = describe_source(compare(dataset))
-    assert f"{said}; he is taken to see" in text
+    assert f"{said}; seen means that" in text
     assert "no better" not in str(run(place, estimator()))
 
 
@@ -209,7 +220,7 @@ def test_another_width_is_in_the_record_and_what_is_said_of_the_comparison(place
     assert record["estimator"]["picture_px"] == [128, 48]
     assert record["recordings"][0]["picture_px"] == [64, 48]
     comparison = compare(load(read_session(written.session)))
-    words = "made on pictures of another width than those of the training in drive"
+    words = "in drive made on pictures of another width than the training's"
     assert words in describe_source(comparison)
 
 
@@ -331,6 +342,21 @@ def test_why_no_box_has_a_feature_is_said(place: Path, keys: str, words: str):
     write_estimator(estimator(FEATURE_KEYS.index("fixation_distance_px")), place / "m.npz")
     with pytest.raises(InputError, match=words):
         estimate_driver(session, place / "m.npz", place / "out")
+
+
+def test_a_wrong_map_is_named_before_the_grey_pictures_of_other_recordings(place: Path):
+    with (place / "truth.csv").open("a") as truth:
+        truth.write("heat,0,20,10,8,16,5\n")
+    write_picture(place / "heat" / "000.png", np.full((48, 64), 90, np.uint8))
+    session = place / "session.toml"
+    heat = '[[recording]]\nname = "heat"\nframes = "0:0"\npictures = "heat"\n'
+    session.write_text(f"{session.read_text()}visible_map = [1, 1, 640, 0]\n{heat}")
+    write_estimator(estimator(), place / "m.npz")
+    with pytest.raises(InputError) as refused:
+        estimate_driver(session, place / "m.npz", place / "out")
+    cause, advice = str(refused.value).split("; no estimate from")
+    assert "drive: with its visible_map all pedestrian boxes lie outside the picture" in cause
+    assert advice.startswith(" grey pictures that may be far infrared: heat;")
 
 
 def test_pedestrians_without_a_picture_are_refused_and_recordings_without_any_are_fine(place: Path):

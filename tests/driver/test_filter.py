@@ -104,12 +104,44 @@ def test_a_period_before_the_change_is_refused():
         as_the_driver_sees(noise(4, 4), -1)
 
 
-def test_settings_that_mean_nothing_are_refused():
-    with pytest.raises(ParameterError, match="width_degrees: expected a number above 0, found 0"):
-        FilterSettings(width_degrees=0)
-    for value, text in ((math.nan, "nan"), (-1, "-1")):
-        with pytest.raises(
-            ParameterError, match=f"threshold: expected a number of 0 or more, found {text}"
-        ):
-            FilterSettings(threshold=value)
-    assert FilterSettings(threshold=0).threshold == 0
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"width_degrees": 0}, "width_degrees: expected 1 to 360, found 0"),
+        ({"threshold": math.nan}, "threshold: expected 0 to 100, found nan"),
+        ({"threshold": -1}, "threshold: expected 0 to 100, found -1"),
+        ({"threshold": 1e300}, r"threshold: expected 0 to 100, found 1e\+300"),
+        ({"blur_arcmin": 1e7}, r"blur_arcmin: expected 0 to 600, found 1e\+07"),
+        ({"gamma": 1e-300}, "gamma: expected 0.1 to 10, found 1e-300"),
+        ({"blur_decay_s": 0}, "blur_decay_s: expected 0.01 to 3600, found 0"),
+        ({"threshold_decay_s": math.inf}, "threshold_decay_s: expected 0.01 to 3600, found inf"),
+        ({"veil_level": 256}, "veil_level: expected 0 to 255, found 256"),
+    ],
+)
+def test_settings_that_mean_nothing_are_refused(given: dict[str, float], words: str):
+    with pytest.raises(ParameterError, match=f"^{words}$"):
+        FilterSettings(**given)
+
+
+def test_no_loss_is_a_setting():
+    assert FilterSettings(threshold=0, blur_arcmin=0, veil_level=0).threshold == 0
+
+
+def test_the_blur_is_never_wider_than_a_hundred_pixels():
+    widest = FilterSettings(blur_arcmin=600, width_degrees=1)
+    assert blur_px(0, 1920, widest) == 100
+    assert as_the_driver_sees(noise(40, 1920), 0, widest).shape == (40, 1920)
+
+
+@pytest.mark.parametrize(
+    "picture",
+    [
+        np.zeros((0, 5), np.uint8),
+        np.zeros((4, 5, 1), np.uint8),
+        np.zeros((4, 5, 4), np.uint8),
+        np.zeros((4, 5)),
+    ],
+)
+def test_what_is_no_picture_is_refused(picture: np.ndarray):
+    with pytest.raises(ParameterError, match=r"^picture: expected uint8 of the shape \(h, w\)"):
+        as_the_driver_sees(picture, 0)

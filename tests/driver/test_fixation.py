@@ -45,6 +45,7 @@ def test_a_file_without_rows_knows_no_fixation(tmp_path: Path):
         ("5,2,3", "line 4: the frame 5 has a row already"),
         ("8,,3", "line 4: x: expected a number, found ''"),
         ("8,2,nan", "line 4: y: expected a number, found 'nan'"),
+        ("8,2,1e308", r"line 4: y: expected -1e\+06 to 1e\+06, found 1e308"),
         ("8.5,2,3", "line 4: frame: expected a whole number, found 8.5"),
         ("8,2", "line 4: expected 3 fields"),
     ],

@@ -98,6 +98,59 @@ def test_a_pedestrian_twice_or_half_a_fixation_is_refused(folder: Path):
         image_features(folder, half)
 
 
+@pytest.mark.parametrize(
+    ("head", "words"),
+    [
+        ("fixation_x,note", "found fixation_x; give both, or neither"),
+        ("note,fixation_y", "found fixation_y; give both, or neither"),
+        (
+            "fixation_x,fixaton_y",
+            r"found fixation_x and fixaton_y; did you mean 'fixation_y'\? Give both, or neither",
+        ),
+        (
+            "fixaton_x,fixaton_y",
+            r"found fixaton_x and fixaton_y; did you mean 'fixation_x'\? Give both, or neither",
+        ),
+    ],
+)
+def test_a_lone_or_misspelt_column_of_the_fixation_is_refused(folder: Path, head: str, words: str):
+    listed = boxes(folder, "park.png,1,10,10,8,20,5,5", head=f"{HEAD},{head}")
+    expected = r"boxes\.csv, line 1: expected both fixation_x and fixation_y, "
+    with pytest.raises(FormatError, match=expected + words):
+        image_features(folder, listed)
+
+
+def test_columns_of_other_names_are_not_taken_for_the_fixation(folder: Path):
+    listed = boxes(folder, "park.png,1,10,10,8,20,5,5", head=f"{HEAD},note,fix_s")
+    assert image_features(folder, listed).n_assumed == 1
+
+
+def test_a_fixation_that_no_picture_can_have_is_refused(folder: Path):
+    listed = boxes(folder, "park.png,1,10,10,8,20,5,1e308", head=f"{HEAD},fixation_x,fixation_y")
+    words = r"line 2: fixation_y: expected -1e\+06 to 1e\+06, found 1e308"
+    with pytest.raises(FormatError, match=words):
+        image_features(folder, listed)
+
+
+@pytest.mark.parametrize(
+    ("n", "words"),
+    [
+        (300, "image: there is no 'a{20}"),
+        (1001, "image: expected 1,000 characters at the most, found 1,001: 'a{20}"),
+    ],
+)
+def test_a_name_that_no_file_can_have_is_refused_with_its_line(folder: Path, n: int, words: str):
+    listed = boxes(folder, "park.png,1,10,10,8,20", f"{'a' * n},1,10,10,8,20")
+    with pytest.raises(FormatError, match=rf"boxes\.csv, line 3: {words}"):
+        image_features(folder, listed)
+
+
+def test_a_pedestrian_has_a_name_of_limited_length(folder: Path):
+    listed = boxes(folder, f"park.png,{'p' * 1001},10,10,8,20")
+    with pytest.raises(FormatError, match="line 2: pedestrian: expected 1,000 characters"):
+        image_features(folder, listed)
+
+
 def test_a_damaged_picture_is_refused_by_its_name(folder: Path):
     (folder / "bad.png").write_bytes(b"\x89PNG damaged")
     with pytest.raises(InputError, match=r"bad\.png"):

@@ -284,12 +284,72 @@ def test_readings_that_begin_late_are_said_to(place: Path):
     assert note.endswith("; they are from 2.5 to 17.4 s, the recording from 0 to 10 s.")
 
 
+def test_a_gap_in_the_readings_is_named(place: Path):
+    rows = [row for row in readings(-5, 0.05, 200) if not 4.5 < float(row.split(",")[0]) <= 9]
+    assert light_note(place, rows).startswith(
+        "Light by the light meter: 0 changes from bright to dark; readings of 10 to 1,000 lx; no "
+        "reading from 4.5 to 9.05 s: the light is not known from 5.5 to 12.1 s."
+    )
+    early = [row for row in readings(-9, 0.05, 400) if not -8 < float(row.split(",")[0]) <= -4]
+    assert "no reading" not in light_note(place, early)
+
+
+def test_of_several_gaps_the_longest_is_named(place: Path):
+    gaps = ((1, 3), (4, 7), (30, 40))  # the last lies after the recording
+    rows = [
+        row
+        for row in readings(-1, 0.2, 200)
+        if not any(start < float(row.split(",")[0]) < end for start, end in gaps)
+    ]
+    assert (
+        "; 2 gaps between readings, the longest from 4 to 7 s: the light is not known from 1 s "
+        "after each begins to 3 s after it ends."
+    ) in light_note(place, rows)
+
+
+def test_missing_pictures_that_stand_in_for_a_light_meter_are_said_to_be(place: Path):
+    for frame in range(12, 32):
+        (place / "drive" / f"{frame:03}.png").unlink()
+    part = run(place).recordings[0]
+    assert part.notes[-1] == (
+        "No light meter: the pictures' mean luminance stands in for one: 0 changes from bright to "
+        "dark; no picture from 2.75 to 8 s: the light is not known from 3.75 to 11 s."
+    )
+    assert part.is_light_known.tolist() == [frame in range(12, 16) for frame in range(N_FRAMES)]
+
+
+def test_pictures_that_are_far_apart_are_said_to_be(place: Path):
+    for frame in set(range(N_FRAMES)) - set(range(0, N_FRAMES, 10)):
+        (place / "drive" / f"{frame:03}.png").unlink()
+    note = run(place).recordings[0].notes[-1]
+    assert note.endswith(": 0 changes from bright to dark, with one picture in 2.5 s.")
+
+
 def test_how_many_readings_count_as_the_least_is_said_where_many_do(place: Path):
     assert light_note(place, readings(0, 0.05, 120, unit=5e-4)) == (
         "Light by the light meter: 0 changes from bright to dark; readings of 0.005 to 0.5 lx, 180 "
         "of 300 below 0.1 lx, which count as that."
     )
     assert "below" not in light_note(place, readings(0, 0.05, 280, unit=5e-4))
+
+
+@pytest.mark.parametrize(
+    ("rows", "doubt"),
+    [
+        (readings(0, 0.05, 120), ""),
+        (readings(0, 0.05, 120, unit=5e-4), "180 of 300 readings below 0.1 lx"),
+        (readings(0, 50, 120), "one reading in 50 s"),
+        (readings(7.5, 0.05, 120), "readings in 25 % of the recording"),
+        (readings(4.5, 0.05, 120), ""),
+    ],
+)
+def test_a_light_meter_that_looks_like_another_unit_or_clock_is_doubted(
+    place: Path, rows: list[str], doubt: str
+):
+    (place / "lux.csv").write_text("\n".join(["time_s,lux", *rows]) + "\n")
+    part = run(place, 'pictures = "drive"\nlight = "lux.csv"\n').recordings[0]
+    assert part.light_doubt.replace("\xa0", " ") == doubt
+    assert run(place).recordings[0].light_doubt == ""
 
 
 def test_a_light_file_without_readings_tells_nothing(place: Path):

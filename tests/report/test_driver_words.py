@@ -24,6 +24,7 @@ from nvcore.report.terminal import render_scorecard
 from nvcore.report.verdict import verdict
 from nvcore.report.verdict.driver import (
     NOTHING_KNOWN,
+    describe_basis,
     describe_doubt,
     describe_driver,
     describe_source,
@@ -169,7 +170,7 @@ def test_the_table_of_regions_has_a_row_for_each_with_words():
     table = driver_venn_table(eight()).set_index("region")
     assert table["encounters"].tolist() == [1] * 9
     assert table.loc[DriverRegion.Y, "meaning"] == (
-        "Neither the driver nor X, but Y: where Y can save lives."
+        "Neither the driver nor X, but Y: only Y can warn."
     )
     # Y alone stands at 70 of 100 px, k = 1, for 0.1 s
     assert table.loc[DriverRegion.Y, "severity_x"] == pytest.approx(0.1 * 30 / 50)
@@ -341,7 +342,7 @@ def test_a_share_of_estimates_that_say_little_is_said_with_the_features():
     def source(record: EstimateRecord, n_outside: int) -> str:
         marked = boxes.assign(is_outside=np.arange(len(boxes)) < n_outside)
         dataset = replace(result.dataset, boxes=marked)
-        return describe_source(
+        return describe_basis(
             with_estimate(compare(dataset, Params(proximity="none")), record)
         ).replace("\xa0", " ")
 
@@ -365,7 +366,7 @@ def test_where_boxes_are_outside_the_training_but_no_encounter_is_that_is_said()
     result = result_of(make_dataset(truth))
     boxes = result.dataset.boxes
     outside = boxes.assign(is_outside=(boxes["detectability"] == 0.2).to_numpy())
-    text = describe_source(compare(replace(result.dataset, boxes=outside), result.params))
+    text = describe_basis(compare(replace(result.dataset, boxes=outside), result.params))
     assert text.replace("\xa0", " ").endswith(
         "Outside the range of the training are 1 of 2 values; such values decide none of 1 "
         "encounter."
@@ -376,13 +377,13 @@ def test_encounters_whose_largest_value_is_within_its_sd_of_the_threshold_are_op
     shares = (0.5, 0.55, 0.45, 0.8, 0.2)
     truth = [at(0, 50, track=i, detectability=share) for i, share in enumerate(shares)]
     bare = result_of(make_dataset(truth))
-    assert "is open" not in describe_source(bare)
+    assert "is open" not in describe_basis(bare)
     boxes = bare.dataset.boxes.assign(detectability_sd=0.1)
     result = compare(replace(bare.dataset, boxes=boxes), bare.params)
     assert (
-        "Whether the driver sees the pedestrian is open in at least 3 of 5 encounters, 1 of the 2 "
+        "Whether the driver sees the pedestrian is open in 3 of 5 encounters, 1 of the 2 "
         "not seen among them: the value that decides is within one standard deviation of 0.5."
-    ) in describe_source(result)
+    ) in describe_basis(result)
     assert encounters_table(result)["within_sd"].tolist() == [1, 1, 1, 0, 0]
     assert summary(result)["driver"]["within_sd"] == 3
 
@@ -399,7 +400,7 @@ def test_where_every_encounter_is_open_nothing_is_claimed_of_the_driver():
         "value that decides is within one standard deviation of 0.5."
     )
     assert alerts.endswith("the driver sees 2 of 2 encounters unaided.")  # no "redundant"
-    assert "is open" not in describe_source(result)  # said before
+    assert "is open" not in describe_basis(result)  # said before
     assert f"the driver: {doubt[0].lower()}{doubt[1:]}" in render_scorecard(result)
     one_known = compare(replace(bare.dataset, boxes=boxes.assign(detectability_sd=[0.1, 0.01])))
     assert not describe_doubt(one_known)
@@ -453,8 +454,22 @@ def test_of_a_pedestrian_who_is_not_seen_any_estimate_outside_the_training_decid
     for threshold, n in ((0.5, 1), (0.2, 0)):
         result = compare(replace(bare.dataset, boxes=boxes), bare.params)
         result = compare(result.dataset, replace(bare.params, driver_threshold=threshold))
-        assert f"such values decide {n or 'none'} of 1 encounter" in describe_source(result)
+        assert f"such values decide {n or 'none'} of 1 encounter" in describe_basis(result)
         assert encounters_table(result)["outside_training"].tolist() == [n]
+
+
+def test_how_many_encounters_estimates_for_adapted_eyes_decide_is_said():
+    bare = with_estimate(eight(unknown=0), EstimateRecord("m"))
+    boxes = bare.dataset.boxes
+    marked = boxes.assign(is_adapted=(boxes["detectability"] == 0.1).to_numpy())
+    result = compare(replace(bare.dataset, boxes=marked), bare.params)
+    assert (
+        "Estimates for adapted eyes, as no change from bright to dark is known before, decide 4 of "
+        "8 encounters."
+    ) in describe_driver(result)
+    assert encounters_table(result)["adapted_eyes"].tolist() == [0] * 4 + [1] * 4
+    assert summary(result)["driver"]["adapted"] == 4
+    assert "adapted eyes" not in " ".join(describe_driver(bare))
 
 
 def test_below_a_rule_of_the_gate_stands_why_nothing_is_claimed_and_what_is_open():
@@ -495,7 +510,7 @@ def test_without_a_standard_deviation_it_is_not_known_who_is_near_the_threshold(
     boxes = bare.dataset.boxes.assign(detectability_sd=[0.1, np.nan])
     result = compare(replace(bare.dataset, boxes=boxes), bare.params)
     assert encounters_table(result)["within_sd"].isna().tolist() == [False, True]
-    assert "open in at least 1 of 1 encounter:" in describe_source(result)
+    assert "open in at least 1 of 2 encounters:" in describe_basis(result)
 
 
 def test_detectability_of_none_of_the_frames_that_decide_is_said():
@@ -520,5 +535,5 @@ def test_estimates_outside_the_training_are_counted():
     result = eight(unknown=0)
     boxes = result.dataset.boxes.assign(is_outside=np.arange(len(result.dataset.boxes)) < 3)
     outside = compare(replace(result.dataset, boxes=boxes), Params(proximity="none"))
-    assert "such values decide 3 of 8 encounters." in describe_source(outside)
+    assert "such values decide 3 of 8 encounters." in describe_basis(outside)
     assert encounters_table(outside)["outside_training"].sum() == 3

@@ -11,6 +11,7 @@ from driver_trials import made_table
 
 from nvcore.driver.estimators import Search, Training, train_estimator
 from nvcore.report.driver import render_table, render_training
+from nvcore.wording import MOST_NAMED
 
 
 @pytest.fixture(scope="module")
@@ -38,6 +39,23 @@ def test_trials_say_who_took_them_and_what_is_odd(training: Training):
         .split(":")[0]
         .endswith(", some by a simulated observer")
     )
+
+
+def test_what_was_not_answered_and_what_lies_outside_is_counted(training: Training):
+    table = replace(training.table, n_unanswered=2, n_outside=1, picture_px=(960, 540))
+    lines = [line.replace("\xa0", " ") for line in render_table(table)]
+    assert "2 trials without an answer in time: learned from as not seen" in lines
+    said = "1 touch outside the picture of 960 x 540 px: are touch_x and touch_y in its pixels?"
+    assert said in lines
+    assert len(render_table(training.table)) == len(lines) - 2
+
+
+def test_where_most_subjects_are_odd_that_is_said_before_a_few_of_them(training: Training):
+    table = replace(training.table, subjects=training.table.subjects.assign(odd="never touches"))
+    first, *named, more = render_table(table)[2:]
+    assert first.startswith("20 of 20")
+    assert len(named) == MOST_NAMED
+    assert more == f"and {20 - MOST_NAMED} more (subjects.csv)"
 
 
 def test_where_nothing_was_learned_it_is_said(training: Training):

@@ -7,12 +7,15 @@ from typing import Final
 
 import streamlit as st
 
+from nvcore.driver.estimators.nested import LEAST_PEDESTRIANS
 from nvcore.errors import InputError
+from nvcore.inputs.driver.trials import LATE_S
 from nvcore.studies.detectability.records import DetectabilityStudy
 from nvcore.studies.detectability.tables import (
     about,
     boxes_table,
     participants_table,
+    progress,
     trials_table,
 )
 from ui.study import links, participant, setup
@@ -20,8 +23,12 @@ from ui.widgets.addresses import draw_addresses
 from ui.widgets.buttons import button
 from ui.widgets.choices import download_csv
 from ui.widgets.one_participant import draw_one_participant
-from ui.widgets.text import plain
+from ui.widgets.text import docs_link, plain
 
+COMMANDS: Final = """\
+nvcore driver features --images PICTURES --boxes boxes.csv --out features.csv
+nvcore driver train trials.csv --features features.csv --out driver.npz
+"""
 NEWS_S: Final = 5.0
 """Interval at which the progress is updated, seconds."""
 
@@ -75,6 +82,13 @@ def _conduct(study: DetectabilityStudy) -> None:
             key="study_about",
         )
     _draw_progress(study)
+    with st.expander("From the answers to an estimate"):
+        st.caption(
+            "Save trials and boxes. An estimator needs "
+            f"{LEAST_PEDESTRIANS} pedestrians or more at each time "
+            f"({docs_link('more', 'estimators', doc='driver')}); the page Driver takes it."
+        )
+        st.code(COMMANDS, language="sh")
     draw_one_participant(
         "Code of the participant",
         "study",
@@ -91,16 +105,17 @@ def _conduct(study: DetectabilityStudy) -> None:
 def _draw_progress(study: DetectabilityStudy) -> None:
     st.header("Progress")
     people = participants_table(links.store(), study)
+    so_far = progress(people)
     columns = st.columns(4)
-    columns[0].metric("participants", f"{len(people):,}")
-    is_done = people["n_answered"] == people["n_trials"]
-    columns[1].metric("have seen all pictures", f"{int(is_done.sum()):,}")
-    columns[2].metric("trials so far", f"{int(people['n_answered'].sum()):,}")
+    columns[0].metric("participants", f"{so_far.n_participants:,}")
+    columns[1].metric("have seen all pictures", f"{so_far.n_finished:,}")
+    columns[2].metric("trials so far", f"{so_far.n_trials:,}")
     columns[3].metric(
         "marked",
-        f"{int(people['n_marked'].sum()):,}",
-        help="More than 50 ms early or late, shown for more or less than asked, shown again after "
-        "a reload, or without an answer in time. They stay in the table, with what it was.",
+        f"{so_far.n_marked:,}",
+        help=f"More than {1000 * LATE_S:g} ms early or late, shown for more or less than asked, "
+        "shown again after a reload, never reported as shown, or without an answer in time. They "
+        "stay in the table, with the reason.",
     )
     if people.empty:
         st.caption("Nobody has joined yet. This is looked up every five seconds.")

@@ -142,7 +142,7 @@ def _next(study: DetectabilityStudy, store: DetectabilityStore, person: Particip
     if not person.has_practised and n_practised < study.settings.n_practice:
         _practise(study, store, person, n_practised)
     elif left:
-        _run(study, person, next([*run] for _, run in groupby(left, key=lambda one: one.run)))
+        _run(study, person, next([*run] for _, run in groupby(left, key=lambda trial: trial.run)))
     else:
         _thanks(study, person)
 
@@ -216,12 +216,16 @@ def _draw_instructions() -> None:
         "the pedestrian was, or press *Not seen*. By keyboard: arrow keys move a mark (with Shift "
         "in small steps), Enter takes its place, N is *not seen*. A second picture follows."
     )
+    st.markdown(
+        "**You may stop at any time:** press *Stop* at the edge on the lower right, or Esc. In the "
+        "dark the button is not to be seen, but it works at the same place."
+    )
 
 
 def _thanks(study: DetectabilityStudy, person: Participant) -> None:
     leave_screen(state.workspace())
     st.title("Thank you")
-    st.success(f"You have answered to all {len(person.plan)} pictures, and your answers are kept.")
+    st.success(f"You have answered all {len(person.plan)} pictures, and your answers are kept.")
     _draw_code(person)
     if button("Next participant", key="study_next"):
         enter(study.token)

@@ -8,6 +8,7 @@ from typing import Final
 
 import streamlit as st
 
+from nvcore.driver.estimators.nested import LEAST_PEDESTRIANS
 from nvcore.errors import InputError
 from nvcore.studies.detectability.pictures import BOXES_FILE, StudyPicture, read_pictures
 from nvcore.studies.detectability.plan import duration_s, plan_trials
@@ -15,6 +16,7 @@ from nvcore.studies.detectability.settings import (
     ADAPTATION_S,
     CONSENT,
     DESIGNS,
+    LONGEST_S,
     Facts,
     StudySettings,
     Timing,
@@ -46,6 +48,8 @@ TIMES: Final = {
     "answer_s": "Answer (0: no limit)",
     "again_s": "Cross before the second picture",
 }
+MOST_TIMES_TEXT: Final = 200
+"""Characters of the field for the times after the change of light."""
 FACTS: Final = {
     "screen_inch": "Diagonal of the screen, inches",
     "distance_cm": "Eyes to screen, cm",
@@ -61,17 +65,22 @@ def draw() -> None:
     if folder is None:
         return
     try:
-        pictures = _pictures(folder)
         settings = _draw_settings()
+        pictures = _pictures(folder)
         _draw_length(pictures, settings)
-        ready = settings
+        if len(pictures) < LEAST_PEDESTRIANS:
+            st.warning(
+                f"Too few for an estimator, which needs {LEAST_PEDESTRIANS} pedestrians or more at "
+                "each time: good for a try.",
+                icon=":material/warning:",
+            )
     except InputError as error:
         st.error(shown_error(error))
         return
     st.info(LIMITS, icon=":material/info:")
     if button("Start the study", type="primary", key="study_start"):
         try:
-            study = links.store().begin(ready, pictures, folder=folder)
+            study = links.store().begin(settings, pictures, folder=folder)
         except InputError as error:
             st.error(shown_error(error))
             return
@@ -115,7 +124,7 @@ def _pictures(name: str) -> tuple[StudyPicture, ...]:
 
 def _draw_settings() -> StudySettings:
     design = choose_side_by_side("Design", DESIGNS, "study_design", default="latin")
-    timing = _draw_timing()
+    times_text, parts_s = _draw_timing()
     with st.expander("Screen, distance and light, as measured"):
         st.caption(
             "They are kept with the answers; what is not known stays empty. A lux meter at the eye "
@@ -126,7 +135,7 @@ def _draw_settings() -> StudySettings:
             name: column.number_input(label, min_value=0.1, value=None, key=f"study_{name}")
             for (name, label), column in zip(FACTS.items(), columns, strict=True)
         }
-        facts = Facts(**{k: math.nan if v is None else float(v) for k, v in values.items()})
+        facts = {k: math.nan if v is None else float(v) for k, v in values.items()}
     with st.expander("Consent, form, and how long answers are kept"):
         consent = ask_consent(CONSENT, "study")
         questions = st.text_area(
@@ -135,10 +144,11 @@ def _draw_settings() -> StudySettings:
             max_chars=MOST_TEXT,
         )
         keep_days = ask_days("Days until the study is deleted with all answers", "study")
+    # last: what is refused would take all fields below it off the page, with what was entered
     return StudySettings(
         design=design,
-        timing=timing,
-        facts=facts,
+        timing=Timing(adaptation_s=_times(times_text), **parts_s),
+        facts=Facts(**facts),
         consent=consent,
         questions=tuple(line.strip() for line in questions.splitlines() if line.strip()),
         n_practice=int(st.session_state.get("study_n_practice", 1)),
@@ -146,7 +156,8 @@ def _draw_settings() -> StudySettings:
     )
 
 
-def _draw_timing() -> Timing:
+def _draw_timing() -> tuple[str, dict[str, float]]:
+    """The times after the change of light as entered, and how long each part of a run lasts."""
     with st.expander("Times"):
         st.caption(
             "A run shows its first picture at one of the first half of these times, its second at "
@@ -156,6 +167,7 @@ def _draw_timing() -> Timing:
             "Seconds from dark to each picture",
             ", ".join(f"{time_s:g}" for time_s in ADAPTATION_S),
             key="study_adaptation_s",
+            max_chars=MOST_TIMES_TEXT,
             width=420,
         )
         usual = Timing()
@@ -164,7 +176,7 @@ def _draw_timing() -> Timing:
             name: column.number_input(
                 f"{label}, s",
                 min_value=0.0,
-                max_value=600.0,
+                max_value=LONGEST_S,
                 value=float(getattr(usual, name)),
                 step=0.1,
                 format="%g",
@@ -175,7 +187,7 @@ def _draw_timing() -> Timing:
         st.number_input(
             "Practice runs", min_value=0, max_value=10, value=1, key="study_n_practice", width=200
         )
-    return Timing(adaptation_s=_times(text), **{k: float(v) for k, v in values.items()})
+    return text, {name: float(value) for name, value in values.items()}
 
 
 def _times(text: str) -> tuple[float, ...]:

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
+from nvcore.driver.shapes import rows_of
+from nvcore.errors import ParameterError
 
 Kernel = Literal["linear", "rbf"]
 KERNELS: Final[tuple[Kernel, ...]] = ("linear", "rbf")
@@ -155,8 +157,7 @@ class Estimates:
     outside
         Which features are outside the range of the training, bool, shape (n, 8).
     period_s
-        The adaptation period whose estimator was taken, float64, shape (n,); NaN: the single one,
-        or between two.
+        The adaptation period whose estimator was taken, float64, shape (n,); NaN: between two.
     """
 
     detectability: NDArray[np.float64]
@@ -276,15 +277,27 @@ class Estimator:
         Parameters
         ----------
         features
-            The eight in their order, float64, shape (n, 8); NaN: undefined.
+            The eight in their order, float64, shape (n, 8), or (8,) of one pedestrian; NaN:
+            undefined.
         period_s
             Seconds since the last change from bright to dark, shape (n,), or one for all.
         interpolate
             Whether the estimates (and uncertainties) of the periods before and after are
             interpolated linearly.
+
+        Raises
+        ------
+        ParameterError
+            If features or periods are of another shape, or a feature is infinite.
         """
-        features = np.asarray(features, dtype=np.float64).reshape(-1, N_FEATURES)
-        period = np.broadcast_to(np.asarray(period_s, np.float64), len(features))
+        features = rows_of(np.atleast_2d(features), N_FEATURES, "features")
+        period = np.asarray(period_s, np.float64)
+        if period.shape not in ((), (len(features),)):
+            raise ParameterError(
+                f"period_s: expected one number, or one for each of {len(features)} rows, found "
+                f"the shape {period.shape}"
+            )
+        period = np.broadcast_to(period, len(features))
         below, above, share = self._regression_rows(period, interpolate=interpolate)
         parts = [self._of_periods(features, index) for index in (below, above)]
         (first, sd, outside), (second, second_sd, second_outside) = parts
@@ -296,13 +309,6 @@ class Estimator:
             outside | (is_between[:, None] & second_outside),
             np.where(is_between, np.nan, self.periods_s[below]),
         )
-
-    def estimate_single(self, features: NDArray[np.float64]) -> Estimates:
-        """Detectability of pedestrians, float64 features (n, 8), by the one estimator for all."""
-        features = np.asarray(features, dtype=np.float64).reshape(-1, N_FEATURES)
-        last = np.full(len(features), len(self.periods_s))
-        detectability, sd, outside = self._of_periods(features, last)
-        return Estimates(detectability, sd, outside, np.full(len(features), np.nan))
 
     def regression_rows(self, period_s: float, *, interpolate: bool) -> list[int]:
         """Rows of the regressions that `estimate` takes at a period, ascending: one, or two."""

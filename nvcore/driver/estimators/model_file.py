@@ -24,6 +24,7 @@ from nvcore.driver.estimators.model import (
 from nvcore.driver.feature_record import picture_px_from_json, settings_from_json
 from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
 from nvcore.errors import EstimatorError
+from nvcore.inputs.driver.picture_boxes import LARGEST
 from nvcore.output import arrays as archives
 from nvcore.output.arrays import BadArchiveError, Kinds
 from nvcore.output.files import write_whole
@@ -39,6 +40,24 @@ SAMPLE_NAME: Final = "sample"
 """What that one is called where a file is asked for."""
 _WHAT: Final = "an estimator that nvcore driver train wrote"
 _MOST: Final = {"periods": 1000, "regressions": 1001, "vectors": 200_000}
+_RANGES: Final = {
+    "periods_s": (0.0, 3660.0),  # of trials and the display of a picture
+    "centre": (-LARGEST, LARGEST),
+    "low": (-LARGEST, LARGEST),
+    "high": (-LARGEST, LARGEST),
+    "cost": (0.0, 1000.0),
+    "epsilon": (0.0, 1.0),
+    "gamma": (0.0, 1000.0),
+    "offset": (-LARGEST, LARGEST),
+    "vectors": (-1000.0, 1000.0),  # standard deviations: the root of a million rows
+    "n_rows": (1, 1_000_000),
+    "error": (0.0, 1.0),
+    "constant": (0.0, 1.0),
+    "constant_error": (0.0, 1.0),
+}
+"""What training can write, or more: within them nothing that is computed is infinite."""
+_SCALE: Final = (1e-12, LARGEST)
+_ROUNDING: Final = 1e-9
 _ARRAYS: Final[Kinds] = {
     "periods_s": ("<f8", ("periods",)),
     "is_used": ("|u1", ("regressions", N_FEATURES)),
@@ -201,7 +220,7 @@ def _checked(about: Mapping[str, Any], arrays: dict[str, NDArray[Any]]) -> Estim
     archives.check_name(about, "name", LONGEST_NAME)
     if tuple(about["features"]) != FEATURE_KEYS:
         raise BadArchiveError("features: expected those of this program; train the model again")
-    archives.check_lengths(arrays, _ARRAYS, _MOST)
+    archives.check_lengths(arrays, _ARRAYS, _MOST, may_be_empty=("vectors",))
     _check_values(arrays)
     n_regressions = len(arrays["offset"])
     return Estimator(
@@ -232,9 +251,28 @@ def _check_values(arrays: Mapping[str, NDArray[Any]]) -> None:
         raise BadArchiveError("scale: expected numbers above 0")
     if arrays["kernel"].max() >= len(KERNELS):
         raise BadArchiveError("kernel: expected 0 or 1")
-    for name in (*_OF_SETTINGS, "n_rows", "error", "constant_error"):
-        if arrays[name].min() < 0:
-            raise BadArchiveError(f"{name}: expected 0 or more")
+    for name, limits in _RANGES.items():
+        _check_range(name, arrays[name].ravel(), *limits)
+    _check_range("scale", arrays["scale"][is_used == 1], *_SCALE)
+    _check_relations(arrays)
+
+
+def _check_range(name: str, values: NDArray[Any], low: float, high: float) -> None:
+    is_wrong = (values < low) | (values > high)
+    if is_wrong.any():
+        found = values[is_wrong.argmax()]
+        raise BadArchiveError(f"{name}: expected {low:g} to {high:g}, found {found:g}")
+
+
+def _check_relations(arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Refuse numbers that no training gives beside each other."""
+    centre = arrays["centre"]
+    slack = _ROUNDING * np.maximum(np.abs(centre), 1.0)
+    if (arrays["low"] > centre + slack).any() or (arrays["high"] < centre - slack).any():
+        raise BadArchiveError("low, centre, high: expected them in this order")
+    most = np.repeat(arrays["cost"], np.diff(arrays["vector_ends"], prepend=0))
+    if (np.abs(arrays["weights"]) > most * (1 + _ROUNDING)).any():
+        raise BadArchiveError("weights: expected no more than the cost, without the sign")
 
 
 def _regression(arrays: Mapping[str, NDArray[Any]], row: int) -> Regression:

@@ -25,6 +25,8 @@ from nvcore.wording import count_text, listed, percent
 
 LEAST_PEDESTRIANS: Final = 8
 """Fewest at each period: with fewer there is nothing to choose by."""
+LEAST_TRAINED: Final = 2
+"""Fewest at each period where a fold is left out: one to learn from, one to choose by."""
 MOST_LACKING: Final = 0.1
 """A feature that is undefined for a larger share of the pedestrians is not used."""
 
@@ -49,6 +51,8 @@ class Samples:
         Adaptation periods, ascending, float64, shape (p,).
     notes
         What was left out, as sentences without a full stop.
+    trials_file
+        What the table was read from, for errors.
     """
 
     features: NDArray[np.float64]
@@ -58,6 +62,7 @@ class Samples:
     row: NDArray[np.int64]
     periods_s: NDArray[np.float64]
     notes: tuple[str, ...]
+    trials_file: Path | None = None
 
     def __len__(self) -> int:
         return len(self.target)
@@ -103,6 +108,7 @@ def samples_of(table: TrainingTable) -> Samples:
         row=np.flatnonzero(is_whole),
         periods_s=periods_s.astype(np.float64),
         notes=_notes(is_known, group, is_whole),
+        trials_file=table.trials_file,
     )
 
 
@@ -216,10 +222,13 @@ def out_of_fold(
 
     Raises
     ------
+    InputError
+        If a period has fewer than two pedestrians beside those of a fold.
     CancelledError
         If `progress` raises it.
     """
     numbers = np.unique(fold).tolist()
+    _refuse_too_few(samples, fold)
     by_fold = [
         _parts_of(samples, fold != number, fold == number, has_pairs=has_pairs)
         for number in numbers
@@ -252,6 +261,24 @@ def out_of_fold(
             result.constant[part.test] = mean
             result.pairs[part.test] = outcome.pairs
     return result
+
+
+def _refuse_too_few(samples: Samples, fold: NDArray[np.int64]) -> None:
+    """Refuse folds without which a period has nothing to learn from."""
+    pedestrians = pd.DataFrame(
+        {"period": samples.period, "fold": fold, "group": samples.group}
+    ).drop_duplicates()
+    counts = pd.crosstab(pedestrians["period"], pedestrians["fold"]).to_numpy()
+    left = counts.sum(axis=1) - counts.max(axis=1)
+    number = int(left.argmin())
+    if left[number] < LEAST_TRAINED:
+        raise InputError(
+            f"at the period of {samples.periods_s[number]:g} s "
+            f"{count_text(int(left[number]), 'pedestrian is', 'pedestrians are')} left to learn "
+            f"from when those of one fold are left out; {LEAST_TRAINED} are needed: show more "
+            "pedestrians at that period, or draw the folds anew (seed)",
+            file=samples.trials_file,
+        )
 
 
 def _parts_of(

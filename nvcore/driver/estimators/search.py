@@ -202,6 +202,7 @@ def choose(
     sets = feature_sets(np.isfinite(features.sum(axis=0)))
     drawn = draw_settings(search)
     fold = folds_of(groups, search.n_folds, search.seed)
+    assert fold.max() > 0, "a single pedestrian leaves nothing to choose by"
     squares = np.zeros((len(sets), len(drawn)))
     for number in range(int(fold.max()) + 1):
         test = fold == number

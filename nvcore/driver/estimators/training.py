@@ -81,7 +81,7 @@ def train_estimator(
     Raises
     ------
     InputError
-        If there is too little to learn.
+        If there is too little to learn, at all or at a period without one of the folds.
     MissingExtraError
         If the extra ``driver`` is not installed.
     CancelledError

@@ -40,7 +40,8 @@ def errors_table(evaluation: Evaluation) -> pd.DataFrame:
 
     Returns
     -------
-    ``period_s`` (NaN: the mean over the periods), ``n`` pedestrians, ``switched`` (the estimator of
+    ``period_s`` (NaN: the mean over the periods), ``n`` pedestrians (at the period; last, at any),
+    ``switched`` (the estimator of
     the period), ``single`` (that for all), ``constant`` (the mean of the training's targets at the
     period), ``sampling`` (what even the true probabilities would err by, since a few subjects stand
     for all: the mean of d (1 - d) / (n - 1) with detectability d of n subjects; NaN where there is
@@ -66,7 +67,7 @@ def errors_table(evaluation: Evaluation) -> pd.DataFrame:
     )
     is_same = len(table) == len(published.PERIODS_S) and bool(of_paper.notna().all(axis=None))
     mean = table.drop(columns=["period_s", "n"]).mean(skipna=False).to_dict()
-    last = {"period_s": np.nan, "n": int(table["n"].sum()), **mean}
+    last = {"period_s": np.nan, "n": len(np.unique(samples.group)), **mean}
     table = pd.concat([table, pd.DataFrame([last])], ignore_index=True)
     table["published_single_printed"] = np.nan
     if is_same:
@@ -187,7 +188,9 @@ def periods_table(evaluation: Evaluation) -> pd.DataFrame:
 def histograms_table(evaluation: Evaluation) -> pd.DataFrame:
     """How many pedestrians have which detectability, at each period.
 
-    With up to ten subjects a bar for each value that there can be, else eleven: 0, 0.1 to 1.
+    With up to ten subjects a bar for each value that there can be, else eleven: 0, 0.1 to 1. What
+    counts are the most subjects that responded to one pedestrian; where fewer did, the share is
+    counted in the nearest bar.
 
     Returns
     -------

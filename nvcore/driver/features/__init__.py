@@ -16,6 +16,7 @@ with needs("driver", "features of pictures need"):
     from nvcore.driver.features.registry import FEATURE_KEYS, FEATURES, Feature
     from nvcore.driver.features.settings import FeatureSettings
     from nvcore.driver.features.view import view_of
+    from nvcore.driver.shapes import check_picture
     from nvcore.pictures import Picture
 
 __all__ = ["FEATURES", "FEATURE_KEYS", "Feature", "FeatureSettings", "features_of"]
@@ -48,6 +49,11 @@ def features_of(
     a grey picture, all but the sizes of a box without a pixel, contrasts where the picture ends
     with the box, and everything of a box outside the picture.
 
+    Raises
+    ------
+    ParameterError
+        If the picture has no pixel, or anything is of another shape or type.
+
     Examples
     --------
     >>> picture = np.zeros((100, 100), np.uint8)
@@ -56,6 +62,6 @@ def features_of(
     ... # doctest: +ELLIPSIS, +NORMALIZE_WHITESPACE
     {'width_px': 20.0, 'height_px': 40.0, 'luminance_sd': 0.0, 'luminance_contrast': 50.0, ...}
     """
-    assert picture.dtype == np.uint8, picture.dtype
+    check_picture(picture)
     view = view_of(picture, boxes, fixation, settings or FeatureSettings())
     return np.stack([feature.of(view) for feature in FEATURES], axis=1)

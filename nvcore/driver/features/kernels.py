@@ -78,11 +78,11 @@ def light_sums(padded, inner, outer, count, luminance, squares, edges):
                     fourth_sum += np.float64(strength[i + 3])
                 for i in range(whole, n):
                     first_sum += np.float64(strength[i])
-                of = PEDESTRIAN if part == 1 else SURROUND
-                count[box, of] += n
-                luminance[box, of] += total
-                squares[box, of] += square
-                edges[box, of] += (first_sum + second_sum) + (third_sum + fourth_sum)
+                region = PEDESTRIAN if part == 1 else SURROUND
+                count[box, region] += n
+                luminance[box, region] += total
+                squares[box, region] += square
+                edges[box, region] += (first_sum + second_sum) + (third_sum + fourth_sum)
 
 
 @compiled
@@ -107,7 +107,6 @@ def colour_sums(picture, inner, outer, shift, linear, to_place, lines, curved, h
     xr, xg, xb = to_place[0]
     yr, yg, yb = to_place[1]
     zr, zg, zb = to_place[2]
-    one = 1
     # two in turn, and a count for each value: neighbours are much alike, and would wait for each
     # other's count
     counts = np.zeros((2, 2, 3, 256), np.int32)
@@ -119,15 +118,15 @@ def colour_sums(picture, inner, outer, shift, linear, to_place, lines, curved, h
                 n = last - first
                 if n <= 0:
                     continue
-                of = PEDESTRIAN if part == 1 else SURROUND
+                region = PEDESTRIAN if part == 1 else SURROUND
                 row = picture[y, first:last]
                 sum_x, sum_y, sum_z = 0.0, 0.0, 0.0
                 for i in range(n):
-                    turn = i & one
+                    turn = i & 1
                     red, green, blue = row[i, 0], row[i, 1], row[i, 2]
-                    counts[turn, of, 0, red] += 1
-                    counts[turn, of, 1, green] += 1
-                    counts[turn, of, 2, blue] += 1
+                    counts[turn, region, 0, red] += 1
+                    counts[turn, region, 1, green] += 1
+                    counts[turn, region, 2, blue] += 1
                     r, g, b = linear[red], linear[green], linear[blue]
                     place = xr * r + xg * g + xb * b
                     step = np.uint64(np.int32(place))
@@ -138,11 +137,11 @@ def colour_sums(picture, inner, outer, shift, linear, to_place, lines, curved, h
                     place = zr * r + zg * g + zb * b
                     step = np.uint64(np.int32(place))
                     sum_z += lines[step, 0] + place * lines[step, 1]
-                curved[box, of, 0] += sum_x
-                curved[box, of, 1] += sum_y
-                curved[box, of, 2] += sum_z
-        for of in range(2):
+                curved[box, region, 0] += sum_x
+                curved[box, region, 1] += sum_y
+                curved[box, region, 2] += sum_z
+        for region in range(2):
             for channel in range(3):
                 for value in range(256):
-                    pixels = counts[0, of, channel, value] + counts[1, of, channel, value]
-                    histogram[box, of, channel, value >> shift] += pixels
+                    pixels = counts[0, region, channel, value] + counts[1, region, channel, value]
+                    histogram[box, region, channel, value >> shift] += pixels

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from nvcore.driver.shapes import rows_of
+
 
 @dataclass(frozen=True)
 class Regions:
@@ -42,8 +44,13 @@ def regions_of(boxes: NDArray[np.float64], width: int, height: int, surround: fl
         Of the picture.
     surround
         Sides of the rectangle around a box, as a multiple of the box's.
+
+    Raises
+    ------
+    ParameterError
+        If the boxes are of another shape.
     """
-    x, y, w, h = np.asarray(boxes, np.float64).reshape(-1, 4).T
+    x, y, w, h = rows_of(boxes, 4, "boxes").T
     left, top = np.clip(x, 0, width), np.clip(y, 0, height)
     right, bottom = np.clip(x + w, 0, width), np.clip(y + h, 0, height)
     box = np.stack([left, top, right - left, bottom - top], axis=1)

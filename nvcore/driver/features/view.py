@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from nvcore.driver.features import colour, kernels
 from nvcore.driver.features.regions import Regions, regions_of
 from nvcore.driver.features.settings import COLOUR_BINS, FeatureSettings
+from nvcore.driver.shapes import rows_of
 from nvcore.driver.srgb import LINEAR
+from nvcore.errors import ParameterError
 from nvcore.pictures import Picture
 
 _SHIFT: Final = 8 - (COLOUR_BINS - 1).bit_length()
@@ -59,28 +61,23 @@ class View:
         padded = cv2.copyMakeBorder(luminance_of(self.picture), 1, 1, 1, 1, cv2.BORDER_REPLICATE)
         kernels.light_sums(padded, self.regions.inner, self.regions.outer, *sums)
         count, *others = sums
-        return count, *(_mean(total, count) for total in others)
-
-    @property
-    def n_pixels(self) -> NDArray[np.float64]:
-        """Pixels of both regions, (n, 2)."""
-        return self._light[0]
+        return tuple(_mean(total, count) for total in others)
 
     @property
     def luminance(self) -> NDArray[np.float64]:
         """Mean 8-bit luminance of both regions, (n, 2)."""
-        return self._light[1]
+        return self._light[0]
 
     @property
     def luminance_variance(self) -> NDArray[np.float64]:
         """Variance of the 8-bit luminance in both regions, divided by their pixels, (n, 2)."""
-        variance: NDArray[np.float64] = np.maximum(self._light[2] - self.luminance**2, 0)
+        variance: NDArray[np.float64] = np.maximum(self._light[1] - self.luminance**2, 0)
         return variance
 
     @property
     def edge_strength(self) -> NDArray[np.float64]:
         """Mean length of the Sobel gradient (3 x 3, not normalised) in both regions, (n, 2)."""
-        return self._light[3]
+        return self._light[2]
 
     @cached_property
     def _colour(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -121,11 +118,23 @@ def view_of(
     fixation: NDArray[np.float64] | tuple[float, float] | None,
     settings: FeatureSettings,
 ) -> View:
-    """The view of a picture; see `nvcore.driver.features.features_of`."""
+    """The view of a picture; see `nvcore.driver.features.features_of`.
+
+    Raises
+    ------
+    ParameterError
+        If boxes or fixation are of another shape.
+    """
     height, width = picture.shape[:2]
     regions = regions_of(boxes, width, height, settings.surround)
     at = (np.nan, np.nan) if fixation is None else fixation
-    points = np.broadcast_to(np.asarray(at, np.float64), (len(regions), 2))
+    one_or_each = rows_of(np.atleast_2d(np.asarray(at, np.float64)), 2, "fixation")
+    if len(one_or_each) not in (1, len(regions)):
+        raise ParameterError(
+            f"fixation: expected one point, or one for each of {len(regions)} boxes, found "
+            f"{len(one_or_each)}"
+        )
+    points = np.broadcast_to(one_or_each, (len(regions), 2))
     return View(np.ascontiguousarray(picture), regions, points, settings)
 
 
@@ -143,7 +152,7 @@ def has_colour(picture: Picture) -> bool:
     return any(
         int(cv2.absdiff(*(cv2.extractChannel(part, i) for i in pair)).max()) > GREY_LEVELS
         for part in (np.ascontiguousarray(picture[::_SPARSE]), picture)
-        for pair in ((0, 2), (0, 1))
+        for pair in ((0, 2), (0, 1), (1, 2))
     )
 
 

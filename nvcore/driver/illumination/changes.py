@@ -10,11 +10,11 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from nvcore.driver.illumination.kernels import find_changes
-from nvcore.driver.illumination.meter import PICTURE_LEAST, Light, LightSource
+from nvcore.driver.illumination.meter import PICTURE_LEAST, SAME_S, Light, LightSource
 from nvcore.driver.illumination.settings import LightSettings
 
-SAME_S: Final = 1e-6
-"""Times closer than this are the same: they differ by rounding alone."""
+_APART_S: Final = 1000.0
+"""Added to the length of each gap for windows over readings: more than any is wide."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,8 @@ class Changes:
     start_s
         When it had become dark, seconds from frame 0, float64, ascending, shape (n,).
     end_s
-        When the light was back; NaN: not before the next change, or not at all.
+        When the light was back; NaN: not before the next change, not before the readings end or
+        have a gap, or not at all.
     """
 
     start_s: NDArray[np.float64]
@@ -39,8 +40,9 @@ class Changes:
         """Seconds since the last change at these times, float64, shape (n,).
 
         NaN until the first, and after the light is back until the next: the eyes are then adapted,
-        as far as is known. The moment of a change still belongs to what was before it: a frame
-        that ends there lies wholly before.
+        as far as is known. That readings end, or have a gap, is for
+        `nvcore.driver.illumination.clock.adaptation_clock` to know. The moment of a change still
+        belongs to what was before it: a frame that ends there lies wholly before.
         """
         time_s = np.asarray(time_s, np.float64)
         last = np.searchsorted(self.start_s, time_s - SAME_S, side="left") - 1
@@ -61,13 +63,33 @@ def changes_of(light: Light, settings: LightSettings) -> Changes:
 
     Readings are smoothed by a running median. It has become dark where the light is below what it
     was by the factor: the most that it had been for `bright_for_s` without a break, up to
-    `within_s` ago. The light is back where it rises by the factor above the darkest since, and
-    stays so for `bright_for_s`.
+    `within_s` ago, or at the reading before where that is longer ago. The light is back where it
+    rises by the factor above the darkest since, and stays so for `bright_for_s`.
 
     Flicker is taken out by the median, and by the least of `bright_for_s`. A tunnel entered is a
     change, a tunnel left is none and ends the adaptation. An oncoming lamp neither begins nor ends
-    one, unless it shines for longer than `bright_for_s`. The first `bright_for_s` of the readings
-    are needed to know what the eye is adapted to.
+    one, unless it shines for longer than `bright_for_s`. The first `bright_for_s` of the readings,
+    and of those after a gap, are needed to know what the eye is adapted to.
+
+    Parameters
+    ----------
+    light
+        Readings of a light meter, or of pictures: each has its own factor and least level.
+    settings
+        What counts as a change.
+
+    Returns
+    -------
+    Changes, ascending; none without readings.
+
+    Examples
+    --------
+    Four seconds of 1,000 lx, then 10 lx for three:
+
+    >>> time_s = np.arange(0, 7, 0.1)
+    >>> light = Light(time_s, np.where(time_s < 3.95, 1000.0, 10.0))
+    >>> changes_of(light, LightSettings()).start_s.round(3).tolist()
+    [4.0]
     """
     if not len(light.time_s):
         return NO_CHANGES
@@ -78,7 +100,8 @@ def changes_of(light: Light, settings: LightSettings) -> Changes:
     n_changes = find_changes(
         light.time_s,
         level,
-        _held(light.time_s, level, settings.bright_for_s),
+        _held(light, level, settings.bright_for_s),
+        light.is_first,
         settings.drop_factor if is_meter else settings.picture_drop_factor,
         settings.within_s,
         settings.bright_for_s,
@@ -93,22 +116,25 @@ def _smooth(light: Light, width_s: float) -> NDArray[np.float64]:
     """Median of the readings at most half a width away."""
     if width_s <= 0:
         return light.level
-    times = pd.to_timedelta(light.time_s - light.time_s[0], unit="s")
+    times = pd.to_timedelta(_passed_s(light), unit="s")
     window = pd.Series(light.level, index=times).rolling(
         pd.Timedelta(seconds=width_s), center=True, closed="both"
     )
     return window.median().to_numpy()
 
 
-def _held(
-    time_s: NDArray[np.float64], level: NDArray[np.float64], width_s: float
-) -> NDArray[np.float64]:
-    """Least level of the last seconds; NaN where the readings began later."""
+def _passed_s(light: Light) -> NDArray[np.float64]:
+    """Seconds since the first reading, with gaps so long that no window reaches over one."""
+    passed: NDArray[np.float64] = light.time_s - light.time_s[0]
+    return passed + _APART_S * (np.cumsum(light.is_first) - 1)
+
+
+def _held(light: Light, level: NDArray[np.float64], width_s: float) -> NDArray[np.float64]:
+    """Least level of the last seconds; NaN where the readings, or their stretch, began later."""
     if width_s <= 0:
         return level
-    passed = time_s - time_s[0]
-    window = pd.Series(level, index=pd.to_timedelta(passed, unit="s")).rolling(
+    window = pd.Series(level, index=pd.to_timedelta(_passed_s(light), unit="s")).rolling(
         pd.Timedelta(seconds=width_s), closed="both"
     )
-    is_known = passed >= width_s * (1 - 1e-9)
+    is_known = light.time_s - light.since_s(light.time_s) >= width_s * (1 - 1e-9)
     return np.where(is_known, window.min().to_numpy(), np.nan)

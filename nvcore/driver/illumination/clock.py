@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.driver.illumination.changes import SAME_S, Changes, changes_of
-from nvcore.driver.illumination.meter import Light, LightSource
+from nvcore.driver.illumination.changes import Changes, changes_of
+from nvcore.driver.illumination.meter import SAME_S, Light, LightSource
 from nvcore.driver.illumination.settings import LightSettings
 
 
@@ -22,13 +22,14 @@ class AdaptationClock:
         When each frame begins, seconds from the first of them, float64, shape (n,): the times of
         the dataset's frames.
     level
-        Last reading then, in the unit of the source (`LIGHT_UNIT`), float64, shape (n,); NaN: none.
+        Last reading then, in the unit of the source (`LIGHT_UNIT`), float64, shape (n,); NaN:
+        none, or in a gap of the readings (`Light`).
     period_s
         Seconds from the last change from bright to dark to the end of the frame, float64, shape
         (n,). NaN: the eyes are adapted, or it is not known.
     is_known
         Whether a change would be known, bool, shape (n,): not before there were readings for long
-        enough, nor after they have ended.
+        enough without a gap, nor after they have ended.
     change_s
         When it became dark, on the same axis as `time_s`, float64, ascending.
     source
@@ -73,9 +74,11 @@ def adaptation_clock(
     settings = settings or LightSettings()
     changes = changes_of(light, settings)
     begin_s, end_s = frame / fps, (frame + 1) / fps
-    period_s = np.where(begin_s <= light.end_s, changes.period_s(end_s), np.nan)
-    known_from_s = light.time_s[0] + settings.bright_for_s if len(light.time_s) else np.inf
-    is_in_time = (begin_s >= known_from_s - SAME_S) & (begin_s <= light.end_s)
+    since_s = light.since_s(begin_s)
+    period_s = changes.period_s(end_s)
+    # what was before a gap may have ended in it
+    period_s = np.where(end_s - period_s >= since_s, period_s, np.nan)
+    is_in_time = begin_s >= since_s + settings.bright_for_s - SAME_S
     first_s = begin_s[0] if len(frame) else 0.0
     return AdaptationClock(
         _from_first(frame, fps),

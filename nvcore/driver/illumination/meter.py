@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cached_property
 from pathlib import Path
 from typing import Final
 
@@ -24,7 +25,13 @@ from nvcore.inputs.readers.parse.table import read_table
 
 LIGHT_COLUMNS: Final = ("time_s", "lux")
 LEAST_HELD_S: Final = 1.0
-"""So long the last reading holds at least."""
+"""So long a reading holds at least."""
+MOST_LATE: Final = 2.0
+"""A reading that comes later than so many median steps leaves a gap: one may be lost; ours."""
+LONGEST_S: Final = 1e8
+"""Of times: what is larger is no time of a recording."""
+SAME_S: Final = 1e-6
+"""Times closer than this are the same: they differ by rounding alone."""
 PICTURE_LEAST: Final = 0.002
 """Mean luminance (share of the greatest) below which a picture counts as that dark."""
 _STEP: Final = 4
@@ -48,6 +55,11 @@ LIGHT_UNIT: Final = {
 class Light:
     """How bright it was.
 
+    A reading holds until the next, but for a second at the most, or as long as readings are apart
+    (the median) where that is more. Readings that are further apart leave a *gap*, in which the
+    light is not known; where they are more than a second apart as a rule, each may come late by as
+    much again. Between gaps there is a *stretch* of readings.
+
     Attributes
     ----------
     time_s
@@ -62,22 +74,62 @@ class Light:
     level: NDArray[np.float64]
     source: LightSource = LightSource.METER
 
+    @cached_property
+    def step_s(self) -> float:
+        """How far apart readings are, seconds: the median; 0 for a single one."""
+        return float(np.median(np.diff(self.time_s))) if len(self.time_s) > 1 else 0.0
+
+    @property
+    def held_s(self) -> float:
+        """How long a reading holds that none follows, seconds."""
+        return max(self.step_s, LEAST_HELD_S)
+
     @property
     def end_s(self) -> float:
-        """Until when the last reading holds: as others do, at least a second; -inf without any."""
-        if not len(self.time_s):
-            return -math.inf
-        steps = np.diff(self.time_s)
-        return float(self.time_s[-1] + max(np.median(steps) if len(steps) else 0.0, LEAST_HELD_S))
+        """Until when the last reading holds; -inf without any."""
+        return float(self.time_s[-1]) + self.held_s if len(self.time_s) else -math.inf
+
+    @cached_property
+    def is_first(self) -> NDArray[np.bool_]:
+        """Readings with which a stretch begins, bool, shape (n,); the first does."""
+        longest_s = max(MOST_LATE * self.step_s, LEAST_HELD_S) + SAME_S
+        return np.diff(self.time_s, prepend=-np.inf) > longest_s
+
+    @property
+    def gaps_s(self) -> NDArray[np.float64]:
+        """Times of the readings before and after each gap, float64, shape (n gaps, 2)."""
+        after = np.flatnonzero(self.is_first[1:]) + 1
+        return np.stack([self.time_s[after - 1], self.time_s[after]], axis=1)
 
     def at(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
         """The last reading at or before each time, float64, shape (n,).
 
-        NaN before the first, and after `end_s`.
+        NaN before the first, in gaps, and after `end_s`.
         """
+        return np.where(np.isnan(self.since_s(time_s)), np.nan, self._last(self.level, time_s))
+
+    def since_s(self, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Since when there have been readings without a gap, seconds, float64, shape (n,).
+
+        The first reading of the stretch in which each time lies; NaN where there is none.
+        """
+        is_last = np.append(self.is_first[1:], True)[: len(self.time_s)]
+        held_until_s = np.where(is_last, self.time_s + self.held_s, np.inf)
+        begin_s = self.time_s[np.maximum.accumulate(self._rows * self.is_first)]
+        is_held = np.asarray(time_s) <= self._last(held_until_s, time_s)
+        return np.where(is_held, self._last(begin_s, time_s), np.nan)
+
+    @property
+    def _rows(self) -> NDArray[np.int64]:
+        return np.arange(len(self.time_s))
+
+    def _last(
+        self, values: NDArray[np.float64], time_s: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """The value of the last reading at or before each time; NaN before the first."""
         place = np.searchsorted(self.time_s, time_s, side="right") - 1
-        readings = np.concatenate([self.level, [np.nan]])  # place -1: before the first
-        return np.where(np.asarray(time_s) <= self.end_s, readings[place], np.nan)
+        last: NDArray[np.float64] = np.append(values, np.nan)[place]  # place -1: before the first
+        return last
 
 
 def read_light(path: Path) -> Light:
@@ -86,11 +138,19 @@ def read_light(path: Path) -> Light:
     Raises
     ------
     InputError
-        If it cannot be opened, or, with the line, a field is no number, less than 0 lx, or a time
-        is not after the one before.
+        If it cannot be opened, or, with the line, a field is no number, less than 0 lx, a time is
+        not after the one before, or no time of a recording (`LONGEST_S`).
     """
     table = read_table(path, what="light readings", required=LIGHT_COLUMNS)
     time_s = table.numbers("time_s")
+    is_absurd = np.abs(time_s) > LONGEST_S
+    if is_absurd.any():
+        row = int(is_absurd.argmax())
+        raise table.fault(
+            row,
+            f"time_s: expected seconds from frame 0 of the recording, {-LONGEST_S:g} to "
+            f"{LONGEST_S:g}, found {time_s[row]:g}; subtract the time of frame 0",
+        )
     lux = table.numbers("lux", low=0)
     backwards = np.flatnonzero(np.diff(time_s) <= 0)
     if len(backwards):

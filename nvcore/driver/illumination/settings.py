@@ -33,7 +33,7 @@ class LightSettings:
         By so much the mean luminance of the picture falls, where it stands in for a light meter;
         less, as the camera's exposure follows the light.
     within_s
-        In so many seconds.
+        In so many seconds, or from one reading to the next where these are further apart.
     bright_for_s
         So long the light must have been there before: what passes sooner, such as an oncoming
         lamp, is not what the eye was adapted to. After a change, the light must be back for as

@@ -11,11 +11,10 @@ import pandas as pd
 
 from nvcore.errors import InputError, ParameterError
 from nvcore.inputs.driver.picture_boxes import BOX, PEDESTRIAN
+from nvcore.inputs.driver.trials import is_off_time
 
 DISPLAY_S: Final = 0.5
 """How long a picture is shown (paper)."""
-LATE_S: Final = 0.05
-"""A trial is marked if its picture came earlier or later than asked by more than this."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -144,11 +143,11 @@ def judge_trials(
             file=name,
             line=int(trial["line"]),
         )
-    late_s = (judged["adaptation_measured_s"] - judged["adaptation_asked_s"]).abs()
+    late_s = judged["adaptation_measured_s"] - judged["adaptation_asked_s"]
     return judged.assign(
         period_s=(judged["adaptation_asked_s"] + judging.display_s).round(6),
         is_right=is_right(judged, judging).to_numpy(),
-        is_off_time=(late_s > LATE_S + 1e-9).to_numpy(),
+        is_off_time=is_off_time(late_s).to_numpy(),
     )
 
 

@@ -18,16 +18,11 @@ from nvcore.inputs.driver.picture_boxes import (
     picture_boxes,
     read_picture_boxes,
 )
+from nvcore.inputs.driver.trials import LONGEST_S, TRIAL_COLUMNS
 from nvcore.inputs.readers.parse.table import TextTable, parse_table, read_table
 
-TRIAL_COLUMNS: Final = (
-    *("subject", "run", "position", "order", "image", "pedestrian"),
-    *("adaptation_asked_s", "adaptation_measured_s", "touch_x", "touch_y"),
-    *("response_s", "not_seen", "device"),
-)
 SIMULATED: Final = "simulated"
 """Device of trials that no person took."""
-LONGEST_S: Final = 3600.0
 
 
 def read_trials(path: Path) -> pd.DataFrame:

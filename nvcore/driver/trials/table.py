@@ -11,7 +11,7 @@ import pandas as pd
 
 from nvcore.driver.feature_record import picture_px_beside, settings_beside
 from nvcore.driver.features import FeatureSettings
-from nvcore.driver.trials.judging import LATE_S, Judging, judge_trials
+from nvcore.driver.trials.judging import Judging, judge_trials
 from nvcore.driver.trials.reading import (
     SIMULATED,
     read_boxes,
@@ -21,6 +21,7 @@ from nvcore.driver.trials.reading import (
 from nvcore.driver.trials.subjects import CELL, subjects_table
 from nvcore.errors import InputError
 from nvcore.inputs.driver.picture_boxes import PEDESTRIAN
+from nvcore.inputs.driver.trials import LATE_S, NO_ANSWER, is_same_time
 from nvcore.metrics.shares import share_of
 from nvcore.wording import count_text, did_you_mean, listed
 
@@ -41,6 +42,10 @@ class TrainingTable:
         Names of subjects whose responses are not in it.
     n_trials, n_off_time
         Trials in it, and those of them whose picture came more than 50 ms early or late.
+    n_unanswered
+        Trials without an answer in time, by their mark in ``device``; they count as not seen.
+    n_outside
+        Touches outside the picture; 0 where its size is not known.
     simulated
         ``"no"``, ``"all"`` or ``"some"``: trials that no person took.
     judging
@@ -65,6 +70,8 @@ class TrainingTable:
     trials_file: Path | None = None
     features_file: Path | None = None
     picture_px: tuple[int, int] | None = None
+    n_unanswered: int = 0
+    n_outside: int = 0
 
     @property
     def n_subjects(self) -> int:
@@ -107,7 +114,7 @@ def training_table(
     Parameters
     ----------
     trials
-        File of `nvcore.driver.trials.reading.TRIAL_COLUMNS`.
+        File of `nvcore.inputs.driver.trials.TRIAL_COLUMNS`.
     features
         File of ``image,pedestrian`` and the eight features.
     boxes
@@ -133,11 +140,11 @@ def training_table(
         )
     places = own_boxes if boxes is None else read_boxes(boxes)
     assert places is not None
-    given = read_trials(trials)
-    if given.empty:
+    responses = read_trials(trials)
+    if responses.empty:
         raise InputError("there is no trial in it", file=trials)
-    _refuse_measured_times(given, trials)
-    judged = judge_trials(given, places, judging, name=str(trials))
+    _refuse_measured_times(responses, trials)
+    judged = judge_trials(responses, places, judging, name=str(trials))
     subjects = subjects_table(judged, judging)
     for name in leave_out:
         if name not in set(subjects["subject"]):
@@ -150,6 +157,7 @@ def training_table(
     rows = detectability_table(used).merge(table, how="left", on=[*PEDESTRIAN], indicator=True)
     _refuse_without_features(rows, used, trials, features)
     is_simulated = used["device"].str.casefold() == SIMULATED
+    picture_px = picture_px_beside(features)
     return TrainingTable(
         rows=rows.drop(columns="_merge"),
         subjects=subjects,
@@ -161,8 +169,18 @@ def training_table(
         feature_settings=settings_beside(features),
         trials_file=trials,
         features_file=features,
-        picture_px=picture_px_beside(features),
+        picture_px=picture_px,
+        n_unanswered=int(used["device"].str.contains(NO_ANSWER, regex=False).sum()),
+        n_outside=_count_outside(used, picture_px),
     )
+
+
+def _count_outside(responses: pd.DataFrame, picture_px: tuple[int, int] | None) -> int:
+    """Touches that lie outside the picture."""
+    if picture_px is None:
+        return 0
+    touch = responses[["touch_x", "touch_y"]].to_numpy(np.float64)
+    return int(np.count_nonzero(((touch < 0) | (touch > picture_px)).any(axis=1)))
 
 
 def detectability_table(judged: pd.DataFrame) -> pd.DataFrame:
@@ -195,13 +213,13 @@ def detectability_table(judged: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def _refuse_measured_times(given: pd.DataFrame, trials: Path) -> None:
+def _refuse_measured_times(responses: pd.DataFrame, trials: Path) -> None:
     """Refuse times nearer to each other than pictures come on time: nobody plans these.
 
     Each would have an estimator of its own, of the few trials that had it by the clock.
     """
-    asked_s = np.unique(given["adaptation_asked_s"].round(6))
-    is_near = np.diff(asked_s) < LATE_S - 1e-9
+    asked_s = np.unique(responses["adaptation_asked_s"].round(6))
+    is_near = is_same_time(np.diff(asked_s))
     if is_near.any():
         at = int(np.argmax(is_near))
         raise InputError(

@@ -24,9 +24,12 @@ from nvcore.inputs.session import Session
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.kernels.joining import join_frames
 from nvcore.schema import DETECTABILITY, DETECTABILITY_COLUMNS, categories_of
+from nvcore.wording import MOST_NAMED, listed, one_line, shortened
 
 TOLERANCE_PX: Final = 1e-3 * (1 + 1e-6)
 """Largest difference of a coordinate of an estimate and of its box."""
+MOST_SHOWN: Final = 80
+"""Characters of a recording's name with its doubt."""
 NO_SUCH_BOX: Final = "no such box"
 """Why a row of estimates is left out, beside `nvcore.inputs.placing.REASONS`."""
 
@@ -135,18 +138,19 @@ def _joined(
         text += estimate_json(record)
         facts = (conversion, record.made_by, record.caution)
         conversion = "; ".join(filter(None, facts))
-    given = [dataset.inputs, _input_row(name, estimates.digest, conversion)]
+    inputs = [dataset.inputs, _input_row(name, estimates.digest, conversion)]
     rows = [part for part in (dataset.left_out, left_out) if len(part)] or [dataset.left_out]
     return replace(
         dataset,
         boxes=dataset.boxes.assign(**columns),
-        inputs=pd.concat(given, ignore_index=True),
+        inputs=pd.concat(inputs, ignore_index=True),
         left_out=pd.concat(rows, ignore_index=True)[list(dataset.left_out)],
         findings=(
             *dataset.findings,
             *changed_input(DETECTABILITY, name, [estimates.digest], session.hashes),
             *_twice(dataset, columns["detectability"], name),
             *_of_other_file(estimates),
+            *_of_doubtful_light(estimates),
         ),
         fingerprint=hashlib.sha256(text).hexdigest(),
         estimate=_with_origins(
@@ -202,6 +206,25 @@ def _of_other_file(estimates: _Estimates) -> list[Finding]:
             1,
             "The record of how detectability was estimated is about another file.",
             "Correct the path, or estimate anew: until then nobody knows how these came to be.",
+            role=DETECTABILITY,
+            file=estimates.file.name,
+        )
+    ]
+
+
+def _of_doubtful_light(estimates: _Estimates) -> list[Finding]:
+    """A warning where a light meter looks like one of another unit or clock."""
+    doubts = {} if estimates.record is None else estimates.record.light_doubts
+    if not doubts:
+        return []
+    whose = [f"{one_line(name)} ({one_line(why)})" for name, why in doubts.items()]
+    return [
+        warning(
+            "doubtful-light-meter",
+            len(doubts),
+            "The light meter may be of another unit or clock, and with it how long the eyes have "
+            f"adapted: {listed([shortened(text, MOST_SHOWN) for text in whose], most=MOST_NAMED)}.",
+            "Give time_s in seconds of the recording and lux in lux, and estimate anew.",
             role=DETECTABILITY,
             file=estimates.file.name,
         )

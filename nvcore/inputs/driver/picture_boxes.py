@@ -12,10 +12,13 @@ from typing import Final
 import pandas as pd
 
 from nvcore.inputs.readers.parse.table import TextTable, read_table
+from nvcore.wording import shortened
 
 PEDESTRIAN: Final = ("image", "pedestrian")
 """What tells pedestrians apart, in all tables."""
 BOX: Final = ("x", "y", "w", "h")
+LONGEST_NAME: Final = 1000
+"""Characters of the name of a picture or of a pedestrian."""
 LARGEST: Final = 1e6
 """Of pixels and features: what is larger is a mistake, and too much for a regression."""
 
@@ -26,8 +29,8 @@ def read_picture_boxes(path: Path) -> TextTable:
     Raises
     ------
     InputError
-        If the file cannot be opened or is no such table, or a pedestrian stands there twice; with
-        the line.
+        If the file cannot be opened or is no such table, a name is too long, or a pedestrian stands
+        there twice; with the line.
     """
     table = read_table(path, what="boxes", required=(*PEDESTRIAN, *BOX))
     check_pedestrians(table)
@@ -35,7 +38,21 @@ def read_picture_boxes(path: Path) -> TextTable:
 
 
 def check_pedestrians(table: TextTable) -> None:
-    """Refuse a pedestrian of a picture that stands there twice, with the line (FormatError)."""
+    """Refuse a pedestrian of a picture that stands there twice, or a name that is none.
+
+    Raises
+    ------
+    FormatError
+        With the line.
+    """
+    for name in PEDESTRIAN:
+        for row, text in enumerate(table.fields[name]):
+            if len(text) > LONGEST_NAME:
+                raise table.fault(
+                    row,
+                    f"{name}: expected {LONGEST_NAME:,} characters at the most, found "
+                    f"{len(text):,}: {shortened(text, 40)!r}",
+                )
     table.unique(PEDESTRIAN, "the picture {image} has the pedestrian {pedestrian} a second time")
 
 

@@ -14,21 +14,21 @@ from nvcore.inputs.readers.parse.text import whole_numbers
 from nvcore.schema import NO_TRACK, names_as_categories
 
 NEEDED: Final = ("recording", "frame", "x", "y", "w", "h", "detectability")
-OPTIONAL: Final = ("track", "sd", "is_outside")
+OPTIONAL: Final = ("track", "sd", "is_outside", "period_s")
 _CALLED: Final = {"sd": "detectability_sd"}
 """What some columns are called in a dataset."""
 
 
 def read_detectability(file: SourceFile) -> pd.DataFrame:
-    """Read a file of estimates: ``recording,frame,track,x,y,w,h,detectability,sd,is_outside``.
+    """Read a file of estimates: ``recording,frame,x,y,w,h,detectability`` and more.
 
-    Columns may stand in any order; track, sd and is_outside may be missing, others are not read.
-    An empty detectability is unknown.
+    Columns may stand in any order; track, sd, is_outside and period_s may be missing, others are
+    not read. An empty detectability is unknown; where period_s is empty, no change of light is.
 
     Returns
     -------
     Columns recording (category), frame, x, y, w, h (px), track (`NO_TRACK`: none), detectability,
-    detectability_sd, is_outside, line (1-based); one row per row of the file.
+    detectability_sd, is_outside, is_adapted, line (1-based); one row per row of the file.
 
     Raises
     ------
@@ -54,6 +54,7 @@ def read_detectability(file: SourceFile) -> pd.DataFrame:
         "detectability": checked_detectability(columns["detectability"].to_numpy(), lines),
         "detectability_sd": np.full(len(lines), np.nan),
         "is_outside": np.zeros(len(lines), dtype=bool),
+        "is_adapted": np.zeros(len(lines), dtype=bool),
         "line": line,
     }
     if "detectability_sd" in columns:
@@ -61,6 +62,9 @@ def read_detectability(file: SourceFile) -> pd.DataFrame:
         table["detectability_sd"] = sd
     if "is_outside" in columns:
         table["is_outside"] = columns["is_outside"].to_numpy(dtype=bool)
+    if "period_s" in columns:
+        period_s = checked_numbers(columns["period_s"].to_numpy(), lines, "period_s")
+        table["is_adapted"] = np.isnan(period_s)
     return pd.DataFrame(table, copy=False)
 
 

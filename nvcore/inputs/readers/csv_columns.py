@@ -65,7 +65,7 @@ LEAST_LETTERS: Final = 5
 
 NUMBERS = (
     *("frame", "x", "y", "w", "h", "right", "bottom"),
-    *("score", "distance_m", "occlusion", "detectability", "detectability_sd"),
+    *("score", "distance_m", "occlusion", "detectability", "detectability_sd", "period_s"),
 )
 CLAIMS = ("ignore", "is_outside")
 _TEXT = pa.dictionary(pa.int32(), pa.string())

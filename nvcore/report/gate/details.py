@@ -55,7 +55,7 @@ def _details(outcome: Outcome, result: Result, findings: Sequence[Finding]) -> t
         return tuple(encounters_of(result, category, members(result, name)))
     if name in COUNTED_REGIONS:
         is_counted = np.isin(result.driver.region, COUNTED_REGIONS[name])
-        return (*known, *_listed(result, is_counted))
+        return (*known, *_listed(result, is_counted, is_open=result.driver.is_within_sd))
     of_audit = (
         f"{finding.subject}: {finding.message}"
         for finding in findings
@@ -78,7 +78,10 @@ def encounters_of(
     return _listed(result, is_listed if is_member is None else is_listed & is_member)
 
 
-def _listed(result: Result, is_listed: np.ndarray) -> list[str]:
+def _listed(
+    result: Result, is_listed: np.ndarray, *, is_open: np.ndarray | None = None
+) -> list[str]:
+    """The first `MAX_LISTED` of these encounters; those are marked that are open."""
     rows = np.flatnonzero(is_listed)
     encounters, frame = result.encounters, result.dataset.frames["frame"].to_numpy()
     recordings = result.dataset.recordings["name"].to_numpy()
@@ -88,6 +91,7 @@ def _listed(result: Result, is_listed: np.ndarray) -> list[str]:
         when = f"frame {first}" if first == last else f"frames {first} to {last}"
         lines.append(
             f"{recordings[encounters.recording[row]]}, track {encounters.track[row]}, {when}"
+            + (", open" if is_open is not None and is_open[row] else "")
         )
     n_more = len(rows) - len(lines)
     return [*lines, f"and {n_more} more"] if n_more else lines

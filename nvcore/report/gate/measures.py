@@ -19,6 +19,7 @@ from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
 from nvcore.findings import Finding, Severity
 from nvcore.measures import MEASURES, applies_to, measure_of
+from nvcore.measures.driver_doubt import doubt_of_estimator
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.venn import Venn, count_categories
 from nvcore.protocols import Protocol
@@ -100,6 +101,13 @@ OF_URGENT: Final = frozenset(
     if name in ("driver.urgent", "driver.in_time") or "in_time_alone" in name
 )
 """Those of them that count urgent encounters alone."""
+OF_ANY_ESTIMATOR: Final = frozenset(
+    {
+        *(f"driver_venn.{region}" for region in (DriverRegion.UNKNOWN, DriverRegion.DISTANT)),
+        *("driver.urgent", "driver.boxes_without_detectability"),
+    }
+)
+"""Those of them that are as good with an estimator that learned nothing."""
 
 
 def measure_names() -> list[str]:
@@ -124,7 +132,8 @@ def gate_measures(
     way round: X is the release in use, Y the candidate. ``mean_similarity_worse_y`` and the like
     are the ends of 95 % intervals against a system (`nvcore.evidence.planning.worse_at_most`),
     undefined where X and Y are set to different operating points: as in the verdict, nothing is
-    claimed from these.
+    claimed from these. What the driver sees is undefined by an estimator that is no better than a
+    constant.
 
     Parameters
     ----------
@@ -156,6 +165,8 @@ def gate_measures(
         values |= _count_claims(result, findings, evidence)
     values |= _may_be_worse(result, protocol, needed, evidence)
     values |= _of_classes(result, needed)
+    if doubt_of_estimator(result):
+        values |= dict.fromkeys(values.keys() & OF_DRIVER - OF_ANY_ESTIMATOR, math.nan)
     count = Counter(finding.severity for finding in findings)
     venn = result.venn
     return values | {

@@ -12,11 +12,13 @@ from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions, are_unequal, describe_alarms
 from nvcore.evidence.units import MIN_RECORDINGS
 from nvcore.measures import count_recordings
+from nvcore.measures.driver_doubt import is_stated
 from nvcore.report.equal_alarms import equal_alarms_of, equal_alarms_title
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Photo
 from nvcore.report.tiles import Tile, tiles
 from nvcore.report.verdict import Verdict
+from nvcore.report.verdict.driver import describe_doubt
 from nvcore.report.words import n_frames_text, sampling_note
 from nvcore.wording import count_text, duration_text, one_line, shortened
 
@@ -130,6 +132,14 @@ def _operating_points(result: Result) -> str:
     return f"As set, {describe_alarms(result)}: nothing is claimed from that comparison."
 
 
+def _estimated(result: Result) -> str:
+    """Why what is said of the driver is to be doubted; empty: nothing is known, or nothing said."""
+    estimate = result.dataset.estimate
+    if not result.driver.has_any or estimate is None or is_stated(result):
+        return ""
+    return f"Whom the driver sees is estimated: {estimate.caution}." if estimate.caution else ""
+
+
 def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
     n = count_recordings(result)
     few = (
@@ -148,6 +158,7 @@ def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
                 conclusion.caveat,
                 _operating_points(result),
                 words.SHORT_ENCOUNTERS if result.is_short else "",
+                describe_doubt(result) or _estimated(result),
                 few,
                 *points,
                 sampling_note(result.dataset.frame_columns),

@@ -19,7 +19,7 @@ from nvcore.evidence.planning.words import (
     UNEQUAL,
 )
 from nvcore.evidence.units import RECORDINGS
-from nvcore.measures import evidence_form, repeated_by
+from nvcore.measures import evidence_form, inference_of, repeated_by
 from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
 from nvcore.report.html import words
@@ -58,6 +58,7 @@ def plan_measures(
         for name, key in PLAN_KEYS.items()
         if (row := evidence_of(evidence, key)) is not None
         and not repeated_by(key)
+        and not (row.doubt and inference_of(key).driver)
         and not row.p_holm <= SIGNIFICANT
     ]
     n = len(not_shown)

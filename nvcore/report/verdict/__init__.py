@@ -53,6 +53,8 @@ LESSER: Final = {
     "trained-beside-tested": "a system was trained on other frames of the same recordings",
     "frames-not-run": "a system was not run on all evaluated frames",
     "detectability-without-box": "estimates of detectability are of no box of the ground truth",
+    "doubtful-light-meter": "a light meter may be of another unit or clock, and with it what the "
+    "driver sees",
     "detectability-other-record": "the record of how detectability was estimated is about another "
     "file",
     "detectability-twice": "ground truth and estimates state different detectabilities",

@@ -41,12 +41,23 @@ def describe_view(result: Result) -> tuple[str, ...]:
         return (NOTHING_KNOWN,) if result.dataset.has_detectability else ()
     sentences = (
         _alerts(result),
+        _undecided(result),
         _seldom(result),
         _in_time(result),
-        describe_source(result),
+        *_basis(result),
         weighting(result),
     )
     return tuple(filter(None, sentences))
+
+
+def describe_basis(result: Result) -> str:
+    """What is in doubt or open, where detectability comes from, and how far it can be trusted."""
+    parts = describe_doubt(result), _undecided(result), *_basis(result)
+    return " ".join(filter(None, parts))
+
+
+def _basis(result: Result) -> tuple[str, str, str]:
+    return describe_source(result), _outside(result), _adapted(result)
 
 
 def _alerts(result: Result) -> str:
@@ -137,7 +148,7 @@ def _in_time(result: Result) -> str:
 
 
 def describe_source(result: Result) -> str:
-    """Where detectability comes from, and how far it can be trusted."""
+    """Where detectability comes from, and of how much it is known."""
     estimate = result.dataset.estimate
     share = percent(result.params.driver_threshold)
     threshold = f"seen means that at least {share} of drivers would see the pedestrian"
@@ -153,8 +164,7 @@ def describe_source(result: Result) -> str:
                 f"states it in {n_stated}"
             )
         text = f"Detectability is {words}; {threshold}"
-    parts = (f"{text}.", _known(result), _outside(result), _undecided(result), _adapted(result))
-    return " ".join(filter(None, parts))
+    return " ".join(filter(None, (f"{text}.", _known(result))))
 
 
 def _known(result: Result) -> str:
@@ -200,26 +210,33 @@ def _undecided(result: Result) -> str:
     unseen = (
         f", {n_unseen:,} of the {driver.venn.n_unseen:,} not seen among them" if n_unseen else ""
     )
-    known = count_text(n_with_sd, "encounter")
+    known = count_text(driver.venn.n_known, "encounter")
+    at_least = "at least " if n_with_sd < driver.venn.n_known else ""  # of others it is not known
     return (
-        f"Whether the driver sees the pedestrian is open in at least {n:,} of {known}{unseen}: "
+        f"Whether the driver sees the pedestrian is open in {at_least}{n:,} of {known}{unseen}: "
         "the value that decides is within one standard deviation of "
         f"{result.params.driver_threshold:g}."
     )
 
 
 def _adapted(result: Result) -> str:
-    """How many estimates take the eyes for adapted without knowing, where these are not few."""
+    """How many estimates take the eyes for adapted, where these are not few or decide."""
     record = result.dataset.estimate
     if record is None or is_stated(result):
         return ""
     n, n_unknown = record.n_estimates, record.n_light_unknown
-    if n_unknown <= SMALL_SHARE * n:
-        return ""
-    return (
-        f"In {percent(n_unknown / n)} of all estimates of that run it is not known when the light "
-        "last changed: the eyes are taken for adapted."
-    )
+    sentences = []
+    if n_unknown > SMALL_SHARE * n:
+        sentences.append(
+            f"In {percent(n_unknown / n)} of all estimates of that run it is not known when the "
+            "light last changed: the eyes are taken for adapted."
+        )
+    if n_adapted := int(np.count_nonzero(result.driver.is_adapted)):
+        sentences.append(
+            f"Estimates for adapted eyes, as no change from bright to dark is known before, decide "
+            f"{n_adapted:,} of {count_text(result.driver.venn.n_known, 'encounter')}."
+        )
+    return " ".join(sentences)
 
 
 def weighting(result: Result) -> str:

@@ -112,7 +112,8 @@ def _compared(soon: str, before: str, *, again: bool) -> str:
     """When he would see the pedestrian, beside when he does, and whether that is not the first."""
     if not soon:
         return "Whether the driver would see the pedestrian is not known in any frame after it."
-    without = f"; without the change, {before or 'it is not known'}"
+    sees_then = f" the driver sees the pedestrian {before}" if before else ", it is not known"
+    without = f"; without the change{sees_then}"
     same = ", as without the change"
     sees = "would see the pedestrian again" if again else "would see the pedestrian"
     return f"After it the driver {sees} {soon}{same if soon == before else without}."

@@ -11,6 +11,8 @@ import numpy as np
 from nvcore.errors import InputError
 from nvcore.studies.detectability.settings import Design, Timing
 
+MOST_TRIALS: Final = 3000
+"""Of one participant: 500 pictures at six times, some twenty hours."""
 SEED: Final = 20_140_051
 N_ORDERS: Final = 5
 """Orders of runs among which the one with the fewest repeats of a picture is taken."""
@@ -63,7 +65,7 @@ def plan_trials(
     Raises
     ------
     InputError
-        If there is no picture, or with ``all`` only one.
+        If there is no picture, with ``all`` only one, or there are too many trials.
 
     Examples
     --------
@@ -74,8 +76,14 @@ def plan_trials(
     least = 2 if design == "all" else 1
     if n_pictures < least:
         raise InputError(f"a study of this design needs {least} pictures at least")
-    rng = np.random.default_rng([SEED, participant])
     times = timing.adaptation_s
+    n_trials = n_pictures * (len(times) if design == "all" else 1)
+    if n_trials > MOST_TRIALS:
+        raise InputError(
+            f"each participant would see {n_trials:,} pictures, and {MOST_TRIALS:,} are the most; "
+            "take fewer pictures or fewer times, or show every picture once"
+        )
+    rng = np.random.default_rng([SEED, participant])
     draw = _every_time if design == "all" else _latin_square
     runs = _in_order(draw(n_pictures, participant, times, rng), rng)
     trials: list[Trial] = []

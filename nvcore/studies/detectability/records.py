@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from datetime import datetime
 
 from nvcore.errors import InputError
+from nvcore.inputs.driver.trials import LONGEST_S
 from nvcore.studies.detectability.pictures import StudyPicture
 from nvcore.studies.detectability.plan import Trial
-from nvcore.studies.detectability.settings import LONGEST_S, StudySettings
+from nvcore.studies.detectability.settings import StudySettings
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ class Answer:
     touch_x, touch_y
         Where the pedestrian was, px of the picture; NaN: not seen, or no answer.
     response_s
-        From the picture's appearance to the answer; NaN: there is none.
+        From the picture's appearance to the answer, 3,600 s at most; NaN: there is none.
     is_answered
         Whether there is an answer: a touch, or that nobody was seen.
     device
@@ -64,7 +65,7 @@ class Answer:
     Raises
     ------
     InputError
-        If a number is none, or one of the two places is missing.
+        If a number is none or outside its range, or one of the two places is missing.
     """
 
     measured_s: float
@@ -77,10 +78,12 @@ class Answer:
 
     def __post_init__(self) -> None:
         for name in ("measured_s", "shown_s"):
-            if not 0 <= getattr(self, name) <= 10 * LONGEST_S:
-                raise InputError(f"{name}: expected seconds, got {getattr(self, name):g}")
-        if not (math.isnan(self.response_s) or 0 <= self.response_s < math.inf):
-            raise InputError(f"response_s: expected seconds, got {self.response_s:g}")
+            if not 0 <= getattr(self, name) <= LONGEST_S:
+                raise InputError(
+                    f"{name}: expected 0 to {LONGEST_S:g} s, got {getattr(self, name):g}"
+                )
+        if not (math.isnan(self.response_s) or 0 <= self.response_s <= LONGEST_S):
+            raise InputError(f"response_s: expected 0 to {LONGEST_S:g} s, got {self.response_s:g}")
         place = (self.touch_x, self.touch_y)
         if not all(map(math.isnan, place)) and not all(abs(value) < 1e6 for value in place):
             raise InputError("a touch has two places, px of the picture")
@@ -110,7 +113,7 @@ class Participant:
     plan
         Their trials.
     has_practised
-        Whether the practice is over.
+        Whether the practice was seen to its end.
     """
 
     code: str

@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
+from itertools import pairwise
 from typing import Any, Final, Literal
 
 from nvcore.errors import InputError
+from nvcore.inputs.driver.trials import LATE_S, is_same_time
 from nvcore.studies.terms import KEPT_DAYS, check_terms
+from nvcore.wording import listed
 
 Design = Literal["all", "latin"]
 DESIGNS: Final[dict[Design, str]] = {
@@ -17,9 +20,9 @@ DESIGNS: Final[dict[Design, str]] = {
 }
 ADAPTATION_S: Final = (0.0, 1.0, 2.5, 4.0, 5.5, 7.0)
 """Seconds from the change of light to the picture's appearance (paper)."""
-LATE_S: Final = 0.05
-"""A trial is marked if its picture came or went early or late by more than this."""
 LONGEST_S: Final = 600.0
+MOST_TIMES: Final = 24
+"""Times after the change of light."""
 MOST_QUESTIONS: Final = 20
 MOST_QUESTION: Final = 300
 CONSENT: Final = """\
@@ -49,7 +52,8 @@ class Timing:
     Attributes
     ----------
     adaptation_s
-        From the change of light to the appearance of a picture: an even number of times, rising.
+        From the change of light to the appearance of a picture: an even number of times, rising,
+        24 at most.
         A run shows its first picture at one of the first half, and its second at the one that is
         half the list later (paper: 0 and 4, 1 and 5.5, 2.5 and 7; the pairs are ours).
     bright_s
@@ -69,8 +73,8 @@ class Timing:
     Raises
     ------
     InputError
-        If a time is outside its range, or the second picture of a run would come before the answer
-        to the first has to be there.
+        If there are too many times, one is outside its range, or the second picture of a run would
+        come before the answer to the first has to be there.
     """
 
     adaptation_s: tuple[float, ...] = ADAPTATION_S
@@ -82,10 +86,24 @@ class Timing:
     again_s: float = 0.5
 
     def __post_init__(self) -> None:
+        if len(self.adaptation_s) > MOST_TIMES:
+            raise InputError(
+                f"times after the change of light: expected {MOST_TIMES} at most, got "
+                f"{len(self.adaptation_s):,}"
+            )
         object.__setattr__(self, "adaptation_s", tuple(float(t) for t in self.adaptation_s))
         times = self.adaptation_s
         if len(times) < 2 or len(times) % 2 or list(times) != sorted(set(times)):
-            raise InputError("times after the change of light: expected an even number, rising")
+            raise InputError(
+                "times after the change of light: expected an even number, rising; "
+                f"got {len(times):,}: {listed([f'{t:g}' for t in times], most=MOST_TIMES)}"
+            )
+        near = [t for t, then in pairwise(times) if is_same_time(then - t)]
+        if near:
+            raise InputError(
+                f"times after the change of light: {near[0]:g} s and the next are less than "
+                f"{1000 * LATE_S:g} ms apart; a picture could be on time for both"
+            )
         if not 0 <= times[0] <= times[-1] <= LONGEST_S:  # NaN too
             raise InputError(f"times after the change of light: expected 0 to {LONGEST_S:g} s")
         for field in fields(self):

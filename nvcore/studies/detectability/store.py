@@ -207,7 +207,7 @@ class DetectabilityStore(AnswerFile):
         ]
 
     def end_practice(self, study: DetectabilityStudy, code: str) -> None:
-        """Remember that the participant's practice is over."""
+        """Remember that the participant has seen the practice to its end."""
         with self.connect() as base:
             base.execute(
                 "UPDATE form SET has_practised = 1 WHERE study = ? AND participant = ?",
@@ -228,7 +228,7 @@ class DetectabilityStore(AnswerFile):
             If there is no such participant or trial.
         """
         with self.connect() as base:
-            _check_place(base, study, code, place)
+            _trial_at(base, study, code, place)
             now = datetime.now(UTC).isoformat()
             base.execute(
                 "INSERT INTO showing VALUES (?, ?, ?, 1, ?) ON CONFLICT DO UPDATE SET n = n + 1, "
@@ -247,16 +247,17 @@ class DetectabilityStore(AnswerFile):
         Raises
         ------
         InputError
-            If there is no such participant or trial.
+            If there is no such participant or trial, or the touch is outside the trial's picture.
         """
         with self.connect() as base:
-            _check_place(base, study, code, place)
+            trial = _trial_at(base, study, code, place)
+            _check_touch(study.pictures[trial.picture], answer)
             shown = base.execute(
                 "SELECT n FROM showing WHERE study = ? AND participant = ? AND place = ?",
                 (study.token, code, place),
             ).fetchone()
             touch = (_none_for_nan(answer.touch_x), _none_for_nan(answer.touch_y))
-            n_shown = shown[0] if shown else 1
+            n_shown = shown[0] if shown else 0
             row = (
                 *(study.token, code, place, answer.measured_s, answer.shown_s, *touch),
                 *(_none_for_nan(answer.response_s), answer.is_answered, n_shown),
@@ -269,7 +270,10 @@ class DetectabilityStore(AnswerFile):
             )
 
     def answers(self, study: DetectabilityStudy) -> dict[str, dict[int, tuple[Answer, int]]]:
-        """Answers by participant and ``order``, each with how often its picture was shown."""
+        """Answers by participant and ``order``, each with how often its picture was shown.
+
+        0: the browser never reported that it was.
+        """
         with self.connect() as base:
             rows = base.execute(
                 "SELECT participant, place, measured_s, shown_s, touch_x, touch_y, response_s, "
@@ -338,16 +342,25 @@ def _check_room(
         raise InputError(f"there are {most:,} {what} already, which is all that there may be")
 
 
-def _check_place(
-    base: sqlite3.Connection, study: DetectabilityStudy, code: str, place: int
-) -> None:
+def _trial_at(base: sqlite3.Connection, study: DetectabilityStudy, code: str, place: int) -> Trial:
     row = base.execute(
         "SELECT plan FROM form WHERE study = ? AND participant = ?", (study.token, code)
     ).fetchone()
     if row is None:
         raise InputError("nobody takes part in this study with that code")
-    if not 1 <= place <= len(json.loads(row[0])):
+    plan = json.loads(row[0])
+    if not 1 <= place <= len(plan):
         raise InputError(f"the participant has no trial {place}")
+    return Trial(*plan[place - 1])
+
+
+def _check_touch(picture: StudyPicture, answer: Answer) -> None:
+    x, y = answer.touch_x, answer.touch_y
+    if answer.is_seen and not (0 <= x < picture.width and 0 <= y < picture.height):
+        raise InputError(
+            f"the touch ({x:g}, {y:g}) is outside the picture "
+            f"({picture.width} x {picture.height} px)"
+        )
 
 
 def _none_for_nan(value: float) -> float | None:

@@ -2,41 +2,43 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import Any, Final
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import pandas as pd
 
 from nvcore.inputs.driver.picture_boxes import BOX, PEDESTRIAN
+from nvcore.inputs.driver.trials import NO_ANSWER, TRIAL_COLUMNS, is_off_time
 from nvcore.studies.detectability.plan import Trial
 from nvcore.studies.detectability.records import Answer, DetectabilityStudy
-from nvcore.studies.detectability.settings import LATE_S, Timing
+from nvcore.studies.detectability.settings import Timing
 from nvcore.studies.detectability.store import DetectabilityStore
-
-TRIAL_COLUMNS: Final = (
-    *("subject", "run", "position", "order", "image", "pedestrian"),
-    *("adaptation_asked_s", "adaptation_measured_s", "touch_x", "touch_y"),
-    *("response_s", "not_seen", "device"),
-)
 
 
 def marks_of(trial: Trial, answer: Answer, n_shown: int, timing: Timing) -> list[str]:
     """What was not as it should be, in words; empty: nothing.
 
     A trial is marked if its picture came more than 50 ms early or late, was to be seen for 50 ms
-    less or more than asked, was shown before (the page was loaded again before the answer), or has
-    no answer in the time given.
+    less or more than asked, was shown before (the page was loaded again before the answer), was
+    never reported as shown, or has no answer in the time given.
+
+    Parameters
+    ----------
+    n_shown
+        How often the browser reported that the picture appears.
     """
     marks = []
     late_s = answer.measured_s - trial.adaptation_s
-    if abs(late_s) > LATE_S + 1e-9:
+    if is_off_time(late_s):
         marks.append(f"{abs(late_s):.2f} s {'late' if late_s > 0 else 'early'}")
-    if abs(answer.shown_s - timing.show_s) > LATE_S + 1e-9:
+    if is_off_time(answer.shown_s - timing.show_s):
         marks.append(f"shown for {answer.shown_s:.2f} s")
     if n_shown > 1:
         marks.append(f"shown {n_shown} times")
+    if n_shown == 0:
+        marks.append("never reported as shown")
     if not answer.is_answered:
-        marks.append("no answer")
+        marks.append(NO_ANSWER)
     return marks
 
 
@@ -102,6 +104,50 @@ def participants_table(store: DetectabilityStore, study: DetectabilityStudy) -> 
         )
     first = ("subject", "joined", "n_trials", "n_answered", "n_marked")
     return pd.DataFrame(rows, columns=[*first, *study.settings.form])
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a study has come.
+
+    Attributes
+    ----------
+    n_participants
+        Who has joined.
+    n_finished
+        Participants who have answered all their trials, or whose time for an answer was over.
+    n_trials
+        Trials so far, of all participants: the rows of `trials_table`.
+    n_marked
+        Those of them that are marked (`marks_of`); fewer is better.
+    """
+
+    n_participants: int
+    n_finished: int
+    n_trials: int
+    n_marked: int
+
+
+def progress(participants: pd.DataFrame) -> Progress:
+    """How far a study has come; all 0 where nobody has joined.
+
+    Parameters
+    ----------
+    participants
+        `participants_table` of the study.
+
+    Examples
+    --------
+    >>> progress(pd.DataFrame({"n_trials": [6, 6], "n_answered": [6, 2], "n_marked": [1, 0]}))
+    Progress(n_participants=2, n_finished=1, n_trials=8, n_marked=1)
+    """
+    is_finished = participants["n_answered"] == participants["n_trials"]
+    return Progress(
+        len(participants),
+        int(is_finished.sum()),
+        int(participants["n_answered"].sum()),
+        int(participants["n_marked"].sum()),
+    )
 
 
 def boxes_table(study: DetectabilityStudy) -> pd.DataFrame:

@@ -51,6 +51,15 @@ _DRIVER: Final = (
         is_optional=True,
     ),
     Column(
+        "adapted_eyes",
+        Kind.TRUTH_VALUE,
+        "",
+        "Whether `detectability` was estimated for adapted eyes, since no change from bright to "
+        "dark is known before: in bright light it says little.",
+        empty=_UNKNOWN,
+        is_optional=True,
+    ),
+    Column(
         "within_sd",
         Kind.TRUTH_VALUE,
         "",

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 from sklearn.svm import SVR
 
 from nvcore.driver.estimators import Estimator, Origin, Quality, Regression
 from nvcore.driver.estimators.model import SvrSettings
 from nvcore.driver.estimators.search import fit
+from nvcore.errors import ParameterError
 
 ORIGIN = Origin(9, 4, 216, "no", 200.0, 0.5, 0.5, 0, "ab" * 32)
 
@@ -55,6 +59,10 @@ def constant(value: float, column: int = 0) -> Regression:
 
 @pytest.fixture
 def estimator() -> Estimator:
+    return made_estimator()
+
+
+def made_estimator() -> Estimator:
     """0.1, 0.3 and 1.4 (so 1) at 0.5, 1.5 and 3 s, with uncertainties 0.1, 0.2 and 0.3."""
     values = ((0.1, 0), (0.3, 3), (1.4, 0), (0.6, 0))
     return Estimator(
@@ -163,9 +171,50 @@ def test_each_row_has_its_own_period(estimator: Estimator):
 
 
 def test_the_single_one_takes_no_period(estimator: Estimator):
-    estimates = estimator.estimate_single(INSIDE)
-    assert estimates.detectability == pytest.approx([0.6])
-    assert estimates.sd == pytest.approx([0.4])
+    assert estimator.single.predict(INSIDE) == pytest.approx([0.6])
+    assert estimator.qualities[-1].sd == pytest.approx(0.4)
+
+
+def test_the_features_of_one_pedestrian_are_one_row(estimator: Estimator):
+    assert estimator.estimate(INSIDE[0], 0.5).detectability == pytest.approx([0.1])
+
+
+@pytest.mark.parametrize(
+    ("features", "period_s", "words"),
+    [
+        (np.ones((8, 3)), 1.0, r"features: expected the shape \(n, 8\), found \(8, 3\)"),
+        (np.ones(16), 1.0, r"features: expected the shape \(n, 8\), found \(1, 16\)"),
+        (np.ones((1, 2, 8)), 1.0, r"features: expected the shape \(n, 8\), found \(1, 2, 8\)"),
+        (np.full((1, 8), np.inf), 1.0, "features: expected numbers, or NaN for not known"),
+        (np.ones((2, 8)), np.ones(3), r"each of 2 rows, found the shape \(3,\)"),
+        (np.ones((2, 8)), np.ones(1), r"each of 2 rows, found the shape \(1,\)"),
+    ],
+)
+def test_features_and_periods_of_another_shape_are_refused(
+    estimator: Estimator, features: np.ndarray, period_s: np.ndarray | float, words: str
+):
+    with pytest.raises(ParameterError, match=words):
+        estimator.estimate(features, period_s)
+
+
+@given(
+    values=arrays(np.float64, (5, 8), elements=st.floats(-1e6, 1e6) | st.just(np.nan)),
+    period_s=st.floats(-1, 100) | st.just(np.nan),
+    interpolate=st.booleans(),
+)
+def test_an_estimate_is_a_share_and_each_row_is_estimated_by_itself(
+    values: np.ndarray, period_s: float, interpolate: bool
+):
+    hand_made = made_estimator()
+    together = hand_made.estimate(values, period_s, interpolate=interpolate)
+    known = together.detectability[~np.isnan(together.detectability)]
+    assert ((known >= 0) & (known <= 1)).all()
+    assert (np.isnan(together.sd) == np.isnan(together.detectability)).all()
+    assert together.outside.shape == values.shape
+    for row in range(len(values)):
+        alone = hand_made.estimate(values[[row]], period_s, interpolate=interpolate)
+        np.testing.assert_allclose(alone.detectability, together.detectability[[row]])
+        np.testing.assert_array_equal(alone.outside, together.outside[[row]])
 
 
 def test_no_pedestrian_is_no_estimate(estimator: Estimator):

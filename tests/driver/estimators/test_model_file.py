@@ -15,10 +15,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nvcore.driver.estimators import Training, fingerprint, read_estimator, write_estimator
+from nvcore.driver.estimators import (
+    Estimator,
+    Origin,
+    Quality,
+    Training,
+    fingerprint,
+    read_estimator,
+    write_estimator,
+)
+from nvcore.driver.estimators.model import SvrSettings
 from nvcore.driver.estimators.model_file import SAMPLE_ESTIMATOR, from_bytes, to_bytes
+from nvcore.driver.estimators.search import fit
 from nvcore.driver.features import FeatureSettings
 from nvcore.errors import EstimatorError
+from nvcore.report.driver import render_estimator
 
 
 def test_an_estimator_is_read_as_it_was_written(training: Training, tmp_path: Path):
@@ -159,7 +170,25 @@ def of_origin(**facts: object):
         (put("kernel", 0, 2), "kernel: expected 0 or 1"),
         (put("vector_ends", -1, 10**6), "vector_ends: expected ascending"),
         (put("vector_ends", 0, -1), "vector_ends: expected ascending"),
-        (put("error", 0, -1.0), "error: expected 0 or more"),
+        (put("error", 0, -1.0), "error: expected 0 to 1, found -1"),
+        (put("error", 0, 1e308), r"error: expected 0 to 1, found 1e\+308"),
+        (put("constant", 0, -5.0), "constant: expected 0 to 1, found -5"),
+        (put("constant_error", 0, 2.0), "constant_error: expected 0 to 1, found 2"),
+        (put("n_rows", 0, 0), r"n_rows: expected 1 to 1e\+06, found 0"),
+        (put("periods_s", -1, 1e308), r"periods_s: expected 0 to 3660, found 1e\+308"),
+        (put("low", slice(None), 1e5), "low, centre, high: expected them in this order"),
+        (put("high", slice(None), -1e5), "low, centre, high: expected them in this order"),
+        (put("centre", slice(None), 1.7e308), r"centre: expected -1e\+06 to 1e\+06"),
+        (put("scale", slice(None), 1e-300), r"scale: expected 1e-12 to 1e\+06, found 1e-300"),
+        (put("scale", slice(None), 1e308), "scale: expected 1e-12"),
+        (put("gamma", 0, 1e308), "gamma: expected 0 to 1000"),
+        (put("cost", 0, 1e308), "cost: expected 0 to 1000"),
+        (put("cost", 0, -1.0), "cost: expected 0 to 1000, found -1"),
+        (put("epsilon", 0, -1.0), "epsilon: expected 0 to 1, found -1"),
+        (put("offset", 0, -1e308), r"offset: expected -1e\+06 to 1e\+06"),
+        (put("vectors", slice(None), 1e300), "vectors: expected -1000 to 1000"),
+        (put("weights", 0, 1e308), "weights: expected no more than the cost"),
+        (put("weights", -1, -3.1), "weights: expected no more than the cost"),
         (shorter("periods_s"), "expected a regression for each period"),
         (shorter("cost"), "cost has the shape"),
     ],
@@ -168,6 +197,48 @@ def test_a_hostile_model_is_refused_with_its_name(training: Training, change, me
     content = changed(to_bytes(training.estimator), change)
     with pytest.raises(EstimatorError, match=f"^bad.npz: {message}"):
         from_bytes(content, "bad.npz")
+
+
+def extreme(arrays: dict[str, np.ndarray], _: dict) -> None:
+    """Every number as far out as it may be."""
+    is_used = arrays["is_used"] == 1
+    arrays["low"][:], arrays["centre"][:], arrays["high"][:] = -1e6, 1e6, 1e6
+    arrays["scale"][is_used] = 1e-12
+    arrays["cost"][:] = arrays["gamma"][:] = 1000
+    arrays["vectors"][:] = np.where(np.arange(len(arrays["vectors"])) % 2, 1000, -1000)[:, None]
+    arrays["weights"][:] = np.where(np.arange(len(arrays["weights"])) % 3, 1000, -1000)
+    arrays["offset"][:] = 1e6
+    arrays["error"][:] = arrays["constant_error"][:] = 1
+
+
+@pytest.mark.parametrize("kernel", [0, 1])
+def test_what_is_not_refused_can_be_computed(training: Training, kernel: int):
+    """Warnings are errors here."""
+    content = changed(
+        changed(to_bytes(training.estimator), extreme), put("kernel", slice(None), kernel)
+    )
+    model = from_bytes(content, "extreme.npz")
+    features = np.random.default_rng(0).uniform(-1e6, 1e6, (50, 8))
+    for interpolate in (False, True):
+        estimates = model.estimate(features, 1.0, interpolate=interpolate)
+        assert np.isfinite(estimates.detectability).all()
+        assert np.isfinite(estimates.sd).all()
+    assert model.is_of_no_use
+    assert len(render_estimator(model))
+
+
+def test_a_regression_without_support_vectors_is_read_as_it_was_written(tmp_path: Path):
+    """All residuals of its training are below epsilon: it is a constant."""
+    features = np.random.default_rng(0).normal(50, 9, (12, 8))
+    flat = fit(features, np.full(12, 0.5), (0, 3), SvrSettings("rbf", 1.0, 0.2, 1.0))
+    assert len(flat.weights) == 0
+    origin = Origin(12, 4, 48, "no", 200.0, 0.5, 0.5, 0, "ab" * 32)
+    model = Estimator("flat", np.array([0.5]), (flat, flat), (Quality(12, 0.01, 0.5, 0.1),) * 2,
+                      origin)  # fmt: skip
+    write_estimator(model, tmp_path / "flat.npz")
+    again = read_estimator(tmp_path / "flat.npz")
+    assert to_bytes(again) == to_bytes(model)
+    np.testing.assert_allclose(again.estimate(features, 0.5).detectability, 0.5, atol=0.2)
 
 
 @pytest.mark.parametrize(

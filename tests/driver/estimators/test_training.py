@@ -108,13 +108,65 @@ def test_a_pedestrian_left_out_has_no_part_in_his_own_estimate(table: TrainingTa
     mine = samples.group == 3
     changed = replace(samples, target=np.where(mine, 1 - samples.target, samples.target))
     fold = samples.group % 2
+    others = fold != fold[mine][0]
     first, second = (
-        out_of_fold(part, fold, search, n_threads=1, progress=lambda *_: None)
+        out_of_fold(part, fold, search, n_threads=1, progress=lambda *_: None, has_pairs=True)
         for part in (samples, changed)
     )
     np.testing.assert_array_equal(first.switched[mine], second.switched[mine])
     np.testing.assert_array_equal(first.single[mine], second.single[mine])
-    assert not np.array_equal(first.switched[fold == 0], second.switched[fold == 0])
+    np.testing.assert_array_equal(first.constant[mine], second.constant[mine])
+    np.testing.assert_array_equal(first.constant_of_all[mine], second.constant_of_all[mine])
+    np.testing.assert_array_equal(first.pairs[mine], second.pairs[mine])
+    assert np.isfinite(first.pairs).all()
+    for name in ("switched", "single", "constant", "pairs"):
+        assert not np.array_equal(getattr(first, name)[others], getattr(second, name)[others])
+
+
+def test_whoever_is_left_out_with_a_pedestrian_learns_nothing_of_his_features(
+    table: TrainingTable,
+):
+    """Neither choice nor scaling has seen them."""
+    search = Search(n_settings=1, n_folds=2)
+    samples = samples_of(table)
+    mine = samples.group == 3
+    features = np.where(mine[:, None], 3 * samples.features + 40, samples.features)
+    fold = samples.group % 2
+    first, second = (
+        out_of_fold(part, fold, search, n_threads=1, progress=lambda *_: None, has_pairs=True)
+        for part in (samples, replace(samples, features=features))
+    )
+    beside, others = (fold == 1) & ~mine, fold == 0
+    for name in ("switched", "single", "pairs"):
+        np.testing.assert_array_equal(getattr(first, name)[beside], getattr(second, name)[beside])
+        assert not np.array_equal(getattr(first, name)[others], getattr(second, name)[others])
+    assert first.columns[1] == second.columns[1]
+
+
+@pytest.mark.parametrize(("n_beside", "words"), [(0, "0 pedestrians are"), (1, "1 pedestrian is")])
+def test_a_fold_that_leaves_too_little_at_a_period_is_refused(
+    table: TrainingTable, n_beside: int, words: str
+):
+    samples = samples_of(table)
+    fold = np.where(samples.group < n_beside, 0, 1)
+    fold[samples.group >= 10] = 2  # at all periods but the third
+    rows = np.flatnonzero((samples.period != 2) | (samples.group < 10))
+    part = replace(
+        samples,
+        **{
+            name: getattr(samples, name)[rows]
+            for name in ("features", "target", "period", "group", "row")
+        },
+    )
+    expected = rf"trials\.csv: at the period of 3 s {words} left to learn from .* 2 are needed"
+    with pytest.raises(InputError, match=expected):
+        out_of_fold(
+            part,
+            fold[rows],
+            Search(n_settings=1, n_folds=2),
+            n_threads=1,
+            progress=lambda *_: None,
+        )
 
 
 def test_the_same_table_and_seed_give_the_same_model_on_any_number_of_threads(

@@ -59,6 +59,15 @@ def test_errors_are_means_of_squares_by_period(evaluation, tables):
         assert errors[name][2] == pytest.approx(squares[of_third].mean())
         assert errors[name].iloc[-1] == pytest.approx(errors[name][:-1].mean())
     assert (errors["switched"] < errors["constant"]).all()
+    assert errors["n"].tolist() == [N] * 7  # at each period, and at all: pedestrians
+
+
+def test_periods_that_are_near_to_each_other_are_told_apart(evaluation: Evaluation):
+    periods_s = np.array([0.5, 0.55, 0.6, 4.5, 6.0, 7.5])
+    near = replace(evaluation, samples=replace(evaluation.samples, periods_s=periods_s))
+    assert [line.split()[0] for line in render_evaluation(near).splitlines() if " s  " in line] == [
+        "0.5", "0.55", "0.6", "4.5", "6", "7.5"
+    ]  # fmt: skip
 
 
 def test_leaving_out_one_the_constant_errs_by_the_variance_of_the_others(evaluation, tables):
@@ -163,6 +172,14 @@ def test_with_few_subjects_a_bar_is_a_value(evaluation: Evaluation):
     first = histograms[histograms["period_s"] == 0.5]
     assert first["detectability"].tolist() == [0, 0.25, 0.5, 0.75, 1]
     assert first["n"].tolist() == [4, 3, 0, 0, 3]
+
+
+def test_a_share_of_fewer_subjects_stands_in_the_nearest_bar(evaluation: Evaluation):
+    rows = evaluation.table.rows.assign(n_subjects=4, detectability=0.25)
+    rows.loc[0, ["n_subjects", "detectability"]] = 3, 2 / 3
+    changed = replace(evaluation, table=replace(evaluation.table, rows=rows))
+    histograms = evaluation_tables(changed)["histograms"]
+    assert histograms["n"][:5].tolist() == [0, 9, 0, 1, 0]
 
 
 def test_the_documentation_names_the_columns_of_each_table_in_their_order(tables):

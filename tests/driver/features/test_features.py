@@ -7,6 +7,8 @@ import re
 import cv2
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from places import ROOT
 from scipy.stats import wasserstein_distance
 
@@ -225,6 +227,17 @@ def test_three_channels_that_hardly_differ_are_a_grey_picture():
     assert not np.isnan(features_of(three, BOX)[0, [4, 6]]).any()
 
 
+@pytest.mark.parametrize("pair", [(0, 1), (0, 2), (1, 2)])
+def test_any_two_channels_that_differ_are_colour(pair: tuple[int, int]):
+    """The third lies in the middle, no further than 8 levels from either."""
+    picture = np.full((100, 100, 3), 100, np.uint8)
+    picture[20:60, 40:60, pair[0]] = 92
+    picture[20:60, 40:60, pair[1]] = 108
+    values = of(picture)
+    assert values["colour_emd"] > 0
+    assert values["lab_distance"] > 5
+
+
 def test_a_box_that_fills_the_picture_has_no_surround():
     values = of(noise(), np.array([[0.0, 0.0, 160.0, 120.0]]), fixation=(0.0, 0.0))
     contrasts = ["luminance_contrast", "lab_distance", "edge_contrast", "colour_emd"]
@@ -278,6 +291,78 @@ def test_many_boxes_give_what_each_gives_alone():
     together = features_of(noise(), boxes, (80.0, 60.0))
     alone = [features_of(noise(), box[None], (80.0, 60.0))[0] for box in boxes]
     np.testing.assert_array_equal(together, alone)
+
+
+@pytest.mark.parametrize(
+    ("picture", "found"),
+    [
+        (np.zeros((5, 5, 4), np.uint8), r"uint8 of the shape \(5, 5, 4\)"),
+        (np.zeros((5, 5, 1), np.uint8), r"uint8 of the shape \(5, 5, 1\)"),
+        (np.zeros((5, 5, 2), np.uint8), r"uint8 of the shape \(5, 5, 2\)"),
+        (np.zeros((5, 5, 3)), r"float64 of the shape \(5, 5, 3\)"),
+        (np.zeros((5, 5), np.uint16), r"uint16 of the shape \(5, 5\)"),
+        (np.zeros((0, 5, 3), np.uint8), r"uint8 of the shape \(0, 5, 3\)"),
+        (np.zeros(25, np.uint8), r"uint8 of the shape \(25,\)"),
+        ([[1, 2], [3, 4]], "list"),
+    ],
+)
+def test_what_is_no_picture_is_refused(picture: object, found: str):
+    with pytest.raises(ParameterError, match=f"^picture: expected .*, found {found}"):
+        features_of(picture, BOX)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("boxes", "words"),
+    [
+        (np.arange(20.0).reshape(4, 5), r"boxes: expected the shape \(n, 4\), found \(4, 5\)"),
+        (np.arange(4.0), r"boxes: expected the shape \(n, 4\), found \(4,\)"),
+        (np.array([["a", "b", "c", "d"]]), "boxes: expected numbers"),
+        (np.array([[-np.inf, 0, np.inf, 5]]), "boxes: expected numbers, or NaN for not known"),
+    ],
+)
+def test_boxes_of_another_shape_are_refused(boxes: np.ndarray, words: str):
+    with pytest.raises(ParameterError, match=words):
+        features_of(grey(), boxes)
+
+
+@pytest.mark.parametrize(
+    ("fixation", "words"),
+    [
+        (np.zeros((1, 3)), r"fixation: expected the shape \(n, 2\), found \(1, 3\)"),
+        (np.zeros((2, 2)), "fixation: expected one point, or one for each of 1 boxes, found 2"),
+    ],
+)
+def test_fixations_of_another_shape_are_refused(fixation: np.ndarray, words: str):
+    with pytest.raises(ParameterError, match=words):
+        features_of(grey(), BOX, fixation)
+
+
+@given(
+    seed=st.integers(0, 1000),
+    height=st.integers(1, 40),
+    width=st.integers(1, 40),
+    surround=st.floats(1.1, 4),
+)
+def test_features_lie_within_what_8_bits_and_the_picture_allow(
+    seed: int, height: int, width: int, surround: float
+):
+    rng = np.random.default_rng(seed)
+    picture = rng.integers(0, 256, (height, width, 3), dtype=np.uint8)
+    boxes = np.concatenate([rng.uniform(-10, 40, (5, 2)), rng.uniform(0.1, 40, (5, 2))], axis=1)
+    values = features_of(picture, boxes, (0.0, 0.0), FeatureSettings(surround=surround))
+    assert values.shape == (5, len(FEATURE_KEYS))
+    most = [width, height, 127.5, 255, 260, 4 * 255 * 2**0.5, 45, np.hypot(width, height)]
+    assert not (values < 0).any()
+    assert not (values > np.array(most) * (1 + 1e-6)).any()
+    # in the mirror, with the point where the driver looks, nothing else is seen
+    mirrored = boxes * [-1, 1, 1, 1] + [width, 0, 0, 0] - boxes[:, [2]] * [1, 0, 0, 0]
+    other = features_of(
+        np.ascontiguousarray(picture[:, ::-1]),
+        mirrored,
+        (float(width), 0.0),
+        FeatureSettings(surround=surround),
+    )
+    np.testing.assert_allclose(other, values, atol=2e-3)
 
 
 def test_no_boxes_give_no_rows():

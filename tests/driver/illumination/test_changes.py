@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import asdict
 
 import numpy as np
@@ -154,7 +155,10 @@ def test_without_readings_no_period_is_known():
 
 def test_a_million_readings_take_seconds():
     level = np.tile(np.repeat([1000.0, 10.0], 1000), 500)
+    starts(light((10, 1000), (10, 10)))  # compiled by now
+    began_s = time.process_time()
     assert len(starts(Light(np.arange(1_000_000) / 100, level))) == 500
+    assert time.process_time() - began_s < 20
 
 
 @pytest.mark.parametrize(
@@ -178,3 +182,55 @@ def test_a_record_with_other_settings_is_refused(value: object):
         light_settings(content)
     with pytest.raises(ParameterError, match="others than there are"):
         light_settings({"drop_factor": 10.0})
+
+
+def without(given: Light, from_s: float, to_s: float) -> Light:
+    """The readings but for those in between."""
+    stays = (given.time_s < from_s) | (given.time_s >= to_s)
+    return Light(given.time_s[stays], given.level[stays], given.source)
+
+
+def test_across_a_gap_nothing_is_compared():
+    drop = without(light((10, 1000), (20, 10)), 8, 12)
+    assert starts(drop) == []
+    assert starts(drop, smooth_s=10, bright_for_s=20, within_s=60) == []
+
+
+@pytest.mark.parametrize("source", LightSource)
+def test_after_a_gap_it_takes_as_long_as_at_the_beginning_to_know_a_change(source: LightSource):
+    early = without(light((11, 1000), (3.9, 1000), (10, 10), source=source), 8, 12)
+    assert starts(early) == []
+    late = without(light((11, 1000), (4.1, 1000), (10, 10), source=source), 8, 12)
+    assert starts(late) == pytest.approx([15.1])
+
+
+def test_light_that_is_back_after_a_gap_does_not_say_when():
+    tunnel = without(light((10, 1000), (6, 10), (10, 1000)), 12, 20)
+    assert starts(tunnel) == pytest.approx([10.0])
+    assert np.isnan(ends(tunnel)).all()
+    seen_again = without(light((10, 1000), (4, 10), (10, 1000)), 15, 20)  # a second of it is seen
+    assert np.isnan(ends(seen_again)).all()
+
+
+@pytest.mark.parametrize("within_s", [0.0, 0.01])
+def test_the_reading_before_is_looked_at_however_short_the_setting(within_s: float):
+    given = light((10, 1000), (10, 10))
+    assert starts(given, within_s=within_s) == pytest.approx([10.0])
+    assert starts(given, within_s=within_s, smooth_s=0) == pytest.approx([10.0])
+
+
+@pytest.mark.parametrize("step_s", [2.0, 2.5, 5.0])
+def test_a_drop_between_readings_that_are_far_apart_as_a_rule_is_found(step_s: float):
+    times = np.arange(20) * step_s
+    given = Light(times, np.where(times < 10 * step_s, 1000.0, 10.0))
+    assert starts(given) == pytest.approx([10 * step_s])
+
+
+def test_many_gaps_take_seconds_as_well():
+    steps = np.where(np.arange(400_000) % 2, 10.0, 0.1)
+    steps[:3] = 0.1
+    given = Light(np.cumsum(steps), np.tile([1000.0, 10.0], 200_000))
+    began_s = time.process_time()
+    assert starts(given) == []
+    assert len(given.gaps_s) > 199_000
+    assert time.process_time() - began_s < 20

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from nvcore.dataset.tables import frames_table
-from nvcore.driver.illumination import Light, LightSource
+from nvcore.driver.illumination import Light, LightSettings, LightSource
 from nvcore.driver.illumination.clock import (
+    AdaptationClock,
     adaptation_clock,
     period_after,
     unknown_clock,
@@ -148,3 +151,105 @@ def test_only_frames_from_the_simulated_change_to_a_real_one_are_simulated():
     nothing = with_change(unknown_clock(FRAMES, FPS), FPS, 3.0)
     assert nothing.is_known.tolist() == (FRAMES >= 30).tolist()
     assert np.isnan(nothing.seen_s[:30]).all()
+
+
+def readings(*spans_s: tuple[float, float], dark_from_s: float = 5.0, step_s: float = 0.1) -> Light:
+    """Readings within these spans only."""
+    times = np.concatenate([np.arange(round((b - a) / step_s)) * step_s + a for a, b in spans_s])
+    return Light(times, np.where(times < dark_from_s - 1e-9, 1000.0, 10.0))
+
+
+def frames_at(clock: AdaptationClock, from_s: float, to_s: float) -> np.ndarray:
+    begin_s = clock.time_s + 1e-9
+    return (begin_s >= from_s) & (begin_s < to_s)
+
+
+def test_in_a_gap_of_the_readings_the_light_is_not_known():
+    """It becomes dark at 5 s; there is no reading after 4.4 s until 9 s."""
+    clock = adaptation_clock(readings((-5, 4.5), (9, 20)), np.arange(150), FPS)
+    assert len(clock.change_s) == 0
+    np.testing.assert_array_equal(np.isnan(clock.level), frames_at(clock, 5.5, 9))
+    np.testing.assert_array_equal(clock.is_known, ~frames_at(clock, 5.5, 12))
+    assert np.isnan(clock.seen_s[frames_at(clock, 5.5, 12)]).all()
+    assert np.isposinf(clock.seen_s[clock.is_known]).all()
+
+
+def test_an_adaptation_that_runs_into_a_gap_is_not_known_to_go_on():
+    clock = adaptation_clock(readings((-5, 6.1), (9, 20)), np.arange(150), FPS)
+    assert clock.change_s == pytest.approx([5.0])
+    np.testing.assert_array_equal(np.isfinite(clock.period_s), frames_at(clock, 5, 7.1))
+    np.testing.assert_array_equal(clock.is_known, ~frames_at(clock, 7.1, 12))
+
+
+def test_a_change_after_a_gap_is_known():
+    clock = adaptation_clock(readings((-5, 1), (3, 20), dark_from_s=8), np.arange(150), FPS)
+    assert clock.change_s == pytest.approx([8.0])
+    assert clock.period_s[80] == pytest.approx(0.1)
+    assert clock.is_known[60:].all()
+
+
+@pytest.mark.parametrize("step_s", [2.0, 5.0])
+def test_readings_that_are_far_apart_as_a_rule_have_no_gap(step_s: float):
+    given = readings((-50, 50), step_s=step_s)
+    assert not len(given.gaps_s)
+    one_lost = np.delete(np.arange(len(given.time_s)), 6)
+    late = Light(given.time_s[one_lost], given.level[one_lost])
+    assert not len(late.gaps_s)
+    clock = adaptation_clock(late, np.arange(150), FPS)
+    assert clock.is_known.all()
+    two_lost = np.delete(np.arange(len(given.time_s)), [6, 7])
+    assert len(Light(given.time_s[two_lost], given.level[two_lost]).gaps_s) == 1
+
+
+def test_readings_a_second_apart_are_next_to_each_other_where_others_are_closer():
+    assert not len(readings((0, 5), (5.9, 9)).gaps_s)
+    np.testing.assert_allclose(readings((0, 5), (6, 9)).gaps_s, [[4.9, 6.0]])
+
+
+def test_pictures_that_are_missing_leave_a_gap_as_readings_do():
+    given = readings((0, 4.5), (9, 15))
+    pictures = Light(given.time_s, given.level / 1000, LightSource.PICTURE)
+    clock = adaptation_clock(pictures, np.arange(150), FPS)
+    np.testing.assert_array_equal(
+        clock.is_known, frames_at(clock, 3, 5.5) | frames_at(clock, 12, 16)
+    )
+
+
+@given(
+    steps=st.lists(st.integers(1, 40), min_size=20, max_size=120),
+    levels=st.lists(st.sampled_from([0.05, 1.0, 9.0, 100.0, 2000.0]), min_size=120, max_size=120),
+)
+def test_what_is_known_has_readings_without_a_gap_behind_it(steps: list[int], levels: list[float]):
+    given_light = Light(np.cumsum(steps) / 20, np.array(levels[: len(steps)]))
+    clock = adaptation_clock(given_light, np.arange(400), FPS)
+    begin_s = np.arange(400) / FPS
+    longest = max(1.0, 2 * float(np.median(np.diff(given_light.time_s)))) + 1e-5
+    for number in np.flatnonzero(clock.is_known):
+        within = given_light.time_s <= begin_s[number] + 1e-9
+        behind = given_light.time_s[within & (given_light.time_s > begin_s[number] - 3 - longest)]
+        assert begin_s[number] - behind[0] >= 3 - 1e-5
+        assert np.diff(np.append(behind, begin_s[number])).max() <= longest
+    assert clock.is_known[~np.isnan(clock.period_s)].all()
+    assert (clock.period_s[~np.isnan(clock.period_s)] > 0).all()
+
+
+@given(
+    factor=st.sampled_from([0.25, 0.5, 2.0, 4.0]),
+    levels=st.lists(st.sampled_from([1.0, 9.0, 100.0, 2000.0]), min_size=30, max_size=60),
+)
+def test_in_a_film_that_runs_slower_everything_takes_as_much_longer(
+    factor: float, levels: list[float]
+):
+    """Times and settings in seconds times a factor; steps stay above the second that holds."""
+    times = np.arange(len(levels)) * 8.0
+    settings = {"within_s": 12.0, "bright_for_s": 24.0, "smooth_s": 1.0}
+    slower = {name: value * factor for name, value in settings.items()}
+    frames = np.arange(len(levels) * 8)
+    clock = adaptation_clock(Light(times, np.array(levels)), frames, 1.0, LightSettings(**settings))
+    other = adaptation_clock(
+        Light(times * factor, np.array(levels)), frames, 1 / factor, LightSettings(**slower)
+    )
+    np.testing.assert_allclose(other.period_s, clock.period_s * factor)
+    np.testing.assert_allclose(other.change_s, clock.change_s * factor)
+    np.testing.assert_array_equal(other.is_known, clock.is_known)
+    np.testing.assert_array_equal(other.level, clock.level)

@@ -40,6 +40,12 @@ def test_without_readings_nothing_is_known(tmp_path: Path):
     ("line", "words"),
     [
         ("1.0,5", "line 3: time_s: expected a time after 1 of the row before, found 1"),
+        (
+            "1e300,5",
+            r"line 3: time_s: expected seconds from frame 0 of the recording, -1e\+08 to 1e\+08, "
+            r"found 1e\+300; subtract the time of frame 0",
+        ),
+        ("-1e12,5", "line 3: time_s: expected seconds from frame 0"),
         ("2.0,-5", "line 3: lux: expected 0 or more, found -5"),
         ("2.0,bright", "line 3: lux: expected a number, found 'bright'"),
     ],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,8 @@ import pandas as pd
 import pytest
 from driver_trials import PERIODS_S, made_features, made_table, made_trials, true_detectability
 
+from nvcore.driver.feature_record import record_beside, record_bytes
+from nvcore.driver.features import FeatureSettings
 from nvcore.driver.trials import training_table
 from nvcore.errors import InputError
 
@@ -34,6 +37,22 @@ def test_detectability_is_the_share_of_subjects_who_are_right(tmp_path: Path):
         expected = np.round(true_detectability(features, period_s) * 20) / 20
         np.testing.assert_allclose(rows["detectability"], expected)
     np.testing.assert_allclose(table.rows["width_px"][:9], features["width_px"])
+
+
+def test_trials_without_an_answer_and_touches_outside_the_picture_are_counted(tmp_path: Path):
+    features = made_features(3)
+    trials = made_trials(features, FEW)
+    trials.loc[:1, "device"] = "touch; marked: no answer"
+    is_touch = trials["touch_x"].notna()
+    trials.loc[is_touch.idxmax(), ["touch_x", "touch_y"]] = (64700.0, -330.0)
+    files = written(tmp_path, trials, features)
+    table = training_table(*files)
+    assert (table.n_unanswered, table.n_outside) == (2, 0)  # how large it is, nobody says
+    about = {files[1].name: files[1].read_bytes()}
+    settings = {"features": asdict(FeatureSettings())}
+    record = record_bytes(about, settings=settings, picture_px=[1920, 1080])
+    record_beside(files[1]).write_bytes(record)
+    assert training_table(*files).n_outside == 1
 
 
 def test_the_interval_is_wilson_s(tmp_path: Path):

@@ -266,7 +266,7 @@ def test_the_record_says_who_estimated_and_whether_subjects_were_simulated(tmp_p
     assert "estimated by driver (12 subjects, fingerprint 5f1c00112233)" in conversion
     assert (
         "learnt from simulated subjects by a quick search, no better than a constant at 0.5 and "
-        "1.5 s and made on pictures of another width than those of the training in urban"
+        "1.5 s and in urban made on pictures of another width than the training's"
     ) in conversion
 
 
@@ -307,6 +307,32 @@ def test_a_record_of_before_is_read_and_gives_the_same_bytes(tmp_path):
     assert read_estimate_record(write(tmp_path / "d.json", content.decode()), "d.json") == record
     assert record.caution == ""
     assert replace(record, no_better_at_s=(3.0,)).caution == "no better than a constant at 3 s"
+
+
+def test_a_light_meter_in_doubt_is_a_warning_of_the_audit_and_part_of_what_is_said(tmp_path):
+    session = estimated(tmp_path, row("urban", 0, 0.5), provenance="d.json")
+    record = EstimateRecord("m", light_doubts={"urban": "one reading in 50 s"})
+    (tmp_path / "d.json").write_bytes(estimate_json(record))
+    dataset = load(session)
+    assert dataset.estimate == record
+    (found,) = [one for one in dataset.findings if one.code == "doubtful-light-meter"]
+    assert "urban (one reading in 50 s)" in found.message
+    assert record.caution == "in urban by a light meter that may be of another unit or clock"
+
+
+def test_estimates_without_a_known_change_of_light_are_for_adapted_eyes(tmp_path):
+    rows = row("urban", 0, 0.5, ",0.1,0,3.0"), row("urban", 1, 0.5, ",0.1,0,")
+    dataset = load(estimated(tmp_path, *rows))
+    known = ~np.isnan(dataset.detectability.value)
+    assert dataset.detectability.is_adapted[known].tolist() == [False, True]
+    without = load(
+        estimated(
+            tmp_path, "urban,0,100,200,40,100,0.5", head="recording,frame,x,y,w,h,detectability"
+        )
+    )
+    assert not without.detectability.is_adapted.any()
+    with pytest.raises(FormatError, match="expected a period_s of 0 or more, found -1"):
+        load(estimated(tmp_path, row("urban", 0, 0.5, ",0.1,0,-1")))
 
 
 def test_that_the_estimator_is_of_no_use_is_kept(tmp_path):

@@ -83,6 +83,14 @@ def test_too_few_pictures_are_refused():
         plan(0)
 
 
+def test_more_trials_than_a_participant_can_see_are_refused():
+    times = Timing(adaptation_s=range(24), answer_s=0)
+    assert len(plan(125, design="all", timing=times)) == 3000
+    with pytest.raises(InputError, match="would see 3,024 pictures, and 3,000 are the most"):
+        plan(126, design="all", timing=times)
+    assert len(plan(126, timing=times)) == 126
+
+
 def test_the_length_of_a_study_is_that_of_its_parts():
     timing = Timing(adaptation_s=(1, 5), bright_s=10, preview_s=2, cross_s=1, answer_s=3)
     trials = plan(2, timing=timing)

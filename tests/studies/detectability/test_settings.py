@@ -23,10 +23,12 @@ def test_the_answer_to_the_first_picture_ends_before_the_second():
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
-        ({"adaptation_s": (0, 1, 2)}, "even number, rising"),
+        ({"adaptation_s": (0, 1, 2)}, "even number, rising; got 3: 0, 1 and 2"),
+        ({"adaptation_s": (0, 0.04), "answer_s": 0}, "0 s and the next are less than 50 ms apart"),
         ({"adaptation_s": (1, 0)}, "even number, rising"),
         ({"adaptation_s": (0, math.nan)}, "0 to 600"),
         ({"adaptation_s": (-1, 8)}, "0 to 600"),
+        ({"adaptation_s": range(26)}, "expected 24 at most, got 26"),
         ({"bright_s": -1}, "bright_s: expected 0 to 600 s, got -1"),
         ({"show_s": 0}, "more than 0"),
     ],

@@ -18,9 +18,11 @@ from nvcore.studies.detectability.settings import Facts, StudySettings
 from nvcore.studies.detectability.store import DetectabilityStore
 from nvcore.studies.detectability.tables import (
     TRIAL_COLUMNS,
+    Progress,
     about,
     boxes_table,
     participants_table,
+    progress,
     trials_table,
 )
 
@@ -67,7 +69,7 @@ def test_answers_are_kept_once_and_the_next_trial_follows(store, study):
     store.answer(study, person.code, 1, SEEN)
     store.answer(study, person.code, 1, Answer(measured_s=9, shown_s=9))  # changes nothing
     assert store.left(study, person) == list(person.plan[1:])
-    assert store.answers(study)[person.code] == {1: (SEEN, 1)}
+    assert store.answers(study)[person.code] == {1: (SEEN, 0)}  # never reported as shown
 
 
 def test_an_answer_is_there_after_the_program_is_killed(tmp_path):
@@ -98,6 +100,8 @@ os.kill(os.getpid(), signal.SIGKILL)
 def test_the_trials_are_a_table_with_the_columns_of_the_driver(store, study):
     person = store.join(study, {})
     first, second, third, *_ = person.plan
+    store.note_showing(study, person.code, 1)
+    store.note_showing(study, person.code, 2)
     store.answer(
         study, person.code, 1, Answer(**{**vars(SEEN), "measured_s": first.adaptation_s + 0.016})
     )
@@ -206,6 +210,8 @@ def test_strangers_and_what_was_not_asked_are_refused(store, study):
         ({"measured_s": -1}, "measured_s"),
         ({"shown_s": math.inf}, "shown_s"),
         ({"response_s": -0.1}, "response_s"),
+        ({"response_s": 3601}, "response_s: expected 0 to 3600 s, got 3601"),
+        ({"response_s": 1e300}, "response_s"),
         ({"touch_y": math.nan}, "two places"),
         ({"touch_x": 1e9}, "two places"),
         ({"is_answered": False}, "is an answer"),
@@ -214,6 +220,28 @@ def test_strangers_and_what_was_not_asked_are_refused(store, study):
 def test_answers_that_cannot_be_are_refused(wrong, words):
     with pytest.raises(InputError, match=words):
         Answer(**{**vars(SEEN), **wrong})
+
+
+@pytest.mark.parametrize("place", [(-1, 5), (40, 5), (5, -0.5), (5, 30), (999_999, -999_999)])
+def test_a_touch_outside_the_picture_is_refused(store, study, place):
+    person = store.join(study, {})
+    beside = Answer(**{**vars(SEEN), "touch_x": place[0], "touch_y": place[1]})
+    with pytest.raises(InputError, match=r"outside the picture \(40 x 30 px\)"):
+        store.answer(study, person.code, 1, beside)
+    assert store.answers(study) == {}
+    corner = Answer(**{**vars(SEEN), "touch_x": 39.9, "touch_y": 0})
+    store.answer(study, person.code, 1, corner)
+    assert store.answers(study)[person.code][1][0] == corner
+
+
+def test_an_answer_to_a_picture_that_was_never_reported_as_shown_is_marked(store, study):
+    person = store.join(study, {})
+    time_s = person.plan[0].adaptation_s
+    store.answer(study, person.code, 1, Answer(**{**vars(SEEN), "measured_s": time_s}))
+    assert trials_table(store, study)["device"].tolist() == [
+        "touch; marked: never reported as shown"
+    ]
+    assert participants_table(store, study)["n_marked"].tolist() == [1]
 
 
 def test_many_join_at_once_and_all_rows_of_the_design_are_taken(store, study):
@@ -245,6 +273,20 @@ def test_how_a_study_was_done_is_told_without_anybody(store, study):
     assert about(other)["facts"] == {
         "screen_inch": None, "distance_cm": None, "bright_lux": None, "dark_lux": 10,
     }  # fmt: skip
+
+
+def test_the_progress_of_a_study_counts_who_has_seen_all_and_the_trials(store, study):
+    assert progress(participants_table(store, study)) == Progress(0, 0, 0, 0)
+    for n in (6, 2, 0):
+        person = store.join(study, {})
+        for trial in person.plan[:n]:
+            store.note_showing(study, person.code, trial.order)
+            measured_s = trial.adaptation_s + (0.2 if trial.order == 1 else 0.01)
+            answer = Answer(measured_s=measured_s, shown_s=0.5)
+            store.answer(study, person.code, trial.order, answer)
+    assert progress(participants_table(store, study)) == Progress(
+        n_participants=3, n_finished=1, n_trials=8, n_marked=2
+    )
 
 
 def test_tables_without_anybody_have_their_columns(store, study):

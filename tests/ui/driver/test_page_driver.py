@@ -354,7 +354,7 @@ def test_features_and_estimate_of_the_frame_and_a_simulated_change_of_light(visi
     # at once it is dark: the estimator of 0.5 s until 2.5 s later
     assert re.search(r"simulated change, estimator of 0\.5\ss\s+0\.16 ± 0\.10", panel(page))
     assert "dark from 0.00 s on" in texts(page)
-    assert "25 frames (2.50 s) later; without the change, at once" in texts(page)
+    assert "25 frames (2.50 s) later; without the change the driver sees" in texts(page)
     assert (
         "the driver would **not** have seen the pedestrian; without the change the driver would "
         "have" in texts(page)

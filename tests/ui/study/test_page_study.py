@@ -32,11 +32,12 @@ def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> DetectabilityStore
 
 @pytest.fixture
 def runs(monkeypatch: pytest.MonkeyPatch) -> list[dict]:
-    """The runs that the browser is given, in place of showing them."""
+    """The runs that the browser is given; a button in place of each tells that it has ended."""
     drawn: list[dict] = []
 
     def draw_run(run, title, trials, timing, *, on_end, key="study_screen"):
-        drawn.append({"run": run, "title": title, "trials": trials, "end": on_end})
+        drawn.append({"run": run, "title": title, "trials": trials})
+        participant.st.button("End the run", key=key, on_click=on_end, args=(run,))
 
     monkeypatch.setattr(participant, "draw_run", draw_run)
     return drawn
@@ -105,12 +106,17 @@ def test_a_study_has_what_was_set_and_an_address_for_each_side(store: Detectabil
     assert not page.code
 
 
+def test_the_field_of_times_takes_no_more_than_a_study_may_have():
+    assert opened().text_input(key="study_adaptation_s").proto.max_chars == 200
+
+
 @pytest.mark.parametrize(
     ("key", "value", "words"),
     [
         ("study_adaptation_s", "0, soon", "expected seconds, separated by commas"),
         ("study_adaptation_s", "0, 1, 2", "even number, rising"),
         ("study_adaptation_s", "0, 2", "needs 4 s"),
+        ("study_adaptation_s", ",".join(map(str, range(40))), "expected 24 at most, got 40"),
         ("study_consent", " ", "1 to 20,000 characters"),
     ],
 )
@@ -120,6 +126,16 @@ def test_what_cannot_be_is_told_and_not_begun(key: str, value: str, words: str):
     checked(kind(key=key).set_value(value).run())
     assert words in texts(page)
     assert "study_start" not in keys(page)
+
+
+def test_a_wrong_time_leaves_all_else_that_was_entered():
+    page = opened()
+    page.text_area(key="study_questions").set_value("Glasses?")
+    checked(page.number_input(key="study_dark_lux").set_value(10.0).run())
+    for times in ("0, soon", "0, 5"):
+        checked(page.text_input(key="study_adaptation_s").set_value(times).run())
+    assert page.text_area(key="study_questions").value == "Glasses?"
+    assert page.number_input(key="study_dark_lux").value == 10
 
 
 def test_without_a_folder_the_page_says_who_can_name_one(monkeypatch: pytest.MonkeyPatch):
@@ -194,9 +210,8 @@ def test_practice_comes_once_then_run_after_run_until_all_are_answered(
     (person,) = store.participants(study)
     practice = runs[-1]
     assert [trial["place"] for trial in practice["trials"]] == [0, 0]
-    practice["end"]("another run")
-    assert not store.participant(study, person.code).has_practised
-    store.end_practice(study, person.code)
+    press(page, "study_screen")
+    assert store.participant(study, person.code).has_practised
     for run in range(1, 4):
         page = opened(study=study.token, participant=person.code)  # as after a reload
         assert runs[-1]["title"] == f"Begin run {run} of 3"
@@ -212,6 +227,35 @@ def test_practice_comes_once_then_run_after_run_until_all_are_answered(
     checked(page.run())
     assert page.title[0].value == "Thank you"
     assert f"**{person.code}**" in texts(page)
+
+
+def test_every_practice_run_has_to_be_seen_to_its_end(store: DetectabilityStore, runs: list[dict]):
+    page = opened()
+    checked(page.number_input(key="study_n_practice").set_value(2).run())
+    study = begun(store, page)
+    page = joined(study)
+    (person,) = store.participants(study)
+    press(page, "study_screen")
+    assert page.title[0].value == "Practice 2 of 2"
+    checked(page.run())  # as after a run that was stopped
+    assert page.title[0].value == "Practice 2 of 2"
+    assert not store.participant(study, person.code).has_practised
+    press(page, "study_screen")
+    assert store.participant(study, person.code).has_practised
+    assert runs[-1]["title"] == "Begin run 1 of 3"
+
+
+def test_the_end_of_another_run_ends_no_practice(
+    store: DetectabilityStore, monkeypatch: pytest.MonkeyPatch
+):
+    def draw_run(run, title, trials, timing, *, on_end, key="study_screen"):
+        participant.st.button("End another run", key=key, on_click=on_end, args=("3 of it",))
+
+    monkeypatch.setattr(participant, "draw_run", draw_run)
+    study = begun(store)
+    page = press(joined(study), "study_screen")
+    assert page.title[0].value == "Practice"
+    assert not store.participants(study)[0].has_practised
 
 
 def test_the_browser_may_answer_for_this_participant_only(
@@ -235,8 +279,11 @@ def test_who_has_left_the_screen_can_no_longer_be_answered_for(
     assert NOTE in notes
     if way in ("next", "conductor"):
         page.query_params.clear()
-        page.query_params.update({"study" if way == "next" else "conduct": study.token})
+        page.query_params.update(
+            {"study": study.token} if way == "next" else {"conduct": study.conductor}
+        )
         checked(page.run())
+        assert bool(page.code) == (way == "conductor")  # the addresses of the study
     else:
         page.query_params.clear()
         if way == "ratings":
@@ -286,6 +333,7 @@ def test_the_conductor_sees_progress_and_marks(store: DetectabilityStore):
         person = store.join(study, {})
         for trial in person.plan[:n]:
             measured = trial.adaptation_s + (0.2 if trial.order == 1 else 0.01)
+            store.note_showing(study, person.code, trial.order)
             store.answer(study, person.code, trial.order, Answer(measured_s=measured, shown_s=0.5))
     page = opened(conduct=study.conductor)
     assert metrics(page) == {

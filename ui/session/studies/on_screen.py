@@ -65,8 +65,8 @@ class OnScreen:
         else:
             if int(index) >= len(self.study.pictures):
                 raise InputError("there is no such picture")
-            one = self.study.pictures[int(index)]
-            picture, box = load_picture(self.folder, one), (one.x, one.y, one.w, one.h)
+            scene = self.study.pictures[int(index)]
+            picture, box = load_picture(self.folder, scene), (scene.x, scene.y, scene.w, scene.h)
         return png(picture if view == "full" else coarse(picture, box))
 
     def note_showing(self, place: int) -> None:

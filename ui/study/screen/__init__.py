@@ -1,7 +1,8 @@
 """Runs a run of a study in the browser, over the whole window.
 
 A Streamlit component: it fetches the pictures of a run beforehand, shows everything by the clock of
-the animation, and sends each answer to the study's route as it is given. Python hears of the end.
+the animation, and sends each answer to the study's route as it is given. Python hears of the end,
+and of a stop.
 
     clock.js     frames of the animation, and waiting for them
     drawing.js   what is on the canvas: light, pictures, crosses
@@ -53,7 +54,8 @@ def draw_run(
         ``place`` (0: practice, nothing is kept), ``picture`` (name in the route), ``width``,
         ``height`` (px) and ``adaptation_s`` of each picture, in their order.
     on_end
-        Called with the name of a run that has ended or was stopped.
+        Called with the name of a run that was seen to its end; after one that was stopped the page
+        is only drawn again.
     """
 
     def end() -> None:
@@ -71,4 +73,5 @@ def draw_run(
             "timing": asdict(timing),
         },
         on_ended_change=end,
+        on_stopped_change=lambda: None,
     )

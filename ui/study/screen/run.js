@@ -6,6 +6,7 @@ const TEXTS = {
   loading: "Getting the pictures …",
   answer: "Touch the place where the pedestrian was",
   sending: "Keeping your answers …",
+  unreached: "The app does not answer; trying again. Leave this page open to keep your answers.",
 };
 const screens = new WeakMap();
 
@@ -78,7 +79,7 @@ class Screen {
     this.text.textContent = TEXTS[phase] || "";
     this.inside.hidden = phase !== "ready";
     this.unseen.hidden = phase !== "answer";
-    this.leave.hidden = !["ready", "answer", "loading", "failed"].includes(phase);
+    this.leave.hidden = phase === "sending";
     this.dialog.dataset.ground = this.isBright() ? "bright" : "dark";
   }
 
@@ -108,6 +109,7 @@ class Screen {
 
   fail(error) {
     this.enter("failed");
+    this.outside.disabled = true; // until the page is loaded again
     this.message.textContent = `This does not work: ${error.message}`;
     this.text.textContent = this.message.textContent;
   }
@@ -132,15 +134,32 @@ class Screen {
       await Promise.all(this.kept);
       this.tell("ended", run);
     } catch (error) {
-      if (error instanceof Stopped) this.end(run);
+      if (error instanceof Stopped) this.end("stopped");
       else this.fail(error);
     }
   }
 
   // The whole screen, where the browser lets us; else the window.
   fill() {
+    this.stayAwake();
     if (document.fullscreenElement || !document.fullscreenEnabled) return;
     document.documentElement.requestFullscreen().catch(() => {});
+  }
+
+  // A tablet that nobody touches for the length of a bright screen goes to sleep.
+  async stayAwake() {
+    try {
+      // the browser releases it when the page is out of sight
+      if (!this.lock || this.lock.released) this.lock = await navigator.wakeLock?.request("screen");
+      if (!this.dialog.open) this.sleep();
+    } catch {
+      this.lock = null; // not allowed here, or the battery is low
+    }
+  }
+
+  sleep() {
+    this.lock?.release().catch(() => {});
+    this.lock = null;
   }
 
   async go() {
@@ -182,12 +201,13 @@ class Screen {
     this.enter("picture");
     const seen = await clock.show(() => drawing.whole(trial.screens.picture));
     dark = dark === null ? seen : dark;
-    if (trial.place) this.send(trial, "shown", {});
+    const shown = trial.place ? this.send(trial, "shown", {}) : null;
     await this.until(seen + 1000 * timing.show_s);
     const gone = await clock.show(() => drawing.answer(trial, null));
     this.enter("answer");
     const answer = await this.ask(trial, gone);
-    if (trial.place) this.send(trial, "answer", this.report(trial, answer, { dark, seen, gone }));
+    const report = this.report(trial, answer, { dark, seen, gone });
+    if (trial.place) this.send(trial, "answer", report, shown);
     return dark;
   }
 
@@ -224,10 +244,16 @@ class Screen {
     };
   }
 
-  send(trial, kind, content) {
-    const sent = put(`${this.data.url}/${trial.place}/${kind}`, content);
+  // After `before`: an answer that overtakes the report that its picture appears is marked.
+  send(trial, kind, content, before = null) {
+    const address = `${this.data.url}/${trial.place}/${kind}`;
+    const onRetry = () => {
+      if (this.phase === "sending") this.text.textContent = TEXTS.unreached;
+    };
+    const sent = Promise.resolve(before).then(() => put(address, content, onRetry));
     sent.catch(() => {}); // said at the end of the run
     this.kept.push(sent);
+    return sent;
   }
 
   key(event) {
@@ -258,21 +284,23 @@ class Screen {
 
   stop() {
     if (!["ready", "loading", "failed"].includes(this.phase)) this.isStopped = true;
-    else if (this.dialog.open) this.end(null);
+    else if (this.dialog.open) this.end();
   }
 
-  // Back to the page; what was answered is kept.
-  async end(run) {
+  // Back to the page, which is told what happened to the run, if anything; what was answered is kept.
+  async end(event = null) {
+    const { run } = this.data;
     this.asked = null;
     this.close();
     if (this.phase === "loading" || this.phase === "failed") return;
     this.enter("ready");
-    if (run === null) return;
+    if (event === null) return;
     await Promise.allSettled(this.kept);
-    this.tell("ended", run);
+    this.tell(event, run);
   }
 
   close() {
+    this.sleep();
     if (this.dialog.open) this.dialog.close();
     if (document.fullscreenElement) document.exitFullscreen().catch(() => {});
   }

@@ -19,8 +19,8 @@ async function fetchTrial(url, trial) {
   return { ...trial, full, coarse };
 }
 
-// Resolves when the app has kept it; rejects when it never will.
-async function put(address, content) {
+// Resolves when the app has kept it; rejects when it never will. Calls `onRetry` before each wait.
+async function put(address, content, onRetry) {
   for (;;) {
     let answer = null;
     try {
@@ -30,6 +30,7 @@ async function put(address, content) {
     }
     if (answer && answer.status < 300) return;
     if (answer && answer.status < 500) throw new Error(await answer.text());
+    onRetry();
     await new Promise((done) => setTimeout(done, AGAIN_MS));
   }
 }

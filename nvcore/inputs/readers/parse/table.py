@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from io import StringIO
 from pathlib import Path
 from typing import Final
@@ -226,7 +227,7 @@ def parse_table(content: bytes, *, name: str, what: str, required: Sequence[str]
         raise FormatError(
             f"a table of {what} has the columns {', '.join(required)}; {listed(absent)} "
             f"{'is' if len(absent) == 1 else 'are'} missing, found "
-            f"{shortened(', '.join(header), 120)}",
+            f"{shortened(', '.join(header), 120)}{_meant(absent, header, required)}",
             file=name,
             line=line,
         )
@@ -256,3 +257,10 @@ def read_table(path: Path, *, what: str, required: Sequence[str]) -> TextTable:
     if len(content) > MOST_BYTES:
         raise FormatError(f"a table of {what} has {MOST_BYTES >> 20} MiB at most", file=path)
     return parse_table(content, name=str(path), what=what, required=required)
+
+
+def _meant(absent: Sequence[str], header: Sequence[str], required: Sequence[str]) -> str:
+    """Which columns that are not asked for may be a missing one misspelt; empty: none."""
+    others = [column for column in header if column and column not in required]
+    close = [(column, get_close_matches(column, absent, n=1)) for column in others]
+    return "".join(f"; is {column} {names[0]}?" for column, names in close if names)

@@ -79,6 +79,13 @@ def test_an_answer_is_kept_at_once(space: Workspace, screen: OnScreen):
     assert answer.device == "touch, picture 1152 px of a screen of 1280 px, 24 inch"
 
 
+def test_a_touch_outside_the_picture_is_no_answer(space: Workspace, screen: OnScreen):
+    beside = json.dumps({**TOUCH, "touch": [study_pictures.WIDTH, 5]}).encode()
+    answer = put(f"{address(space)}/study/1/answer", beside)
+    assert (answer.status, "outside the picture (320 x 180 px)" in answer.text) == (400, True)
+    assert screen.store.answers(screen.study) == {}
+
+
 @pytest.mark.parametrize("place", ["0", "3", "x", "9" * 30])
 def test_what_is_no_trial_of_the_participant_is_refused(
     space: Workspace, screen: OnScreen, place: str

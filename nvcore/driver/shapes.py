@@ -1,0 +1,54 @@
+"""Arrays that callers hand over: refused unless they are of the shape that is asked for."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from nvcore.errors import ParameterError
+
+
+def check_picture(picture: object) -> None:
+    """Refuse what is no picture of 8 bits: grey (h, w) or RGB (h, w, 3), with a pixel.
+
+    Raises
+    ------
+    ParameterError
+        With what was found.
+    """
+    if not isinstance(picture, np.ndarray):
+        raise ParameterError(
+            f"picture: expected an array of pixels, found {type(picture).__name__}"
+        )
+    is_shaped = picture.ndim == 2 or (picture.ndim == 3 and picture.shape[2] == 3)
+    if picture.dtype != np.uint8 or not is_shaped or not picture.size:
+        raise ParameterError(
+            "picture: expected uint8 of the shape (h, w) or (h, w, 3), with a pixel, found "
+            f"{picture.dtype} of the shape {picture.shape}"
+        )
+
+
+def rows_of(values: ArrayLike, n_columns: int, name: str) -> NDArray[np.float64]:
+    """Rows of numbers, float64, shape (n, n_columns); NaN is not known.
+
+    Parameters
+    ----------
+    name
+        For errors.
+
+    Raises
+    ------
+    ParameterError
+        If they are of another shape, no numbers, or infinite.
+    """
+    try:
+        rows = np.asarray(values, np.float64)
+    except (TypeError, ValueError) as error:
+        raise ParameterError(f"{name}: expected numbers ({error})") from error
+    if rows.ndim != 2 or rows.shape[1] != n_columns:
+        raise ParameterError(
+            f"{name}: expected the shape (n, {n_columns}), found {rows.shape}; give one row each"
+        )
+    if np.isinf(rows).any():
+        raise ParameterError(f"{name}: expected numbers, or NaN for not known, found infinity")
+    return rows

@@ -1,0 +1,36 @@
+"""What the page hears of a run in the browser."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from nvcore.studies.detectability.settings import Timing
+from ui.study import screen
+
+NAME = "practice 1 of ABCDEFGH"
+
+
+@pytest.fixture
+def hears(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """The component's callbacks and the state that the browser sets, for a run with that name."""
+    component: dict[str, Any] = {}
+    monkeypatch.setattr(screen, "_COMPONENT", lambda **arguments: component.update(arguments))
+    monkeypatch.setattr(screen, "address", lambda _: "/nv/token")
+    monkeypatch.setattr(screen.st, "session_state", component.setdefault("session", {}))
+    component["runs"] = []
+    screen.draw_run(NAME, "Begin", [], Timing(), on_end=component["runs"].append)
+    return component
+
+
+def test_a_run_that_was_seen_to_its_end_has_ended(hears: dict[str, Any]):
+    hears["session"]["study_screen"] = {"ended": NAME, "stopped": None}
+    hears["on_ended_change"]()
+    assert hears["runs"] == [NAME]
+
+
+def test_a_run_that_was_stopped_has_not_ended(hears: dict[str, Any]):
+    hears["session"]["study_screen"] = {"ended": None, "stopped": NAME}
+    hears["on_stopped_change"]()
+    assert hears["runs"] == []
