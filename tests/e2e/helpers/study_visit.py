@@ -41,7 +41,7 @@ def start(one: Visit) -> tuple[str, str]:
     """Start the study; pages of the participants and of the conductor."""
     one.keyed("study_start").get_by_role("button").click()
     expect(one.heading("The study")).to_be_visible()
-    codes = one.page.get_by_test_id("stCode").locator("code")
+    codes = one.page.get_by_test_id("stCode").locator("code").filter(has_text="http")
     expect(codes).to_have_count(2)
     study, conduct = (code.inner_text().strip().rpartition("/")[2] for code in codes.all())
     return study, conduct
