@@ -20,7 +20,7 @@ from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import read_session
 from nvcore.pictures.recordings import RecordingPictures, Source, session_pictures
 from ui.session.cache import Caching
-from ui.session.workspace import Opened
+from ui.session.workspace import Opened, Workspace
 
 MOST_SAMPLES: Final = 2
 MOST_MOVED: Final = 24
@@ -130,3 +130,13 @@ def as_shared(opened: Opened) -> Opened:
         if start.whole.frames is opened.whole.frames and start.session == opened.session:
             return start
     return opened
+
+
+def shown_in(space: Workspace, opened: Opened) -> Opened:
+    """What is open from now on, with its pictures: the shared ones of a sample, else its own."""
+    shared = sample_of(opened)
+    if shared is not None:
+        return space.show(opened, shared.new_pictures(), shared.new_pictures("visible"))
+    session, whole, opener = opened.session.of_all, opened.whole, space.picture_process.open
+    visible = session_pictures(session, whole, opener=opener, key="visible")
+    return space.show(opened, session_pictures(session, whole, opener=opener), visible)

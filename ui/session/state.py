@@ -17,16 +17,21 @@ from nvcore.detection.operating_point import span_of_scores
 from nvcore.inputs.session import Session
 from nvcore.palette import Scheme, Shade, scheme_for
 from nvcore.params import SETTINGS, Params
-from nvcore.params.metadata import SALIENT, THRESHOLD
-from nvcore.pictures.recordings import session_pictures
 from nvcore.protocols import Protocol
 from ui.access.people import is_same
 from ui.session import address
 from ui.session.address import PLACE, read_place, read_systems
 from ui.session.ending import end_with_session, is_in_use
 from ui.session.opening import load_for, with_systems
-from ui.session.results.comparison import result_kept_by
-from ui.session.sample import SharedSample, as_shared, sample_of, shared_opening, shared_sample
+from ui.session.results.comparison import of_boxes, result_kept_by
+from ui.session.sample import (
+    SharedSample,
+    as_shared,
+    sample_of,
+    shared_opening,
+    shared_sample,
+    shown_in,
+)
 from ui.session.workspace import Compared, Opened, Workspace, workspace_of
 from ui.settings.start import start_file
 
@@ -53,7 +58,7 @@ def _workspace_and_opened() -> tuple[Workspace, Opened]:
     if space.opened is not None:
         return space, space.opened
     with st.spinner("Opening the recordings"):
-        return space, _open(space, shared_start().opened)
+        return space, shown_in(space, shared_start().opened)
 
 
 def open_session(session: Session, *, label: str) -> None:
@@ -67,7 +72,7 @@ def open_session(session: Session, *, label: str) -> None:
     space = workspace()
     with st.spinner("Reading the files"):
         shared = shared_opening(session, label)
-        _open(space, shared or Opened.of(session, load_for(space, session.of_all), label))
+        shown_in(space, shared or Opened.of(session, load_for(space, session.of_all), label))
     st.rerun()  # the widgets of this run are drawn: they take their new values in the next one
 
 
@@ -87,7 +92,7 @@ def read_again(session: Session) -> None:
         if again.whole.frames.equals(before.whole.frames):
             space.look_at(again, keeps_outputs=True)
         else:
-            _open(space, again)
+            shown_in(space, again)
     st.rerun()
 
 
@@ -238,14 +243,6 @@ def _compare(dataset: Dataset, settings: Params, x: str, y: str, previous: Resul
         return compare(dataset, settings, x=x, y=y)
 
 
-def of_boxes(settings: Params) -> Params:
-    """The settings that boxes, their matches and the most salient misses depend on.
-
-    The others have their defaults: drawn boxes stay valid while only those others change.
-    """
-    return settings.only_for(THRESHOLD, SALIENT)
-
-
 def protocol() -> Protocol:
     """Which pedestrians count in the detection measures."""
     return opened().session.protocol
@@ -394,15 +391,6 @@ def frame_numbers(recording_index: int) -> np.ndarray:
     """Numbers of the evaluated frames of a recording."""
     frames = opened().dataset.frame_columns
     return frames.frame[frames.rows_of(recording_index)]
-
-
-def _open(space: Workspace, opened: Opened) -> Opened:
-    shared = sample_of(opened)
-    if shared is not None:
-        return space.show(opened, shared.new_pictures(), shared.new_pictures("visible"))
-    session, whole, opener = opened.session.of_all, opened.whole, space.picture_process.open
-    visible = session_pictures(session, whole, opener=opener, key="visible")
-    return space.show(opened, session_pictures(session, whole, opener=opener), visible)
 
 
 def _forget_widgets() -> None:

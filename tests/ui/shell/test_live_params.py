@@ -13,7 +13,7 @@ from nvcore.inputs.session_toml import read_session
 from nvcore.params import SETTINGS, Params
 from nvcore.params.metadata import MATCH, PROXIMITY, RESULTS
 from pages import FRAMES, begin_with, checked, opened, press, rows, texts, write
-from ui.session import state
+from ui.session.sample import shown_in
 from ui.session.workspace import Opened
 from ui.shell import pages
 from ui.shell.tab import dragging
@@ -156,7 +156,7 @@ def test_whatever_cuts_off_the_opening_of_a_session_leaves_the_app_alive(
     other = write(tmp_path, {"one": CONSTANT, "two": CONSTANT}, truth=rows(300))
     space = page.session_state["workspace"]
     session = read_session(other)
-    state._open(space, Opened.of(session, load(session), "Other"))
+    shown_in(space, Opened.of(session, load(session), "Other"))
     checked(page.run())
     assert page.session_state["place"] == (0, 0)
     assert live(page).alpha == Params().alpha

@@ -7,6 +7,7 @@ from typing import Any
 
 from nvcore.comparison import Result
 from nvcore.params import Params
+from nvcore.params.metadata import SALIENT, THRESHOLD
 
 Cached = Callable[..., Any]
 """`ui.session.cache.Caching.cached`."""
@@ -18,3 +19,11 @@ def result_kept_by(
     """The comparison that `make` makes, kept as `cached` keeps values while the data are open."""
     result: Result = cached("result", (params, x, y), make)
     return result
+
+
+def of_boxes(settings: Params) -> Params:
+    """The settings that boxes, their matches and the most salient misses depend on.
+
+    The others have their defaults: drawn boxes stay valid while only those others change.
+    """
+    return settings.only_for(THRESHOLD, SALIENT)
