@@ -73,8 +73,9 @@ bench: $(DEVELOP) chromium $(RIVALS) $(MOTMETRICS)
 	$(BIN)/python -m bench.run $(BENCH)
 
 # uv writes the hashes of the files of every platform, and takes the versions that are there
-# unless told otherwise.
-COMPILE = .venv-tools/bin/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header $(PINS) pyproject.toml
+# unless told otherwise. Extras stay in the pins: without coverage[toml]==... pip looks at the newest
+# coverage for that extra, and refuses it, since it has no hash here.
+COMPILE = .venv-tools/bin/uv pip compile --quiet --universal --no-strip-extras --python-version 3.11 --generate-hashes --no-header $(PINS) pyproject.toml
 
 pins: $(TOOLS)
 	$(COMPILE) --extra login --output-file requirements.txt
