@@ -428,7 +428,7 @@ def test_whom_the_driver_sees_for_a_few_frames_only_is_counted():
     truth = [*far, at(6, 50, h=40, track=1, detectability=0.2), at(6, 20, detectability=0.9)]
     result = result_of(make_dataset(truth), proximity="height")
     assert (
-        "One frame is enough for that: 1 of the 2 that the driver sees are seen in fewer than 50 % "
+        "One frame is enough to count as seen: 1 of the 2 reach the threshold in fewer than 50 % "
         "of the frames up to the first that counts."
     ) in describe_driver(result)
     assert summary(result)["driver"]["seldom"] == 1

@@ -49,7 +49,7 @@ def draw(result: Result) -> DriverRegion | None:
             [DriverRegion(region) for region in table["region"]],
             index=None,
             format_func=REGION_NAMES.__getitem__,
-            placeholder="anybody or nobody: all",
+            placeholder="any or none of them: all",
             key=REGION,
             persist_state="session",
         )

@@ -25,8 +25,8 @@ def draw(result: Result) -> None:
         st.caption(
             state.words(
                 "The driver sees the pedestrian where detectability reaches the threshold in a "
-                "frame up to the first that counts. How many of the encounters that leaves to X "
-                "and Y is no matter of the systems: no number here holds without its threshold "
+                "frame up to the first that counts. How many encounters that leaves for X and Y to "
+                "warn of depends on the threshold, not on the systems "
                 f"({docs_link('whom the driver sees', 'whom-he-sees', doc='driver')})."
             )
         )

@@ -55,7 +55,7 @@ def driver_threshold_plot(
     figure = draw(
         lines,
         theme,
-        title="Over the threshold",
+        title="Seen and warned of",
         subtitle=f"{n} of which it is known; the threshold decides whom the driver sees",
         height=HEIGHT_PX,
         margin={"l": LEFT_PX, "r": 16, "t": 106, "b": 48},

@@ -104,5 +104,5 @@ def _labels(names: tuple[str, str], theme: Theme) -> list[dict[str, Any]]:
         written("Driver", size=14, color=look.muted, x=0, y=1.48, yanchor="bottom"),
         written(x, size=14, color=look.x, x=-1.05, y=-1.2, yanchor="top"),
         written(y, size=14, color=look.y, x=1.05, y=-1.2, yanchor="top"),
-        written("nobody", size=12, color=look.muted, x=1.6, y=1.08, yanchor="bottom"),
+        written("none of them", size=12, color=look.muted, x=1.6, y=1.08, yanchor="bottom"),
     ]

@@ -41,8 +41,8 @@ def describe_view(result: Result) -> tuple[str, ...]:
         return (NOTHING_KNOWN,) if result.dataset.has_detectability else ()
     sentences = (
         _alerts(result),
-        _undecided(result),
         _seldom(result),
+        _undecided(result),
         _in_time(result),
         *_basis(result),
         weighting(result),
@@ -85,9 +85,8 @@ def _seldom(result: Result) -> str:
     if not n:
         return ""
     return (
-        f"One frame is enough for that: {n:,} of the {result.driver.venn.n_seen:,} that the "
-        f"driver sees are seen in fewer than {percent(SELDOM)} of the frames up to the first that "
-        "counts."
+        f"One frame is enough to count as seen: {n:,} of the {result.driver.venn.n_seen:,} reach "
+        f"the threshold in fewer than {percent(SELDOM)} of the frames up to the first that counts."
     )
 
 
