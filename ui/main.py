@@ -87,6 +87,11 @@ if wrong_params is not None and not links.is_participant():  # something is open
         narrow.draw()
         theme.draw()
 if failure is None and not links.is_participant():
-    finished.take_over()  # all is drawn: nobody's click is lost
+    try:
+        finished.take_over()  # all is drawn: nobody's click is lost
+    except Exception as error:  # noqa: BLE001  # a fault of ours: it is not tried again
+        finished.give_up()
+        error_banner(error)
+        failure = error
 if failure is not None and not links.is_participant():
     way_out.draw(is_fault=not isinstance(failure, NvcoreError))

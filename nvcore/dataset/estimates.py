@@ -2,7 +2,7 @@
 
     {"written_by": "nvcore 0.1.0",
      "estimator": {"name": "driver", "fingerprint": "5f1c...", "simulated": "all",
-                   "n_subjects": 12, "no_better_at_s": [0.5], "of_no_use": false},
+                   "n_subjects": 12, "no_better_at_s": [0.5]},
      "estimates": {"n": 1557, "n_light_unknown": 821, "outside": {"Height": 12}},
      "settings": {"light": {"drop_factor": 10.0}},
      "files": {"detectability.csv": "9e07..."}}

@@ -208,9 +208,14 @@ def judge(
         else:
             row = judge_measure(by_unit[key], units, has_interval=has_intervals)
             row = with_mean_over_recordings(result, units, row)
-        return replace(row, doubt=doubt_of(result, inference))
+        return with_doubt(result, row)
 
     return tuple(map(judge_one, keys))
+
+
+def with_doubt(result: Result, row: Evidence) -> Evidence:
+    """The row with why no claim can rest on it, as far as it rests on the driver's view."""
+    return replace(row, doubt=doubt_of(result, inference_of(row.figure)))
 
 
 def corrected(table: pd.DataFrame) -> np.ndarray:

@@ -18,6 +18,7 @@ from nvcore.evidence.measures import (
     judge_encounters,
     judge_measure,
     unit_measures,
+    with_doubt,
     with_mean_over_recordings,
 )
 from nvcore.evidence.miss_rate import judge_miss_rate
@@ -147,7 +148,10 @@ def _judge_part(
         measure = replace(measure, x=measure.x[is_within], y=measure.y[is_within])
         return with_mean_over_recordings(part_result, within, judge_measure(measure, within))
 
-    return [judge(key) for key in keys]
+    return [
+        row if inference_of(row.figure).test == "curve" else with_doubt(result, row)
+        for row in map(judge, keys)
+    ]
 
 
 def _narrow(result: Result, part: Subgroup) -> Result:

@@ -15,6 +15,8 @@ from nvcore.schema import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.tables.column import Column, Kind
 from nvcore.tables.summary_entry import Entry
 
+_NOBODY_URGENT: Final = "it is known of no urgent encounter whether the driver sees it"
+
 
 def _count_region(result: Result, *, region: DriverRegion) -> int:
     return result.driver.venn.counts[region]
@@ -23,6 +25,11 @@ def _count_region(result: Result, *, region: DriverRegion) -> int:
 def _count_within_sd(result: Result) -> int | None:
     driver = result.driver
     return int(np.count_nonzero(driver.is_within_sd)) if driver.has_sd.any() else None
+
+
+def _count_urgent(result: Result, is_member: np.ndarray) -> int | None:
+    """How many, so that no rule passes because nobody is urgent."""
+    return int(np.count_nonzero(is_member)) if is_judged_in_time(result).any() else None
 
 
 def _entry(
@@ -81,12 +88,14 @@ DRIVER_ENTRIES: Final[tuple[Entry, ...]] = (
     _entry(
         "driver.in_time",
         "Of these, the ones that the driver sees while the car can still stop.",
-        lambda result: int(np.count_nonzero(is_driver_in_time(result))),
+        lambda result: _count_urgent(result, is_driver_in_time(result)),
+        empty=_NOBODY_URGENT,
     ),
     _entry(
         "driver.too_late",
         "Of these, the ones that the driver sees, but only when the car can no longer stop.",
-        lambda result: int(np.count_nonzero(is_seen_too_late(result))),
+        lambda result: _count_urgent(result, is_seen_too_late(result)),
+        empty=_NOBODY_URGENT,
     ),
     _entry(
         "driver.boxes_without_detectability",

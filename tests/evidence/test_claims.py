@@ -22,9 +22,11 @@ from nvcore.evidence.companions import (
     which_moves,
 )
 from nvcore.evidence.measures import significance_table
+from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
+from nvcore.report.gate.measures import gate_measures
 from nvcore.report.verdict import verdict
 
 
@@ -209,7 +211,7 @@ OF_NO_USE = EstimateRecord("m", "ab", "no", 3, of_no_use=True)
 
 
 def seen_little(detectability: Sequence[float], n: int = 14) -> Dataset:
-    """X detects all of as many pedestrians in each recording, Y those with an even number."""
+    """X detects all pedestrians of each recording, Y few boxes of those with odd numbers."""
     truth = [
         at(f, 20 + 20 * i, track=i, recording=recording, detectability=share)
         for recording in range(n)
@@ -218,7 +220,7 @@ def seen_little(detectability: Sequence[float], n: int = 14) -> Dataset:
     ]
     scores = np.random.default_rng(0).random(len(truth)).tolist()
     x = [box._replace(score=score) for box, score in zip(truth, scores, strict=True)]
-    y = [box for box in x if box.track % 2 == 0]
+    y = [box for box in x if box.track % 2 == 0 or box.score < 0.2]
     return make_dataset(truth, x, y, places=[Place(range(4))] * n)
 
 
@@ -248,6 +250,15 @@ def test_what_is_weighted_by_an_estimator_that_learned_nothing_is_no_claim():
     assert of_weights <= {claim.key for claim in plain.claims}
     assert not of_weights & {claim.key for claim in weighted.claims}
     assert of_weights <= set(weighted.withheld)
+    for weighting, is_undefined in (("off", False), ("on", True)):
+        result = result_of(dataset, driver_weighting=weighting)
+        name = "mean_similarity_worse_x"
+        worse = gate_measures(result, (), dataset.settings.protocol, [name])[name]
+        assert np.isnan(worse) == is_undefined
+    groups = subgroup_table(result_of(dataset, driver_weighting="on"))
+    doubts = groups[groups["figure"] == "mean_similarity"]["doubt"]
+    assert len(doubts)
+    assert doubts.str.contains("no better than a constant").all()
     trusted = result_of(seen_little([0.3, 0.3, 0.3]), driver_weighting="on")
     evidence = evidence_table(trusted)
     companions = find_companions(trusted, evidence)

@@ -200,4 +200,4 @@ def test_the_threshold_that_is_set_is_marked_wherever_it_is(threshold, side):
 def test_over_the_threshold_of_nobody_known_a_sentence_stands():
     figure = driver_threshold_plot(COUNTS.iloc[:0], ("A", "B"), threshold=0.5, theme="light")
     assert not figure.data
-    assert "not known of any encounter" in figure.layout.annotations[0].text.replace("<br>", " ")
+    assert "Of no encounter is it known" in figure.layout.annotations[0].text.replace("<br>", " ")

@@ -472,6 +472,27 @@ def test_how_many_encounters_estimates_for_adapted_eyes_decide_is_said():
     assert "adapted eyes" not in " ".join(describe_driver(bare))
 
 
+def test_rules_are_undefined_by_an_estimator_that_learned_nothing_but_for_those_on_what_is_known():
+    result = with_estimate(eight(8), EstimateRecord("m", of_no_use=True))
+    names = ["unprotected_x", "driver_venn.nobody", "driver_venn.unknown", "encounters"]
+
+    def undefined(result: Result) -> list[bool]:
+        values = gate_measures(result, (), result.dataset.settings.protocol, names)
+        return [math.isnan(values[name]) for name in names]
+
+    assert undefined(eight(8)) == [False] * 4
+    assert undefined(result) == [True, True, False, False]
+
+
+def test_where_nobody_is_urgent_it_is_undefined_who_is_in_time_or_too_late():
+    of_driver = summary(eight())["driver"]
+    assert (of_driver["in_time"], of_driver["too_late"]) == (None, None)
+    assert (summary(urgent())["driver"]["in_time"], summary(urgent())["driver"]["too_late"]) == (
+        1,
+        0,
+    )
+
+
 def test_below_a_rule_of_the_gate_stands_why_nothing_is_claimed_and_what_is_open():
     bare = eight(unknown=0)
     rules = [parse_rule("unprotected_x <= 9")]

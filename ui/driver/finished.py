@@ -69,7 +69,7 @@ def draw_aside(page: str) -> None:
     """
     space = state.workspace()
     job: EstimateJob | None = space.job(JOB)
-    trouble, news = space.notes.get(_TROUBLE, ""), _news_on(page)
+    trouble, news = _trouble(), _news_on(page)
     if page == PAGE:
         return
     if news:  # no toast: what reads pages aloud has no name for those
@@ -124,8 +124,16 @@ def take_over() -> None:
 
 def trouble() -> str:
     """Why the last estimates could not be taken over; empty: they could. Returned once."""
-    text: str = state.workspace().notes.pop(_TROUBLE, "")
+    text = _trouble()
+    state.workspace().notes.pop(_TROUBLE, None)
     return text
+
+
+def _trouble() -> str:
+    """The same, if it is of what is open."""
+    space = state.workspace()
+    n_opened, text = space.notes.get(_TROUBLE, (0, ""))
+    return str(text) if n_opened == space.n_opened else ""
 
 
 def _open(job: EstimateJob) -> None:
@@ -138,18 +146,24 @@ def _open(job: EstimateJob) -> None:
     named = session.driver.detectability
     assert named is not None
     files = (written.features, written.detectability, written.record)
-    before = space.notes.get(RUN)
-    space.notes[RUN] = OpenedRun(named, written.run, job.spec, files)
     n = count_text(len(written.run.features.recordings), "recording")
     text = f"Whom the driver sees is estimated in {n}. All pages count with it now."
-    space.notes[_NEWS] = text, None
+
+    def remember() -> None:
+        space.notes[RUN] = OpenedRun(named, written.run, job.spec, files)
+        space.notes[_NEWS] = text, None
+
     try:
-        open_written(space, job, lambda: state.read_again(session))
+        open_written(space, job, lambda: state.read_again(session, then=remember))
     except NvcoreError as error:
-        space.notes[RUN] = before
-        space.notes.pop(_NEWS)
-        space.notes[_TROUBLE] = shown_error(error)
-        space.drop_job(JOB)  # else each run of a page would try again
+        space.notes[_TROUBLE] = space.n_opened, shown_error(error)
+        give_up()
+        st.rerun()  # the sidebar of this run is drawn
+
+
+def give_up() -> None:
+    """Forget a run that cannot be taken over: else each run of a page would try again."""
+    state.workspace().drop_job(JOB)
 
 
 def with_estimates(session: Session, written: WrittenEstimates, *, is_upload: bool) -> Session:

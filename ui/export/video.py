@@ -173,4 +173,6 @@ def start_job(
             labels=labels,
         )
 
-    return FileJob(path, name, write, while_open(space))
+    job = FileJob(path, name, write, while_open(space))
+    job.outlasts = True  # boxes and pictures know nothing of the driver
+    return job

@@ -8,7 +8,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from nvcore.errors import NvcoreError
 from nvcore.inputs.session import Session
 from nvcore.progress import Progress
 from ui.jobs.background import BackgroundJob, Output, while_open
@@ -95,10 +94,10 @@ def open_written(space: Workspace, job: FolderJob[Any], opens: Callable[[], None
         If there is no room for it, or it cannot be used: what was open stays open, and the files
         go with the job.
     """
+    before = space.opened
     try:
         count_folder(space, job.folder)
-        job.is_opened = True
+        job.is_opened = True  # else its files go with what was open
         opens()
-    except NvcoreError:
-        job.is_opened = False
-        raise
+    finally:  # `opens` ends the page's run by an exception, too
+        job.is_opened = space.opened is not before

@@ -76,10 +76,15 @@ def open_session(session: Session, *, label: str) -> None:
     st.rerun()  # the widgets of this run are drawn: they take their new values in the next one
 
 
-def read_again(session: Session) -> None:
+def read_again(session: Session, *, then: Callable[[], None]) -> None:
     """Go on with the same recordings, read again as `session` says, and start the run again.
 
     Frame, settings and choices stay, unless a file has changed so that there are other frames.
+
+    Parameters
+    ----------
+    then
+        Called once they are open.
 
     Raises
     ------
@@ -93,6 +98,7 @@ def read_again(session: Session) -> None:
             space.look_at(again, keeps_outputs=True)
         else:
             shown_in(space, again)
+    then()
     st.rerun()
 
 

@@ -147,7 +147,9 @@ def _stored(kind: ModelKind, file: UploadedFile) -> ModelFile:
     """
     if not file.name.lower().endswith(kind.sent_endings):
         expected = " or ".join(kind.sent_endings)
-        raise InputError(f"is none that may be sent here: expected {expected}", file=file.name)
+        raise InputError(
+            f"cannot be used here; send a file that ends in {expected}", file=file.name
+        )
     content = file.getbuffer()
     if len(content) > kind.max_bytes:
         raise InputError(f"a model has at most {kind.max_bytes >> 20} MiB", file=file.name)

@@ -42,7 +42,9 @@ def driver_threshold_plot(
         `driver_threshold` as it is set, 0 to 1, marked.
     """
     if counts.empty:
-        return empty_figure("It is not known of any encounter who sees it.", theme=theme)
+        return empty_figure(
+            "Of no encounter is it known whether the driver sees the pedestrian.", theme=theme
+        )
     lines = [
         _line(counts, "seen", "the driver sees", _own("muted", "dot", "triangle-up-open", theme)),
         *(

@@ -18,8 +18,8 @@ from nvcore.evidence.planning import PLAN_KEYS, SIDES, Side, judge_key, worse_at
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
 from nvcore.findings import Finding, Severity
-from nvcore.measures import MEASURES, applies_to, measure_of
-from nvcore.measures.driver_doubt import doubt_of_estimator
+from nvcore.measures import MEASURES, applies_to, inference_of, measure_of
+from nvcore.measures.driver_doubt import doubt_of, doubt_of_estimator
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.venn import Venn, count_categories
 from nvcore.protocols import Protocol
@@ -98,12 +98,12 @@ OF_DRIVER: Final = frozenset(
 OF_URGENT: Final = frozenset(
     name
     for name in OF_DRIVER
-    if name in ("driver.urgent", "driver.in_time") or "in_time_alone" in name
+    if name in ("driver.urgent", "driver.in_time", "driver.too_late") or "in_time_alone" in name
 )
 """Those of them that count urgent encounters alone."""
 OF_ANY_ESTIMATOR: Final = frozenset(
     {
-        *(f"driver_venn.{region}" for region in (DriverRegion.UNKNOWN, DriverRegion.DISTANT)),
+        f"driver_venn.{DriverRegion.UNKNOWN}",
         *("driver.urgent", "driver.boxes_without_detectability"),
     }
 )
@@ -241,7 +241,7 @@ def _count_claims(
 def _may_be_worse(
     result: Result, protocol: Protocol, names: Set[str], evidence: pd.DataFrame | None
 ) -> dict[str, float]:
-    """Those of `WORSE` that are needed; NaN without an interval, or at unequal operating points.
+    """Those of `WORSE` that are needed; NaN without an interval, or where nothing is claimed of it.
 
     Parameters
     ----------
@@ -255,7 +255,7 @@ def _may_be_worse(
     units = find_units(result) if sides_of and evidence is None else None
     values: dict[str, float] = {}
     for key, sides in sides_of.items():
-        if is_undecided(result, key):
+        if is_undecided(result, key) or doubt_of(result, inference_of(key)):
             values |= dict.fromkeys(sides, math.nan)
             continue
         row = None if evidence is None else evidence_of(evidence, key)

@@ -7,7 +7,13 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.measures.driver_doubt import are_all_open, count_origins, doubt_of_seen, is_stated
+from nvcore.measures.driver_doubt import (
+    are_all_open,
+    count_origins,
+    doubt_of_estimator,
+    doubt_of_seen,
+    is_stated,
+)
 from nvcore.measures.of_driver import count_in_time, is_judged_in_time, is_seen_too_late
 from nvcore.metrics.driver import SELDOM, count_unknown
 from nvcore.schema import DriverRegion
@@ -204,7 +210,8 @@ def _undecided(result: Result) -> str:
         int(np.count_nonzero(which))
         for which in (driver.is_within_sd, driver.has_sd, driver.is_within_sd & driver.is_unseen)
     )
-    if not n or are_all_open(result):  # said by `describe_doubt`
+    is_said = are_all_open(result) and not doubt_of_estimator(result)  # by `describe_doubt`
+    if not n or is_said:
         return ""
     unseen = (
         f", {n_unseen:,} of the {driver.venn.n_unseen:,} not seen among them" if n_unseen else ""

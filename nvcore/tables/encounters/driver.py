@@ -80,8 +80,8 @@ def describe_sight(result: Result, encounter: int) -> str:
     if record is not None and record.caution and name in record.estimated_in:
         value = f"{value} ({record.caution})"
     return (
-        f"Driver: detectability {value} at most up to the first frame that counts: "
-        f"{SIGHT_WORDS[sight]}."
+        f"Driver: {SIGHT_WORDS[sight]}. Detectability reaches {value} by the first frame that "
+        "counts."
     )
 
 

@@ -57,12 +57,12 @@ def test_who_stays_distant_is_neither_seen_nor_unknown():
 def test_an_encounter_is_told_with_its_largest_detectability():
     result = result_with(0.52, 0.9, NAN, sd=0.15)
     assert [describe_sight(result, encounter) for encounter in range(3)] == [
-        "Driver: detectability 0.52 ± 0.15 at most up to the first frame that counts: open.",
-        "Driver: detectability 0.90 ± 0.15 at most up to the first frame that counts: sees.",
+        "Driver: open. Detectability reaches 0.52 ± 0.15 by the first frame that counts.",
+        "Driver: sees. Detectability reaches 0.90 ± 0.15 by the first frame that counts.",
         "Driver: not known, as detectability is known in no frame up to the first that counts.",
     ]
     assert describe_sight(result_with(0.2), 0) == (
-        "Driver: detectability 0.20 at most up to the first frame that counts: does not see."
+        "Driver: does not see. Detectability reaches 0.20 by the first frame that counts."
     )
 
 
@@ -75,7 +75,7 @@ def test_estimates_learnt_from_simulated_subjects_are_called_so():
     own = frozenset(result.dataset.recordings["name"])
     record = EstimateRecord("m", "", "all", 12, estimated_in=own)
     named = replace(result, dataset=replace(result.dataset, estimate=record))
-    assert "0.20 (learnt from simulated subjects) at most" in describe_sight(named, 0)
+    assert "0.20 (learnt from simulated subjects) by the" in describe_sight(named, 0)
 
 
 def test_over_the_threshold_encounters_pass_from_the_driver_to_the_systems():

@@ -334,7 +334,7 @@ def test_each_file_that_is_sent_takes_the_place_of_what_was_said_of_the_one_befo
 
     assert "other.npz: is not an estimator" in send("other.npz", b"PK no estimator")
     of_table = send("trials.csv", b"subject,trial\n")
-    assert of_table == "trials.csv: is none that may be sent here: expected .npz"
+    assert of_table == "trials.csv: cannot be used here; send a file that ends in .npz"
     assert send("small.npz", small_estimator.write_model(visible / "a.npz").read_bytes()) == ""
 
 
@@ -604,10 +604,29 @@ def test_what_cannot_be_taken_over_is_said_beside_every_page_until_its_own_has_s
     monkeypatch.setattr(state, "read_again", refuse)
     page = held.look_at("metrics")
     held.ends()
-    checked(checked(page.run()).run())
+    checked(page.run())
     assert "it cannot be opened" in aside(page)[0]
     assert "it cannot be opened" in texts(held.look_at("driver"))
     assert aside(held.look_at("metrics")) == []
+
+
+def test_a_fault_while_it_is_taken_over_leaves_no_news_and_is_not_tried_again(
+    held, monkeypatch: pytest.MonkeyPatch
+):
+    def break_down(*_: object, **__: object) -> None:
+        raise ValueError("a fault")
+
+    monkeypatch.setattr(state, "read_again", break_down)
+    page = held.look_at("metrics")
+    held.ends()
+    folder = held.job.folder
+    page.run()
+    assert held.space.job("driver_run") is None
+    assert not held.is_taken_over
+    assert not page.sidebar.success
+    assert not folder.exists()
+    monkeypatch.undo()
+    assert not checked(page.run()).sidebar.success
 
 
 def test_other_pages_say_that_an_estimate_has_failed(visible, monkeypatch: pytest.MonkeyPatch):

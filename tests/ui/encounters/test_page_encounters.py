@@ -474,9 +474,7 @@ def seen_and_not(tmp_path, monkeypatch: pytest.MonkeyPatch) -> AppTest:
 def test_the_encounters_panel_says_what_the_driver_sees(seen_and_not: AppTest):
     page = seen_and_not
     page.button_group(key="encounters_driver_1").set_value(["sees"]).run()
-    assert "Driver: detectability 0.80 at most up to the first frame that counts: sees." in texts(
-        page
-    )
+    assert "Driver: sees. Detectability reaches 0.80 by the first frame that counts." in texts(page)
     assert only(page, "driver") == "sees"
 
 

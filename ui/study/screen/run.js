@@ -250,7 +250,7 @@ class Screen {
     const onRetry = () => {
       if (this.phase === "sending") this.text.textContent = TEXTS.unreached;
     };
-    const sent = Promise.resolve(before).then(() => put(address, content, onRetry));
+    const sent = Promise.resolve(before).catch(() => {}).then(() => put(address, content, onRetry));
     sent.catch(() => {}); // said at the end of the run
     this.kept.push(sent);
     return sent;
