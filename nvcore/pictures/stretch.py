@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from base64 import b64encode
 from typing import Final
 
 import cv2
@@ -66,6 +67,11 @@ def jpeg(picture: Picture, lo: float = 0.0, hi: float = 100.0, quality: int = 85
         As `stretch` does.
     """
     return _encode(".jpg", stretch(picture, lo, hi), [cv2.IMWRITE_JPEG_QUALITY, quality])
+
+
+def jpeg_address(content: bytes) -> str:
+    """An address that holds the JPEG: what shows it has nothing left to fetch."""
+    return f"data:image/jpeg;base64,{b64encode(content).decode()}"
 
 
 def png(picture: Picture) -> bytes:

@@ -111,12 +111,14 @@ def run(person: BrowserContext) -> Iterator[Callable[..., Page]]:
 def reach(page: Page, phase: str) -> None:
     """Wait until the run is in this phase; the second cross comes after the first answer."""
     if phase == "again":
-        answer(page)
+        answer(page, 1)
     expect(page.locator(f'.nv-study[data-phase="{phase}"]')).to_have_count(1)
 
 
-def answer(page: Page) -> None:
-    reach(page, "answer")
+def answer(page: Page, picture: int) -> None:
+    """Wait until the run asks for this picture, and say that nobody was seen."""
+    asked = f'.nv-study[data-phase="answer"][data-picture="{picture}"]'
+    expect(page.locator(asked)).to_have_count(1)
     page.keyboard.press("n")
 
 
@@ -178,9 +180,8 @@ def test_a_narrow_screen_has_room_for_text_and_buttons(run: Callable[..., Page])
 
 def test_a_run_that_is_seen_to_its_end_has_ended(run: Callable[..., Page]):
     page = run()
-    for _ in range(2):
-        answer(page)
-        expect(page.locator('.nv-study[data-phase="answer"]')).to_have_count(0)
+    for picture in (1, 2):
+        answer(page, picture)
     page.wait_for_function("told.length > 0")
     assert page.evaluate("told") == [["ended", "run 1"]]
     assert page.evaluate("sent") == [
@@ -192,9 +193,8 @@ def test_an_answer_that_is_refused_is_told_and_the_run_is_not_offered_again(
     run: Callable[..., Page],
 ):
     page = run(is_refused=True)
-    for _ in range(2):
-        answer(page)
-        expect(page.locator('.nv-study[data-phase="answer"]')).to_have_count(0)
+    for picture in (1, 2):
+        answer(page, picture)
     reach(page, "failed")
     tap(page, stop_of(page))
     expect(page.locator("dialog")).not_to_be_visible()
@@ -205,9 +205,8 @@ def test_an_answer_that_is_refused_is_told_and_the_run_is_not_offered_again(
 
 def test_answers_that_do_not_arrive_are_told_and_sent_again(run: Callable[..., Page]):
     page = run(is_lost=True)
-    for _ in range(2):
-        answer(page)
-        expect(page.locator('.nv-study[data-phase="answer"]')).to_have_count(0)
+    for picture in (1, 2):
+        answer(page, picture)
     expect(page.locator(".nv-bar span")).to_have_text(re.compile("trying again. Leave this page"))
     page.evaluate("isLost = false")
     page.wait_for_function("told.length > 0")
@@ -223,7 +222,6 @@ def test_the_screen_stays_awake_during_a_run_and_no_longer(run: Callable[..., Pa
 
 def test_an_answer_waits_for_the_report_that_its_picture_appears(run: Callable[..., Page]):
     page = run(adaptation_s=(0, 600), is_held=True)
-    answer(page)
     reach(page, "again")
     assert page.evaluate("sent") == ["study/1/shown"]
     page.evaluate("waiting[0]()")

@@ -12,7 +12,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.pictures import jpeg
+from nvcore.pictures import jpeg, jpeg_address
 from nvcore.tables.moments import encounter_box, worst_moments
 from nvcore.tables.windows import windows_table, worst_windows_text
 from ui.session import drawing, state
@@ -144,7 +144,11 @@ def _moment(result: Result, kind: str, title: str, moment: Mapping[Hashable, Any
     with st.container(height="stretch"):  # so that the buttons stand in a line
         picture = _thumbnail(result, moment)
         if picture is not None:
-            st.image(picture, width="stretch", alt=f"{title}: frame {moment['frame']}")
+            st.image(
+                jpeg_address(picture),
+                width="stretch",
+                alt=f"{title}: frame {moment['frame']}",
+            )
         st.markdown(
             f"**{plain(moment['recording'])}**, {moment['time_s']:.2f} s  \n"
             f"{plain(moment['reason'])}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import hashlib
 from collections.abc import Sequence
 from functools import cache
@@ -13,6 +12,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from nvcore.figures.style import CONFIG
+from nvcore.pictures import jpeg_address
 from nvcore.report.html.blocks import Chart, Section, Table
 from nvcore.report.html.charts import figure_json, packed_plotly
 from nvcore.wording import shortened
@@ -81,7 +81,7 @@ def _environment() -> Environment:
         keep_trailing_newline=True,
     )
     environment.globals |= {  # also in the macros of blocks.html
-        "base64": lambda picture: base64.b64encode(picture).decode(),
+        "jpeg_address": jpeg_address,
         "is_long": _is_long,
         "is_short": _is_short,
         "css_text": css_text,

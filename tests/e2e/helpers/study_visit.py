@@ -69,14 +69,18 @@ def practise(one: Visit) -> None:
 
 def answer_both(one: Visit) -> None:
     """Answer that nobody was seen, by keyboard."""
-    for _ in range(2):
-        expect(phase(one, "answer")).to_have_count(1)
+    for picture in (1, 2):
+        expect(phase(one, "answer").and_(asked_for(one, picture))).to_have_count(1)
         one.page.keyboard.press("n")
-        expect(phase(one, "answer")).to_have_count(0)
 
 
 def phase(one: Visit, name: str) -> Locator:
     return one.page.locator(f'.nv-study[data-phase="{name}"]')
+
+
+def asked_for(one: Visit, picture: int) -> Locator:
+    """The study while it shows this picture of a run, or waits for its answer."""
+    return one.page.locator(f'.nv-study[data-picture="{picture}"]')
 
 
 def pixel_on_screen(one: Visit, x: float, y: float, size: tuple[int, int]) -> tuple[float, float]:

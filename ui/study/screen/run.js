@@ -181,7 +181,10 @@ class Screen {
     since = await clock.show(() => drawing.cross(BRIGHT));
     await this.until(since + 1000 * timing.cross_s);
     let dark = null;
-    for (const trial of this.trials) dark = await this.showTrial(trial, dark);
+    for (const [index, trial] of this.trials.entries()) {
+      this.root.dataset.picture = index + 1;
+      dark = await this.showTrial(trial, dark);
+    }
   }
 
   // Shows one picture and waits for its answer; the time of the change of light.
