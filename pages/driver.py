@@ -5,7 +5,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.report.verdict.driver import describe_counts, describe_doubt, describe_view
 from ui.driver import course, listed, missing, regions, run, threshold
-from ui.jobs.companions import choose_comparison, companions_if_needed
+from ui.jobs.companions import choose_comparison, wait_for_equal_alarms
 from ui.session import state
 from ui.shell.messages import draw_warnings, needs_comparison
 from ui.widgets.text import docs_link, plain
@@ -29,7 +29,7 @@ def draw(result: Result) -> None:
         return
     run.draw(is_known=True)
     draw_warnings(result)
-    shown = choose_comparison(result, companions_if_needed(result), "driver")
+    shown = choose_comparison(result, wait_for_equal_alarms(result), "driver")
     if doubt := describe_doubt(shown):
         st.warning(plain(state.words(doubt)), icon=":material/warning:")
     st.markdown("\n\n".join(plain(state.words(text)) for text in describe_view(shown)))

@@ -18,7 +18,8 @@ from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, ParameterError
 from nvcore.evidence.claims import Claim
-from nvcore.evidence.companions import Companions, are_unequal, find_companions
+from nvcore.evidence.companions import Companions, find_companions
+from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.planning import DEFAULT_KEY, POWER, Side, StudyPlan, plan_study
 from nvcore.evidence.table import evidence_table
 from nvcore.extras import needs

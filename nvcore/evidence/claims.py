@@ -13,13 +13,8 @@ from scipy.stats import t as student
 
 from nvcore.comparison import Result
 from nvcore.evidence.bootstrap import CONFIDENCE
-from nvcore.evidence.companions import (
-    STRICT_KEYS,
-    Companions,
-    are_unequal,
-    count_alarms,
-    has_scores,
-)
+from nvcore.evidence.companions import STRICT_KEYS, Companions
+from nvcore.evidence.operating_points import are_unequal, count_alarms, has_scores
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.units import RECORDINGS
 from nvcore.measures import EVIDENCE_KEYS, inference_of, measure_of
@@ -108,7 +103,7 @@ def find_claims(
         return Support(basis, withheld=withheld | doubts)
     if is_unequal:
         assert companions.equal is not None
-        basis_result, candidates = companions.equal, _at_all(result, companions.evidence)
+        basis_result, candidates = companions.equal.result, _at_all(result, companions.evidence)
         unsure = "not shown throughout what may pass for equal false alarms"
         somewhere = {key for table in companions.evidence for key in _candidates(result, table)}
         withheld = {key: unsure for key in CLAIMED if key in somewhere and key not in candidates}
@@ -151,7 +146,9 @@ def find_within(
     equal, strict = companions.equal, companions.strict
     withheld = set(_not_dominant(result, claims)) if equal is None else set()
     if equal is not None:
-        withheld |= {key for key in claims if measure_of(key).of and is_turned(key, result, equal)}
+        withheld |= {
+            key for key in claims if measure_of(key).of and is_turned(key, result, equal.result)
+        }
     withheld |= {key for key in STRICT_KEYS if key in claims and is_turned(key, result, strict)}
     ranked = sorted(claims.values(), key=lambda claim: -clearness[claim.key])
     return tuple(claim for claim in ranked if claim.key not in withheld)

@@ -15,12 +15,13 @@ from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
 from nvcore.evidence.claims import find_claims, values_of
-from nvcore.evidence.companions import are_unequal, find_companions
+from nvcore.evidence.companions import find_companions
 from nvcore.evidence.measures import (
     Evidence,
     judge,
     judge_encounters,
 )
+from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT, holm
 from nvcore.evidence.units import find_units
 from nvcore.measures import inference_of

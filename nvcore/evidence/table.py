@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.evidence.companions import AS_SET, is_undecided
 from nvcore.evidence.measures import Evidence, significance_table
 from nvcore.evidence.miss_rate import judge_miss_rate
+from nvcore.evidence.operating_points import AS_SET, is_undecided
 from nvcore.evidence.units import Units, find_units
 from nvcore.protocols import PROTOCOLS, Protocol
 

@@ -8,7 +8,8 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.evidence.companions import Companions, are_unequal, find_companions
+from nvcore.evidence.companions import Companions, find_companions
+from nvcore.evidence.operating_points import EqualAlarms, are_unequal
 from nvcore.evidence.table import evidence_table
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.schema import Category
@@ -38,14 +39,9 @@ COUNTED: Final = {
 }
 
 
-def equal_alarms_of(result: Result, companions: Companions | None) -> Result | None:
+def equal_alarms_of(result: Result, companions: Companions | None) -> EqualAlarms | None:
     """The comparison that the verdict is about instead of the one as set; None: there is none."""
     return companions.equal if companions is not None and are_unequal(result) else None
-
-
-def equal_alarms_title(companions: Companions) -> str:
-    """At which thresholds: "At equal false alarms (X with scores of 0.6 or more, ...)"."""
-    return f"At equal false alarms ({companions.setting})"
 
 
 def short_rows(result: Result) -> list[ScoreRow]:
@@ -101,10 +97,10 @@ def at_equal_alarms(companions: Companions | None) -> dict[str, Any] | None:
     """
     if companions is None or companions.equal is None:
         return None
-    equal = companions.equal
+    equal = companions.equal.result
     weights = {letter: equal.severity_of(system) for letter, system in equal.sides}
     return {
-        "moved": companions.moved,
+        "moved": companions.equal.moved,
         **{letter: system_summary(equal, system) for letter, system in equal.sides},
         "venn": {kind.value: equal.venn.counts()[kind.value] for kind in COUNTED},
         "venn_severity_s": {

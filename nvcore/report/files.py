@@ -19,7 +19,8 @@ from nvcore import __version__
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
-from nvcore.evidence.companions import Companions, are_unequal, find_companions
+from nvcore.evidence.companions import Companions, find_companions
+from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding

@@ -14,7 +14,7 @@ import pandas as pd
 from nvcore import __version__
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
-from nvcore.evidence.companions import AS_SET
+from nvcore.evidence.operating_points import AS_SET
 from nvcore.evidence.pairwise import systems_of
 from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
 from nvcore.measures import evidence_form

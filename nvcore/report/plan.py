@@ -11,8 +11,9 @@ from typing import Any
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.evidence.companions import Companions, are_unequal
+from nvcore.evidence.companions import Companions
 from nvcore.evidence.measures import Evidence
+from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.pilot import DEFAULT_KEY, plan_key
 from nvcore.evidence.planning.study import StudyPlan, plan_study
@@ -52,7 +53,7 @@ def verdict_plan(
     if are_unequal(result):
         if companions is None or companions.equal is None:
             return ""
-        basis, tables = companions.equal, companions.evidence
+        basis, tables = companions.equal.result, companions.evidence
     rows = [row for table in tables if (row := evidence_of(table, key)) is not None]
     # shown at one end of what may pass for equal false alarms: more recordings are not what lacks
     if not rows or any(row.p_holm <= SIGNIFICANT for row in rows):

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.evidence.companions import Companions, are_unequal
+from nvcore.evidence.companions import Companions
+from nvcore.evidence.operating_points import are_unequal
 
 
 def comparison_shown(
@@ -19,4 +20,4 @@ def comparison_shown(
         return result, evidence
     if companions is None or companions.equal is None:
         return result, None
-    return companions.equal, companions.weaker_evidence
+    return companions.equal.result, companions.weaker_evidence

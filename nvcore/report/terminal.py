@@ -9,7 +9,8 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
-from nvcore.evidence.companions import Companions, are_unequal, as_set_note, find_companions
+from nvcore.evidence.companions import Companions, find_companions
+from nvcore.evidence.operating_points import are_unequal, as_set_note
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
 from nvcore.metrics.proximity.horizon import estimate_horizons
@@ -17,7 +18,6 @@ from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.report.equal_alarms import (
     detected_text,
     equal_alarms_of,
-    equal_alarms_title,
     short_rows,
     weights_text,
 )
@@ -206,10 +206,10 @@ def _at_equal_alarms(result: Result, companions: Companions) -> list[str]:
     if equal is None:
         return []
     lines = [
-        f"{equal_alarms_title(companions)}, as in the verdict:",
-        _table(equal, score_cells(short_rows(equal), indent="  ")),
-        f"encounters detected by: {detected_text(equal)}",
-        f"severity, of encounters detected by {weights_text(equal)}",
+        f"{equal.title}, as in the verdict:",
+        _table(equal.result, score_cells(short_rows(equal.result), indent="  ")),
+        f"encounters detected by: {detected_text(equal.result)}",
+        f"severity, of encounters detected by {weights_text(equal.result)}",
     ]
     return ["\n".join(lines)]
 

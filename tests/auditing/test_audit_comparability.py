@@ -10,7 +10,7 @@ from builders import NAN, Box, Place, make_dataset
 
 from nvcore.comparison import compare
 from nvcore.dataset import Dataset
-from nvcore.evidence.companions import are_unequal
+from nvcore.evidence.operating_points import are_unequal
 from nvcore.findings import Severity
 from nvcore.params import Params
 

@@ -15,13 +15,9 @@ from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.estimates import EstimateRecord
 from nvcore.evidence.claims import Basis, Support, find_claims, least_corrected_p, values_of
-from nvcore.evidence.companions import (
-    are_unequal,
-    count_alarms,
-    find_companions,
-    which_moves,
-)
+from nvcore.evidence.companions import find_companions
 from nvcore.evidence.measures import significance_table
+from nvcore.evidence.operating_points import are_unequal, count_alarms, which_moves
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.params import Params
@@ -108,8 +104,8 @@ def test_the_system_that_moves_has_as_many_false_alarms_as_the_other():
     companions = find_companions(result, evidence_table(result, has_intervals=False))
     equal = companions.equal
     assert equal is not None
-    assert companions.moved == "y"
-    assert count_alarms(equal.y) == count_alarms(equal.x) == count_alarms(result.x)
+    assert equal.moved == "y"
+    assert count_alarms(equal.result.y) == count_alarms(equal.result.x) == count_alarms(result.x)
     assert len(companions.evidence) == 2
 
 
@@ -120,7 +116,9 @@ def test_an_interval_at_equal_false_alarms_reaches_over_all_that_may_pass_for_eq
     assert companions.equal is not None
     for key in ("mean_similarity", "severity_s_per_encounter"):
         row = shown.loc[key]
-        assert row["difference"] == pytest.approx(np.subtract(*values_of(key, companions.equal)))
+        assert row["difference"] == pytest.approx(
+            np.subtract(*values_of(key, companions.equal.result))
+        )
         assert row["low"] < row["difference"] < row["high"]
         for table in companions.evidence:
             at_end = table.set_index("figure").loc[key]

@@ -12,8 +12,8 @@ from scenes import draw_scene
 from nvcore.comparison import Result, compare
 from nvcore.detection.curves import detection_curve
 from nvcore.detection.miss_rate import log_average_miss_rate
-from nvcore.evidence.companions import AS_SET
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
+from nvcore.evidence.operating_points import AS_SET
 from nvcore.evidence.subgroup_table import COLUMNS, subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.measures import EVIDENCE_KEYS, evidence_keys, inference_of

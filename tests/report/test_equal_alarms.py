@@ -10,7 +10,8 @@ import pytest
 from drives import at_thresholds, drives
 
 from nvcore.comparison import Result, compare
-from nvcore.evidence.companions import AS_SET, Companions, find_companions
+from nvcore.evidence.companions import Companions, find_companions
+from nvcore.evidence.operating_points import AS_SET
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.measures import MEASURES
@@ -42,7 +43,7 @@ def test_the_summary_has_every_number_of_the_verdict(unequal: Result, companions
     keys = {measure.key for measure in MEASURES}
     assert {"mean_similarity", "saliency", "severity_s"} <= keys & set(content["x"])
     assert content["venn"] == {
-        kind: n for kind, n in companions.equal.venn.counts().items() if kind != "distant"
+        kind: n for kind, n in companions.equal.result.venn.counts().items() if kind != "distant"
     }
     for letter in "xy":
         parts_s = [content["venn_severity_s"][f"{kind}_{letter}"] for kind in content["venn"]]
@@ -75,7 +76,7 @@ def test_measures_as_set_have_a_note_and_those_over_all_thresholds_none(unequal:
 
 def test_the_short_scorecard_names_every_measure_in_full(companions: Companions):
     assert companions.equal is not None
-    rows = short_rows(companions.equal)
+    rows = short_rows(companions.equal.result)
     assert len(rows) == 8
     assert not any(row.level for row in rows)
     assert all(np.isfinite(row.x) for row in rows)

@@ -304,7 +304,7 @@ def test_at_unequal_operating_points_every_block_as_set_is_marked_and_the_verdic
     companions = find_companions(result, evidence_table(result))
     assert companions.equal is not None
     assert cells(equal.splitlines(), "mean similarity")[0] == number(
-        companions.equal.x.summary.mean, ".4f"
+        companions.equal.result.x.summary.mean, ".4f"
     )
 
 

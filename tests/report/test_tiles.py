@@ -12,6 +12,7 @@ from places import SAMPLE
 
 from nvcore.comparison import Result, compare
 from nvcore.evidence.companions import Companions, find_companions
+from nvcore.evidence.operating_points import EqualAlarms
 from nvcore.evidence.table import evidence_table
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
@@ -34,7 +35,7 @@ def tile_of(sample: tuple[Result, pd.DataFrame, Companions], key: str, **row: ob
     changed = evidence.assign(**{
         name: np.where(is_row, value, evidence[name]) for name, value in row.items()
     })  # fmt: skip
-    companions = Companions(result, "", (changed,), result)
+    companions = Companions(EqualAlarms(result, "x"), (changed,), result)
     return next(tile for tile in tiles(result, changed, companions) if tile.key in key)
 
 
@@ -119,7 +120,7 @@ def test_at_unequal_false_alarms_nothing_is_claimed_until_they_are_set_alike():
     assert UNEQUAL_CHIP not in {tile.chip for tile in at_equal}
     equal = companions.equal
     assert equal is not None
-    assert int(at_equal[FOUND].x) == int(equal.x.encounters["is_detected"].sum())
+    assert int(at_equal[FOUND].x) == int(equal.result.x.encounters["is_detected"].sum())
     none = replace(companions, equal=None)
     assert {tile.chip for tile in tiles(result, evidence, none)} == {UNEQUAL_CHIP}
 

@@ -10,6 +10,7 @@ from verdict_scenes import BY_UNIT, detecting, row_of, topic, verdict_by, whole_
 
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
+from nvcore.evidence.operating_points import EqualAlarms
 from nvcore.findings import Finding, Severity
 from nvcore.report.verdict import CAVEATS, verdict
 
@@ -247,7 +248,7 @@ def test_within_one_recording_nothing_is_said_that_the_companions_do_not_bear_ou
         return verdict(better, evidence=table, companions=companions).headline
 
     def alone(strict: Result) -> Companions:
-        return Companions(None, "", (), strict)
+        return Companions(None, (), strict)
 
     assert X_SIMILAR in headline_by(alone(better))
     assert "X is better" not in headline_by(None)
@@ -260,7 +261,7 @@ def test_within_one_recording_nothing_is_said_that_the_companions_do_not_bear_ou
     text = verdict(better, evidence=table, companions=alone(better))
     assert text.headline == f"Nothing is claimed: {FEW}"
     # nor what turns at equal false alarms
-    at_equal = Companions(turned, "x", (table,), better)
+    at_equal = Companions(EqualAlarms(turned, "x"), (table,), better)
     assert headline_by(at_equal) == f"Nothing is claimed: {FEW}"
 
 

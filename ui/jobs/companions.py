@@ -5,6 +5,7 @@ Pages that show what the verdict is about let a person choose between that and X
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 import pandas as pd
@@ -12,17 +13,21 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.evidence.claims import Basis
-from nvcore.evidence.companions import Companions, are_unequal, find_companions
+from nvcore.evidence.companions import Companions, find_companions
+from nvcore.evidence.operating_points import EqualAlarms, are_unequal, find_equal_alarms
 from nvcore.progress import Progress
-from nvcore.report.equal_alarms import equal_alarms_of, equal_alarms_title
+from nvcore.report.equal_alarms import equal_alarms_of
+from ui.jobs.background import Output
 from ui.jobs.computed import Computation
 from ui.session import state
-from ui.session.results.evidence import comparison_key, measure_evidence
+from ui.session.results.evidence import comparison_key
 from ui.shell.messages import draw_as_set_note
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import plain
 
 KIND: Final = "companions"
+ALIKE: Final = "equal_alarms"
+"""The kind of the comparison at equal false alarms alone."""
 MOST: Final = 4
 QUICK_BOXES: Final = 50_000
 """Up to so many boxes it takes a fraction of a second and is done at once."""
@@ -42,59 +47,56 @@ def known_companions(result: Result) -> Companions | None:
 
 def wait_for_companions(result: Result, evidence: pd.DataFrame) -> Companions | None:
     """The companions of the comparison; None while they are computed in the background."""
+    return _wait_for(result, KIND, lambda _: find_companions(result, evidence))
 
-    def compute(_: Progress) -> Companions:
-        return find_companions(result, evidence)
 
+def wait_for_equal_alarms(result: Result) -> EqualAlarms | None:
+    """The comparison that the verdict is about instead of the one as set.
+
+    None where there is none, or while it is computed in the background. It takes a part of the
+    time of the companions, which have it with its evidence.
+    """
+    if not are_unequal(result):
+        return None
+    known = known_companions(result)
+    if known is not None:
+        return equal_alarms_of(result, known)
+    with st.spinner("Comparing at equal false alarms"):
+        found = _wait_for(result, ALIKE, lambda _: (find_equal_alarms(result),))
+    return None if found is None else found[0]
+
+
+def _wait_for(result: Result, kind: str, compute: Callable[[Progress], Output]) -> Output | None:
     computation = Computation(
-        kind=KIND,
+        kind=kind,
         key=comparison_key(result),
         compute=compute,
         thing="the comparison at equal false alarms",
         doing="comparing",
         most=MOST,
     )
-    companions, is_missing = computation.draw(is_quick=is_quick(result))
+    output, is_missing = computation.draw(is_quick=is_quick(result))
     job = state.workspace().job(computation.kind)
     if is_missing and (job is None or job.key != computation.key):  # not one that was cancelled
         computation.start()
         computation.draw(is_quick=False)
-    return companions
+    return output
 
 
-def companions_if_needed(result: Result) -> Companions | None:
-    """The companions where the verdict is about another comparison than that as set.
-
-    None where it is not, or while they are computed in the background.
-    """
-    if not are_unequal(result):
-        return None
-    known = known_companions(result)
-    if known is not None:
-        return known
-    with st.spinner("Comparing at equal false alarms"):
-        evidence = measure_evidence(result)
-        return wait_for_companions(result, evidence)
-
-
-def choose_comparison(result: Result, companions: Companions | None, page: str) -> Result:
+def choose_comparison(result: Result, equal: EqualAlarms | None, page: str) -> Result:
     """The comparison that is shown, with what it is: that of the verdict unless another is chosen.
-
-    Without another one in the verdict the comparison as set, which may be at unequal operating
-    points.
 
     Parameters
     ----------
-    companions
-        Of the comparison; None: not known yet, or not needed.
+    equal
+        What the verdict is about instead of the one as set; None: that is not known yet, or there
+        is none, and the one as set is shown, which may be at unequal operating points.
     page
         Begins the keys of the widgets.
     """
-    equal = equal_alarms_of(result, companions)
     if equal is None:
         draw_as_set_note(result)
         return result
-    assert companions is not None
     basis = choose_side_by_side(
         "What is compared",
         BASES,
@@ -106,14 +108,13 @@ def choose_comparison(result: Result, companions: Companions | None, page: str) 
         draw_as_set_note(result)
         return result
     text, button = st.columns([3, 2], vertical_alignment="center")
-    text.markdown(plain(f"{equal_alarms_title(companions)}, as in the verdict."))
-    moved = companions.moved
+    text.markdown(plain(f"{equal.title}, as in the verdict."))
     button.button(
         "Set this threshold",
         key=f"{page}_set_equal_alarms",
         on_click=state.set_threshold,
-        args=(moved, equal.system(moved).threshold),
+        args=(equal.moved, equal.result.system(equal.moved).threshold),
         width="stretch",
         help="The whole page, and every other, is then at equal false alarms.",
     )
-    return equal
+    return equal.result

@@ -11,8 +11,8 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.evidence.bootstrap import INTERVAL_RULE
-from nvcore.evidence.companions import AS_SET, are_unequal, is_undecided
 from nvcore.evidence.measures import ODDS_RATIO
+from nvcore.evidence.operating_points import AS_SET, are_unequal, is_undecided
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.units import BLOCKS

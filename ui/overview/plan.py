@@ -10,7 +10,8 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.evidence.companions import Companions, are_unequal
+from nvcore.evidence.companions import Companions
+from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.planning import DEFAULT_KEY, PLAN_KEYS, Side, StudyPlan, plan_study
 from nvcore.evidence.planning.pilot import MIN_PILOT
 from nvcore.evidence.planning.words import QUESTION, describe_plan

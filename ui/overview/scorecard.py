@@ -13,6 +13,7 @@ from nvcore.figures.paired import recordings_plot
 from nvcore.measures import MeasureTable, count_recordings
 from nvcore.report.equal_alarms import (
     detected_text,
+    equal_alarms_of,
     weights_text,
 )
 from nvcore.report.terminal import SHORT_ROWS
@@ -69,7 +70,7 @@ def scorecard(
     The table of the comparison as set, which the evidence is about; None: another is drawn.
     """
     st.header("Scorecard")
-    shown = choose_comparison(result, companions, "scorecard")
+    shown = choose_comparison(result, equal_alarms_of(result, companions), "scorecard")
     if shown is result:
         return _draw_scorecard(result, evidence)
     _draw_scorecard(shown, None)

@@ -12,7 +12,7 @@ from streamlit.delta_generator import DeltaGenerator
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
 from nvcore.findings import Finding
-from nvcore.report.equal_alarms import equal_alarms_of, equal_alarms_title
+from nvcore.report.equal_alarms import equal_alarms_of
 from nvcore.report.tiles import tiles
 from nvcore.report.verdict import verdict
 from nvcore.report.words import sampling_note
@@ -97,8 +97,9 @@ def _short_extent(result: Result, companions: Companions | None) -> str:
         f"{count_text(len(result.dataset.recordings), 'recording')}, "
         f"{count_text(len(result.dataset.frames), 'frame')}, {result.duration_s:,.1f} s."
     )
-    if companions is not None and equal_alarms_of(result, companions) is not None:
-        extent += f" Tiles: {plain(equal_alarms_title(companions))}."
+    equal = equal_alarms_of(result, companions)
+    if equal is not None:
+        extent += f" Tiles: {plain(equal.title)}."
     return f"{extent} Bars: 95 % interval of X − Y, on the right of the line X is better."
 
 

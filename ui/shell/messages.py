@@ -11,7 +11,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.errors import NvcoreError
-from nvcore.evidence.companions import as_set_note
+from nvcore.evidence.operating_points import as_set_note
 from nvcore.findings import Severity
 from nvcore.report.html.words import SHORT_ENCOUNTERS
 from nvcore.report.verdict import CAVEATS

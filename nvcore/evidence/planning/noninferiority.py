@@ -69,8 +69,8 @@ def judge_noninferiority(
     Parameters
     ----------
     is_undecided
-        `nvcore.evidence.companions.is_undecided` of the comparison and the measure: nothing is
-        shown from unequal operating points.
+        `nvcore.evidence.operating_points.is_undecided` of the comparison and the measure: nothing
+        is shown from unequal operating points.
 
     Examples
     --------

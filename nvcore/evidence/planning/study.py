@@ -15,8 +15,8 @@ from scipy.stats import chi2
 from nvcore.comparison import Result
 from nvcore.errors import ParameterError
 from nvcore.evidence.bootstrap import MIN_UNITS
-from nvcore.evidence.companions import is_undecided
 from nvcore.evidence.measures import Evidence
+from nvcore.evidence.operating_points import is_undecided
 from nvcore.evidence.paired_tests import MIN_SWAPPED, SIGNIFICANT
 from nvcore.evidence.planning.noninferiority import (
     SIDES,

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.evidence.companions import describe_alarms, is_undecided
+from nvcore.evidence.operating_points import describe_alarms, is_undecided
 from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS
 from nvcore.findings import Finding
 from nvcore.report.gate.measures import (

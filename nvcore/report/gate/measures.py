@@ -13,7 +13,8 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import detection_curve
-from nvcore.evidence.companions import find_companions, is_undecided
+from nvcore.evidence.companions import find_companions
+from nvcore.evidence.operating_points import is_undecided
 from nvcore.evidence.planning import PLAN_KEYS, SIDES, Side, judge_key, worse_at_most
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units

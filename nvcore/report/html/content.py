@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 from nvcore import __version__
 from nvcore.comparison import Result
-from nvcore.evidence.companions import as_set_note, find_companions
+from nvcore.evidence.companions import find_companions
+from nvcore.evidence.operating_points import as_set_note
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding

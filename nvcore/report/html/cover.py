@@ -9,11 +9,12 @@ from typing import Final
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.evidence.companions import Companions, are_unequal, describe_alarms
+from nvcore.evidence.companions import Companions
+from nvcore.evidence.operating_points import are_unequal, describe_alarms
 from nvcore.evidence.units import MIN_RECORDINGS
 from nvcore.measures import count_recordings
 from nvcore.measures.driver_doubt import is_stated
-from nvcore.report.equal_alarms import equal_alarms_of, equal_alarms_title
+from nvcore.report.equal_alarms import equal_alarms_of
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Photo
 from nvcore.report.tiles import Tile, tiles
@@ -107,14 +108,14 @@ def cover_of(
         f"{n_frames_text(result)}, "
         f"{duration_text(result.duration_s)}"
     )
-    is_equal = equal_alarms_of(result, companions) is not None
+    equal = equal_alarms_of(result, companions)
     return Cover(
         subtitle=names if inscription.title else "",
         byline=", ".join(filter(None, (inscription.author, inscription.date))),
         question=inscription.question,
         headline=conclusion.headline,
         tiles=tiles(result, evidence, companions),
-        basis=f"{equal_alarms_title(companions)}; {extent}." if is_equal else f"{extent}.",
+        basis=f"{extent}." if equal is None else f"{equal.title}; {extent}.",
         photos=_two_kinds(photos),
         limits=_limits(result, conclusion),
     )

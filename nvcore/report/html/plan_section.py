@@ -8,7 +8,7 @@ from typing import Final
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.evidence.companions import are_unequal
+from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.pilot import MIN_PILOT, PLAN_KEYS
 from nvcore.evidence.planning.study import POWER, StudyPlan, StudySize, plan_study

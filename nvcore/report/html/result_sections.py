@@ -15,7 +15,6 @@ from nvcore.measures import MeasureTable
 from nvcore.report.equal_alarms import (
     detected_text,
     equal_alarms_of,
-    equal_alarms_title,
     weights_text,
 )
 from nvcore.report.html import words
@@ -56,15 +55,15 @@ def scorecard_section(result: Result, companions: Companions) -> Section:
     rows = scorecard_cells(result, indent=PART, mark=_mark(result))
     little = f"{SHORT_ROWS}." if result.is_short else ""
     blocks = [table("Measures of X and Y", MEASURES_HEAD, rows, right=(1, 2, 3), note=little)]
-    equal = equal_alarms_of(result, companions)
-    if equal is not None:
+    alike = equal_alarms_of(result, companions)
+    if alike is not None:
+        equal = alike.result
         note = (
             f"As in the verdict. Encounters detected by: {detected_text(equal)}. Severity, of "
             f"encounters detected by {weights_text(equal)}. {little}"
         ).strip()
         rows = scorecard_cells(equal, indent=PART, mark=_mark(equal))
-        title = equal_alarms_title(companions)
-        blocks.append(table(title, MEASURES_HEAD, rows, right=(1, 2, 3), note=note))
+        blocks.append(table(alike.title, MEASURES_HEAD, rows, right=(1, 2, 3), note=note))
     note = weighting(result)
     notes = [Sentences((note,))] if note else []
     return Section("scorecard", "Scorecard", words.scorecard(result.params), (*notes, *blocks))

@@ -10,7 +10,8 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.evidence.claims import Claim, Support, find_within, least_corrected_p
-from nvcore.evidence.companions import Companions, are_unequal, has_scores
+from nvcore.evidence.companions import Companions
+from nvcore.evidence.operating_points import are_unequal, has_scores
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS
 from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS

@@ -18,14 +18,9 @@ from nvcore.evidence.claims import (
     values_of,
     winner_of,
 )
-from nvcore.evidence.companions import (
-    STRICT_KEYS,
-    Companions,
-    are_unequal,
-    describe_alarms,
-    has_scores,
-)
+from nvcore.evidence.companions import STRICT_KEYS, Companions
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
+from nvcore.evidence.operating_points import are_unequal, describe_alarms, has_scores
 from nvcore.evidence.units import RECORDINGS
 from nvcore.measures import (
     evidence_form,
@@ -95,8 +90,8 @@ def describe_operating_points(result: Result, companions: Companions | None) -> 
         return as_set, "What follows is as set."
     return (
         as_set,
-        f"What follows is at equal false alarms ({companions.setting}): nothing is claimed from "
-        "the comparison as set.",
+        f"What follows is at equal false alarms ({companions.equal.setting}): nothing is claimed "
+        "from the comparison as set.",
     )
 
 

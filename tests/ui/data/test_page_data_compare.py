@@ -91,11 +91,11 @@ def test_the_same_operating_point_is_that_of_the_verdict(tmp_path: Path):
     page = open_files(sent(truth, ("x.csv", fir + alarms.encode()), ("y.csv", nir)))
     result = compare(space_of(page).opened.dataset)
     companions = find_companions(result, evidence_table(result))
-    assert companions.moved == "x"
     assert companions.equal is not None
+    assert companions.equal.moved == "x"
     press(page, "same_point")
     params = page.session_state["params"]
-    assert params.threshold_x == pytest.approx(companions.equal.x.threshold)
+    assert params.threshold_x == pytest.approx(companions.equal.result.x.threshold)
     assert params.threshold_y is None
 
 

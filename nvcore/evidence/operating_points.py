@@ -1,0 +1,130 @@
+"""At which false alarms X and Y are set, and both of them at equal ones.
+
+A system with a lower threshold detects more and has more false alarms. So nothing is claimed from
+a comparison at unequal operating points, and that at equal ones takes its place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Final, Literal
+
+import numpy as np
+
+from nvcore.comparison import Result, compare
+from nvcore.detection.operating_point import (
+    are_unequal_alarms,
+    choose_moved,
+    threshold_with_alarms,
+)
+from nvcore.measures import inference_of
+from nvcore.scoring import SystemResult
+from nvcore.wording import capitalised
+
+AS_SET: Final = "as set: at unequal operating points"
+"""What marks numbers of X and Y that nothing is claimed from."""
+
+
+@dataclass(frozen=True, eq=False)
+class EqualAlarms:
+    """X and Y at equal false alarms, the threshold about as low as these allow.
+
+    Attributes
+    ----------
+    result
+        The comparison.
+    moved
+        System with another threshold than as set, ``x`` or ``y``.
+    """
+
+    result: Result
+    moved: str
+
+    @property
+    def title(self) -> str:
+        """How they are set: "At equal false alarms (X with scores of 0.6 or more, ...)"."""
+        return f"At equal false alarms ({self.setting})"
+
+    @property
+    def setting(self) -> str:
+        """How X and Y are set alike: "X with scores of 0.6 or more, 0.05 per frame"."""
+        per_frame = count_alarms(self.result.x) / max(len(self.result.dataset.frames), 1)
+        threshold = self.result.system(self.moved).threshold
+        at = "with all detections" if threshold is None else f"with scores of {threshold:g} or more"
+        return f"{self.moved.upper()} {at}, {per_frame:.3g} per frame"
+
+
+def count_alarms(system: SystemResult) -> int:
+    """False alarms of a system, 0 is best."""
+    return int(system.false_alarms.sum())
+
+
+def are_unequal(result: Result) -> bool:
+    """Whether X and Y are set to different operating points, so that neither can be preferred."""
+    n_x, n_y = (count_alarms(system) for _, system in result.sides)
+    return are_unequal_alarms(n_x, n_y)
+
+
+def describe_alarms(result: Result) -> str:
+    """False alarms of both, such as "X has 0.05 and Y 0.3 false alarms per frame"."""
+    n_frames = max(len(result.dataset.frames), 1)
+    x, y = (f"{count_alarms(system) / n_frames:.3g}" for _, system in result.sides)
+    return f"X has {x} and Y {y} false alarms per frame"
+
+
+def as_set_note(result: Result) -> str:
+    """What stands above numbers of X and Y at unequal operating points; empty: they are equal."""
+    if not are_unequal(result):
+        return ""
+    return f"{capitalised(AS_SET)} ({describe_alarms(result)}). Nothing is claimed from these."
+
+
+def is_undecided(result: Result, key: str) -> bool:
+    """Whether unequal operating points forbid conclusions from a measure of `EVIDENCE_KEYS`.
+
+    Detection curves run over all thresholds, so their measures do not depend on those in use.
+    """
+    return inference_of(key).test != "curve" and are_unequal(result)
+
+
+def has_scores(result: Result, letter: str) -> bool:
+    """Whether a threshold could move this system."""
+    return bool(np.isfinite(result.dataset.system(result.system(letter).name).score).any())
+
+
+def find_equal_alarms(result: Result) -> EqualAlarms | None:
+    """The comparison with one threshold moved; None: no threshold gives equal false alarms."""
+    moved = which_moves(result)
+    if not moved:
+        return None
+    n_target = count_alarms(result.y if moved == "x" else result.x)
+    threshold = threshold_for(result, moved, n_target, "round")
+    equal = with_thresholds(result, {f"threshold_{moved}": threshold})
+    return None if are_unequal(equal) else EqualAlarms(equal, moved)
+
+
+def which_moves(result: Result) -> str:
+    """The system whose threshold is moved; empty: none can be."""
+    systems = [system for _, system in result.sides]
+    index = choose_moved(
+        [has_scores(result, letter) for letter, _ in result.sides],
+        [count_alarms(system) for system in systems],
+        [int(system.n_det.sum()) for system in systems],
+    )
+    return "" if index is None else "xy"[index]
+
+
+def threshold_for(
+    result: Result, letter: str, n_alarms: int, end: Literal["round", "lowest", "highest"]
+) -> float | None:
+    """Threshold of a system with so many false alarms; see `threshold_with_alarms`."""
+    name = result.system(letter).name
+    return threshold_with_alarms(result.dataset, name, result.params, n_alarms, end=end)
+
+
+def with_thresholds(result: Result, thresholds: Mapping[str, float | None]) -> Result:
+    """The comparison with these thresholds, made from its own stages."""
+    changed: dict[str, Any] = dict(thresholds)
+    params = replace(result.params, **changed)
+    return compare(result.dataset, params, x=result.x.name, y=result.y.name, previous=result)
