@@ -20,7 +20,7 @@ from ui.jobs.background import JobState
 from ui.jobs.progress import draw_job_aside
 from ui.jobs.runs import FolderJob, is_uploaded, open_written
 from ui.session import state
-from ui.session.opening import live_session, relative_path
+from ui.session.opening import relative_path
 from ui.session.results.driver import RUN, OpenedRun
 from ui.session.workspace import Workspace
 from ui.shell.messages import shown_error
@@ -140,9 +140,7 @@ def _open(job: EstimateJob) -> None:
     """Go on with what is open, and the estimates as what is known of the driver."""
     written, space, opened = job.output, state.workspace(), state.opened()
     assert written is not None
-    x, y = state.systems()
-    live = live_session(opened.session, opened.dataset, state.params(), x=x, y=y)
-    session = with_estimates(live, written, is_upload=is_uploaded(space, live))
+    session = with_estimates(opened.session, written, is_upload=is_uploaded(space, opened.session))
     named = session.driver.detectability
     assert named is not None
     files = (written.features, written.detectability, written.record)
@@ -167,7 +165,7 @@ def give_up() -> None:
 
 
 def with_estimates(session: Session, written: WrittenEstimates, *, is_upload: bool) -> Session:
-    """The session as it is shown, with the estimates.
+    """The session with the estimates.
 
     Parameters
     ----------

@@ -40,7 +40,7 @@ HOW_LONG: Final = (
 
 
 def draw(*, is_known: bool) -> None:
-    """The estimator, the recordings, and the run; one that has ended becomes what is open.
+    """The estimator, the recordings, and the run.
 
     Parameters
     ----------
@@ -97,7 +97,6 @@ def _draw_job(job: EstimateJob) -> None:
     job.is_told = not job_state.is_busy
     if finished.is_waiting(job):
         draw_job_aside(job, doing, until=lambda: finished.is_ready(job))
-    finished.take_over()
 
 
 def draw_notes() -> None:

@@ -32,6 +32,10 @@ from ui.session.chosen import CHOSEN
 from ui.session.workspace import Workspace
 
 
+TAKE_OVER = "from ui.driver import finished\nfinished.take_over()"
+"""What the app does once any page is drawn."""
+
+
 def rows(x: int, detectability: float | str) -> str:
     return "".join(
         f"night,{frame},{x + frame},200,40,120,{x},{detectability}\n" for frame in FRAMES
@@ -176,7 +180,7 @@ def visible(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 
 def sent(folder: Path, **kind: float):
     """The page, to which an estimator was sent."""
-    page = checked(alone("driver").run())
+    page = checked(alone("driver", after=TAKE_OVER).run())
     content = small_estimator.write_model(folder / "small.npz", **kind).read_bytes()
     page.file_uploader(key="estimator_file").set_value([("small.npz", content, "")])
     return checked(page.run())
@@ -534,12 +538,15 @@ def aside(page) -> list[str]:
 def test_an_estimate_that_ends_while_another_page_is_open_is_taken_over_there(held):
     page = held.look_at("timeline")
     page.session_state["place"] = (0, 41)
+    page.slider(key="alpha").set_value(0.25)
     n_opened = held.space.n_opened
     held.ends()
     checked(page.run())
     assert held.space.result.driver.venn.n_known == 2
     assert [item.value for item in page.title] == ["Timeline"]
-    # nothing that was chosen is lost
+    # nothing that was chosen is lost, and a reset still goes back to what the session says
+    assert page.slider(key="alpha").value == 0.25
+    assert held.space.opened.params.alpha == 0.9
     assert (page.session_state["place"], held.space.n_opened) == ((0, 41), n_opened)
     news = "Whom the driver sees is estimated in 1 recording. All pages count with it now."
     assert [item.value for item in page.sidebar.success] == [news]
