@@ -31,7 +31,6 @@ from ui.session import drawing, state, uploads
 from ui.session.chosen import CHOSEN
 from ui.session.workspace import Workspace
 
-
 TAKE_OVER = "from ui.driver import finished\nfinished.take_over()"
 """What the app does once any page is drawn."""
 
