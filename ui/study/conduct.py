@@ -13,9 +13,9 @@ from nvcore.inputs.driver.trials import LATE_S
 from nvcore.studies.detectability.records import DetectabilityStudy
 from nvcore.studies.detectability.tables import (
     about,
+    advance_of,
     boxes_table,
     participants_table,
-    progress,
     trials_table,
 )
 from ui.study import links, participant, setup
@@ -105,7 +105,7 @@ def _conduct(study: DetectabilityStudy) -> None:
 def _draw_progress(study: DetectabilityStudy) -> None:
     st.header("Progress")
     people = participants_table(links.store(), study)
-    so_far = progress(people)
+    so_far = advance_of(people)
     columns = st.columns(4)
     columns[0].metric("participants", f"{so_far.n_participants:,}")
     columns[1].metric("have seen all pictures", f"{so_far.n_finished:,}")

@@ -107,7 +107,7 @@ def participants_table(store: DetectabilityStore, study: DetectabilityStudy) -> 
 
 
 @dataclass(frozen=True)
-class Progress:
+class Advance:
     """How far a study has come.
 
     Attributes
@@ -128,7 +128,7 @@ class Progress:
     n_marked: int
 
 
-def progress(participants: pd.DataFrame) -> Progress:
+def advance_of(participants: pd.DataFrame) -> Advance:
     """How far a study has come; all 0 where nobody has joined.
 
     Parameters
@@ -138,11 +138,11 @@ def progress(participants: pd.DataFrame) -> Progress:
 
     Examples
     --------
-    >>> progress(pd.DataFrame({"n_trials": [6, 6], "n_answered": [6, 2], "n_marked": [1, 0]}))
-    Progress(n_participants=2, n_finished=1, n_trials=8, n_marked=1)
+    >>> advance_of(pd.DataFrame({"n_trials": [6, 6], "n_answered": [6, 2], "n_marked": [1, 0]}))
+    Advance(n_participants=2, n_finished=1, n_trials=8, n_marked=1)
     """
     is_finished = participants["n_answered"] == participants["n_trials"]
-    return Progress(
+    return Advance(
         len(participants),
         int(is_finished.sum()),
         int(participants["n_answered"].sum()),

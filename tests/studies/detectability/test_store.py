@@ -18,11 +18,11 @@ from nvcore.studies.detectability.settings import Facts, StudySettings
 from nvcore.studies.detectability.store import DetectabilityStore
 from nvcore.studies.detectability.tables import (
     TRIAL_COLUMNS,
-    Progress,
+    Advance,
     about,
+    advance_of,
     boxes_table,
     participants_table,
-    progress,
     trials_table,
 )
 
@@ -276,7 +276,7 @@ def test_how_a_study_was_done_is_told_without_anybody(store, study):
 
 
 def test_the_progress_of_a_study_counts_who_has_seen_all_and_the_trials(store, study):
-    assert progress(participants_table(store, study)) == Progress(0, 0, 0, 0)
+    assert advance_of(participants_table(store, study)) == Advance(0, 0, 0, 0)
     for n in (6, 2, 0):
         person = store.join(study, {})
         for trial in person.plan[:n]:
@@ -284,7 +284,7 @@ def test_the_progress_of_a_study_counts_who_has_seen_all_and_the_trials(store, s
             measured_s = trial.adaptation_s + (0.2 if trial.order == 1 else 0.01)
             answer = Answer(measured_s=measured_s, shown_s=0.5)
             store.answer(study, person.code, trial.order, answer)
-    assert progress(participants_table(store, study)) == Progress(
+    assert advance_of(participants_table(store, study)) == Advance(
         n_participants=3, n_finished=1, n_trials=8, n_marked=2
     )
 
