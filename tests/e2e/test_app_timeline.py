@@ -274,7 +274,10 @@ def test_arrows_in_a_table_leave_the_frame_alone(timeline):
     frame = frame_of(timeline)
     timeline.panel_shows(frame)
     timeline.wait_until_drawn()
-    timeline.page.get_by_test_id("stDataFrame").first.click()
+    table = timeline.page.get_by_test_id("stDataFrame").first
+    table.click()
+    # a moment later: until then keys go to what had the focus before
+    expect(table.get_by_test_id("data-grid-canvas")).to_be_focused()
     timeline.page.keyboard.press("ArrowRight")
     timeline.page.keyboard.press("n")
     expect(timeline.viewer).to_have_attribute("data-frame", str(frame))
