@@ -56,10 +56,20 @@ def test_nothing_moves_while_the_verdict_is_drawn(person, app):
     visit = Visit(person, app)
     visit.page.add_init_script(NOTE_PLACES)
     late: list[Route] = []
-    visit.page.route("**/PageLink*.js", lambda route: late.append(route))
+    is_held = True
+
+    def hold(route: Route) -> None:
+        if is_held:
+            late.append(route)
+        else:
+            route.continue_()
+
+    visit.page.route("**/PageLink*.js", hold)
     visit.page.goto(app)
     expect(visit.keyed("verdict")).to_contain_text("Nothing is claimed")
     expect(visit.page.locator(".nv-scorecard")).to_be_visible()
+    is_held = False  # what is asked for from now on goes through
+    assert late != []
     for route in late:
         route.continue_()
     expect(visit.keyed("navigation").get_by_role("link").first).to_be_visible()
@@ -95,7 +105,9 @@ def test_a_click_on_a_mark_of_the_venn_diagram_opens_the_frame_that_costs_most(o
 
 def test_a_worst_moment_opens_its_frame(overview):
     buttons = overview.page.get_by_role("button", name="Open frame")
-    tops = [button.bounding_box()["y"] for button in buttons.all()]
+    expect(buttons).to_have_count(4)
+    # at once: what is drawn above them moves them all
+    tops = buttons.evaluate_all("all => all.map(one => one.getBoundingClientRect().top)")
     assert tops == [tops[0]] * 4  # in a line, however long the texts above them
     buttons.first.click()
     expect(overview.heading("Timeline", level=1)).to_be_visible()
@@ -108,6 +120,7 @@ def test_a_click_in_the_strip_of_all_recordings_opens_the_frame(overview):
     overview.click_plot("loss_strip", SHARE, [0.6, 0.05])  # the worst recording, after 9 s
     expect(overview.heading("Timeline", level=1)).to_be_visible()
     overview.query("recording", "winter_frost")
+    overview.wait_until_drawn()
     frame = int(overview.page.evaluate(ADDRESSED_FRAME))
     assert 170 <= frame <= 190
     overview.shows(frame)
@@ -173,6 +186,11 @@ def test_a_figure_is_taken_away_as_picture_drawing_and_data(overview, tmp_path):
     assert fir["rural_road"] == pytest.approx(0.943, abs=1e-3)
 
 
+# The page is as wide as the window, once the plots and letters are those that stay.
+FITS = """width => {
+  const { clientWidth, scrollWidth } = document.querySelector("[data-testid=stMain]");
+  return clientWidth === width && scrollWidth === width && document.fonts.status === "loaded";
+}"""
 # Texts of the page that are wider than their place and cut there.
 CUT = """() => [...document.querySelectorAll(
     "[data-testid=stMain] :is(h1, h2, p, button, td, th, summary)")]
@@ -185,11 +203,7 @@ CUT = """() => [...document.querySelectorAll(
 def test_nothing_is_cut_in_a_narrow_window(visit, width):
     one = visit("", width=width)
     one.wait_until_drawn()
-    main = one.page.get_by_test_id("stMain")
-    one.page.wait_for_function(
-        "width => document.querySelector('[data-testid=stMain]').clientWidth === width", arg=width
-    )
-    assert main.evaluate("main => main.scrollWidth") == width
+    one.page.wait_for_function(FITS, arg=width)
     assert one.page.evaluate(CUT) == []
     wide = visit("")  # of the same browser
     expect(wide.keyed("alpha")).to_be_in_viewport()

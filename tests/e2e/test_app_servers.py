@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from app_files import write_files
-from app_server import HELPERS, ROOT, free_port, serve, serving
+from app_server import HELPERS, ROOT, held_port, serve, serving
 from app_visit import Visit
 from kept_window import Kept
 from playwright.sync_api import BrowserContext, expect
@@ -138,9 +138,10 @@ def test_web_addresses_in_names_stay_text(
 @pytest.fixture(scope="module")
 def guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Address of the app behind a log-in, below a path, beside a provider of its own."""
-    port, file = free_port(), tmp_path_factory.mktemp("login") / "auth.toml"
-    file.write_text(
-        f"""[auth]
+    file = tmp_path_factory.mktemp("login") / "auth.toml"
+    with held_port() as port, pytest.MonkeyPatch.context() as patch:
+        file.write_text(
+            f"""[auth]
         redirect_uri = "http://127.0.0.1:{{port}}/{BASE}/oauth2callback"
         cookie_secret = "{"x" * 32}"
         client_id = "nvcore"
@@ -148,8 +149,7 @@ def guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         server_metadata_url = "http://127.0.0.1:{port}/.well-known/openid-configuration"
         allow = ["lab.example"]
         """
-    )
-    with pytest.MonkeyPatch.context() as patch:
+        )
         patch.setenv("NVCORE_LOGIN", str(file))
         patch.setenv("AUTHLIB_INSECURE_TRANSPORT", "1")  # the provider's: it has no TLS
         with serve(ROOT / "app.py", base=BASE) as address:

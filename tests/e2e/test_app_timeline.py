@@ -6,7 +6,7 @@ import re
 
 import pytest
 from app_server import ROOT
-from app_visit import SHARE, SIZE, Visit
+from app_visit import IS_STILL, SHARE, SIZE, Visit
 from playwright.sync_api import Locator, expect
 
 from nvcore.comparison import compare
@@ -38,9 +38,9 @@ MOVE_AND_CLICK = """(figure, places) => {
 # The line of the frame is so far along the time that the recording takes: near its start or end.
 IS_MARKED = """([figure, share]) => {
   const plot = figure.querySelector(".js-plotly-plot");
-  const line = plot.querySelector(".nv-cursor").getBoundingClientRect();
+  const line = plot.querySelector(".nv-cursor")?.getBoundingClientRect();
   const { l, w } = plot._fullLayout._size;
-  return Math.abs((line.left - plot.getBoundingClientRect().left - l) / w - share) < 0.02;
+  return line && Math.abs((line.left - plot.getBoundingClientRect().left - l) / w - share) < 0.02;
 }"""
 
 # The middle of a slider's handle: its field lies in it.
@@ -135,10 +135,9 @@ def test_a_second_click_on_a_point_acts_like_the_first(timeline):
 def test_a_click_counts_where_it_is_made_however_fast_the_mouse_came(timeline):
     timeline.viewer.press("Home")
     timeline.panel_shows(0)
-    timeline.wait_until_drawn()
-    plot = timeline.keyed(f"time_plot_{RECORDING}")
-    plot.locator(".nsewdrag").first.click(trial=True)  # in sight
-    plot.evaluate(MOVE_AND_CLICK, [[0.2, 0.5], [0.8, 0.5]])
+    key = f"time_plot_{RECORDING}"
+    timeline.listening_plot(key)
+    timeline.keyed(key).evaluate(MOVE_AND_CLICK, [[0.2, 0.5], [0.8, 0.5]])
     timeline.shows(re.compile("^2[34][0-9]$"))
     timeline.panel_shows(frame_of(timeline))
 
@@ -146,10 +145,7 @@ def test_a_click_counts_where_it_is_made_however_fast_the_mouse_came(timeline):
 def test_a_touch_acts_like_a_click(timeline):
     timeline.viewer.press("Home")
     timeline.panel_shows(0)
-    timeline.wait_until_drawn()
-    area = timeline.keyed(f"time_plot_{RECORDING}").locator(".nsewdrag").first
-    area.click(trial=True)  # in sight
-    box = area.bounding_box()
+    box = timeline.listening_plot(f"time_plot_{RECORDING}").bounding_box()
     finger = {"x": box["x"] + 0.8 * box["width"], "y": box["y"] + 0.5 * box["height"]}
     screen = timeline.page.context.new_cdp_session(timeline.page)
     for kind, fingers in (("touchStart", [finger]), ("touchEnd", [])):
@@ -168,8 +164,8 @@ def test_the_figures_over_time_mark_the_frame_without_being_drawn_anew(timeline)
         timeline.viewer.press(key)
         for plot in plots:
             timeline.page.wait_for_function(IS_MARKED, arg=[plot.element_handle(), share])
-    timeline.panel_shows(0)
-    timeline.wait_until_drawn()
+        timeline.panel_shows(frame_of(timeline))
+        timeline.wait_until_drawn()
     assert all(plot.evaluate("plot => plot.isConnected") for plot in drawn)
 
 
@@ -228,6 +224,7 @@ def test_a_switch_shows_its_state_where_colours_are_forced(timeline):
         timeline.wait_until_drawn()
         track = switch.locator("div:has(> div:empty)")
         expect(track).to_have_css("outline-style", "solid")
+        timeline.page.wait_for_function(IS_STILL)
         grounds.append((track.evaluate(GROUND_OF), track.locator("div").evaluate(GROUND_OF)))
     switch.click()
     timeline.page.emulate_media(forced_colors="none")
@@ -277,7 +274,10 @@ def test_arrows_in_a_table_leave_the_frame_alone(timeline):
     frame = frame_of(timeline)
     timeline.panel_shows(frame)
     timeline.wait_until_drawn()
-    timeline.page.get_by_test_id("stDataFrame").first.click()
+    table = timeline.page.get_by_test_id("stDataFrame").first
+    table.click()
+    # a moment later: until then keys go to what had the focus before
+    expect(table.get_by_test_id("data-grid-canvas")).to_be_focused()
     timeline.page.keyboard.press("ArrowRight")
     timeline.page.keyboard.press("n")
     expect(timeline.viewer).to_have_attribute("data-frame", str(frame))

@@ -127,7 +127,8 @@ def test_pictures_that_are_refused_are_told_at_once(visit, tmp_path):
     wrong.write_text("no video\n")
     one: Visit = visit("data")
     one.page.get_by_role("tab", name="Upload").click()
-    one.keyed("upload_pictures").locator("input[type=file]").set_input_files(wrong)
+    with one.page.expect_console_message(lambda message: "415" in message.text):
+        one.keyed("upload_pictures").locator("input[type=file]").set_input_files(wrong)
     told = one.page.get_by_role("alert").filter(has_text="walk.mp4")
     expect(told).to_contain_text("neither a video")
     assert ["415" in complaint for complaint in one.complaints] == [True]

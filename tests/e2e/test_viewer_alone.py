@@ -75,7 +75,8 @@ def test_a_frame_whose_picture_is_late_is_told_in_words_when_it_is_there(page):
     waiting: list[sync_api.Route] = []
     late = re.compile(rf"/frame/0/{scene.MISSED_BY_X.start}\.jpg")
     page.route(late, lambda route: waiting.append(route))
-    press(page, "n")
+    with page.expect_request(late):  # after pictures that it was still asking for
+        press(page, "n")
     assert settled(page, scene.MISSED_BY_X.start) == str(scene.MISSED_BY_X.start)
     said = page.locator(".viewer .spoken")
     sync_api.expect(said).to_have_text(

@@ -5,24 +5,28 @@ from __future__ import annotations
 from playwright import sync_api
 from viewer_window import choose, painted, press, viewer_of
 
-# Red, green and blue of the picture where nothing is drawn over it, at these shares of the canvas.
-COLOUR = """(viewer, [across, down]) => {
+# Colour of the picture where nothing is drawn over it, high in it, at this share of its width.
+COLOUR = """(viewer, across) => {
   const canvas = viewer.querySelector("canvas.picture");
-  const [x, y] = [across * canvas.width, down * canvas.height];
-  return [...canvas.getContext("2d").getImageData(x, y, 1, 1).data].slice(0, 3);
+  const [x, y] = [across * canvas.width, 0.3 * canvas.height];
+  const [red, green, blue] = canvas.getContext("2d").getImageData(x, y, 1, 1).data;
+  if (red - blue > 150) return "red";
+  if (blue - red > 150) return "blue";
+  if (red - blue > 40) return "reddish";
+  return Math.max(red, green, blue) - Math.min(red, green, blue) < 20 ? "grey" : "other";
 }"""
+IS_COLOURED = f"([viewer, across, colour]) => ({COLOUR})(viewer, across) === colour"
 
 
 def colour(page: sync_api.Page, across: float) -> str:
     """Of a place high in the picture, at a share of its width."""
-    red, green, blue = viewer_of(page).evaluate(COLOUR, [across, 0.3])
-    if red - blue > 150:
-        return "red"
-    if blue - red > 150:
-        return "blue"
-    if red - blue > 40:
-        return "reddish"
-    return "grey" if max(red, green, blue) - min(red, green, blue) < 20 else "other"
+    name: str = viewer_of(page).evaluate(COLOUR, across)
+    return name
+
+
+def becomes(page: sync_api.Page, name: str) -> None:
+    """Wait for a picture of this colour, where Python may hear of it before it is loaded."""
+    page.wait_for_function(IS_COLOURED, arg=[viewer_of(page).element_handle(), 0.4, name])
 
 
 def shown(page: sync_api.Page, picture: str) -> None:
@@ -92,7 +96,7 @@ def test_as_the_driver_sees_it_is_visible_light_from_another_address(page):
     assert colour(page, 0.4) == "blue"
     page.get_by_role("button", name="As the driver sees it").click()
     told(page, "picture='visible', blend=0.5, seen_s=None")
-    assert colour(page, 0.4) == "red"
+    becomes(page, "red")
 
 
 def test_as_the_driver_sees_it_is_said_to_be_a_model_over_the_picture(page):
@@ -123,6 +127,7 @@ def test_the_recordings_own_light_is_followed_unless_a_time_is_set_by_hand(page)
     press(page, "d")
     told(page, "picture='visible', blend=0.5, seen_s='clock'")
     page.get_by_text("eyes adapted", exact=True).wait_for()
+    shown(page, "visible")
     assert colour(page, 0.4) == "red"
     press(page, "Shift+ArrowRight")
     assert painted(page, 25) == 25

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from base64 import b64encode
 from dataclasses import dataclass
 from typing import Final
 
@@ -104,7 +105,9 @@ def _draw_body(body: str) -> None:
     text, *rest = _PICTURE.split(body)
     st.markdown(text)
     for words, path, following in zip(rest[::3], rest[1::3], rest[2::3], strict=True):
-        st.image(FOLDER / path, caption=words)
+        # with the page: after it was left there would be nothing to fetch
+        content = b64encode((FOLDER / path).read_bytes()).decode()
+        st.image(f"data:image/png;base64,{content}", caption=words)
         st.markdown(following)
 
 

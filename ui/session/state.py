@@ -135,6 +135,9 @@ def restore(token: str) -> bool:
         return False
     st.session_state["workspace"] = space
     end_with_session(space)
+    # until the page is drawn anew it asks for pictures and boxes of what it has left
+    own.forget_values()
+    st.session_state["left_workspace"] = own
     for name in ("seen_opening", "place", "bad_link"):
         st.session_state.pop(name, None)
     st.query_params.from_dict(st.session_state["first_query"])

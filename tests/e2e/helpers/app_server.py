@@ -10,7 +10,7 @@ import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import pytest
@@ -76,32 +76,35 @@ def serving(
     command
         Starts it; the port is put at its end.
     port
-        None: a free one.
+        One of `held_port`; None: any.
     """
-    port = free_port() if port is None else port
-    # what the server logs as an error is shown with the test that failed
-    server = subprocess.Popen(
-        [*command, str(port)], cwd=cwd, env=environment, stdout=subprocess.DEVNULL
-    )
-    url = f"http://127.0.0.1:{port}{'/' + base if base else ''}"
-    try:
-        _wait_for(url, server)
-        yield url, server
-    finally:
-        server.terminate()
+    with held_port() if port is None else nullcontext(port) as number:
+        # what the server logs as an error is shown with the test that failed
+        server = subprocess.Popen(
+            [*command, str(number)], cwd=cwd, env=environment, stdout=subprocess.DEVNULL
+        )
+        url = f"http://127.0.0.1:{number}{'/' + base if base else ''}"
         try:
-            server.wait(END_S)
-        except subprocess.TimeoutExpired:
-            server.kill()
-            server.wait()
+            _wait_for(url, server)
+            yield url, server
+        finally:
+            server.terminate()
+            try:
+                server.wait(END_S)
+            except subprocess.TimeoutExpired:
+                server.kill()
+                server.wait()
 
 
-def free_port() -> int:
-    """A port that nobody listens on."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port: int = free.getsockname()[1]
-        return port
+@contextmanager
+def held_port() -> Iterator[int]:
+    """A port that only a server is given: nobody who asks for any port, nor a connection."""
+    with socket.socket() as held:
+        held.bind(("127.0.0.1", 0))
+        # from now on a server, which asks for the same, may listen on it
+        held.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        port: int = held.getsockname()[1]
+        yield port
 
 
 def _wait_for(url: str, server: subprocess.Popen[bytes]) -> None:

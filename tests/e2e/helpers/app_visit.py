@@ -155,15 +155,20 @@ class Visit:
         -------
         What the function returned.
         """
+        area = self.listening_plot(key)
+        place = self.keyed(key).locator(".js-plotly-plot").evaluate(find_place, arg)
+        area.click(position={"x": place[0], "y": place[1]})
+        return place
+
+    def listening_plot(self, key: str) -> Locator:
+        """The area of a plot, once a click there is heard and it is in sight."""
         area = self.keyed(key).locator(".nsewdrag").first
         self.page.wait_for_function(LISTENS, arg=key)
         self.wait_until_drawn()
         plot = self.keyed(key).locator(".js-plotly-plot")
         expect(plot).to_have_count(1)  # one that is being replaced is gone
         area.click(trial=True)  # in sight, and no longer moved by what is drawn above it
-        place = plot.evaluate(find_place, arg)
-        area.click(position={"x": place[0], "y": place[1]})
-        return place
+        return area
 
     def slider(self, name: str) -> Locator:
         return self.page.get_by_role("slider", name=name)
@@ -176,7 +181,7 @@ class Visit:
         """Wait until the viewer has painted this frame."""
         number = str(frame) if isinstance(frame, int) else frame
         expect(self.viewer).to_have_attribute("data-frame", number)
-        expect(self.viewer).to_have_attribute("data-shown-row", re.compile("^[0-9]+$"))
+        expect(self.viewer).to_have_attribute("data-shown-frame", number)
 
     def panel_shows(self, frame: int) -> None:
         """Wait until Python's figures beside the viewer are those of this frame."""

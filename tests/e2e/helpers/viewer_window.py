@@ -10,6 +10,10 @@ from playwright import sync_api
 from viewer_reading import READER, RECORDER
 
 SIZE = {"width": 1280, "height": 900}
+# At once: it may come to its end by itself, and would then begin again.
+PAUSE = """viewer => {
+  if (viewer.dataset.playing === "true") viewer.querySelector("button.play").click();
+}"""
 
 
 class ViewerWindow:
@@ -45,8 +49,7 @@ class ViewerWindow:
         is_empty = self.page.get_by_text(re.compile("^settled .* kind empty ")).count() > 0
         if viewer.count() == 0 or is_empty:  # without frames there is no row to settle on
             return
-        if viewer.get_attribute("data-playing") == "true":
-            press(self.page, " ")
+        viewer.evaluate(PAUSE)
         if row := viewer.get_attribute("data-row"):
             assert settled(self.page, row) == row
 

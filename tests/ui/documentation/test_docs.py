@@ -74,6 +74,7 @@ def test_a_picture_of_a_page_is_drawn_between_its_paragraphs():
     page = opened(doc="validation")
     parts = list(page.main)
     picture = next(i for i, part in enumerate(parts) if part.type == "image")
+    assert parts[picture].proto.imgs[0].url.startswith("data:image/png;base64,")
     before, after = parts[picture - 1], parts[picture + 1]
     assert "*Ratio*" in before.value
     assert after.value.lstrip().startswith("| Boxes")

@@ -66,6 +66,15 @@ def test_a_new_session_goes_on_with_the_workspace_and_its_address():
     assert after.session_state["params"].alpha == 0.25
 
 
+def test_what_the_page_still_shows_is_served_until_it_is_drawn_anew():
+    before, after = page().session_state["workspace"], page("timeline")
+    left = after.session_state["workspace"]
+    assert claiming(after, before.token) is before
+    assert after.session_state["left_workspace"] is left  # else it would be gone at once
+    assert left.compared is not None
+    assert len(left.pictures) > 0
+
+
 def test_an_unknown_name_or_a_closed_workspace_gives_nothing():
     app = page()
     own = app.session_state["workspace"]

@@ -119,6 +119,7 @@ class Viewer extends Looking {
       this.visible.pin(null);
       this.shown = null;
       delete this.root.dataset.shownRow;
+      delete this.root.dataset.shownFrame;
       this.view.fit();
       showScale(this);
       this.parts.picture.width = 0; // clears it; painting gives it its size again
@@ -228,6 +229,7 @@ class Viewer extends Looking {
     showClock(this.parts.sources, this.look, row, this.recording.endOf(row));
     this.isStale = false;
     this.root.dataset.shownRow = String(row);
+    this.root.dataset.shownFrame = String(this.recording.frames[row]);
     if (this.isSpokenEarly && row === this.row) this.speak();
   }
 
