@@ -74,6 +74,8 @@ class EstimateRecord:
         another width.
     light_doubts
         What looks like a light meter of another unit or clock, by the name of the recording.
+    picture_doubts
+        What looks like pictures or gaze of something else, likewise.
     estimated_in, stated_in
         Names of the dataset's recordings in which values are estimates, and of those in which some
         are the ground truth's own; no part of the record itself.
@@ -94,6 +96,7 @@ class EstimateRecord:
     search: str = ""
     other_width: Mapping[str, int] = field(default_factory=dict)
     light_doubts: Mapping[str, str] = field(default_factory=dict)
+    picture_doubts: Mapping[str, str] = field(default_factory=dict)
     estimated_in: frozenset[str] = field(default=frozenset(), compare=False)
     stated_in: frozenset[str] = field(default=frozenset(), compare=False)
 
@@ -114,7 +117,7 @@ class EstimateRecord:
         subjects = count_text(self.n_subjects, "subject") if self.n_subjects else ""
         known = f"fingerprint {one_line(self.fingerprint[:12])}" if self.fingerprint else ""
         facts = ", ".join(filter(None, (subjects, known)))
-        return f"estimated by {name}" + (f" ({facts})" if facts else "")
+        return f"estimated by the estimator {name}" + (f" ({facts})" if facts else "")
 
     @property
     def caution(self) -> str:
@@ -122,7 +125,7 @@ class EstimateRecord:
         learnt = _SUBJECTS.get(self.simulated, "")
         if self.search:
             learnt = f"{learnt or 'learnt'} by a quick search"
-        parts = learnt, self._no_better, self._other_width, self._light_doubts
+        parts = learnt, self._no_better, self._other_width, self._light_doubts, self._picture_doubts
         return listed([part for part in parts if part])
 
     @property
@@ -150,6 +153,12 @@ class EstimateRecord:
             f"in {_named(self.light_doubts)} by a light meter that may be of another unit or clock"
         )
 
+    @property
+    def _picture_doubts(self) -> str:
+        if not self.picture_doubts:
+            return ""
+        return f"in {_named(self.picture_doubts)} from pictures or gaze that may be of another view"
+
 
 def _named(names: Iterable[str]) -> str:
     """Names of recordings, which may be anything."""
@@ -174,6 +183,8 @@ def estimate_json(record: EstimateRecord) -> bytes:
         estimates["other_width"] = dict(record.other_width)
     if record.light_doubts:
         estimates["light_doubts"] = dict(record.light_doubts)
+    if record.picture_doubts:
+        estimates["picture_doubts"] = dict(record.picture_doubts)
     content = {
         "written_by": record.written_by,
         "estimator": estimator,
@@ -222,10 +233,8 @@ def _record(content: object) -> EstimateRecord:
             name: _count(typed(px, int, "other_width"), "other_width", _MOST)
             for name, px in value_of(estimates, "other_width", dict).items()
         },
-        light_doubts={
-            name: typed(why, str, "light_doubts")
-            for name, why in value_of(estimates, "light_doubts", dict).items()
-        },
+        light_doubts=_texts(estimates, "light_doubts"),
+        picture_doubts=_texts(estimates, "picture_doubts"),
     )
 
 
@@ -233,6 +242,10 @@ def _count(n: int, name: str, most: int) -> int:
     if not 0 <= n <= most:
         raise ValueError(f"{name}: expected 0 to {most}")
     return n
+
+
+def _texts(estimates: Mapping[str, object], key: str) -> dict[str, str]:
+    return {name: typed(why, str, key) for name, why in value_of(estimates, key, dict).items()}
 
 
 def _periods(values: list[object]) -> tuple[float, ...]:

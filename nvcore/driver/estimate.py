@@ -204,6 +204,11 @@ class EstimateRun:
         more = {
             "other_width": widths,
             "light_doubts": {name: doubt for name, doubt in doubts.items() if doubt},
+            "picture_doubts": {
+                part.name: part.picture_doubt
+                for part in self.features.recordings
+                if part.picture_doubt
+            },
         }
         return counts | {name: entries for name, entries in more.items() if entries}
 

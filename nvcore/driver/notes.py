@@ -16,8 +16,12 @@ from nvcore.wording import capitalised, count_text, percent
 
 MANY_DARK: Final = 0.1
 """From this share of readings below `least_lux` on it is said how many are: a wrong unit; ours."""
-LEAST_COVERED: Final = 0.5
+LEAST_COVERED: Final = 0.9
 """Readings of a smaller part of a recording may be of another clock; ours."""
+MOST_LUX: Final = 200_000.0
+"""Direct sun has about 130,000 lx: readings above this are of another unit; ours."""
+MOST_OUTSIDE: Final = 0.5
+"""From this share of its points outside of the pictures on, gaze may be of other ones; ours."""
 _NO_LIGHT: Final = "Nothing is known of the light: no adaptation period."
 
 
@@ -95,8 +99,7 @@ def fixation_note(
         text = f"Fixation by the gaze file, which has none in {of_frames}."
     if recording.picture_px is None:
         return text
-    points = recording.fixations(with_boxes[is_known], assumed, recording.picture_px)
-    n_outside = int(np.count_nonzero(((points < 0) | (points > recording.picture_px)).any(axis=1)))
+    n_outside = _count_outside(recording, assumed, with_boxes[is_known])
     if n_outside:
         width, height = recording.picture_px
         text += (
@@ -104,6 +107,37 @@ def fixation_note(
             f"{'lies' if n_outside == 1 else 'lie'} outside the picture of {width} x {height} px."
         )
     return text
+
+
+def picture_doubt(
+    recording: DriverRecording, assumed: FixedPoint, with_boxes: NDArray[np.int64]
+) -> str:
+    """What looks like pictures or gaze of something else, in sentences; empty: nothing.
+
+    Parameters
+    ----------
+    with_boxes
+        Numbers of the recording's frames with pedestrians, ascending.
+    """
+    doubts = list(recording.doubts)
+    if recording.gaze is not None and recording.picture_px is not None:
+        known = with_boxes[~np.isnan(recording.gaze.at(with_boxes)[:, 0])]
+        n_outside = _count_outside(recording, assumed, known)
+        if n_outside and n_outside >= MOST_OUTSIDE * len(known):
+            doubts.append(
+                f"{n_outside:,} of {count_text(len(known), 'point')} of the gaze file lie outside "
+                "the picture."
+            )
+    return " ".join(doubts)
+
+
+def _count_outside(
+    recording: DriverRecording, assumed: FixedPoint, frames: NDArray[np.int64]
+) -> int:
+    """In how many of these frames the driver is said to look beside the picture."""
+    assert recording.picture_px is not None
+    points = recording.fixations(frames, assumed, recording.picture_px)
+    return int(np.count_nonzero(((points < 0) | (points > recording.picture_px)).any(axis=1)))
 
 
 def light_note(
@@ -122,7 +156,9 @@ def light_note(
     frames
         Numbers of the recording's frames, ascending.
     """
-    if light is None or clock is None or not len(light.time_s) or not len(frames):
+    if light is not None and not len(light.time_s):
+        return f"The file of the light has no reading. {_NO_LIGHT}"
+    if light is None or clock is None or not len(frames):
         return _NO_LIGHT
     begin_s, end_s = float(frames[0]) / fps, float(frames[-1] + 1) / fps
     n_within = int(np.count_nonzero((clock.change_s >= 0) & (clock.change_s < end_s - begin_s)))
@@ -165,8 +201,13 @@ def light_doubt(
     """
     if light is None or light.source is LightSource.PICTURE:
         return ""
-    if not len(light.time_s) or not len(frames):
+    if not len(light.time_s):
+        return "no reading"
+    if not len(frames):
         return ""
+    highest = float(light.level.max())
+    if highest > MOST_LUX:
+        return f"a reading of {_amount(highest)} lx, more than direct sun has"
     n, n_dark = len(light.level), int(np.count_nonzero(light.level < settings.least_lux))
     if n_dark >= MANY_DARK * n:
         return f"{n_dark:,} of {count_text(n, 'reading')} below {settings.least_lux:g} lx"

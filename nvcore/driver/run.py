@@ -22,6 +22,7 @@ from nvcore.driver.notes import (
     light_note,
     other_frames,
     outside_note,
+    picture_doubt,
     picture_notes,
 )
 from nvcore.driver.recording import DriverRecording, open_recordings
@@ -71,6 +72,8 @@ class RecordingFeatures:
         Why none of its boxes has a feature, by its key, as a clause, where it is known.
     light_doubt
         What looks like a light meter of another unit or clock, as a clause; empty: nothing.
+    picture_doubt
+        What looks like pictures or gaze of something else, in sentences; empty: nothing.
     """
 
     name: str
@@ -84,6 +87,7 @@ class RecordingFeatures:
     picture_px: tuple[int, int] | None = None
     why_missing: Mapping[str, str] = field(default_factory=dict)
     light_doubt: str = ""
+    picture_doubt: str = ""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -196,6 +200,7 @@ class _Pass:
         self.box = np.stack([truth.x, truth.y, truth.w, truth.h], axis=1)[counted]
         self.track = truth.track[counted]
         self.frame_of_box = truth.frame_index[counted] - rows.start
+        self.with_boxes = self.frame[np.unique(self.frame_of_box)]
         self.first = np.searchsorted(self.frame_of_box, np.arange(len(self.frame) + 1))
         needed = recording.index >= 0
         if not recording.needs_light:
@@ -238,6 +243,7 @@ class _Pass:
             recording.picture_px,
             self._why_missing(),
             light_doubt(light, self.frame, self.fps, self.settings.light),
+            picture_doubt(recording, self.settings.fixation, self.with_boxes),
         )
 
     def _look(self, row: int, picture: Picture) -> int:
@@ -304,13 +310,13 @@ class _Pass:
     def _notes(
         self, faults: list[str], n_unseen: int, light: Light | None, clock: AdaptationClock | None
     ) -> tuple[str, ...]:
-        recording, with_boxes = self.recording, self.frame[np.unique(self.frame_of_box)]
+        recording = self.recording
         n_seen, n_outside = self._n_outside()
         outside = outside_note(recording, n_outside, n_seen)
         notes = [
             *picture_notes(recording, faults, n_unseen),
             f"{capitalised(outside)}." if outside else "",
-            fixation_note(recording, self.settings.fixation, self.frame, with_boxes),
+            fixation_note(recording, self.settings.fixation, self.frame, self.with_boxes),
             light_note(light, clock, self.frame, self.fps, self.settings.light),
         ]
         return tuple(filter(None, notes))

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from nvcore.comparison import Result
 from nvcore.measures.entry import Inference
 from nvcore.wording import count_text
+
+MOST_OUTSIDE: Final = 0.5
+"""From this share of encounters on that are decided outside the range of the training, nothing is
+claimed (ours)."""
 
 
 def is_stated(result: Result) -> bool:
@@ -39,16 +45,23 @@ def are_all_open(result: Result) -> bool:
 def doubt_of_estimator(result: Result) -> str:
     """Why no estimate is to be believed; empty: no reason is known, or none was made."""
     estimate = result.dataset.estimate
-    if estimate is None or not estimate.of_no_use or is_stated(result):
+    if estimate is None or is_stated(result):
         return ""
-    return (
-        "as a whole the estimator is no better than a constant on pedestrians that it had not seen"
-    )
+    if estimate.of_no_use:
+        return (
+            "as a whole the estimator is no better than a constant on pedestrians that it had not "
+            "seen"
+        )
+    if estimate.simulated == "all":
+        return "the estimator learnt from simulated subjects alone, not from people"
+    return ""
 
 
 def doubt_of_seen(result: Result) -> str:
     """Why nothing is claimed of whom the driver sees, whatever the counts; empty: no reason."""
     if why := doubt_of_estimator(result):
+        return why
+    if why := _doubt_of_range(result):
         return why
     is_unseen = result.driver.is_unseen
     if are_all_open(result):
@@ -61,6 +74,17 @@ def doubt_of_seen(result: Result) -> str:
     return (
         f"{where} {which}, the value that decides is within one standard deviation of "
         f"{result.params.driver_threshold:g}"
+    )
+
+
+def _doubt_of_range(result: Result) -> str:
+    """That too many encounters are decided outside of what was trained; empty: they are not."""
+    n, n_outside = result.driver.venn.n_known, result.driver.n_outside
+    if not n_outside or n_outside < MOST_OUTSIDE * n:
+        return ""
+    return (
+        f"in {n_outside:,} of {count_text(n, 'encounter')} of which it is known, the value that "
+        "decides is outside the range of the training"
     )
 
 

@@ -16,6 +16,7 @@ from nvcore.measures import (
     label_words,
     measures_in,
 )
+from nvcore.measures.driver_doubt import doubt_of
 
 
 class ScoreRow(NamedTuple):
@@ -31,6 +32,8 @@ class ScoreRow(NamedTuple):
         Format specification of the values.
     better
         ``higher`` or ``lower``; empty: neither.
+    is_doubtful
+        Whether nothing is claimed of it, whatever the values (`nvcore.measures.driver_doubt`).
     level
         0, or 1 for a part of the row above.
     needs_tracks
@@ -47,11 +50,12 @@ class ScoreRow(NamedTuple):
     level: int = 0
     needs_tracks: bool = False
     key: str = ""
+    is_doubtful: bool = False
 
     @property
     def winner(self) -> str:
-        """Whose value is better as shown, ``x`` or ``y``; empty: neither."""
-        if not self.better or math.isnan(self.x) or math.isnan(self.y):
+        """Whose value is better as shown, ``x`` or ``y``; empty: neither, or in doubt."""
+        if not self.better or self.is_doubtful or math.isnan(self.x) or math.isnan(self.y):
             return ""
         if format(self.x, self.form) == format(self.y, self.form):
             return ""
@@ -89,7 +93,16 @@ def score_rows(
         if table is not MeasureTable.SCORECARD or _needs_tracks(measure):
             tracked.add(whole)
         rows.append(
-            ScoreRow(label, x, y, measure.form, measure.better, 1 if part else 0, key=measure.key)
+            ScoreRow(
+                label,
+                x,
+                y,
+                measure.form,
+                measure.better,
+                1 if part else 0,
+                key=measure.key,
+                is_doubtful=bool(measure.inference and doubt_of(result, measure.inference)),
+            )
         )
     whole = 0
     for i, row in enumerate(rows):

@@ -243,7 +243,12 @@ def test_where_nothing_is_known_of_the_light_is_counted(place: Path):
     assert result.n_light_unknown == 28  # 12 before readings for 3 s, 16 after their end
     text = str(result)
     assert "40 estimates without a known change of light (of 28 it is not known when the" in text
-    assert result.counts_json() == {"n": 40, "n_light_unknown": 28, "outside": {}}
+    assert result.counts_json() == {
+        "n": 40,
+        "n_light_unknown": 28,
+        "outside": {},
+        "light_doubts": {"drive": "readings in 60 % of the recording"},
+    }
 
 
 def test_files_are_a_session_that_names_the_estimates(place: Path):

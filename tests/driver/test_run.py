@@ -104,6 +104,7 @@ def test_pictures_of_another_shape_without_a_map_are_doubted(
         "visible is 64 x 72 px, the recording 64 x 48 px: boxes are scaled by 1 across and 1.5 "
         "down. Do they belong together? If so, give visible_map." in part.notes
     ) == is_doubted
+    assert ("Do they belong together?" in part.picture_doubt) == is_doubted
 
 
 @pytest.mark.parametrize(
@@ -177,6 +178,10 @@ def test_points_outside_the_picture_are_counted(place: Path):
         "Fixation by the gaze file, which has none in 2 of 40 frames with pedestrians. 19 of its "
         "38 points in frames with pedestrians lie outside the picture of 64 x 48 px."
     ) in part.notes
+    assert part.picture_doubt == "19 of 38 points of the gaze file lie outside the picture."
+    (place / "gaze.csv").write_text("\n".join(["frame,x,y", *rows[::2], *rows[1:18:2]]) + "\n")
+    part = run(place, 'pictures = "drive"\ngaze = "gaze.csv"\n').recordings[0]
+    assert part.picture_doubt == ""
 
 
 def test_a_gaze_file_of_other_frames_is_said_to_be(place: Path):
@@ -340,7 +345,10 @@ def test_how_many_readings_count_as_the_least_is_said_where_many_do(place: Path)
         (readings(0, 0.05, 120, unit=5e-4), "180 of 300 readings below 0.1 lx"),
         (readings(0, 50, 120), "one reading in 50 s"),
         (readings(7.5, 0.05, 120), "readings in 25 % of the recording"),
-        (readings(4.5, 0.05, 120), ""),
+        (readings(4.5, 0.05, 120), "readings in 55 % of the recording"),
+        (readings(0.9, 0.05, 120), ""),
+        (readings(0, 0.05, 120, unit=1e3), "a reading of 1,000,000 lx, more than direct sun has"),
+        ([], "no reading"),
     ],
 )
 def test_a_light_meter_that_looks_like_another_unit_or_clock_is_doubted(
@@ -356,7 +364,9 @@ def test_a_light_file_without_readings_tells_nothing(place: Path):
     (place / "lux.csv").write_text("time_s,lux\n")
     part = run(place, 'pictures = "drive"\nlight = "lux.csv"\n').recordings[0]
     assert part.table[["period_s", "illumination"]].isna().all(axis=None)
-    assert "Nothing is known of the light: no adaptation period." in part.notes
+    assert (
+        "The file of the light has no reading. Nothing is known of the light: no adaptation period."
+    ) in part.notes
 
 
 def test_the_pictures_stand_in_for_a_light_meter(place: Path):

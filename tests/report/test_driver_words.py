@@ -28,6 +28,7 @@ from nvcore.report.verdict.driver import (
     describe_doubt,
     describe_driver,
     describe_source,
+    describe_weighting,
     regions_text,
     weighting,
 )
@@ -102,12 +103,19 @@ def test_the_verdict_says_whom_each_system_warns_of_and_where_that_comes_from():
 def test_estimated_and_simulated_are_said():
     result = with_estimate(eight(unknown=0), EstimateRecord("m", "ab12", "all", 12))
     assert describe_source(result) == (
-        "Detectability is estimated by m (12 subjects, fingerprint ab12), learnt from simulated "
-        "subjects; seen means that at least 50 % of drivers would see the pedestrian."
+        "Detectability is estimated by the estimator m (12 subjects, fingerprint ab12), learnt "
+        "from simulated subjects; seen means that at least 50 % of drivers would see the "
+        "pedestrian."
     )
-    assert describe_driver(result)[0].startswith(
+    doubt, alerts, *_ = describe_driver(result)
+    assert doubt == (
+        "Nothing is claimed of whom the driver sees: the estimator learnt from simulated subjects "
+        "alone, not from people."
+    )
+    assert alerts.startswith(
         "By the estimates (learnt from simulated subjects), the driver sees 4 of 8 encounters"
     )
+    assert not describe_doubt(with_estimate(result, EstimateRecord("m", "ab12", "some", 12)))
     plain = with_estimate(eight(unknown=0), EstimateRecord())
     assert describe_source(plain) == (
         "Detectability is estimated; seen means that at least 50 % of drivers would see the "
@@ -119,21 +127,21 @@ def test_what_is_estimated_and_what_the_truth_states_are_told_apart():
     result = eight(unknown=0)
     (name,) = result.dataset.recordings["name"]
     own, other = frozenset([name]), frozenset(["elsewhere"])
-    record = EstimateRecord("m", "", "all", 12)
+    record = EstimateRecord("m", "", "some", 12)
     both = with_estimate(result, replace(record, estimated_in=own, stated_in=own))
     assert describe_driver(both)[0].startswith(
-        "By estimates in 1 recording (learnt from simulated subjects) and the ground truth in 1, "
-        "the driver sees"
+        "By estimates in 1 recording (learnt in part from simulated subjects) and the ground "
+        "truth in 1, the driver sees"
     )
     assert describe_source(both).startswith(
-        "Detectability is estimated by m (12 subjects), learnt from simulated subjects, in 1 "
-        "recording, and as the ground truth states it in 1;"
+        "Detectability is estimated by the estimator m (12 subjects), learnt in part from "
+        "simulated subjects, in 1 recording, and as the ground truth states it in 1;"
     )
     stated = with_estimate(result, replace(record, estimated_in=other, stated_in=own))
     assert describe_driver(stated)[0].startswith("By the ground truth,")
     assert describe_source(stated).startswith("Detectability is as the ground truth states it;")
     estimated = with_estimate(result, replace(record, estimated_in=own, stated_in=other))
-    assert describe_driver(estimated)[0].startswith("By the estimates (learnt from simulated")
+    assert describe_driver(estimated)[0].startswith("By the estimates (learnt in part from")
 
 
 def test_the_regions_stand_in_the_terminal_and_the_unknown_only_where_there_are_some():
@@ -159,9 +167,15 @@ def test_weighting_is_said_to_be_ours_and_of_how_many_boxes_it_is_not():
     assert weighting(eight()) == ""
     assert weighting(eight(driver_weighting="on")) == (
         "Similarity, saliency and severity are weighted by (1 - detectability): this weighting is "
-        "ours, not the papers'; 1 pedestrian box has none and weighs in full."
+        "ours, not the papers'; 1 pedestrian box has none and weighs in full: a miss of these "
+        "weighs more than the same miss where a value is known."
     )
-    assert "weighted by (1 - detectability)" in render_scorecard(eight(driver_weighting="on"))
+    weighted = eight(driver_weighting="on")
+    assert "weighted by (1 - detectability)" in render_scorecard(weighted)
+    (point,) = [point for point in verdict(weighted).points if point.topic == "Weighting"]
+    assert point.sentences == (weighting(weighted),)
+    simulated = with_estimate(weighted, EstimateRecord("m", "", "all", 3))
+    assert describe_weighting(simulated)[1].startswith("Nothing is claimed of what is weighted")
     bare = result_of(make_dataset([at(0, 50, track=1)]), driver_weighting="on")
     assert weighting(bare) == "driver_weighting has no effect: no detectability is known."
 
@@ -417,10 +431,42 @@ def test_of_an_estimator_that_learned_nothing_nothing_is_claimed():
     seen = make_dataset([at(0, 50, track=1, detectability=0.9)])
     useless = with_estimate(result_of(seen), result.dataset.estimate)
     assert describe_driver(useless)[1].endswith("the driver sees 1 of 1 encounter unaided.")
-    assert "estimated by m (3 subjects), as a whole no better" in describe_source(result)
+    assert "estimated by the estimator m (3 subjects), as a whole no better" in describe_source(
+        result
+    )
     (name,) = result.dataset.recordings["name"]
     stated = EstimateRecord("m", of_no_use=True, stated_in=frozenset([name]))
     assert not describe_doubt(with_estimate(result, stated))
+
+
+def test_where_half_is_decided_outside_of_the_training_nothing_is_claimed_nor_passed():
+    bare = eight(unknown=0)
+
+    def decided(n_outside: int) -> Result:
+        is_outside = np.arange(len(bare.dataset.boxes)) < n_outside
+        boxes = bare.dataset.boxes.assign(is_outside=is_outside)
+        result = compare(replace(bare.dataset, boxes=boxes), bare.params)
+        return with_estimate(result, EstimateRecord("m", "", "no", 12))
+
+    few, many = decided(3), decided(4)
+    assert not describe_doubt(few)
+    assert describe_doubt(many) == (
+        "Nothing is claimed of whom the driver sees: in 4 of 8 encounters of which it is known, "
+        "the value that decides is outside the range of the training."
+    )
+    rules = [parse_rule("unprotected_x <= 9"), parse_rule("driver_venn.unknown <= 9")]
+    passed = [
+        [outcome.is_passed for outcome in run_gate(rules, result, (), strict=False)[0][:2]]
+        for result in (few, many)
+    ]
+    assert passed == [[True, True], [False, True]]
+    better = {
+        result: {row.key: row._replace(x=1, y=2).winner for row in score_rows(result)}
+        for result in (few, many)
+    }
+    assert better[few]["useful_alerts"] == "y"
+    assert better[many]["useful_alerts"] == ""
+    assert better[many]["mean_similarity"] == "y"
 
 
 def test_whom_the_driver_sees_for_a_few_frames_only_is_counted():
@@ -506,7 +552,7 @@ def test_below_a_rule_of_the_gate_stands_why_nothing_is_claimed_and_what_is_open
 
     head = "whether the driver sees them is known of 8 of 8 encounters, by the ground truth"
     assert details(0.1) == (head,)
-    known, doubt = details(0.4)
+    known, doubt, *_ = details(0.4)
     assert known == f"{head}; open in 8 of these, within one standard deviation"
     assert doubt.startswith("Nothing is claimed of whom the driver sees: in all 8 encounters")
 

@@ -15,6 +15,7 @@ from nvcore.findings import Finding
 from nvcore.report.equal_alarms import equal_alarms_of
 from nvcore.report.tiles import tiles
 from nvcore.report.verdict import verdict
+from nvcore.report.verdict.driver import describe_weighting
 from nvcore.report.words import sampling_note
 from nvcore.wording import count_text
 from ui.overview.tiles import tiles_html
@@ -71,6 +72,8 @@ class Room:
         self._draw_tiles(evidence, companions)
         with self._basis.container():
             st.caption(_short_extent(result, companions))
+            if text := " ".join(describe_weighting(result)):
+                st.markdown(f":material/warning: {plain(state.words(text))}")
             if conclusion.caveat:
                 _draw_caveat(conclusion.caveat)
         with self._rest:

@@ -28,7 +28,7 @@ from nvcore.wording import MOST_NAMED, listed, one_line, shortened
 
 TOLERANCE_PX: Final = 1e-3 * (1 + 1e-6)
 """Largest difference of a coordinate of an estimate and of its box."""
-MOST_SHOWN: Final = 80
+MOST_SHOWN: Final = 160
 """Characters of a recording's name with its doubt."""
 NO_SUCH_BOX: Final = "no such box"
 """Why a row of estimates is left out, beside `nvcore.inputs.placing.REASONS`."""
@@ -151,6 +151,7 @@ def _joined(
             *_twice(dataset, columns["detectability"], name),
             *_of_other_file(estimates),
             *_of_doubtful_light(estimates),
+            *_of_doubtful_pictures(estimates),
         ),
         fingerprint=hashlib.sha256(text).hexdigest(),
         estimate=_with_origins(
@@ -217,18 +218,42 @@ def _of_doubtful_light(estimates: _Estimates) -> list[Finding]:
     doubts = {} if estimates.record is None else estimates.record.light_doubts
     if not doubts:
         return []
-    whose = [f"{one_line(name)} ({one_line(why)})" for name, why in doubts.items()]
     return [
         warning(
             "doubtful-light-meter",
             len(doubts),
             "The light meter may be of another unit or clock, and with it how long the eyes have "
-            f"adapted: {listed([shortened(text, MOST_SHOWN) for text in whose], most=MOST_NAMED)}.",
+            f"adapted: {_doubted(doubts)}.",
             "Give time_s in seconds of the recording and lux in lux, and estimate anew.",
             role=DETECTABILITY,
             file=estimates.file.name,
         )
     ]
+
+
+def _of_doubtful_pictures(estimates: _Estimates) -> list[Finding]:
+    """A warning where pictures or gaze look like those of something else."""
+    doubts = {} if estimates.record is None else estimates.record.picture_doubts
+    if not doubts:
+        return []
+    return [
+        warning(
+            "doubtful-visible-pictures",
+            len(doubts),
+            "Pictures or gaze from which detectability was estimated may be of another view: "
+            f"{_doubted(doubts)}.",
+            "Look at the boxes in these pictures (page Driver). Correct the pictures, visible_map "
+            "or the gaze, and estimate anew.",
+            role=DETECTABILITY,
+            file=estimates.file.name,
+        )
+    ]
+
+
+def _doubted(doubts: Mapping[str, str]) -> str:
+    """The recordings with what is in doubt, which may be anything."""
+    whose = [f"{one_line(name)} ({one_line(why)})" for name, why in doubts.items()]
+    return listed([shortened(text, MOST_SHOWN) for text in whose], most=MOST_NAMED)
 
 
 def _twice(dataset: Dataset, detectability: np.ndarray, name: str) -> list[Finding]:

@@ -20,7 +20,7 @@ from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
 from nvcore.findings import Finding, Severity
 from nvcore.measures import MEASURES, applies_to, inference_of, measure_of
-from nvcore.measures.driver_doubt import doubt_of, doubt_of_estimator
+from nvcore.measures.driver_doubt import doubt_of, doubt_of_seen
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.venn import Venn, count_categories
 from nvcore.protocols import Protocol
@@ -166,7 +166,7 @@ def gate_measures(
         values |= _count_claims(result, findings, evidence)
     values |= _may_be_worse(result, protocol, needed, evidence)
     values |= _of_classes(result, needed)
-    if doubt_of_estimator(result):
+    if doubt_of_seen(result):
         values |= dict.fromkeys(values.keys() & OF_DRIVER - OF_ANY_ESTIMATOR, math.nan)
     count = Counter(finding.severity for finding in findings)
     venn = result.venn

@@ -19,7 +19,7 @@ from nvcore.report.html import words
 from nvcore.report.html.blocks import Photo
 from nvcore.report.tiles import Tile, tiles
 from nvcore.report.verdict import Verdict
-from nvcore.report.verdict.driver import describe_doubt
+from nvcore.report.verdict.driver import describe_doubt, describe_weighting
 from nvcore.report.words import n_frames_text, sampling_note
 from nvcore.wording import count_text, duration_text, one_line, shortened
 
@@ -160,6 +160,7 @@ def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
                 _operating_points(result),
                 words.SHORT_ENCOUNTERS if result.is_short else "",
                 describe_doubt(result) or _estimated(result),
+                " ".join(describe_weighting(result)),
                 few,
                 *points,
                 sampling_note(result.dataset.frame_columns),

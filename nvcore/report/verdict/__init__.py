@@ -13,7 +13,7 @@ from nvcore.evidence.claims import Basis, Claim, find_claims
 from nvcore.evidence.companions import Companions
 from nvcore.findings import Finding, Severity
 from nvcore.report.shown import comparison_shown
-from nvcore.report.verdict.driver import describe_driver
+from nvcore.report.verdict.driver import describe_driver, describe_weighting
 from nvcore.report.verdict.headline import headline
 from nvcore.report.verdict.words import (
     describe_chance,
@@ -54,6 +54,8 @@ LESSER: Final = {
     "frames-not-run": "a system was not run on all evaluated frames",
     "detectability-without-box": "estimates of detectability are of no box of the ground truth",
     "doubtful-light-meter": "a light meter may be of another unit or clock, and with it what the "
+    "driver sees",
+    "doubtful-visible-pictures": "pictures or gaze may be of another view, and with it what the "
     "driver sees",
     "detectability-other-record": "the record of how detectability was estimated is about another "
     "file",
@@ -184,6 +186,7 @@ def verdict(
     shown, of_shown = comparison_shown(result, evidence, companions)
     points = (
         Point("Operating points", describe_operating_points(result, companions)),
+        Point("Weighting", describe_weighting(shown)),
         Point("Encounters", describe_encounters(shown, of_shown, support)),
         Point("Severity", describe_weights(shown)),
         Point("Time left", describe_time_left(shown)),

@@ -13,6 +13,7 @@ from nvcore.measures.driver_doubt import (
     doubt_of_estimator,
     doubt_of_seen,
     is_stated,
+    is_weighted,
 )
 from nvcore.measures.of_driver import count_in_time, is_judged_in_time, is_seen_too_late
 from nvcore.metrics.driver import SELDOM, count_unknown
@@ -35,6 +36,14 @@ def describe_driver(result: Result) -> tuple[str, ...]:
     return tuple(filter(None, (describe_doubt(result), *describe_view(result))))
 
 
+def describe_weighting(result: Result) -> tuple[str, ...]:
+    """That misses weigh by what the driver does not see, and in doubt by whose word; empty: no."""
+    text = weighting(result)
+    why = doubt_of_estimator(result) if is_weighted(result) else ""
+    doubt = f"Nothing is claimed of what is weighted: {why}." if why else ""
+    return tuple(filter(None, (text, doubt)))
+
+
 def describe_doubt(result: Result) -> str:
     """Why nothing is claimed of whom the driver sees, whatever the counts; empty: no reason."""
     why = doubt_of_seen(result) if result.driver.has_any else ""
@@ -51,7 +60,6 @@ def describe_view(result: Result) -> tuple[str, ...]:
         _undecided(result),
         _in_time(result),
         *_basis(result),
-        weighting(result),
     )
     return tuple(filter(None, sentences))
 
@@ -258,7 +266,8 @@ def weighting(result: Result) -> str:
     n = count_unknown(result.dataset)
     verb = "has none and weighs" if n == 1 else "have none and weigh"
     boxes = count_text(n, "pedestrian box", "pedestrian boxes")
-    return f"{text}; {boxes} {verb} in full." if n else f"{text}."
+    more = "a miss of these weighs more than the same miss where a value is known"
+    return f"{text}; {boxes} {verb} in full: {more}." if n else f"{text}."
 
 
 def regions_text(result: Result) -> str:

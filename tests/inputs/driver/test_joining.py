@@ -263,7 +263,7 @@ def test_the_record_says_who_estimated_and_whether_subjects_were_simulated(tmp_p
     assert dataset.estimate == record
     conversion = dataset.inputs["conversion"].iloc[-1]
     assert "1 of 1 rows joined" in conversion
-    assert "estimated by driver (12 subjects, fingerprint 5f1c00112233)" in conversion
+    assert "estimated by the estimator driver (12 subjects, fingerprint 5f1c00112233)" in conversion
     assert (
         "learnt from simulated subjects by a quick search, no better than a constant at 0.5 and "
         "1.5 s and in urban made on pictures of another width than the training's"
@@ -318,6 +318,17 @@ def test_a_light_meter_in_doubt_is_a_warning_of_the_audit_and_part_of_what_is_sa
     (found,) = [one for one in dataset.findings if one.code == "doubtful-light-meter"]
     assert "urban (one reading in 50 s)" in found.message
     assert record.caution == "in urban by a light meter that may be of another unit or clock"
+
+
+def test_pictures_in_doubt_are_a_warning_of_the_audit_and_part_of_what_is_said(tmp_path):
+    session = estimated(tmp_path, row("urban", 0, 0.5), provenance="d.json")
+    record = EstimateRecord("m", picture_doubts={"urban": "boxes are scaled by 1.5 across"})
+    (tmp_path / "d.json").write_bytes(estimate_json(record))
+    dataset = load(session)
+    assert dataset.estimate == record
+    (found,) = [one for one in dataset.findings if one.code == "doubtful-visible-pictures"]
+    assert "urban (boxes are scaled by 1.5 across)" in found.message
+    assert record.caution == "in urban from pictures or gaze that may be of another view"
 
 
 def test_estimates_without_a_known_change_of_light_are_for_adapted_eyes(tmp_path):
