@@ -16,7 +16,7 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from nvcore.dataset.records import numbers_of, read_record, typed, value_of
 from nvcore.wording import MOST_NAMED, count_text, listed, one_line, shortened
@@ -244,7 +244,7 @@ def _count(n: int, name: str, most: int) -> int:
     return n
 
 
-def _texts(estimates: Mapping[str, object], key: str) -> dict[str, str]:
+def _texts(estimates: dict[str, Any], key: str) -> dict[str, str]:
     return {name: typed(why, str, key) for name, why in value_of(estimates, key, dict).items()}
 
 
