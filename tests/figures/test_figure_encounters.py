@@ -126,7 +126,7 @@ def test_the_map_marks_each_encounter_by_who_misses_it() -> None:
     figure = position_map(SIX, theme="light")
     rows = {one.name: one.customdata.tolist() for one in figure.data}
     assert rows == {
-        "distant (1)": [15], "seen by both (2)": [10, 11], "missed by X (1)": [13],
+        "distant (1)": [15], "detected by both (2)": [10, 11], "missed by X (1)": [13],
         "missed by Y (1)": [12], "missed by both (1)": [14],
     }  # fmt: skip
     missed = trace(figure, "missed by X (1)")
