@@ -162,7 +162,7 @@ def test_the_map_thins_out_those_who_are_seen_before_those_who_are_missed(
     monkeypatch.setattr(module, "MAX_MARKS", 6)
     seen = [("both", "none", "none", 0.0)] * 10
     figure = position_map(table(*seen, ("x_only", "none", "never", np.nan)), theme="light")
-    assert len(trace(figure, "seen by both (10)").x) == 5
+    assert len(trace(figure, "detected by both (10)").x) == 5
     assert len(trace(figure, "missed by Y (1)").x) == 1
     assert "11 encounters, 6 of them drawn" in words(figure)
 
