@@ -23,8 +23,9 @@ from nvcore.pictures.passes import PictureClock, in_order, pictures_of
 from nvcore.progress import Progress, no_progress
 from nvcore.wording import MOST_NAMED, count_text, duration_text, listed, one_line
 
-NO_PICTURES: Final = (
-    "no evaluated frame has a picture; name the pictures of each recording in the session file "
+NO_PICTURES: Final = "no evaluated frame has a picture"
+_HOW_TO_NAME: Final = (
+    "name the pictures of each recording in the session file "
     '(pictures = "drive.mp4" under [[recording]])'
 )
 
@@ -144,9 +145,8 @@ def no_pictures(pictures: RecordingPictures, dataset: Dataset | None = None) -> 
     """
     if not pictures.sources:
         why = list(dict.fromkeys(map(one_line, pictures.troubles.values())))
-        return InputError(
-            ". ".join([NO_PICTURES, *([listed(why, most=MOST_NAMED)] if why else [])])
-        )
+        cause = [listed(why, most=MOST_NAMED).rstrip(".")] if why else []
+        return InputError(f"{': '.join([NO_PICTURES, *cause])}; {_HOW_TO_NAME}")
     notes = list(dict.fromkeys(one_line(pictures.notes[number]) for number in pictures.sources))
     there = ""
     if dataset is not None:
@@ -156,7 +156,7 @@ def no_pictures(pictures: RecordingPictures, dataset: Dataset | None = None) -> 
         }
         if any(map(len, frames.values())):
             there = f" By the ground truth {frames_there(frames)}."
-    return InputError(f"no evaluated frame has a picture. {' '.join(notes[:MOST_NAMED])}{there}")
+    return InputError(f"{NO_PICTURES}. {' '.join(notes[:MOST_NAMED])}{there}")
 
 
 def run_detector(

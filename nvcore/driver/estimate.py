@@ -106,10 +106,12 @@ class EstimateRun:
             )
         if self.steps.n_jumping:
             pedestrians = count_text(self.steps.n_crossing, "pedestrian")
+            jumping = count_text(self.steps.n_jumping, "has an estimate", "have estimates")
+            step = "steps" if self.steps.n_jumping == 1 else "step"
             lines.append(
                 f"of {pedestrians} for whom another adaptation period's estimator is taken from "
-                f"some frame on, the estimate of {self.steps.n_jumping:,} steps there by more than "
-                "its sd; interpolation takes out such steps"
+                f"some frame on, {jumping} that {step} there by more than the sd; interpolation "
+                "takes out such steps"
             )
         return "\n".join(lines)
 

@@ -18,10 +18,11 @@ from nvcore.errors import InputError, MediaError
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.pictures import Pictures, RecordingPictures, session_pictures
 from nvcore.pictures.index import is_of_other_shape
-from nvcore.wording import count_text, one_line
+from nvcore.wording import MOST_NAMED, count_text, listed, one_line
 
-NO_PICTURES: Final = (
-    "no evaluated frame has a picture; name the pictures of each recording in the session file "
+NO_PICTURES: Final = "no evaluated frame has a picture"
+_HOW_TO_NAME: Final = (
+    "name the pictures of each recording in the session file "
     '(visible = "drive.mp4", or pictures = "drive.mp4", under [[recording]])'
 )
 _LOOKED_AT: Final = (0.5, 0.1, 0.9)
@@ -163,7 +164,9 @@ def open_recordings(session: Session, dataset: Dataset) -> list[DriverRecording]
         visible_pictures.close()
         own_pictures.close()
         troubles = {**visible_pictures.troubles, **own_pictures.troubles}
-        raise InputError(" ".join([NO_PICTURES, *map(one_line, troubles.values())]))
+        why = list(dict.fromkeys(map(one_line, troubles.values())))
+        cause = [listed(why, most=MOST_NAMED).rstrip(".")] if why else []
+        raise InputError(f"{': '.join([NO_PICTURES, *cause])}; {_HOW_TO_NAME}")
     return recordings
 
 

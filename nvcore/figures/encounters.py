@@ -119,7 +119,7 @@ MAX_MARKS: Final = 4000
 """Encounters on the map; detected ones are thinned out first."""
 MAP_KINDS: Final = (
     (Category.DISTANT, "distant", "pale", "circle-open"),
-    (Category.BOTH, "seen by both", "muted", "circle-open"),
+    (Category.BOTH, "detected by both", "muted", "circle-open"),
     (Category.Y_ONLY, "missed by X", "x", "x"),
     (Category.X_ONLY, "missed by Y", "y", "triangle-down"),
     (Category.NEITHER, "missed by both", "ink", "square-x"),

@@ -161,14 +161,20 @@ def describe_recordings(
             table.loc[~table["name"].isin(own), column] = common
     tags = [entries[name].tags if name in entries else () for name in table["name"]]
     compared = [is_compared(*recording) for recording in zip(table["name"], tags, strict=True)]
-    _check_known(table[compared])
+    _check_known(table[compared], entries)
     facts = ["width", "height", "fps"]
     table[facts] = table[facts].astype(float).fillna(1.0)
     return table.assign(tags=pd.Series(tags, dtype=object))
 
 
-def _check_known(table: pd.DataFrame) -> None:
-    """Raise one error that names everything unknown of the first incomplete recording."""
+def _check_known(table: pd.DataFrame, entries: Collection[str]) -> None:
+    """Raise one error that names everything unknown of the first incomplete recording.
+
+    Parameters
+    ----------
+    entries
+        Names of the recordings that the session describes.
+    """
     values = table[["width", "height", "fps"]].to_numpy(dtype=float)
     is_unknown = ~(values > 0)
     is_incomplete = is_unknown.any(axis=1)
@@ -181,9 +187,17 @@ def _check_known(table: pd.DataFrame) -> None:
     keys = {(True, True): "width, height and fps", (True, False): "width and height"}
     n_others = int(np.count_nonzero(is_incomplete)) - 1
     others = f" (nor those of {n_others} more)" if n_others else ""
+    name = table["name"].iloc[first]
+    unnamed = way_out = ""
+    if entries and name not in entries:
+        unnamed = ": it is in the ground truth, but not in the session's [[recording]] entries"
+        way_out = (
+            "; or compare only some: --only NAME, or recordings = [NAME] under [compare] in the "
+            "session file"
+        )
     raise MissingFactError(
-        f"the {quantities} of recording {table['name'].iloc[first]!r} "
-        f"{'are' if size and fps else 'is'} not in the data{others}; give {flags}, or "
-        f"{keys.get((size, fps), 'fps')} in the session file",
+        f"the {quantities} of recording {name!r} {'are' if size and fps else 'is'} not in the "
+        f"data{others}{unnamed}; give {flags}, or {keys.get((size, fps), 'fps')} in the session "
+        f"file{way_out}",
         facts=(*["size"] * size, *["fps"] * fps),
     )

@@ -406,6 +406,13 @@ def test_a_recording_without_pictures_is_said_to_have_none(place: Path):
     assert "No pictures are named for it." in parts[1].notes[0]
 
 
+def test_why_no_picture_can_be_opened_is_said_before_what_to_do(place: Path):
+    with pytest.raises(
+        InputError, match=r"has a picture: nothere\.mp4: there is .*; name the pict"
+    ):
+        run(place, 'visible = "nothere.mp4"')
+
+
 def test_without_any_picture_it_is_refused(place: Path):
     with pytest.raises(InputError, match="no evaluated frame has a picture"):
         run(place, "")

@@ -40,7 +40,7 @@ window.fetch = async (address, options = {}) => {
   return new Response(null, { status: 204 });
 };
 window.begin = (data) => draw({
-  data, parentElement: document.getElementById("study"),
+  data: window.begun = data, parentElement: document.getElementById("study"),
   setTriggerValue: (name, value) => told.push([name, value]),
 });
 </script></body></html>"""
@@ -187,6 +187,16 @@ def test_a_run_that_is_seen_to_its_end_has_ended(run: Callable[..., Page]):
     assert page.evaluate("sent") == [
         "study/1/shown", "study/1/answer", "study/2/shown", "study/2/answer",
     ]  # fmt: skip
+
+
+def test_between_two_runs_it_is_said_that_the_first_is_kept(run: Callable[..., Page]):
+    page = run()
+    expect(page.locator(".nv-bar span")).not_to_have_text(re.compile("kept"))
+    for picture in (1, 2):
+        answer(page, picture)
+    page.wait_for_function("told.length > 0")
+    page.evaluate("begin({ ...begun, run: 'run 2', title: 'Begin run 2' })")
+    expect(page.locator(".nv-bar span")).to_have_text("The run is kept. Rest as long as you like.")
 
 
 def test_an_answer_that_is_refused_is_told_and_the_run_is_not_offered_again(

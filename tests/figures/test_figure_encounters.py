@@ -126,7 +126,7 @@ def test_the_map_marks_each_encounter_by_who_misses_it() -> None:
     figure = position_map(SIX, theme="light")
     rows = {one.name: one.customdata.tolist() for one in figure.data}
     assert rows == {
-        "distant (1)": [15], "seen by both (2)": [10, 11], "missed by X (1)": [13],
+        "distant (1)": [15], "detected by both (2)": [10, 11], "missed by X (1)": [13],
         "missed by Y (1)": [12], "missed by both (1)": [14],
     }  # fmt: skip
     missed = trace(figure, "missed by X (1)")
@@ -162,7 +162,7 @@ def test_the_map_thins_out_those_who_are_seen_before_those_who_are_missed(
     monkeypatch.setattr(module, "MAX_MARKS", 6)
     seen = [("both", "none", "none", 0.0)] * 10
     figure = position_map(table(*seen, ("x_only", "none", "never", np.nan)), theme="light")
-    assert len(trace(figure, "seen by both (10)").x) == 5
+    assert len(trace(figure, "detected by both (10)").x) == 5
     assert len(trace(figure, "missed by Y (1)").x) == 1
     assert "11 encounters, 6 of them drawn" in words(figure)
 

@@ -179,6 +179,16 @@ def test_an_unknown_fact_of_several_recordings_says_of_how_many(tmp_path: Path):
         load(session_of(drive(tmp_path), fps=None))
 
 
+def test_a_recording_that_the_session_does_not_describe_is_said_to_be_of_the_truth(tmp_path: Path):
+    session = session_of(
+        drive(tmp_path), fps=None, recordings=(RecordingEntry("other", fps=20.0, frames=None),)
+    )
+    with pytest.raises(
+        MissingFactError, match=r"not in the session's .* compare only some: --only"
+    ):
+        load(session)
+
+
 def yolo(folder: Path) -> Path:
     for name in ("gt", "out"):
         shutil.copytree(DATA / "yolo", folder / name)

@@ -18,6 +18,7 @@ from ui.widgets.models import ModelKind, draw_field, model_files
 from ui.widgets.text import docs_link, plain
 
 SAMPLE: Final = "sample"
+SAMPLE_WORDS: Final = "sample: trained on a simulated observer, not on people"
 SIMULATED: Final = {
     "no": "",
     "some": " Part of the subjects were simulated.",
@@ -51,15 +52,12 @@ KIND: Final = ModelKind("estimator", (".npz",), MAX_BYTES, _check)
 
 
 def draw() -> EstimatorSpec | None:
-    """The choice; None: there is none yet, or what was chosen cannot be used, and why is said."""
+    """The choice; None: what was chosen cannot be used, and why is said."""
     left, right = st.columns([3, 2], gap="large")
     with right, st.expander("An estimator of your own"):
         _draw_field()
     options = _options()  # once more: the field may have taken one
     with left:
-        if not options:
-            st.markdown("There is no estimator yet: send one, or train one on trials with people.")
-            return None
         key = st.selectbox(
             "Estimator",
             list(options),
@@ -78,15 +76,14 @@ def draw() -> EstimatorSpec | None:
 
 
 def _options() -> dict[str, tuple[str, EstimatorSpec]]:
-    """What can be chosen: words, and which estimator that is."""
+    """What can be chosen: words, and which estimator; the sample's comes last for other data."""
     options = {
         key: (file.name, EstimatorSpec(file.path, file.version))
         for key, file in model_files(KIND).items()
     }
-    if state.opened().session.folder == state.SAMPLE.parent:
-        words = "sample: trained on a simulated observer, not on people"
-        return {SAMPLE: (words, EstimatorSpec(SAMPLE_ESTIMATOR, SAMPLE)), **options}
-    return options
+    sample = {SAMPLE: (SAMPLE_WORDS, EstimatorSpec(SAMPLE_ESTIMATOR, SAMPLE))}
+    is_of_sample = state.opened().session.folder == state.SAMPLE.parent
+    return {**sample, **options} if is_of_sample else {**options, **sample}
 
 
 def _draw_field() -> None:

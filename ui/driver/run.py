@@ -138,7 +138,8 @@ def _choose_recordings() -> tuple[str, ...]:
         key=f"driver_recordings_{space.n_opened}_{len(names)}",
     )
     own = [name for name in chosen if name not in visible]
-    text = f"{len(visible)} of {len(names)} recordings have pictures of visible light"
+    recordings = count_text(len(names), "recording")
+    text = f"Pictures of visible light: {len(visible):,} of {recordings}"
     how = docs_link("in the session", "pictures", doc="driver")
     if not usable:
         st.caption(f"No recording has pictures. They are named {how}.")

@@ -23,7 +23,18 @@ from ui.widgets.text import plain
 CATEGORIES: Final = tuple(kind.value for kind in Category)
 CLASSES: Final = tuple(kind.value for kind in MissClass)
 SEVERITY_STEP_S: Final = 0.05
-SIGHTS: Final = tuple(SIGHT_WORDS)
+SIGHT_CHOICES: Final = {
+    "sees": "sees, clearly",
+    "unseen": "does not see, clearly",
+    "open": "open, seen or not",
+    "unknown": SIGHT_WORDS["unknown"],
+}
+"""What can be chosen of the driver: open ones are taken out of the first two."""
+SIGHTS_APART: Final = (
+    "Open ones are listed apart; the page Driver and encounters.csv count them as seen or not "
+    "seen, by the side of the threshold on which the value is."
+)
+SIGHTS: Final = tuple(SIGHT_CHOICES)
 LISTS: Final = ("category", "class_x", "class_y", "recording", "class", "driver")
 """Names of the filters that are lists, and of those that are ranges."""
 RANGES: Final = ("position", "height", "pose")
@@ -298,16 +309,16 @@ def _choose_sights(possible: Sequence[str]) -> Sequence[str]:
     """What the driver sees of the encounters that are listed; nothing chosen: all."""
     if not possible:
         return ()
-    meanings = (f"*{SIGHT_WORDS[sight]}*: {SIGHT_TEXT[sight]}." for sight in SIGHT_WORDS)
+    meanings = [f"*{SIGHT_CHOICES[sight]}*: {SIGHT_TEXT[sight]}." for sight in SIGHT_WORDS]
     chosen: Sequence[str] = st.pills(
         "By the driver",
         possible,
         selection_mode="multi",
-        format_func=SIGHT_WORDS.__getitem__,
+        format_func=SIGHT_CHOICES.__getitem__,
         key=key("driver"),
         persist_state="session",
         width="content",
-        help=state.words("  \n".join(meanings)),
+        help=state.words("  \n".join([*meanings, SIGHTS_APART])),
     )
     return chosen
 

@@ -37,6 +37,8 @@ FIRST_COLUMNS: Final = (
     "peak_cost_y",
 )
 """What most people look for; the first five stand beside the encounter in a small window."""
+DRIVER_COLUMNS: Final = ("driver_sees", "within_sd")
+"""What they look for of the driver, where anything is known of him."""
 ORDER: Final = "encounters_order"
 IS_DESCENDING: Final = "encounters_descending"
 ALL_COLUMNS: Final = "encounters_columns"
@@ -93,11 +95,13 @@ def draw_switch() -> None:
 
 def draw(listed: pd.DataFrame, encounter: int) -> None:
     """The list, with the row of this encounter selected."""
-    others = [str(name) for name in listed if name not in FIRST_COLUMNS]
-    first: tuple[str, ...] = FIRST_COLUMNS
+    driver = [name for name in DRIVER_COLUMNS if name in listed]
+    at_category = FIRST_COLUMNS.index("category") + 1  # beside who detects the pedestrian
+    first = [*FIRST_COLUMNS[:at_category], *driver, *FIRST_COLUMNS[at_category:]]
+    others = [str(name) for name in listed if name not in first]
+    table = as_shown(listed[[*first, *others]].head(MOST_ROWS))
     if len(state.recording_names()) == 1:  # its name says nothing there, and takes room
-        first = FIRST_COLUMNS[1:]
-    table = as_shown(listed[[*FIRST_COLUMNS, *others]].head(MOST_ROWS))
+        first.remove("recording")
     # a key for these rows: a selection must not move to another pedestrian
     key = f"encounters_table_{hash(tuple(table.index))}"
     at = selection.place_of(listed, encounter)

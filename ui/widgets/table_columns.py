@@ -68,6 +68,7 @@ WIDTHS: Final = {
     "coverage": 85,
     "detectability_sd": 52,
     "within_sd": 56,
+    "driver_sees": 88,
     "driver_seen_frames": 92,
     "driver_in_time": 98,
     "severity_s": 88,

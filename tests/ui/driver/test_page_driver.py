@@ -185,6 +185,26 @@ def sent(folder: Path, **kind: float):
     return checked(page.run())
 
 
+def not_the_sample(page, monkeypatch: pytest.MonkeyPatch):
+    """The page once more, of what is open as of a session of one's own."""
+    monkeypatch.setattr(state, "SAMPLE", Path("elsewhere") / "session.toml")
+    return checked(page.run())
+
+
+def test_the_sample_s_estimator_can_be_tried_on_any_session(visible, monkeypatch):
+    page = not_the_sample(checked(alone("driver", after=TAKE_OVER).run()), monkeypatch)
+    words = "sample: trained on a simulated observer, not on people"
+    assert page.selectbox(key="estimator").options == [words]
+    assert "The subjects were **simulated**" in texts(page)
+    assert page.button(key="driver_estimate")
+
+
+def test_an_estimator_that_was_sent_is_chosen_ahead_of_the_sample_s(visible, monkeypatch):
+    chosen = not_the_sample(sent(visible), monkeypatch).selectbox(key="estimator")
+    assert [option.split(":")[0] for option in chosen.options] == ["small.npz, as sent", "sample"]
+    assert chosen.value.startswith("sent ")
+
+
 def estimated(page):
     page = checked(page.button(key="driver_estimate").click().run())
     page.session_state["workspace"].job("driver_run").join()

@@ -481,11 +481,19 @@ def test_the_encounters_panel_says_what_the_driver_sees(seen_and_not: AppTest):
 def test_encounters_are_listed_by_what_the_driver_sees(seen_and_not: AppTest):
     page = seen_and_not
     options = page.button_group(key="encounters_driver_1").options
-    assert options == ["sees", "does not see", "open", "not known"]
+    assert options == [
+        "sees, clearly", "does not see, clearly", "open, seen or not", "not known",
+    ]  # fmt: skip
     page.button_group(key="encounters_driver_1").set_value(["unknown"]).run()
     assert listed(page)["track"].tolist() == [100]
     checked(page.button(key="encounters_clear").click().run())
     assert len(listed(page)) == 2
+
+
+def test_the_list_says_beside_who_detects_whether_the_driver_sees(seen_and_not: AppTest):
+    order = [*seen_and_not.dataframe[0].proto.column_order]
+    assert order[order.index("category") :][:3] == ["category", *table.DRIVER_COLUMNS]
+    assert listed(seen_and_not)["driver_sees"].dropna().tolist() == ["yes"]
 
 
 def test_an_address_asks_for_what_the_driver_sees(seen_and_not: AppTest):

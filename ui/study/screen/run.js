@@ -5,6 +5,8 @@ const LONG_STEP_PX = 64;
 const TEXTS = {
   loading: "Getting the pictures …",
   answer: "Touch the place where the pedestrian was",
+  kept: "The run is kept.",
+  rest: "Rest as long as you like.",
   sending: "Keeping your answers …",
   unreached: "The app does not answer; trying again. Leave this page open to keep your answers.",
 };
@@ -22,6 +24,7 @@ class Stopped extends Error {}
 class Screen {
   constructor(parent) {
     this.clock = new Clock();
+    this.kept = []; // what was sent of the last run
     this.root = element("div", { class: "nv-study" });
     this.outside = element("button", { type: "button", class: "nv-begin", disabled: "" });
     this.message = element("p", { class: "nv-message", role: "status" });
@@ -116,6 +119,8 @@ class Screen {
 
   // Between two runs: dark, with the button.
   rest() {
+    const kept = this.kept.length ? [TEXTS.kept] : []; // of practice nothing is
+    this.text.textContent = [...kept, TEXTS.rest].join(" ");
     this.drawing.fit();
     this.drawing.ground(DARK);
     this.inside.focus();
