@@ -7,12 +7,22 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.measures.entry import Inference
+from nvcore.measures.entry import Inference, Measure
 from nvcore.wording import count_text
 
 MOST_OUTSIDE: Final = 0.5
 """From this share of encounters on that are decided outside the range of the training, nothing is
 claimed (ours)."""
+
+WEIGHTED: Final = frozenset(
+    {
+        *("mean_similarity", "min_similarity", "percentile_5_similarity", "share_low"),
+        *("lost_s_per_min", "worst_window_similarity", "worst_window_lost_s"),
+        *("saliency", "saliency_largest_event", "saliency_relevant_share"),
+        *("severity_s", "severity_s_per_min", "severity_s_per_encounter", "worst_severity_s"),
+    }
+)
+"""Measures on which `driver_weighting` acts."""
 
 
 def is_stated(result: Result) -> bool:
@@ -86,6 +96,15 @@ def _doubt_of_range(result: Result) -> str:
         f"in {n_outside:,} of {count_text(n, 'encounter')} of which it is known, the value that "
         "decides is outside the range of the training"
     )
+
+
+def doubt_of_value(result: Result, measure: Measure) -> str:
+    """Why neither value of a measure is called the better one, tested or not; empty: no reason."""
+    if measure.is_optional:
+        return doubt_of_seen(result)
+    if measure.key in WEIGHTED and is_weighted(result):
+        return doubt_of_estimator(result)
+    return ""
 
 
 def doubt_of(result: Result, inference: Inference) -> str:

@@ -16,6 +16,7 @@ from nvcore.evidence.claims import Basis, Support, find_claims, values_of
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
 from nvcore.measures import count_recordings, inference_of, measure_of
+from nvcore.measures.driver_doubt import doubt_of_value
 from nvcore.report.shown import comparison_shown
 from nvcore.wording import count_text, difference, number
 
@@ -138,8 +139,10 @@ def _tile(
     is_count = kind.form == "d"
     form = ".0f" if is_count else kind.form
     text_x, text_y = (number(value, form) for value in (x, y))
-    is_lower = measure_of(kind.key).better == "lower"
-    better = "" if text_x == text_y or x == y else "x" if (x < y) == is_lower else "y"
+    measure = measure_of(kind.key)
+    is_lower = measure.better == "lower"
+    is_even = text_x == text_y or x == y or doubt_of_value(shown, measure)
+    better = "" if is_even else "x" if (x < y) == is_lower else "y"
     ends: tuple[float, float, float] | None = None
     interval = _no_interval(row)
     if row is not None and math.isfinite(row["low"]):

@@ -16,7 +16,7 @@ from nvcore.measures import (
     label_words,
     measures_in,
 )
-from nvcore.measures.driver_doubt import doubt_of
+from nvcore.measures.driver_doubt import doubt_of_value
 
 
 class ScoreRow(NamedTuple):
@@ -101,7 +101,7 @@ def score_rows(
                 measure.better,
                 1 if part else 0,
                 key=measure.key,
-                is_doubtful=bool(measure.inference and doubt_of(result, measure.inference)),
+                is_doubtful=bool(doubt_of_value(result, measure)),
             )
         )
     whole = 0
