@@ -191,10 +191,7 @@ def _check_known(table: pd.DataFrame, entries: Collection[str]) -> None:
     unnamed = way_out = ""
     if entries and name not in entries:
         unnamed = ": it is in the ground truth, but not in the session's [[recording]] entries"
-        way_out = (
-            "; or compare only some: --only NAME, or recordings = [NAME] under [compare] in the "
-            "session file"
-        )
+        way_out = "; or compare only some: recordings = [NAME] under [compare] in the session file"
     raise MissingFactError(
         f"the {quantities} of recording {name!r} {'are' if size and fps else 'is'} not in the "
         f"data{others}{unnamed}; give {flags}, or {keys.get((size, fps), 'fps')} in the session "
