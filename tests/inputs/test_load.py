@@ -184,7 +184,7 @@ def test_a_recording_that_the_session_does_not_describe_is_said_to_be_of_the_tru
         drive(tmp_path), fps=None, recordings=(RecordingEntry("other", fps=20.0, frames=None),)
     )
     with pytest.raises(
-        MissingFactError, match=r"not in the session's .* compare only some: --only"
+        MissingFactError, match=r"not in the session's .* compare only some: recordings = "
     ):
         load(session)
 
