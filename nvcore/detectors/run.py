@@ -20,14 +20,11 @@ from nvcore.errors import InputError
 from nvcore.inputs.evaluated_frames import frames_there
 from nvcore.pictures import Picture, RecordingPictures
 from nvcore.pictures.passes import PictureClock, in_order, pictures_of
+from nvcore.pictures.recordings import NO_PICTURES
 from nvcore.progress import Progress, no_progress
-from nvcore.wording import MOST_NAMED, count_text, duration_text, listed, one_line
+from nvcore.wording import MOST_NAMED, count_text, duration_text, one_line
 
-NO_PICTURES: Final = "no evaluated frame has a picture"
-_HOW_TO_NAME: Final = (
-    "name the pictures of each recording in the session file "
-    '(pictures = "drive.mp4" under [[recording]])'
-)
+_HOW_TO_NAME: Final = 'pictures = "drive.mp4"'
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -144,9 +141,7 @@ def no_pictures(pictures: RecordingPictures, dataset: Dataset | None = None) -> 
         For the frames that there are beside those that are evaluated; None: they are not said.
     """
     if not pictures.sources:
-        why = list(dict.fromkeys(map(one_line, pictures.troubles.values())))
-        cause = [listed(why, most=MOST_NAMED).rstrip(".")] if why else []
-        return InputError(f"{': '.join([NO_PICTURES, *cause])}; {_HOW_TO_NAME}")
+        return InputError(pictures.why_none(how=_HOW_TO_NAME))
     notes = list(dict.fromkeys(one_line(pictures.notes[number]) for number in pictures.sources))
     there = ""
     if dataset is not None:

@@ -18,13 +18,9 @@ from nvcore.errors import InputError, MediaError
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.pictures import Pictures, RecordingPictures, session_pictures
 from nvcore.pictures.index import is_of_other_shape
-from nvcore.wording import MOST_NAMED, count_text, listed, one_line
+from nvcore.wording import count_text, one_line
 
-NO_PICTURES: Final = "no evaluated frame has a picture"
-_HOW_TO_NAME: Final = (
-    "name the pictures of each recording in the session file "
-    '(visible = "drive.mp4", or pictures = "drive.mp4", under [[recording]])'
-)
+_HOW_TO_NAME: Final = 'visible = "drive.mp4", or pictures = "drive.mp4",'
 _LOOKED_AT: Final = (0.5, 0.1, 0.9)
 """Where in a recording pictures are looked at to tell whether they have colour."""
 
@@ -163,10 +159,7 @@ def open_recordings(session: Session, dataset: Dataset) -> list[DriverRecording]
     if not any((recording.index >= 0).any() for recording in recordings):
         visible_pictures.close()
         own_pictures.close()
-        troubles = {**visible_pictures.troubles, **own_pictures.troubles}
-        why = list(dict.fromkeys(map(one_line, troubles.values())))
-        cause = [listed(why, most=MOST_NAMED).rstrip(".")] if why else []
-        raise InputError(f"{': '.join([NO_PICTURES, *cause])}; {_HOW_TO_NAME}")
+        raise InputError(visible_pictures.why_none(own_pictures, how=_HOW_TO_NAME))
     return recordings
 
 

@@ -215,7 +215,7 @@ def judge(
 
 def with_doubt(result: Result, row: Evidence) -> Evidence:
     """The row with why no claim can rest on it, as far as it rests on the driver's view."""
-    return replace(row, doubt=doubt_of(result, inference_of(row.figure)))
+    return replace(row, doubt=doubt_of(result, measure_of(row.figure)))
 
 
 def corrected(table: pd.DataFrame) -> np.ndarray:

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.measures.entry import Inference, Measure
+from nvcore.measures.entry import Measure
 from nvcore.wording import count_text
 
 MOST_OUTSIDE: Final = 0.5
@@ -98,19 +98,10 @@ def _doubt_of_range(result: Result) -> str:
     )
 
 
-def doubt_of_value(result: Result, measure: Measure) -> str:
-    """Why neither value of a measure is called the better one, tested or not; empty: no reason."""
+def doubt_of(result: Result, measure: Measure) -> str:
+    """Why no claim can rest on a measure, nor a value be the better one; empty: no reason."""
     if measure.is_optional:
         return doubt_of_seen(result)
     if measure.key in WEIGHTED and is_weighted(result):
-        return doubt_of_estimator(result)
-    return ""
-
-
-def doubt_of(result: Result, inference: Inference) -> str:
-    """Why no claim can rest on a measure, as far as it rests on the driver's view; empty: none."""
-    if inference.driver == "threshold":
-        return doubt_of_seen(result)
-    if inference.driver == "weight" and is_weighted(result):
         return doubt_of_estimator(result)
     return ""

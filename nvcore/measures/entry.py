@@ -99,9 +99,6 @@ class Inference:
         Whether it means little if encounters are single frames.
     repeats
         Key of the measure whose hypothesis this one tests again; empty: it has its own.
-    driver
-        How it rests on the driver's view: ``threshold``: on whom the driver sees; ``weight``: with
-        `driver_weighting`, on detectability itself; empty: not at all.
     """
 
     test: Literal["encounters", "units", "curve"]
@@ -126,7 +123,6 @@ class Inference:
     noun_unit: str = ""
     needs_tracks: bool = False
     repeats: str = ""
-    driver: Literal["", "threshold", "weight"] = ""
 
 
 @dataclass(frozen=True)

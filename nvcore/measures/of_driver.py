@@ -184,7 +184,6 @@ DRIVER_MEASURES: Final[tuple[Measure, ...]] = (
             split=lambda result: split_unseen(result.driver.venn),
             per="n_unseen",
             repeats="useful_alerts_by_unit",
-            driver="threshold",
         ),
     ),
     Measure(
@@ -200,7 +199,6 @@ DRIVER_MEASURES: Final[tuple[Measure, ...]] = (
             parts=_useful_parts,
             per="n_unseen",
             noun="useful alerts (by the given detectability)",
-            driver="threshold",
         ),
     ),
     _count(

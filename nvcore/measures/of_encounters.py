@@ -83,7 +83,6 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
             noun="saliency per recording",
             noun_unit=" s",
             needs_tracks=True,
-            driver="weight",
         ),
     ),
     Measure(
@@ -192,7 +191,6 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
             noun="severity of missed pedestrians",
             noun_unit=" s per encounter",
             needs_tracks=True,
-            driver="weight",
         ),
     ),
     Measure(

@@ -63,7 +63,6 @@ FRAME_MEASURES: Final[tuple[Measure, ...]] = (
             per="n_frames",
             not_of_pedestrians=_NO_FRAMES_OF_GROUPS,
             noun="mean similarity",
-            driver="weight",
         ),
     ),
     Measure(
@@ -108,7 +107,6 @@ FRAME_MEASURES: Final[tuple[Measure, ...]] = (
             parts=low_parts,
             per="n_frames",
             not_of_pedestrians=_NO_FRAMES_OF_GROUPS,
-            driver="weight",
         ),
     ),
     Measure(
@@ -131,7 +129,6 @@ FRAME_MEASURES: Final[tuple[Measure, ...]] = (
             factor=60.0,
             not_of_pedestrians=_NO_FRAMES_OF_GROUPS,
             repeats="mean_similarity",
-            driver="weight",
         ),
     ),
     Measure(

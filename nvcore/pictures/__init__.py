@@ -16,7 +16,7 @@ with needs("report", "pictures need"):
     from nvcore.pictures.index import picture_index, size_note
     from nvcore.pictures.open import is_below, open_pictures
     from nvcore.pictures.recordings import RecordingPictures, session_pictures
-    from nvcore.pictures.stretch import jpeg, jpeg_address, png, stretch
+    from nvcore.pictures.stretch import jpeg, picture_address, png, stretch
 
 __all__ = [
     "IMAGE_SUFFIXES",
@@ -27,8 +27,8 @@ __all__ = [
     "RecordingPictures",
     "is_below",
     "jpeg",
-    "jpeg_address",
     "open_pictures",
+    "picture_address",
     "picture_index",
     "png",
     "session_pictures",

@@ -16,9 +16,11 @@ from nvcore.inputs.session import Session
 from nvcore.pictures.base import Pictures
 from nvcore.pictures.index import picture_index, size_note
 from nvcore.pictures.open import open_pictures
+from nvcore.wording import MOST_NAMED, listed, one_line
 
 Source = Literal["pictures", "visible"]
 """Key of a session's ``[[recording]]`` that names pictures."""
+NO_PICTURES: Final = "no evaluated frame has a picture"
 STRETCH: Final = (0.5, 99.8)
 """Percentiles of the grey levels between which contrast is stretched: night pictures are dim."""
 
@@ -68,6 +70,26 @@ class RecordingPictures:
     def troubles(self) -> dict[int, str]:
         """Why pictures cannot be opened, by recording."""
         return {number: note for number, note in self.notes.items() if number not in self.sources}
+
+    def why_none(self, *others: RecordingPictures, how: str) -> str:
+        """That no frame has a picture, why, and how pictures are named.
+
+        Parameters
+        ----------
+        others
+            More pictures that were tried.
+        how
+            To name pictures in the session file, in words.
+        """
+        troubles: dict[int, str] = {}
+        for tried in (self, *others):
+            troubles |= tried.troubles
+        why = list(dict.fromkeys(map(one_line, troubles.values())))
+        cause = [listed(why, most=MOST_NAMED).rstrip(".")] if why else []
+        return (
+            f"{': '.join([NO_PICTURES, *cause])}; name the pictures of each recording in the "
+            f"session file ({how} under [[recording]])"
+        )
 
     def another(self) -> RecordingPictures:
         """The same for another reader; see `Pictures.another`."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from base64 import b64encode
-from typing import Final
+from typing import Final, Literal
 
 import cv2
 import numpy as np
@@ -69,9 +69,9 @@ def jpeg(picture: Picture, lo: float = 0.0, hi: float = 100.0, quality: int = 85
     return _encode(".jpg", stretch(picture, lo, hi), [cv2.IMWRITE_JPEG_QUALITY, quality])
 
 
-def jpeg_address(content: bytes) -> str:
-    """An address that holds the JPEG: what shows it has nothing left to fetch."""
-    return f"data:image/jpeg;base64,{b64encode(content).decode()}"
+def picture_address(content: bytes, kind: Literal["jpeg", "png"] = "jpeg") -> str:
+    """An address that holds the encoded picture: what shows it has nothing left to fetch."""
+    return f"data:image/{kind};base64,{b64encode(content).decode()}"
 
 
 def png(picture: Picture) -> bytes:

@@ -16,7 +16,7 @@ from nvcore.evidence.claims import Basis, Support, find_claims, values_of
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
 from nvcore.measures import count_recordings, inference_of, measure_of
-from nvcore.measures.driver_doubt import doubt_of_value
+from nvcore.measures.driver_doubt import doubt_of
 from nvcore.report.shown import comparison_shown
 from nvcore.wording import count_text, difference, number
 
@@ -141,7 +141,7 @@ def _tile(
     text_x, text_y = (number(value, form) for value in (x, y))
     measure = measure_of(kind.key)
     is_lower = measure.better == "lower"
-    is_even = text_x == text_y or x == y or doubt_of_value(shown, measure)
+    is_even = text_x == text_y or x == y or doubt_of(shown, measure)
     better = "" if is_even else "x" if (x < y) == is_lower else "y"
     ends: tuple[float, float, float] | None = None
     interval = _no_interval(row)

@@ -16,7 +16,7 @@ from nvcore.measures import (
     label_words,
     measures_in,
 )
-from nvcore.measures.driver_doubt import doubt_of_value
+from nvcore.measures.driver_doubt import doubt_of
 
 
 class ScoreRow(NamedTuple):
@@ -101,7 +101,7 @@ def score_rows(
                 measure.better,
                 1 if part else 0,
                 key=measure.key,
-                is_doubtful=bool(doubt_of_value(result, measure)),
+                is_doubtful=bool(doubt_of(result, measure)),
             )
         )
     whole = 0

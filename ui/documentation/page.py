@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from base64 import b64encode
 from dataclasses import dataclass
 from typing import Final
 
 import streamlit as st
 
+from nvcore.pictures import picture_address
 from ui.session import state
 
 FOLDER: Final = state.ROOT / "docs"
@@ -106,8 +106,7 @@ def _draw_body(body: str) -> None:
     st.markdown(text)
     for words, path, following in zip(rest[::3], rest[1::3], rest[2::3], strict=True):
         # with the page: after it was left there would be nothing to fetch
-        content = b64encode((FOLDER / path).read_bytes()).decode()
-        st.image(f"data:image/png;base64,{content}", caption=words)
+        st.image(picture_address((FOLDER / path).read_bytes(), "png"), caption=words)
         st.markdown(following)
 
 

@@ -7,7 +7,7 @@ from typing import Final
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.pictures import jpeg, jpeg_address
+from nvcore.pictures import jpeg, picture_address
 from nvcore.tables.moments import encounter_box
 from ui.session import drawing, state
 from ui.session.look import keep_look, look
@@ -32,7 +32,7 @@ def draw(result: Result, encounter: int, row: int) -> None:
         most=drawing.MOST_THUMBNAILS,
     )
     st.image(
-        jpeg_address(content),
+        picture_address(content),
         width="stretch",
         alt=state.words("The pedestrian with the boxes of truth, X and Y"),
     )

@@ -12,7 +12,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.pictures import jpeg, jpeg_address
+from nvcore.pictures import jpeg, picture_address
 from nvcore.tables.moments import encounter_box, worst_moments
 from nvcore.tables.windows import windows_table, worst_windows_text
 from ui.session import drawing, state
@@ -145,7 +145,7 @@ def _moment(result: Result, kind: str, title: str, moment: Mapping[Hashable, Any
         picture = _thumbnail(result, moment)
         if picture is not None:
             st.image(
-                jpeg_address(picture),
+                picture_address(picture),
                 width="stretch",
                 alt=f"{title}: frame {moment['frame']}",
             )

@@ -11,7 +11,7 @@ import plotly.graph_objects as go
 
 from nvcore.figures.style import HEADING_PX, HIDDEN_AXIS, LOOK, draw, plain, written
 from nvcore.palette import Theme
-from nvcore.pictures import Picture, jpeg, jpeg_address, stretch
+from nvcore.pictures import Picture, jpeg, picture_address, stretch
 from nvcore.pictures.recordings import STRETCH
 
 WIDEST_PX: Final = 1280
@@ -116,4 +116,4 @@ def _address(picture: Picture, widest: int) -> str:
     if width > widest:
         size = widest, max(1, round(height * widest / width))
         shown = cv2.resize(shown, size, interpolation=cv2.INTER_AREA)
-    return jpeg_address(jpeg(shown))
+    return picture_address(jpeg(shown))

@@ -19,7 +19,7 @@ from nvcore.evidence.planning import PLAN_KEYS, SIDES, Side, judge_key, worse_at
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
 from nvcore.findings import Finding, Severity
-from nvcore.measures import MEASURES, applies_to, inference_of, measure_of
+from nvcore.measures import MEASURES, applies_to, measure_of
 from nvcore.measures.driver_doubt import doubt_of, doubt_of_seen
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.venn import Venn, count_categories
@@ -256,7 +256,7 @@ def _may_be_worse(
     units = find_units(result) if sides_of and evidence is None else None
     values: dict[str, float] = {}
     for key, sides in sides_of.items():
-        if is_undecided(result, key) or doubt_of(result, inference_of(key)):
+        if is_undecided(result, key) or doubt_of(result, measure_of(key)):
             values |= dict.fromkeys(sides, math.nan)
             continue
         row = None if evidence is None else evidence_of(evidence, key)

@@ -12,7 +12,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from nvcore.figures.style import CONFIG
-from nvcore.pictures import jpeg_address
+from nvcore.pictures import picture_address
 from nvcore.report.html.blocks import Chart, Section, Table
 from nvcore.report.html.charts import figure_json, packed_plotly
 from nvcore.wording import shortened
@@ -81,7 +81,7 @@ def _environment() -> Environment:
         keep_trailing_newline=True,
     )
     environment.globals |= {  # also in the macros of blocks.html
-        "jpeg_address": jpeg_address,
+        "picture_address": picture_address,
         "is_long": _is_long,
         "is_short": _is_short,
         "css_text": css_text,

@@ -19,7 +19,8 @@ from nvcore.evidence.planning.words import (
     UNEQUAL,
 )
 from nvcore.evidence.units import RECORDINGS
-from nvcore.measures import evidence_form, inference_of, repeated_by
+from nvcore.measures import evidence_form, measure_of, repeated_by
+from nvcore.measures.driver_doubt import doubt_of
 from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
 from nvcore.report.html import words
@@ -58,7 +59,7 @@ def plan_measures(
         for name, key in PLAN_KEYS.items()
         if (row := evidence_of(evidence, key)) is not None
         and not repeated_by(key)
-        and not (row.doubt and inference_of(key).driver)
+        and not doubt_of(result, measure_of(key))
         and not row.p_holm <= SIGNIFICANT
     ]
     n = len(not_shown)
