@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 from typing import Any, Final, Protocol, TypeAlias
 
@@ -17,6 +19,42 @@ Picture: TypeAlias = NDArray[Any]
 
 _CACHED_PICTURES: Final = 16
 _CACHED_BYTES: Final = 1 << 26
+
+
+class PictureTrait(StrEnum):
+    """What of a recording's pictures may make them show other frames than one expects."""
+
+    CUT = "cut"
+    """The file ends early or is damaged: `count` pictures can be read, `total` are stated."""
+    GAP = "gap"
+    """The times leave out `count` pictures, before the pictures at `places`."""
+    UNEVEN = "uneven"
+    """`count` of `total` steps between the times differ from the commonest: the rate varies."""
+    REPEATED = "repeated"
+    """The file holds nothing for the `count` pictures at `places`: each shows the one before."""
+    OTHER_STREAMS = "other streams"
+    """`count` further streams of pictures are in the file and are not shown, of these `names`."""
+
+
+@dataclass(frozen=True)
+class PictureNote:
+    """A fact about the pictures of one recording; `trait` says what the others mean.
+
+    Attributes
+    ----------
+    count, total
+        How many, and out of how many; 0: not known.
+    places
+        Indices of pictures, ascending; where they are many, the first ones.
+    names
+        Of files or streams; where they are many, the first ones.
+    """
+
+    trait: PictureTrait
+    count: int
+    total: int = 0
+    places: tuple[int, ...] = ()
+    names: tuple[str, ...] = ()
 
 
 class PictureReader(Protocol):
@@ -51,6 +89,11 @@ class Pictures(PictureReader, Protocol):
         video and where names have none.
     fps
         Frame rate that a video states, 1/s; None: it states none, or these are single pictures.
+    times_s
+        When each picture is shown, s after the first, float64, shape (n,), ascending; None: single
+        pictures, or a video whose times cannot be relied on.
+    notes
+        Facts that the user should know.
     note
         What the user should know, as a sentence; empty: nothing.
     """
@@ -62,6 +105,8 @@ class Pictures(PictureReader, Protocol):
     is_video: bool
     numbers: NDArray[np.int64] | None
     fps: float | None
+    times_s: NDArray[np.float64] | None
+    notes: tuple[PictureNote, ...]
     note: str
 
     def file_names(self, indices: Sequence[int]) -> list[str] | None:

@@ -17,7 +17,7 @@ from nvcore.errors import MediaError
 from nvcore.file_kinds import IMAGE_SUFFIXES
 from nvcore.inputs.readers.meaning.names import recording_and_frame_of
 from nvcore.pictures.archive import Archive
-from nvcore.pictures.base import Picture, RecentPictures, check_index
+from nvcore.pictures.base import Picture, PictureNote, RecentPictures, check_index
 from nvcore.pictures.header import image_size
 from nvcore.wording import one_line
 
@@ -58,6 +58,8 @@ class Images:
         self.name, self.n, self.note = name, len(names), ""
         self.numbers = numbers_of(names)
         self.fps: float | None = None
+        self.times_s: NDArray[np.float64] | None = None
+        self.notes: tuple[PictureNote, ...] = ()
         self._names, self._read_bytes, self._close = names, read_bytes, close
         self._recent, self._lock = RecentPictures(), Lock()
         self.height, self.width = self.read(0).shape[:2]

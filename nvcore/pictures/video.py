@@ -18,7 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.errors import MediaError
-from nvcore.pictures.base import Picture, RecentPictures, check_index
+from nvcore.pictures.base import (
+    Picture,
+    PictureNote,
+    PictureTrait,
+    RecentPictures,
+    check_index,
+)
 from nvcore.pictures.containers import (
     DAMAGED,
     REORDERED,
@@ -57,7 +63,7 @@ class Video:
             if self._format == "mov":
                 check_samples(path, self.name)
             stream = self._open()
-            rate = stream.average_rate
+            rate, tick = stream.average_rate, stream.time_base
             self.fps = float(rate) if rate else None
             self._table = list_pictures(
                 self._container,
@@ -68,6 +74,8 @@ class Video:
             )
             self._by_count = not self._table.is_sure
             self.n = len(self._table.times)
+            times = self._table.times
+            self.times_s = None if self._by_count else (times - times[0]) * float(tick)
             first = self._find(0)
         except (av.error.FFmpegError, OSError) as error:
             raise MediaError(DAMAGED, file=self.name) from error
@@ -76,8 +84,10 @@ class Video:
         if first is None:
             raise MediaError(f"its first picture cannot be decoded: it {DAMAGED}", file=self.name)
         self.height, self.width = first.shape[:2]
+        self.notes: tuple[PictureNote, ...] = ()
         self.note = ""
         if self._table.is_cut:
+            self.notes = (PictureNote(PictureTrait.CUT, self.n, self._table.n_stated),)
             stated = f" of {self._table.n_stated}" if self._table.n_stated else ""
             self.note = f"the video is cut off or damaged; {self.n}{stated} pictures can be read"
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.errors import InputError, MediaError
-from nvcore.pictures.base import Picture, Pictures, check_index
+from nvcore.pictures.base import Picture, PictureNote, Pictures, check_index
 from nvcore.pictures.open import open_pictures
 from ui.confined.process import Allowance, SteadyProcess
 
@@ -76,6 +76,8 @@ class ConfinedPictures:
         self.is_video: bool = facts["is_video"]
         self.numbers: NDArray[np.int64] | None = facts["numbers"]
         self.fps: float | None = facts["fps"]
+        self.times_s: NDArray[np.float64] | None = facts["times_s"]
+        self.notes: tuple[PictureNote, ...] = facts["notes"]
         self.note: str = facts["note"]
 
     def read(self, index: int) -> Picture:
@@ -103,7 +105,18 @@ class ConfinedPictures:
             self._process.call(_close, self._path, what="closing")
 
 
-_FACTS: Final = ("name", "n", "width", "height", "is_video", "numbers", "fps", "note")
+_FACTS: Final = (
+    "name",
+    "n",
+    "width",
+    "height",
+    "is_video",
+    "numbers",
+    "fps",
+    "times_s",
+    "notes",
+    "note",
+)
 _opened: dict[Path, Pictures] = {}
 """In the other process: what it has open."""
 
