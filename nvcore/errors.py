@@ -21,6 +21,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from nvcore.findings import Step
+
 
 class NvcoreError(Exception):
     """Base of all errors that a user can fix."""
@@ -37,6 +39,8 @@ class InputError(NvcoreError):
         Name of the file as the user gave it, if one is to blame.
     line
         1-based line in that file, if one is to blame.
+    steps
+        Ways on, for a medium that has a flag or a field for them.
 
     Attributes
     ----------
@@ -46,8 +50,16 @@ class InputError(NvcoreError):
 
     path: Path | None = None
 
-    def __init__(self, message: str, *, file: str | Path | None = None, line: int | None = None):
+    def __init__(
+        self,
+        message: str,
+        *,
+        file: str | Path | None = None,
+        line: int | None = None,
+        steps: tuple[Step, ...] = (),
+    ):
         self.message = message
+        self.steps = steps
         self.file = None if file is None else str(file)
         self.line = line
         where = ""
@@ -60,7 +72,7 @@ class InputError(NvcoreError):
         return partial(type(self), self.message, **self._keywords()), ()
 
     def _keywords(self) -> dict[str, Any]:
-        return {"file": self.file, "line": self.line}
+        return {"file": self.file, "line": self.line, "steps": self.steps}
 
 
 class FormatError(InputError):
@@ -88,7 +100,7 @@ class MissingFactError(InputError):
 
     Parameters
     ----------
-    message, file, line
+    message, file, line, steps
         See `InputError`.
     facts
         What the user has to give: ``size``, ``fps``, ``frames``; empty where none of these helps.
@@ -101,9 +113,10 @@ class MissingFactError(InputError):
         file: str | Path | None = None,
         line: int | None = None,
         facts: tuple[str, ...] = (),
+        steps: tuple[Step, ...] = (),
     ):
         self.facts = facts
-        super().__init__(message, file=file, line=line)
+        super().__init__(message, file=file, line=line, steps=steps)
 
     def _keywords(self) -> dict[str, Any]:
         return {**super()._keywords(), "facts": self.facts}

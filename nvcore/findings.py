@@ -6,12 +6,18 @@ and the dashboard show a single list, worst first.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Literal
+from typing import TYPE_CHECKING, Final, Literal
 
-import numpy as np
+from nvcore.wording import capitalised
+
+if TYPE_CHECKING:
+    import numpy as np
+
+TRUTH_NAME: Final = "truth"
+"""`Finding.subject` of the ground truth."""
 
 
 class Severity(StrEnum):
@@ -46,6 +52,46 @@ class Cases:
         return len(self.rows)
 
 
+class Remedy(StrEnum):
+    """What a person can do about a finding or an error.
+
+    The command line and the dashboard say it each with its own flag or field, in one table of
+    theirs; the library names neither.
+    """
+
+    CLASSES = "classes"
+    """Say which classes count; value: names or numbers, with commas."""
+    SIZE = "size"
+    """Give the size of the pictures, px; value: such as ``640x480``."""
+    RATE = "rate"
+    """Give the frame rate; value: frames per second."""
+    FRAMES = "frames"
+    """Say which frames are evaluated; value: ``first:last:step``."""
+    FORMAT = "format"
+    """Say in which format the files are; value: its name."""
+    TABLE = "table"
+    """Convert the files to plain CSV with a header line."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One way on: what to do, and with what.
+
+    Attributes
+    ----------
+    remedy
+        What to do.
+    value
+        What to give, as it is typed; empty: only the user knows it.
+    subject
+        Whose files it is about: `TRUTH_NAME` or the name of a system; empty: all.
+    """
+
+    remedy: Remedy
+    value: str = ""
+    subject: str = ""
+
+
 @dataclass(frozen=True)
 class Finding:
     """One thing that is wrong or suspicious in the inputs.
@@ -65,6 +111,8 @@ class Finding:
         What was found, in a sentence.
     advice
         What to do about it, in a sentence.
+    steps
+        The same as data, for a medium that has a flag, a field or a button for it.
     file
         File in which it was first seen; empty where no single file is to blame.
     example
@@ -86,8 +134,40 @@ class Finding:
     example: str = ""
     suggestion: tuple[tuple[str, float], ...] = ()
     cases: Cases | None = field(default=None, compare=False, repr=False)
+    steps: tuple[Step, ...] = ()
 
 
 def worst_first(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """Findings sorted by severity, the order within one severity kept."""
     return tuple(sorted(findings, key=lambda finding: _ORDER[finding.severity]))
+
+
+RemedyTexts = Mapping[Remedy, tuple[str, str]]
+"""How a medium words each remedy, and what stands there for a value that only the user knows.
+
+``{value}`` becomes the value, ``{of}`` how the medium marks what is about one source.
+"""
+
+
+def steps_text(
+    steps: Iterable[Step], texts: RemedyTexts, marks: Mapping[str, str] | None = None
+) -> str:
+    """Ways on as a sentence; empty: there is none.
+
+    Parameters
+    ----------
+    marks
+        What ``{of}`` becomes, by the subject of a step; others have none.
+
+    Examples
+    --------
+    >>> texts = {Remedy.CLASSES: ("give --classes{of} {value}", "NAMES")}
+    >>> steps_text([Step(Remedy.CLASSES, "pedestrian,child", "truth")], texts, {"truth": "-truth"})
+    'Give --classes-truth pedestrian,child.'
+    """
+    marks = {} if marks is None else marks
+    ways = []
+    for step in steps:
+        text, unknown = texts[step.remedy]
+        ways.append(text.format(value=step.value or unknown, of=marks.get(step.subject, "")))
+    return f"{capitalised(', or '.join(dict.fromkeys(ways)))}." if ways else ""

@@ -143,7 +143,11 @@ def keywords_named() -> Iterator[None]:
         keywords = ", ".join(KEYWORDS[fact] for fact in error.facts)
         hint = f" (in Python: {keywords})" if keywords else ""
         raise MissingFactError(
-            error.message + hint, file=error.file, line=error.line, facts=error.facts
+            error.message + hint,
+            file=error.file,
+            line=error.line,
+            facts=error.facts,
+            steps=error.steps,
         ) from error
 
 

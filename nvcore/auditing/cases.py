@@ -12,12 +12,10 @@ import numpy as np
 from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
 from nvcore.file_kinds import unpacked_name
-from nvcore.findings import Cases, Finding, Severity
+from nvcore.findings import TRUTH_NAME, Cases, Finding, Severity
 from nvcore.schema import TABLE_ENDING
 from nvcore.wording import count_text
 
-TRUTH_NAME: Final = "truth"
-"""`Finding.subject` of the ground truth."""
 BLOCK: Final = 1 << 15
 """Boxes that are looked at at a time."""
 MOST_NAMES: Final = 3

@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.auditing.cases import TRUTH_NAME, spelled
+from nvcore.auditing.cases import spelled
 from nvcore.dataset import Dataset
-from nvcore.findings import Cases, Finding, Severity
+from nvcore.findings import TRUTH_NAME, Cases, Finding, Severity
 from nvcore.metrics.encounters import encounters_of
 from nvcore.metrics.time_left import KMH
 from nvcore.params import Params

@@ -7,10 +7,10 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.auditing.cases import TRUTH_NAME, BoxSource, spelled
+from nvcore.auditing.cases import BoxSource, spelled
 from nvcore.dataset import Dataset
 from nvcore.detection.operating_point import are_unequal_alarms, threshold_for
-from nvcore.findings import Cases, Finding, Severity
+from nvcore.findings import TRUTH_NAME, Cases, Finding, Severity
 from nvcore.inputs.evaluated_frames import nth
 from nvcore.metrics.encounters import encounters_of, mostly_one_frame
 from nvcore.metrics.matching import Matches

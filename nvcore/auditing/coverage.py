@@ -6,10 +6,10 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.auditing.cases import TRUTH_NAME, BoxSource, recording_findings
+from nvcore.auditing.cases import BoxSource, recording_findings
 from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
-from nvcore.findings import Finding, Severity
+from nvcore.findings import TRUTH_NAME, Finding, Severity
 from nvcore.inputs.evaluated_frames import nth
 
 MIN_REGULAR: Final = 10

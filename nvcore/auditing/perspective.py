@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.auditing.cases import TRUTH_NAME, recording_findings
+from nvcore.auditing.cases import recording_findings
 from nvcore.dataset import Dataset
-from nvcore.findings import Finding, Severity
+from nvcore.findings import TRUTH_NAME, Finding, Severity
 from nvcore.metrics.encounters import encounters_of
 from nvcore.params import Params
 

@@ -6,10 +6,10 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.auditing.cases import TRUTH_NAME, all_sources, recording_findings
+from nvcore.auditing.cases import all_sources, recording_findings
 from nvcore.auditing.scales import SIZES
 from nvcore.dataset import Dataset
-from nvcore.findings import Finding, Severity
+from nvcore.findings import TRUTH_NAME, Finding, Severity
 from nvcore.inputs.proposals import KITTI_SIZES
 
 MIN_BOXES: Final = 200

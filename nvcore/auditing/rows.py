@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 
 from nvcore.auditing.cases import (
-    TRUTH_NAME,
     file_name,
     place,
     spelled,
@@ -14,7 +13,7 @@ from nvcore.auditing.cases import (
 )
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import is_in_ranges
-from nvcore.findings import Cases, Finding, Severity
+from nvcore.findings import TRUTH_NAME, Cases, Finding, Severity
 from nvcore.inputs.session import Session
 from nvcore.schema import DETECTABILITY
 from nvcore.wording import count_text

@@ -27,7 +27,7 @@ from nvcore.cli.steps import (
     as_loaded,
     errors_of,
     exit_on_findings,
-    findings_at_paths,
+    findings_shown,
     shown_paths,
 )
 from nvcore.inputs.session import Session
@@ -121,7 +121,8 @@ def compare(
     path = shown_paths(session.folder, session.sources, dataset.systems)
     short = _for_terminal(dataset, path, longest=MAX_CONVERSION)
     click.echo(render_inputs(replace(result, dataset=short)), err=as_json)
-    click.echo("\n" + render_findings(findings_at_paths(findings, path)) + "\n", err=as_json)
+    shown = findings_shown(findings, path, dataset.compared())
+    click.echo("\n" + render_findings(shown) + "\n", err=as_json)
     click.echo(text, nl=not as_json)
     if out is not None:
         click.echo(one_line(f"written to {out}"), err=True)
@@ -198,7 +199,7 @@ def check(out: Path | None, strict: bool, **options: Any) -> None:
     click.echo(render_dataset(_for_terminal(dataset, path)))
     if horizons := render_horizons(dataset):
         click.echo(horizons)
-    click.echo("\n" + render_findings(findings_at_paths(findings, path)))
+    click.echo("\n" + render_findings(findings_shown(findings, path, dataset.compared())))
     if out is not None:
         click.echo(one_line(f"written to {out}"), err=True)
     exit_on_findings(findings, strict)

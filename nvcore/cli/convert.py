@@ -9,7 +9,7 @@ import click
 
 from nvcore.cli.options import examples, format_option, objects_option, reading_options
 from nvcore.cli.session_options import objects_from_option, size_option, source_options
-from nvcore.cli.steps import findings_at_paths, pasteable_errors, shown_paths
+from nvcore.cli.steps import findings_shown, pasteable_errors, shown_paths
 from nvcore.inputs.session import Source
 from nvcore.wording import one_line
 from nvcore.wording.objects import PEDESTRIAN
@@ -112,7 +112,7 @@ def convert(
     _say(f"{source}: {conversion.conversion}")
     if conversion.findings:
         path = shown_paths(Path.cwd(), sources)
-        click.echo(render_findings(findings_at_paths(conversion.findings, path)), err=True)
+        click.echo(render_findings(findings_shown(conversion.findings, path)), err=True)
     files = conversion.files
     where = files[0] if len(files) == 1 else f"{len(files)} files in {target}"
     _say(f"written to {where}: {conversion.n_boxes} boxes")

@@ -24,7 +24,7 @@ from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import (
     compare_session,
     errors_of,
-    findings_at_paths,
+    findings_shown,
     shown_paths,
 )
 from nvcore.errors import InputError, NvcoreError
@@ -183,8 +183,8 @@ def gate(
     names = measure_names() if lists else ()
     outcomes, values = run_gate(gate_rules, result, findings, strict=strict, names=names)
     path = shown_paths(session.folder, session.sources, result.dataset.systems)
-    findings_shown = findings_at_paths(findings, path)
-    click.echo(render_findings(findings_shown), err=is_machine_read)
+    findings = findings_shown(findings, path, result.dataset.compared())
+    click.echo(render_findings(findings), err=is_machine_read)
     if lists:
         listed = listed_names(result, values)
         width = max(map(len, listed))
@@ -193,9 +193,9 @@ def gate(
     click.echo("\n".join(["", *terminal_lines(outcomes)]), err=is_machine_read)
     title = f"{result.x.name} (X) and {result.y.name} (Y)"
     if junit is not None:
-        _write(junit, junit_xml(outcomes, title, findings_shown))
+        _write(junit, junit_xml(outcomes, title, findings))
     if markdown_file is not None:
-        _write(markdown_file, markdown(outcomes, title, findings_shown).encode())
+        _write(markdown_file, markdown(outcomes, title, findings).encode())
     if not all(outcome.is_passed for outcome in outcomes):
         raise SystemExit(EXIT_FAILED)
 

@@ -21,7 +21,7 @@ from nvcore.cli.session_options import session_from
 from nvcore.cli.steps import (
     errors_of,
     exit_on_findings,
-    findings_at_paths,
+    findings_shown,
     shown_paths,
 )
 from nvcore.wording import one_line
@@ -84,7 +84,8 @@ def matrix(out: Path | None, as_json: bool, strict: bool, **options: Any) -> Non
         if out is not None:
             write_matrix(out, dataset, params, table)
     path = shown_paths(session.folder, session.sources, dataset.systems)
-    click.echo(render_findings(findings_at_paths(findings, path)) + "\n", err=as_json)
+    shown = findings_shown(findings, path, dataset.compared())
+    click.echo(render_findings(shown) + "\n", err=as_json)
     text = matrix_json(dataset, params, table) if as_json else render_matrix(table)
     click.echo(text, nl=not as_json)
     if out is not None:

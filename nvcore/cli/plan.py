@@ -22,7 +22,7 @@ from nvcore.cli.steps import (
     compare_session,
     errors_of,
     exit_on_findings,
-    findings_at_paths,
+    findings_shown,
     shown_paths,
 )
 from nvcore.output.files import write_whole
@@ -154,7 +154,8 @@ def plan(
     if out is not None:
         write_whole(out, plan_json(study).encode())
     path = shown_paths(session.folder, session.sources, result.dataset.systems)
-    click.echo(render_findings(findings_at_paths(findings, path)) + "\n", err=as_json)
+    shown = findings_shown(findings, path, result.dataset.compared())
+    click.echo(render_findings(shown) + "\n", err=as_json)
     click.echo(plan_json(study) if as_json else render_plan(study), nl=not as_json)
     if out is not None:
         click.echo(one_line(f"written to {out}"), err=True)

@@ -23,6 +23,7 @@ from typing import Any, Final
 
 import click
 
+from nvcore.cli.remedies import error_text
 from nvcore.errors import NvcoreError
 from nvcore.inputs.pipes import pipes_kept
 from nvcore.wording import one_line
@@ -87,7 +88,7 @@ def _shown_errors() -> Iterator[None]:
     except (click.ClickException, click.Abort, click.exceptions.Exit):
         raise
     except NvcoreError as error:
-        raise BadInput(one_line(str(error))) from error
+        raise BadInput(one_line(error_text(error))) from error
     except MemoryError as error:
         raise _Fault(
             "too little memory for these inputs; compare fewer recordings at a time, or use a "

@@ -25,7 +25,7 @@ from nvcore.cli.steps import (
     compare_session,
     errors_of,
     exit_on_findings,
-    findings_at_paths,
+    findings_shown,
     shown_paths,
 )
 from nvcore.extras import needs
@@ -105,6 +105,6 @@ def report(
             progress=progress,
         )
     path = shown_paths(session.folder, session.sources, result.dataset.systems)
-    click.echo(render_findings(findings_at_paths(findings, path)))
+    click.echo(render_findings(findings_shown(findings, path, result.dataset.compared())))
     click.echo(one_line(f"written to {out}"), err=True)
     exit_on_findings(findings, strict)

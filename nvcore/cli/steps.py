@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nvcore.cli.options import PART_NAMES
+from nvcore.cli.remedies import TEXTS
 from nvcore.errors import InputError, MissingFactError
+from nvcore.findings import TRUTH_NAME, steps_text
 from nvcore.inputs.session import Session, Source
 from nvcore.progress import Progress, no_progress
 from nvcore.wording import one_line
@@ -76,7 +78,10 @@ def errors_of(session: Session) -> Iterator[None]:
             if not proposal:
                 raise
             raise InputError(
-                f"{error.message}. {proposal}", file=error.file, line=error.line
+                f"{error.message}. {proposal}",
+                file=error.file,
+                line=error.line,
+                steps=error.steps,
             ) from error
 
 
@@ -144,7 +149,7 @@ def pasteable_errors(folder: Path, sources: Iterable[tuple[Source, Role]]) -> It
             path = path_to_show(error.path)
         if path is None:
             raise
-        raise InputError(error.message, file=path, line=error.line) from error
+        raise InputError(error.message, file=path, line=error.line, steps=error.steps) from error
 
 
 ShownPath = Callable[[str, str], str]
@@ -155,7 +160,6 @@ def shown_paths(
     folder: Path, sources: Iterable[tuple[Source, Role]], systems: Iterable[str] = ()
 ) -> ShownPath:
     """How the terminal names the files of inputs, also where two inputs have files of one name."""
-    from nvcore.auditing.cases import TRUTH_NAME
     from nvcore.inputs.files import paths_to_show
 
     of_sources = [paths_to_show(folder, [source]) for source in sources]
@@ -169,6 +173,23 @@ def shown_paths(
     return shown
 
 
-def findings_at_paths(findings: tuple[Finding, ...], path: ShownPath) -> tuple[Finding, ...]:
-    """Findings that name their files as `shown_paths` says."""
-    return tuple(replace(finding, file=path(finding.subject, finding.file)) for finding in findings)
+def findings_shown(
+    findings: tuple[Finding, ...], path: ShownPath, compared: Sequence[str | None] = ()
+) -> tuple[Finding, ...]:
+    """Findings as the terminal shows them: files as `shown_paths` says, ways on by flags.
+
+    Parameters
+    ----------
+    compared
+        Names of X and Y, whose flags are named.
+    """
+    ends = {name: f"-{letter}" for name, letter in zip(compared, "xy", strict=False) if name}
+    marks = {TRUTH_NAME: "-truth"} | ends if compared else {}
+    return tuple(
+        replace(
+            finding,
+            file=path(finding.subject, finding.file),
+            advice=f"{finding.advice} {steps_text(finding.steps, TEXTS, marks)}".strip(),
+        )
+        for finding in findings
+    )

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from contextvars import copy_context
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +18,7 @@ from nvcore.dataset import Dataset, refuse_doubles
 from nvcore.dataset.provenance import read_provenance
 from nvcore.dataset.tables import tables_fingerprint
 from nvcore.errors import InputError
+from nvcore.findings import Step
 from nvcore.inputs.driver.joining import with_detectability
 from nvcore.inputs.files import digest, find_files, located, system_names
 from nvcore.inputs.placing import LoadedSource, place_sources
@@ -160,25 +162,43 @@ def _read(
     """A source read, from its files or from the table that replaces them."""
     size = session.common_size or _common_size(truth)
     options = read_options(source, role, size, truth, session.objects)
-    if table is None:
-        files, file_format = find_files(source, session.folder, role)
-        with located(files), ThreadPoolExecutor(1) as pool:
-            # beside reading: neither holds the lock for long; the context knows of pipes
-            hashing = pool.submit(copy_context().run, digest, files)
-            reading = file_format.read(files, options)
-            digests = hashing.result()
-    else:
-        files, file_format = [table_as_file(source.path[0])], TABLE
-        reading = read_table(table, files[0], options)
-        digests = [tables_fingerprint([table], list(map(str, table.columns)))]
-    check_names(reading)
+    with _about(subject):
+        if table is None:
+            files, file_format = find_files(source, session.folder, role)
+            with located(files), ThreadPoolExecutor(1) as pool:
+                # beside reading: neither holds the lock for long; the context knows of pipes
+                hashing = pool.submit(copy_context().run, digest, files)
+                reading = file_format.read(files, options)
+                digests = hashing.result()
+        else:
+            files, file_format = [table_as_file(source.path[0])], TABLE
+            reading = read_table(table, files[0], options)
+            digests = [tables_fingerprint([table], list(map(str, table.columns)))]
+        check_names(reading)
     if truth is not None:
         reading = _same_single_recording(reading, truth)
     reading = replace(
         reading,
-        findings=joined_findings(replace(finding, subject=subject) for finding in reading.findings),
+        findings=joined_findings(
+            replace(finding, subject=subject, steps=_steps_about(finding.steps, subject))
+            for finding in reading.findings
+        ),
     )
     return LoadedSource(subject, files, digests, file_format, reading)
+
+
+@contextmanager
+def _about(subject: str) -> Iterator[None]:
+    """Within it, the ways on of errors know whose files they are about; readers do not."""
+    try:
+        yield
+    except InputError as error:
+        error.steps = _steps_about(error.steps, subject)
+        raise
+
+
+def _steps_about(steps: Iterable[Step], subject: str) -> tuple[Step, ...]:
+    return tuple(replace(step, subject=subject) for step in steps)
 
 
 def _with_provenance(system: LoadedSource, source: SystemSource, folder: Path) -> LoadedSource:

@@ -9,7 +9,10 @@ from __future__ import annotations
 import re
 from typing import Final
 
+from nvcore.errors import InputError
+from nvcore.findings import steps_text
 from ui.shell.messages import without_paths
+from ui.shell.remedies import TEXTS
 
 _READING: Final = "under “How to read”"
 _CLASSES: Final = "“Classes that count”"
@@ -59,7 +62,9 @@ _WORDS: Final = tuple(
 
 
 def page_text(text: object) -> str:
-    """The text without paths of the machine and without flags; not yet plain.
+    """The text without paths of the machine and without flags, an error with its ways on.
+
+    Not yet plain.
 
     Examples
     --------
@@ -71,4 +76,5 @@ def page_text(text: object) -> str:
     worded = without_paths(text)
     for pattern, words in _WORDS:
         worded = pattern.sub(words, worded)
-    return worded
+    ways = steps_text(text.steps, TEXTS) if isinstance(text, InputError) else ""
+    return f"{worded.rstrip('.')}. {ways}" if ways else worded

@@ -11,8 +11,7 @@ import numpy as np
 import pandas as pd
 import streamlit as st
 
-from nvcore.auditing.cases import TRUTH_NAME
-from nvcore.findings import Cases, Finding
+from nvcore.findings import TRUTH_NAME, Cases, Finding
 from nvcore.tables.inputs import NO_ROW, entry_frames, finding_entries
 from ui.session import state
 

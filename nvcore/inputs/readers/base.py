@@ -16,7 +16,7 @@ from pandas.api.types import union_categoricals
 
 from nvcore.errors import FormatError, InputError
 from nvcore.file_kinds import PACKED_HEAD_BYTES, packed_by
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Finding, Severity, Step
 from nvcore.inputs.packed import Unpacking
 from nvcore.inputs.pipes import open_stored
 from nvcore.schema import READING_DTYPES, conform
@@ -71,9 +71,12 @@ class SourceFile:
                 n_bytes -= len(part)
         return n_bytes < 0
 
-    def fault(self, message: str, line: int | None = None) -> FormatError:
+    def fault(
+        self, message: str, line: int | None = None, steps: tuple[Step, ...] = ()
+    ) -> FormatError:
         """The error that refuses the content, as a whole or at a 1-based line; to be raised."""
-        return FormatError(message, file=self.name, line=None if line is None else int(line))
+        line = None if line is None else int(line)
+        return FormatError(message, file=self.name, line=line, steps=steps)
 
 
 @dataclass(frozen=True)
@@ -136,6 +139,7 @@ class Lines:
         role: Role,
         example: Callable[[int], str] | None = None,
         severity: Severity = Severity.WARNING,
+        steps: tuple[Step, ...] = (),
     ) -> list[Finding]:
         """`rows_finding`, with the line and, where given, the row as an example ("class 99")."""
 
@@ -145,7 +149,7 @@ class Lines:
             return self.files[self.file[row]].name, text
 
         return rows_finding(
-            is_odd, code, message, advice, role=role, place=place, severity=severity
+            is_odd, code, message, advice, role=role, place=place, severity=severity, steps=steps
         )
 
 
@@ -271,6 +275,7 @@ def rows_finding(
     role: Role,
     place: Callable[[int], tuple[str, str]],
     severity: Severity = Severity.WARNING,
+    steps: tuple[Step, ...] = (),
 ) -> list[Finding]:
     """One finding about all odd rows, shown by the first of them; none where no row is odd.
 
@@ -278,7 +283,7 @@ def rows_finding(
     ----------
     is_odd
         bool, shape (n,).
-    code, message, advice, severity
+    code, message, advice, severity, steps
         See `Finding`.
     role
         What the files hold.
@@ -289,7 +294,11 @@ def rows_finding(
         return []
     file, example = place(int(np.argmax(is_odd)))
     count = int(np.count_nonzero(is_odd))
-    return [Finding(severity, code, role, count, message, advice, file=file, example=example)]
+    return [
+        Finding(
+            severity, code, role, count, message, advice, file=file, example=example, steps=steps
+        )
+    ]
 
 
 def joined_findings(findings: Iterable[Finding]) -> tuple[Finding, ...]:
@@ -303,6 +312,7 @@ def joined_findings(findings: Iterable[Finding]) -> tuple[Finding, ...]:
             finding.message,
             finding.advice,
             finding.suggestion,
+            finding.steps,
         )
         groups.setdefault(kind, []).append(finding)
     joined = []
@@ -323,9 +333,20 @@ def warning(
     role: str,
     file: str = "",
     example: str = "",
+    steps: tuple[Step, ...] = (),
 ) -> Finding:
     """A warning about what the files of a role, or of a system, hold; see `Finding`."""
-    return Finding(Severity.WARNING, code, role, count, message, advice, file=file, example=example)
+    return Finding(
+        Severity.WARNING,
+        code,
+        role,
+        count,
+        message,
+        advice,
+        file=file,
+        example=example,
+        steps=steps,
+    )
 
 
 def reading_boxes(n_rows: int, **columns: object) -> pd.DataFrame:

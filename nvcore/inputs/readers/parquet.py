@@ -56,7 +56,9 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     except FormatError as error:
         if error.line is None:
             raise
-        raise FormatError(f"row {error.line - 1}: {error.message}", file=error.file) from error
+        raise FormatError(
+            f"row {error.line - 1}: {error.message}", file=error.file, steps=error.steps
+        ) from error
     return replace(reading, findings=tuple(with_row(finding) for finding in reading.findings))
 
 

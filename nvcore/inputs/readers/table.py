@@ -70,7 +70,7 @@ def read_table(table: pd.DataFrame, file: SourceFile, options: ReadOptions) -> R
         if error.line is None:
             raise
         where = f"{file.name}, row {error.line - 1}"
-        raise FormatError(error.message, file=where) from error
+        raise FormatError(error.message, file=where, steps=error.steps) from error
     return replace(reading, findings=tuple(with_row(finding) for finding in reading.findings))
 
 

@@ -8,8 +8,8 @@ from typing import Final
 
 import streamlit as st
 
-from nvcore.auditing.cases import TRUTH_NAME
-from nvcore.findings import Finding, Severity, worst_first
+from nvcore.findings import TRUTH_NAME, Finding, Severity, steps_text, worst_first
+from nvcore.inputs.remedies import applied
 from ui.data.audit import entries
 from ui.data.opening import try_to_open
 from ui.session import state
@@ -18,6 +18,7 @@ from ui.session.results.findings import input_findings
 from ui.shell.messages import without_paths
 from ui.shell.page_words import page_text
 from ui.shell.recordings_filter import filter_text
+from ui.shell.remedies import TEXTS
 from ui.shell.review import subject_text
 from ui.widgets.buttons import button
 from ui.widgets.text import plain
@@ -84,7 +85,9 @@ def _draw_one(findings: Sequence[Finding], finding: Finding, number: int) -> Non
         where = ", ".join(part for part in (without_paths(finding.file), finding.example) if part)
         if where:
             st.caption(f"First seen in {plain(where)}")
-        st.markdown(f"*What to do:* {plain(page_text(finding.advice))}")
+        ways = steps_text(finding.steps, TEXTS)
+        st.markdown(f"*What to do:* {plain(f'{page_text(finding.advice)} {ways}'.strip())}")
+        _draw_steps(finding, number)
         if finding.code == "mixed-weighting":
             _draw_weighting(finding, number)
         elif finding.suggestion and finding.subject in state.opened().dataset.systems:
@@ -93,6 +96,21 @@ def _draw_one(findings: Sequence[Finding], finding: Finding, number: int) -> Non
             else:
                 _draw_correction(findings, finding, number)
         entries.draw(finding, number)
+
+
+def _draw_steps(finding: Finding, number: int) -> None:
+    """A button for each way on that needs no more than the session."""
+    opened = state.opened()
+    with st.container(horizontal=True):
+        for step in finding.steps:
+            session = applied(opened.session, step, opened.dataset.systems)
+            if session is not None and button(
+                f"Apply: {plain(step.value)}",
+                key=f"step_{number}_{hash(step)}",
+                icon=":material/build:",
+                help=plain(steps_text([step], TEXTS)),
+            ):
+                try_to_open(replace(session, params=state.params()), label=opened.label)
 
 
 def _draw_weighting(finding: Finding, number: int) -> None:

@@ -1,0 +1,28 @@
+"""Remedies as the command line words them: by its flags."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from nvcore.errors import InputError, NvcoreError
+from nvcore.findings import Remedy, RemedyTexts, steps_text
+
+TEXTS: Final[RemedyTexts] = {
+    Remedy.CLASSES: ("give --classes{of} {value}", "NAMES"),
+    Remedy.SIZE: ("give --size {value}", "WIDTHxHEIGHT"),
+    Remedy.RATE: ("give --fps {value}", "FPS"),
+    Remedy.FRAMES: ("give --frames {value}", "FIRST:LAST:STEP"),
+    Remedy.FORMAT: ("give --format{of} {value}", "FORMAT"),
+    Remedy.TABLE: (
+        "convert the files to CSV with the header {value} (docs/formats.md)",
+        "frame,x,y,w,h,score",
+    ),
+}
+
+
+def error_text(error: NvcoreError, marks: Mapping[str, str] | None = None) -> str:
+    """The error with its ways on; `marks` as in `steps_text`."""
+    steps = error.steps if isinstance(error, InputError) else ()
+    ways = steps_text(steps, TEXTS, marks)
+    return f"{str(error).rstrip('.')}. {ways}" if ways else str(error)

@@ -1,0 +1,17 @@
+"""Remedies as the pages word them: by their fields."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from nvcore.findings import Remedy, RemedyTexts
+
+_READING: Final = "under “How to read”"
+TEXTS: Final[RemedyTexts] = {
+    Remedy.CLASSES: (f"enter {{value}} as “Classes that count” {_READING}", "the names"),
+    Remedy.SIZE: ("enter {value} as the size of the pictures", "width and height"),
+    Remedy.RATE: ("enter {value} as the frame rate", "frames per second"),
+    Remedy.FRAMES: ("enter {value} as “Evaluated frames”", "first:last:step"),
+    Remedy.FORMAT: (f"choose {{value}} as the format {_READING}", "another one"),
+    Remedy.TABLE: ("convert the files to CSV with the header {value}", "frame,x,y,w,h,score"),
+}
