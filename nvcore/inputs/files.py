@@ -61,6 +61,8 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
         _check_name(file.path)
     unique = {file.path: file for file in listed}
     files = list(unique.values())
+    # a seqinfo.ini sent along is read as what it is: facts about the recording beside it
+    files = [file for file in files if file.path.name.lower() != "seqinfo.ini"] or files
     if declared is not None and role not in declared.roles:
         advice = "" if role == "detections" else "; they hold detections"
         raise InputError(f"{declared.title} files hold no {role}{advice}", file=source.path[0])
@@ -81,8 +83,6 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
         for file in files
         if file.path in stated or suffix_of(file.path) in file_format.suffixes
     ]
-    # a seqinfo.ini sent along is read as what it is: facts about the recording beside it
-    readable = [file for file in readable if file.path.name.lower() != "seqinfo.ini"] or readable
     return readable or files, file_format
 
 
@@ -302,6 +302,23 @@ def system_name(source: Source, recordings: Sequence[str]) -> str:
     return parts[0] if parts else _stem(Path(source.path[0]))
 
 
+_KIND: Final = re.compile(
+    r"[\s._-]+(?:results?|res|dets?|detections?|preds?|predictions?|outputs?|boxes|bbox)$",
+    re.IGNORECASE,
+)
+
+
+def without_kind(name: str) -> str:
+    """The name without what says that it holds detections.
+
+    Examples
+    --------
+    >>> without_kind("MLPD_result")
+    'MLPD'
+    """
+    return _KIND.sub("", name) or name
+
+
 def system_names(sources: Sequence[Source], recordings: Sequence[str]) -> list[str]:
     """Names for systems by their paths, distinct where the paths allow it.
 
@@ -331,7 +348,7 @@ def _telling_parts(source: Source, recordings: Sequence[str]) -> list[str]:
     path = Path(source.path[0])
     return [
         part
-        for part in (_stem(path), *reversed(path.parts[:-1]))
+        for part in map(without_kind, (_stem(path), *reversed(path.parts[:-1])))
         if part.lower() not in NEUTRAL
         and part not in recordings
         and part not in ("", "/", ".", "..")

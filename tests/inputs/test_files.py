@@ -122,7 +122,8 @@ def test_a_file_name_that_is_not_utf8_is_refused(tmp_path: Path):
 @pytest.mark.parametrize(
     ("path", "expected"),
     [
-        ("MBNet_result.txt", "MBNet_result"),
+        ("MBNet_result.txt", "MBNet"),
+        ("out/yolo-predictions/0016.txt", "yolo"),
         ("out/det_frcnn/det.txt", "det_frcnn"),
         ("mot15/*/res_devkit/*.txt", "res_devkit"),
         ("rrc_ped/0016.txt", "rrc_ped"),
@@ -168,8 +169,9 @@ def test_a_digest_is_the_sha256_of_the_bytes_and_a_file_that_vanishes_an_input_e
 def test_a_seqinfo_named_beside_its_truth_is_no_annotation(tmp_path: Path) -> None:
     (tmp_path / "gt.txt").write_text("1,1,10,10,20,40,1,1,1\n")
     (tmp_path / "seqinfo.ini").write_text("[Sequence]\nname=A\nimWidth=100\nimHeight=100\n")
-    files, _ = find_files(Source(("gt.txt", "seqinfo.ini")), tmp_path, "truth")
-    assert [file.path.name for file in files] == ["gt.txt"]
+    for names_given in (("gt.txt", "seqinfo.ini"), ("seqinfo.ini", "gt.txt")):
+        files, _ = find_files(Source(names_given), tmp_path, "truth")
+        assert [file.path.name for file in files] == ["gt.txt"]
 
 
 @pytest.mark.parametrize("n", [3, 10_000])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from pathlib import Path, PurePosixPath
 from typing import Final
 
@@ -16,7 +15,7 @@ from ui.data.opening import draw_trouble
 from ui.data.recordings import editor, horizon, names
 from ui.session import state
 from ui.session.opening import relative_path
-from ui.session.workspace import Stored, Workspace
+from ui.session.workspace import Workspace
 from ui.shell.messages import without_paths
 from ui.widgets.text import plain
 
@@ -126,8 +125,8 @@ def _all_pictures(space: Workspace) -> tuple[dict[str, str | None], dict[str, st
 
 
 def sent_pictures(space: Workspace) -> dict[str, Path]:
-    """Videos, archives and the folder of single pictures that were sent, by label."""
-    stored: Sequence[Stored] = list(space.stored.values())
+    """Videos, archives and the folder of single pictures sent in this form, by label."""
+    stored = [file for file in list(space.stored.values()) if file.form == space.form]
     paths = {file.name: space.folder / file.place for file in stored if file.kind != "image"}
     images = [file for file in stored if file.kind == "image"]
     if images:

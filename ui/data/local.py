@@ -100,7 +100,7 @@ def _draw_form(root: LocalRoot, entries: list[Entry]) -> tuple[dict[str, list[st
     with name_fields[0]:
         recording = draw_recording(recordings, places, place=PLACE, changed=_changed)
     proposed = proposed_names(
-        [paths_of[key] for key in SYSTEMS], paths_of["local_truth"], recordings
+        [paths_of[key] for key in SYSTEMS], paths_of["local_truth"], [*recordings, recording]
     )
     names = []
     for number, (key, name) in enumerate(zip(SYSTEMS, proposed, strict=True), start=1):

@@ -19,7 +19,7 @@ def proposed_names(
 ) -> list[str]:
     """Names of systems from their paths; a system whose path says nothing is numbered.
 
-    What the ground truth and its recordings are called is no system's name.
+    What the ground truth, its recordings and their pictures are called is no system's name.
 
     Examples
     --------
@@ -74,9 +74,11 @@ def draw_recording(
     proposed, labels = recordings[0], list(pictures)
     if proposed.lower() in NEUTRAL and len(labels) == 1:
         proposed = PurePosixPath(labels[0]).stem
-    return draw_name(
-        "Name of the recording", proposed, key=f"recording_name_{place}", changed=changed
-    )
+    key = f"recording_name_{place}"
+    name = draw_name("Name of the recording", proposed, key=key, changed=changed)
+    if name.lower() in NEUTRAL:
+        st.caption("The file's name does not tell which recording this is: type its name.")
+    return name
 
 
 def with_recording_name(session: Session, recordings: Sequence[str], name: str) -> Session:

@@ -36,7 +36,13 @@ from ui.data.recordings_table import (
 )
 from ui.session import state
 from ui.session.opening import relative_path, with_uploaded_recordings
-from ui.session.uploads import ANNOTATION_FOLDERS, new_upload, remove_pictures, store_annotations
+from ui.session.uploads import (
+    ANNOTATION_FOLDERS,
+    begin_form,
+    new_upload,
+    remove_pictures,
+    store_annotations,
+)
 from ui.session.workspace import PICTURES, Workspace
 from ui.shell.page_words import page_text
 from ui.widgets.buttons import button
@@ -124,7 +130,7 @@ def draw() -> None:
         draw_file_check(truth_check)
     with truth.beside:
         recording = draw_recording(recordings, sent_pictures(space), place=PLACE, changed=_changed)
-    names = _draw_names(stored, truth, systems, recordings)
+    names = _draw_names(stored, truth, systems, [*recordings, recording])
     for system, check in zip(systems, checks, strict=True):
         with system.below:
             draw_file_check(check, truth_check)
@@ -141,13 +147,18 @@ def draw() -> None:
 
 
 def _tell_lost(space: Workspace, fields: Sequence[_Field]) -> None:
-    """Say which chosen files a reload of the page has dropped: browsers do not give them back."""
+    """Say which chosen files a reload has dropped: browsers do not give them back.
+
+    A form that is empty after something was opened from it is a new one.
+    """
     names = [file.name for field in fields for file in field.files]
     ids = tuple(field.ids for field in fields)
     if names:
         st.session_state[_CHOSEN] = True
         if space.notes.get(_OPENED) != ids:
             space.notes[_CHOSEN] = names
+    elif space.notes.pop(_OPENED, None) is not None:  # what was sent then has been opened
+        begin_form(space)
     elif st.session_state.get(_CHOSEN, False):
         space.notes.pop(_CHOSEN, None)
     elif lost := space.notes.get(_CHOSEN):
@@ -267,7 +278,7 @@ def _draw_pictures(space: Workspace, recordings: Sequence[str]) -> ChosenPicture
 
 
 def _remove_all(space: Workspace) -> None:
-    remove_pictures(space, list(space.stored))
+    remove_pictures(space, [file.name for file in space.stored.values() if file.form == space.form])
 
 
 def _store(space: Workspace, fields: Sequence[_Field]) -> _Stored:

@@ -1,7 +1,7 @@
 """Files that people send: into the session's own folder, under harmless names, within limits.
 
     FOLDER/pictures/                  videos and archives of pictures, by the upload route
-    FOLDER/pictures/images/           single pictures
+    FOLDER/pictures/images/           single pictures; of the N-th form after the first images-N
     FOLDER/upload-N/SLOT/annotations/data/
                                       ground truth and detections of the N-th form sent
     FOLDER/model-KIND-N/model/annotations/data/
@@ -13,6 +13,7 @@ are named after their files.
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import unicodedata
@@ -192,7 +193,7 @@ class _PartialFile:
                     "TIFF, BMP) nor a ZIP archive of pictures, whatever its name says.",
                     HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
                 )
-            (self._path.parent / "images").mkdir(parents=True, exist_ok=True)
+            self._path.parent.mkdir(parents=True, exist_ok=True)
             self._file = self._path.open("xb")
         check_room(self.space, len(chunk), so_far=self.n_bytes)
         self._file.write(chunk)
@@ -210,8 +211,11 @@ class _PartialFile:
                     f"A session takes {MAX_FILES} files; send pictures as a ZIP archive.",
                     HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
                 )
-            stored = Stored(free_name(name, self.space.stored), self.kind, self.n_bytes)
-            self._path.rename(self.space.folder / stored.place)
+            name = free_name(name, self.space.stored)
+            stored = Stored(name, self.kind, self.n_bytes, self.space.form)
+            place = self.space.folder / stored.place
+            place.parent.mkdir(exist_ok=True)
+            self._path.rename(place)
             self.space.stored[stored.name] = stored
         self._file = None
         return stored
@@ -232,6 +236,21 @@ def remove_pictures(space: Workspace, names: Iterable[str]) -> None:
         space.used_bytes -= sum(stored.n_bytes for stored in files)
     for stored in files:
         (space.folder / stored.place).unlink(missing_ok=True)
+
+
+def begin_form(space: Workspace) -> None:
+    """Pictures sent so far stay with what is open; those that it does not show are removed."""
+    in_use: set[Path] = set()
+    if space.opened is not None:
+        session = space.opened.session
+        in_use = {Path(os.path.normpath(session.folder / path)) for path in session.paths()}
+    idle = [
+        file.name
+        for file in space.stored.values()
+        if not in_use & {(place := space.folder / file.place), place.parent}
+    ]
+    remove_pictures(space, idle)
+    space.form += 1
 
 
 def new_upload(space: Workspace) -> Path:

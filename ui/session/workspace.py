@@ -41,16 +41,21 @@ Kind = Literal["video", "zip", "image"]
 
 @dataclass(frozen=True)
 class Stored:
-    """One file of pictures in the session's folder: a safe, unique name and what its content is."""
+    """One file of pictures in the session's folder: a safe, unique name and what its content is.
+
+    `form` is the number of the form it was sent in: what was sent in an earlier one is open.
+    """
 
     name: str
     kind: Kind
     n_bytes: int
+    form: int = 0
 
     @property
     def place(self) -> PurePosixPath:
         """Where it lies in the session's folder."""
-        return PurePosixPath(PICTURES, *(["images"] if self.kind == "image" else []), self.name)
+        images = [f"images-{self.form}" if self.form else "images"] if self.kind == "image" else []
+        return PurePosixPath(PICTURES, *images, self.name)
 
 
 @dataclass(frozen=True)
@@ -154,6 +159,8 @@ class Workspace(Caching):
         Pictures of visible light that some recordings have beside these.
     stored
         Uploaded pictures, by name; written by `ui.session.uploads`.
+    form
+        Number of the form that is being filled in, see `Stored`.
     used_bytes, n_received
         Size of all uploads, and how many there have been.
     upload_bytes
@@ -190,6 +197,7 @@ class Workspace(Caching):
         self.detector_process = SteadyProcess(DETECTING)
         self.picture_turns = CapacityLimiter(MOST_AT_ONCE)
         self.stored: dict[str, Stored] = {}
+        self.form = 0
         self.used_bytes = 0
         self.upload_bytes: dict[Path, int] = {}
         self.n_received = 0

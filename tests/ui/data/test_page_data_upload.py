@@ -247,6 +247,40 @@ def test_a_recording_in_a_file_called_gt_is_named_by_its_video(tmp_path: Path):
     assert page.text_input(key="recording_name_upload").value == "drive"
 
 
+def test_a_name_that_only_says_gt_is_said_to_be_none(tmp_path: Path):
+    truth, late = late_drive(tmp_path)
+    page = opened()
+    send(page, "upload_truth", ("gt.csv", truth))
+    send(page, "upload_system_0", ("A_result.csv", late))
+    checked(page.run())
+    assert "does not tell which recording this is" in texts(page)
+    assert page.text_input(key="upload_name_0").value == "A"
+
+
+def test_a_seqinfo_sent_along_says_size_rate_and_name(tmp_path: Path):
+    page = opened()
+    info = b"[Sequence]\nname=A7\nimWidth=640\nimHeight=480\nframeRate=20\nseqLength=3\n"
+    rows = b"".join(b"%d,1,10,10,20,40,1,1,1\n" % frame for frame in (1, 2, 3))
+    send(page, "upload_truth", ("seqinfo.ini", info), ("gt.txt", rows))
+    send(page, "upload_system_0", ("fir.txt", rows))
+    press(checked(page.run()), "open_upload")
+    assert "Opened: Uploaded files" in texts(page)
+    assert recordings_of(page)["name"].tolist() == ["A7"]
+
+
+def test_a_second_upload_starts_without_the_pictures_of_the_first(tmp_path: Path):
+    page = open_files(send_video(late_page(tmp_path), "drive.mp4"))
+    space = space_of(page)
+    assert "Here: drive.mp4" in texts(page)
+    for key in ("upload_truth", "upload_system_0"):
+        page.file_uploader(key=key).set_value([])
+    checked(page.run())
+    assert "Here: drive.mp4" not in texts(page)
+    send_video(page, "other.mp4")
+    assert "Here: other.mp4" in texts(page)
+    assert {*space.stored} == {"drive.mp4", "other.mp4"}  # the open comparison keeps its own
+
+
 def test_a_video_that_cannot_be_opened_stops_until_one_goes_on_without(tmp_path: Path):
     page = send_video(late_page(tmp_path), "cut.mp4", n_bytes=1_000)
     open_files(page)
