@@ -2,35 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
-from contextlib import contextmanager
+import atexit
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import IO, Any, Final
 
 import numpy as np
 import pandas as pd
 import pyarrow as pa
-import pyarrow.compute as pc
 
-from nvcore.errors import FormatError
+from nvcore.errors import FormatError, InputError
 from nvcore.inputs.packed import MAX_RATIO, MAX_UNPACKED_BYTES, RATIO_FROM_BYTES
 from nvcore.inputs.readers.base import BOTH_ROLES, Format, Reading, ReadOptions, Role, SourceFile
 from nvcore.inputs.readers.csv import NamedColumns, missing_columns, read_named_columns
 from nvcore.inputs.readers.csv_columns import Header, header_of
+from nvcore.inputs.readers.parquet_decoder import is_text
 from nvcore.inputs.readers.parse.text import read_bytes
 from nvcore.inputs.readers.table import parse_columns, with_row
 from nvcore.wording import shortened
 
-if TYPE_CHECKING:
-    import pyarrow.parquet as pq
-
 MAGIC: Final = "PAR1"
 MAX_TEXT_BYTES: Final = 1 << 14
 """Longest text, several times the longest path that systems take."""
-TEXTS_AT_ONCE: Final = 4096
-"""Rows of a column of text that are decoded at a time: sizes in the file are claims."""
-_BYTES_OF_A_NUMBER: Final = 8
 
 
 def recognise(name: str, head: str, role: Role) -> bool:
@@ -63,164 +65,113 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
 
 
 def _named_columns(file: SourceFile) -> NamedColumns:
-    import pyarrow.parquet as pq
-
-    content = pa.BufferReader(read_bytes(file))
-    with _faults_named(file):
-        metadata = pq.read_metadata(content)
-        # one text many times takes no more than its number: a small file may hold a million rows
-        table = pq.ParquetFile(content, read_dictionary=_numbered_texts(metadata))
-        header = header_of([name.strip() for name in table.schema_arrow.names])
-        problem = missing_columns(header)
-        if problem is not None:
-            raise file.fault(f"expected {problem}")
-        places = sorted(header.place.values())
-        _check(table, header, places, content.size(), file)
-        names = [table.schema_arrow.names[place] for place in places]
-        columns = dict(zip(places, _read(table, names, content.size(), file).values(), strict=True))
-        series = {name: _series(columns[place]) for name, place in header.place.items()}
-        n_rows = len(columns[places[0]])
+    header, columns = _decoder.read(file)
+    series = {name: _series(columns[place]) for name, place in header.place.items()}
+    n_rows = len(next(iter(columns.values())))
     parse = partial(parse_columns, series.__getitem__, n_rows, file, header)
     return NamedColumns(file, header, parse)
 
 
-@contextmanager
-def _faults_named(file: SourceFile) -> Iterator[None]:
-    """Within it, what pyarrow raises for damaged and hostile files is a FormatError."""
-    try:
-        yield
-    except (pa.ArrowException, OSError, ValueError, LookupError, OverflowError) as error:
-        reason = shortened(" ".join(str(error).split()), 120)
-        raise file.fault(f"expected a whole Parquet table, found a fault: {reason}") from error
+class _Decoder:
+    """`nvcore.inputs.readers.parquet_decoder` in a process of its own, which a file may end.
 
+    The first file starts it, and the next one after it has ended; it ends with this process.
+    """
 
-def _check(
-    table: pq.ParquetFile, header: Header, places: Sequence[int], n_bytes: int, file: SourceFile
-) -> None:
-    """Raise FormatError for columns that are no numbers or text, and for too many rows."""
-    names = table.schema_arrow.names
-    for place in places:
-        title = shortened(header.names[place], 60)
-        if names.count(names[place]) > 1:
-            raise file.fault(f"expected one column {title}, found {names.count(names[place])}")
-        kind = table.schema_arrow.field(place).type
-        if not _is_simple(kind):
-            raise file.fault(
-                f"expected numbers or text in column {title}, found {shortened(str(kind), 60)}"
-            )
-    groups = [table.metadata.row_group(i).num_rows for i in range(table.num_row_groups)]
-    n_rows = max(table.metadata.num_rows, sum(groups))  # one of them may lie
-    needed = n_rows * len(places) * _BYTES_OF_A_NUMBER
-    needed += _text_bytes(table.metadata, {names[place] for place in places})
-    if min(n_rows, *groups, 0) < 0 or _is_too_much(needed, n_bytes):
-        raise _too_much(f"declares {n_rows:,} rows, which would take", needed, n_bytes, file)
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._process: subprocess.Popen[bytes] | None = None
+        self._said: IO[bytes] | None = None
 
+    def read(self, file: SourceFile) -> tuple[Header, dict[int, pa.ChunkedArray]]:
+        """The header of a file, and the columns that it recognises, by their places.
 
-def _text_bytes(metadata: pq.FileMetaData, names: Collection[str]) -> int:
-    """What the texts of these columns take as they are stored, unpacked."""
-    groups = (metadata.row_group(i) for i in range(metadata.num_row_groups))
-    chunks = (group.column(i) for group in groups for i in range(group.num_columns))
-    return sum(
-        max(chunk.total_uncompressed_size, 0)
-        for chunk in chunks
-        if chunk.physical_type == "BYTE_ARRAY" and chunk.path_in_schema in names
-    )
+        Raises
+        ------
+        FormatError
+            If it is damaged, ends the process, lacks a column or would take too much memory.
+        """
+        limits = {"ratio": MAX_RATIO, "ratio_from": RATIO_FROM_BYTES}
+        limits |= {"unpacked": MAX_UNPACKED_BYTES, "text": MAX_TEXT_BYTES}
+        content = read_bytes(file)
+        with self._lock:
+            header = header_of([name.strip() for name in self._ask(file, content, None, None)])
+            problem = missing_columns(header)
+            if problem is not None:
+                raise file.fault(f"expected {problem}")
+            places = sorted(header.place.values())
+            columns: dict[int, pa.ChunkedArray] = self._ask(file, None, places, limits)
+        return header, columns
 
+    def end(self) -> None:
+        """Let it end, if it runs."""
+        if self._process is not None:
+            self._process.communicate()
+            self._process = None
 
-class _Budget:
-    """Counts what is decoded; FormatError once it is more than a file of this size may hold."""
-
-    def __init__(self, file: SourceFile, n_bytes: int):
-        self._file, self._n_bytes, self._n_read = file, n_bytes, 0
-
-    def take(self, n_read: int) -> None:
-        self._n_read += n_read
-        if _is_too_much(self._n_read, self._n_bytes):
-            raise _too_much("takes more than", self._n_read, self._n_bytes, self._file)
-
-
-def _numbered_texts(metadata: pq.FileMetaData) -> list[str]:
-    """Columns stored as numbers of texts throughout; pyarrow decodes others as texts alone."""
-    groups = (metadata.row_group(i) for i in range(metadata.num_row_groups))
-    chunks = [group.column(i) for group in groups for i in range(group.num_columns)]
-    others = {
-        chunk.path_in_schema
-        for chunk in chunks
-        if any("DELTA" in encoding for encoding in chunk.encodings)
-    }
-    texts = [field.name for field in metadata.schema.to_arrow_schema() if _is_text(field.type)]
-    return [name for name in texts if name not in others]
-
-
-def _read(
-    table: pq.ParquetFile, names: Sequence[str], n_bytes: int, file: SourceFile
-) -> dict[str, pa.ChunkedArray]:
-    """These columns by name; FormatError once they take more than they may."""
-    budget = _Budget(file, n_bytes)
-    texts = [name for name in names if _holds_text(table.schema_arrow.field(name).type)]
-    numbers = [name for name in names if name not in texts]
-    groups = [_numbers(table, number, numbers, budget) for number in range(table.num_row_groups)]
-    columns = pa.concat_tables(groups or [table.schema_arrow.empty_table().select(numbers)])
-    for name in texts:
-        columns = columns.append_column(name, _texts(table, name, budget, file))
-    return {name: columns.column(name) for name in names}
-
-
-def _numbers(table: pq.ParquetFile, group: int, names: list[str], budget: _Budget) -> pa.Table:
-    """Numbers of a row group at once: they take what the number of rows says."""
-    part = table.read_row_group(group, columns=names)
-    budget.take(part.nbytes)
-    return part
-
-
-def _texts(table: pq.ParquetFile, name: str, budget: _Budget, file: SourceFile) -> pa.ChunkedArray:
-    """Texts by number, a few rows at a time: how long they are is known when they are decoded."""
-    chunks: list[pa.DictionaryArray] = []
-    for batch in table.iter_batches(batch_size=TEXTS_AT_ONCE, columns=[name]):
-        chunk = batch.column(0)
-        if not pa.types.is_dictionary(chunk.type):
-            chunk = chunk.dictionary_encode()
-        if chunks and chunk.dictionary.equals(chunks[-1].dictionary):  # each comes with a copy
-            chunk = pa.DictionaryArray.from_arrays(chunk.indices, chunks[-1].dictionary)
-            budget.take(chunk.indices.nbytes)
-        else:
-            budget.take(chunk.nbytes)
-            _check_texts(chunk.dictionary, file)
-        chunks.append(chunk)
-    if not chunks:
-        return table.schema_arrow.empty_table().column(name)
-    return pa.chunked_array(chunks)
-
-
-def _check_texts(texts: pa.Array, file: SourceFile) -> None:
-    """Raise FormatError for a text that no name is as long as."""
-    longest = pc.max(pc.binary_length(texts)).as_py() or 0
-    if longest > MAX_TEXT_BYTES:
+    def _ask(self, file: SourceFile, *request: Any) -> Any:
+        process = self._started()
+        assert process.stdin is not None
+        assert process.stdout is not None
+        try:
+            pickle.dump(request, process.stdin, protocol=5)
+            process.stdin.flush()
+            state, value = pickle.load(process.stdout)  # noqa: S301  # from our own process
+        except (EOFError, OSError, pickle.UnpicklingError) as error:
+            raise self._fault_of_end(file) from error
+        except BaseException:  # ^C: what it answers would be taken for the next one's
+            process.kill()
+            self.end()
+            raise
+        if state == "fine":
+            return value
+        reason = shortened(" ".join(value.split()), 120)
+        is_fault = state == "fault"
         raise file.fault(
-            f"expected texts of at most {MAX_TEXT_BYTES:,} bytes, found one of {longest:,}"
+            f"expected a whole Parquet table, found a fault: {reason}" if is_fault else value
+        )
+
+    def _started(self) -> subprocess.Popen[bytes]:
+        if self._process is None:
+            path = os.pathsep.join(filter(None, sys.path))
+            self._said = tempfile.TemporaryFile()  # noqa: SIM115  # as long as the process
+            try:
+                self._process = subprocess.Popen(  # noqa: S603  # our own module
+                    # -P: beside it lie modules called as those of the library
+                    [sys.executable, "-P", str(Path(__file__).with_name("parquet_decoder.py"))],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=self._said,
+                    env={**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"},
+                )
+            except OSError as error:
+                raise InputError(
+                    f"Parquet is read in a process of its own, and none starts ({error.strerror})"
+                ) from error
+        return self._process
+
+    def _fault_of_end(self, file: SourceFile) -> Exception:
+        """What is wrong with a file by which the process has ended."""
+        process, self._process = self._process, None
+        assert process is not None
+        assert self._said is not None
+        process.communicate()
+        with self._said as stream:
+            stream.seek(0)
+            text = stream.read().decode("utf-8", "replace")
+        if process.returncode == -signal.SIGKILL or "bad_alloc" in text or "MemoryError" in text:
+            return MemoryError("decoding Parquet")
+        if process.returncode >= 0:
+            return RuntimeError(f"the decoder of Parquet has ended: {text}")
+        reason = shortened(" ".join(text.rpartition("what():")[2].split()), 120)
+        return file.fault(
+            "expected a whole Parquet table, found damage that ends the program that decodes it "
+            f"({reason or signal.Signals(-process.returncode).name}); write the table anew"
         )
 
 
-def _is_too_much(needed: int, n_bytes: int) -> bool:
-    is_bomb = needed > RATIO_FROM_BYTES and needed > MAX_RATIO * n_bytes
-    return is_bomb or needed > MAX_UNPACKED_BYTES
-
-
-def _too_much(what: str, needed: int, n_bytes: int, file: SourceFile) -> FormatError:
-    return file.fault(
-        f"{what} {needed / 2**30:,.1f} GiB, in a file of {n_bytes / 2**20:,.1f} MiB; expected at "
-        f"most {MAX_RATIO} times its size, and {MAX_UNPACKED_BYTES >> 30} GiB: give several "
-        "smaller files"
-    )
-
-
-def _is_simple(kind: pa.DataType) -> bool:
-    value = kind.value_type if pa.types.is_dictionary(kind) else kind
-    checks = (
-        *(pa.types.is_integer, pa.types.is_floating, pa.types.is_decimal, pa.types.is_boolean),
-        *(pa.types.is_string, pa.types.is_large_string, pa.types.is_null),
-    )
-    return any(check(value) for check in checks)
+_decoder: Final = _Decoder()
+atexit.register(_decoder.end)
 
 
 def _series(column: pa.ChunkedArray) -> pd.Series:
@@ -232,21 +183,13 @@ def _series(column: pa.ChunkedArray) -> pd.Series:
         return pd.Series(column.fill_null(False).to_numpy())
     if pa.types.is_decimal(kind) or pa.types.is_float16(kind):
         column = column.cast(pa.float64())
-    if pa.types.is_dictionary(kind) and not _is_text(kind.value_type):
+    if pa.types.is_dictionary(kind) and not is_text(kind.value_type):
         column = column.cast(kind.value_type)
         return _series(column)
-    if _is_text(kind):
+    if is_text(kind):
         column = column.dictionary_encode()
     series: pd.Series = column.to_pandas()
     return series
-
-
-def _holds_text(kind: pa.DataType) -> bool:
-    return _is_text(kind.value_type if pa.types.is_dictionary(kind) else kind)
-
-
-def _is_text(kind: pa.DataType) -> bool:
-    return bool(pa.types.is_string(kind) or pa.types.is_large_string(kind))
 
 
 FORMAT: Final = Format("parquet", "Parquet", BOTH_ROLES, (".parquet", ".pq"), recognise, read)

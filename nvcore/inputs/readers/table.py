@@ -126,9 +126,11 @@ def _texts(column: pd.Series) -> pd.Series:
 def _numbers(column: pd.Series, title: str, file: SourceFile) -> pd.Series:
     if column.dtype in (np.float64, np.int64):
         return column.astype("float64")
-    if isinstance(column.dtype, pd.CategoricalDtype):
-        column = column.astype(object)
-    numbers = pd.to_numeric(column, errors="coerce").astype("float64")
+    if isinstance(column.dtype, pd.CategoricalDtype):  # each distinct text once
+        distinct = pd.to_numeric(pd.Series(column.cat.categories, dtype=object), errors="coerce")
+        numbers = pd.Series(np.append(distinct.to_numpy(np.float64), np.nan)[column.cat.codes])
+    else:
+        numbers = pd.to_numeric(column, errors="coerce").astype("float64")
     doubtful = (numbers.isna() & column.notna()).to_numpy(dtype=bool)
     if doubtful.any():
         doubtful = doubtful & ~_texts(column).isin(MISSING).to_numpy()

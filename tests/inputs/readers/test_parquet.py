@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import tracemalloc
+from collections.abc import Iterator
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -17,9 +19,10 @@ from inputs import drive, flags, nvcore
 from reader_files import rows, source
 
 from nvcore.errors import FormatError, NvcoreError
-from nvcore.inputs.readers import detect_format, parquet
+from nvcore.inputs.readers import detect_format, parquet, parquet_decoder
 from nvcore.inputs.readers.base import Reading, ReadOptions, Role, SourceFile
 from nvcore.inputs.readers.csv import FORMAT as PLAIN_CSV
+from nvcore.inputs.readers.parquet_decoder import RefusedError, Table
 
 BOX: dict[str, Any] = {"frame": [1, 2], "x": [1.5, 2.0], "y": [0, 1], "w": [9, 9], "h": [20, 30]}
 
@@ -36,6 +39,13 @@ def read(file: SourceFile, role: Role = "truth", **options: Any) -> Reading:
     file_format = detect_format([file], role)
     assert file_format is parquet.FORMAT
     return file_format.read([file], ReadOptions(role=role, **options))
+
+
+def decoded(path: Path, **limits: int) -> dict[int, pa.ChunkedArray]:
+    """All columns, in this process: with other limits than those of every file."""
+    table = Table(path.read_bytes())
+    given = {"ratio": 200, "ratio_from": 1 << 26, "unpacked": 1 << 31, "text": 1 << 14}
+    return table.columns(range(len(table.names)), given | limits)
 
 
 def refusal(file: SourceFile) -> str:
@@ -187,8 +197,9 @@ def test_texts_count_and_a_very_long_one_is_refused(
     monkeypatch.setattr(parquet, "RATIO_FROM_BYTES", 500_000)
     monkeypatch.setattr(parquet, "MAX_RATIO", 5)
     assert "declares 100 rows, which would take" in refusal(file)
-    monkeypatch.setattr(parquet, "_text_bytes", lambda *_: 0)  # a file that does not tell
-    assert "takes more than" in refusal(file)
+    monkeypatch.setattr(parquet_decoder, "_text_bytes", lambda *_: 0)  # a file that does not tell
+    with pytest.raises(RefusedError, match="takes more than"):
+        decoded(path, ratio=5, ratio_from=500_000)
     monkeypatch.undo()
     pq.write_table(pa.table(numbers | {"recording": ["a" * 20_000] * n}), path)
     assert "expected texts of at most 16,384 bytes, found one of 20,000" in refusal(file)
@@ -208,14 +219,13 @@ def test_texts_that_grow_as_they_are_decoded_are_refused_before_all_of_them_are(
     file = SourceFile(path, "a.parquet")
     assert path.stat().st_size < 100_000
     assert read(file).boxes["recording"].tolist() == names
-    monkeypatch.setattr(parquet, "TEXTS_AT_ONCE", 50)
-    monkeypatch.setattr(parquet, "RATIO_FROM_BYTES", 500_000)
-    monkeypatch.setattr(parquet, "MAX_RATIO", 5)
+    monkeypatch.setattr(parquet_decoder, "TEXTS_AT_ONCE", 50)
     before = pa.default_memory_pool()
     pool = pa.proxy_memory_pool(before)
     pa.set_memory_pool(pool)
     try:
-        assert "takes more than" in refusal(file)
+        with pytest.raises(RefusedError, match="takes more than"):
+            decoded(path, ratio=5, ratio_from=500_000)
     finally:
         pa.set_memory_pool(before)
     assert pool.max_memory() < 2_000_000
@@ -261,3 +271,73 @@ def test_a_damaged_table_is_read_or_refused(tmp_path: Path, place: int, piece: b
         n_boxes, said = 0, str(error)
     assert n_boxes <= 2
     assert not said or said.startswith("a.parquet: ")
+
+
+def repeated(folder: Path, column: str, text: str, n: int) -> SourceFile:
+    """A file with one text in all of its rows, stored once."""
+    columns: dict[str, Any] = {name: np.ones(n) for name in BOX}
+    once = pa.DictionaryArray.from_arrays(pa.array(np.zeros(n, np.int32)), pa.array([text]))
+    path = folder / "a.parquet"
+    pq.write_table(pa.table(columns | {column: once}), path, compression="zstd")
+    assert path.stat().st_size < 50_000
+    return SourceFile(path, "a.parquet")
+
+
+@pytest.mark.parametrize("column", ["id", "recording", "class", "attributes", "picture", "x"])
+@pytest.mark.parametrize("role", ["truth", "detections"])
+def test_a_text_counts_as_often_as_it_stands_there(tmp_path: Path, column: str, role: Role):
+    file = repeated(tmp_path, column, "a" * 16_000, 150_000)
+    with pytest.raises(FormatError, match=rf"a\.parquet: repeats texts in column {column} so"):
+        parquet.read([file], ReadOptions(role=role))
+
+
+@pytest.mark.parametrize(("column", "text"), [("id", "a" * 16_000), ("score", " " * 16_000)])
+def test_a_text_of_many_rows_is_not_written_out_to_learn_its_number(
+    tmp_path: Path, column: str, text: str
+):
+    file = repeated(tmp_path, column, text, 20_000)
+    options = ReadOptions(role="detections")
+    parquet.read([file], options)  # what is loaded once is not counted
+    before = pa.default_memory_pool()
+    pool = pa.proxy_memory_pool(before)
+    pa.set_memory_pool(pool)
+    tracemalloc.start()
+    try:
+        assert len(parquet.read([file], options).boxes) == 20_000
+        peak = tracemalloc.get_traced_memory()[1] + pool.max_memory()
+    finally:
+        tracemalloc.stop()
+        pa.set_memory_pool(before)
+    assert peak < 100_000_000  # all of them are 320 MB
+
+
+def aborting(folder: Path) -> Iterator[SourceFile]:
+    """Files that abort Arrow: a length in the footer, 2 before, is 109."""
+    pq.write_table(pa.table({name: [1.0, None] for name in BOX}), folder / "whole.parquet")
+    content = (folder / "whole.parquet").read_bytes()
+    start = len(content) - 8 - int.from_bytes(content[-8:-4], "little")
+    for place in range(start, len(content) - 8):
+        if content[place] == 2:
+            changed = content[:place] + b"\x6d" + content[place + 1 :]
+            file = source(folder, changed, "damaged.parquet")
+            try:
+                parquet.read([file], ReadOptions())
+            except FormatError as error:
+                if "ends the program that decodes it" in str(error):
+                    yield file
+
+
+def test_files_that_abort_arrow_are_refused_by_name_and_the_next_one_is_read(tmp_path: Path):
+    for file, _ in zip(aborting(tmp_path), range(2), strict=False):
+        assert refusal(file).startswith("damaged.parquet: expected a whole Parquet table")
+        assert len(read(table(tmp_path)).boxes) == 2
+
+
+def test_a_comparison_with_such_a_file_ends_as_with_other_bad_input(tmp_path: Path):
+    drive(tmp_path)
+    damaged = next(aborting(tmp_path)).path
+    given = [str(damaged) if text.endswith("fir.csv") else text for text in flags(tmp_path)]
+    assert str(damaged) in given
+    run = nvcore("compare", *given)
+    assert run.exit_code == 2
+    assert "damaged.parquet: expected a whole Parquet table" in run.stderr

@@ -29,20 +29,24 @@ def track_numbers(texts: pd.Series, recording: Any) -> tuple[np.ndarray, bool]:
     """
     if texts.dtype.kind == "f":
         return np.where(texts >= 0, texts, NO_TRACK).astype(np.int64), False
-    texts = texts.astype("str").str.strip()
-    number = pd.to_numeric(texts, errors="coerce").to_numpy(dtype=float)
-    missing = texts.isna().to_numpy() | texts.str.lower().isin(["", "nan", "none", "null"])
+    coded = names_as_categories(texts, len(texts))  # each text once, however often it stands there
+    distinct = pd.Series(coded.categories, dtype="str").str.strip()
+    number = pd.to_numeric(distinct, errors="coerce").to_numpy(dtype=float)
     with np.errstate(invalid="ignore"):
         is_whole = (np.abs(number) < MAX_INTEGER) & (number == np.floor(number))
-    track = np.where(is_whole & (number >= 0), number, NO_TRACK).astype(np.int64)
-    is_text = np.asarray(~missing & ~is_whole, dtype=bool)
+    is_missing = distinct.str.lower().isin(["", "nan", "none", "null"]).to_numpy(dtype=bool)
+    numbers = np.where(is_whole & (number >= 0), number, NO_TRACK).astype(np.int64)
+    # the last of them is for rows without a text, whose code is -1
+    track = np.append(numbers, NO_TRACK)[coded.codes]
+    is_text = np.append(~is_missing & ~is_whole, False)[coded.codes]
     if not is_text.any():
         return track, False
     names = names_as_categories(recording, len(texts))
     codes = names.codes
     largest = np.full(len(names.categories), -1, dtype=np.int64)
     np.maximum.at(largest, codes, track)
-    text_ids = pd.DataFrame({"recording": codes[is_text], "text": texts.to_numpy()[is_text]})
+    text_code = pd.factorize(distinct)[0][coded.codes[is_text]]
+    text_ids = pd.DataFrame({"recording": codes[is_text], "text": text_code})
     first = text_ids.drop_duplicates()
     order = first.groupby("recording").cumcount().to_numpy()
     first = first.assign(track=largest[first["recording"].to_numpy()] + 1 + order)

@@ -1,0 +1,231 @@
+"""Parquet decoded in a process of its own: Arrow aborts that which opens some damaged files.
+
+``python parquet_decoder.py`` answers requests by standard input: a file's content with the names of
+its columns, then the columns wanted of it. It imports nothing but pyarrow, so that it starts in a
+tenth of a second; whoever asks is `nvcore.inputs.readers.parquet`.
+"""
+
+from __future__ import annotations
+
+import pickle
+import signal
+import sys
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any, Final
+
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+
+TEXTS_AT_ONCE: Final = 4096
+"""Rows of a column of text that are decoded at a time: sizes in the file are claims."""
+_BYTES_OF_A_NUMBER: Final = 8
+_FAULTS: Final = (pa.ArrowException, OSError, ValueError, LookupError, OverflowError)
+"""What pyarrow raises for damaged and hostile files."""
+
+
+class RefusedError(Exception):
+    """A table that is whole, but not such as is read; the text says why."""
+
+
+class Table:
+    """A Parquet file: its columns' names, and those of them that are wanted."""
+
+    def __init__(self, content: bytes) -> None:
+        self._n_bytes, buffer = len(content), pa.BufferReader(content)
+        metadata = pq.read_metadata(buffer)
+        # one text many times takes no more than its number: a small file may hold a million rows
+        self._file = pq.ParquetFile(buffer, read_dictionary=_numbered_texts(metadata))
+        self.names: list[str] = self._file.schema_arrow.names
+
+    def columns(
+        self, places: Sequence[int], limits: Mapping[str, int]
+    ) -> dict[int, pa.ChunkedArray]:
+        """The columns at these places; texts as a dictionary.
+
+        Parameters
+        ----------
+        limits
+            ``ratio``: most bytes for one of the file, of more than ``ratio_from``; ``unpacked``:
+            most bytes in all; ``text``: those of one text.
+
+        Raises
+        ------
+        RefusedError
+            If a column is of another kind, or they would be too large.
+        """
+        budget = _Budget(self._n_bytes, limits)
+        self._check(places, budget)
+        names = [self.names[place] for place in places]
+        schema = self._file.schema_arrow
+        texts = [name for name in names if _holds_text(schema.field(name).type)]
+        numbers = [name for name in names if name not in texts]
+        groups = []
+        for number in range(self._file.num_row_groups):  # numbers take what their rows say
+            groups.append(self._file.read_row_group(number, columns=numbers))
+            budget.take(groups[-1].nbytes)
+        table = pa.concat_tables(groups or [schema.empty_table().select(numbers)])
+        columns = {name: table.column(name) for name in numbers}
+        columns |= {name: self._texts(name, budget, limits["text"]) for name in texts}
+        return {place: columns[name] for place, name in zip(places, names, strict=True)}
+
+    def _check(self, places: Sequence[int], budget: _Budget) -> None:
+        """Refuse columns that are no numbers or text, and too many rows."""
+        schema, metadata = self._file.schema_arrow, self._file.metadata
+        for place in places:
+            name, kind = self.names[place], schema.field(place).type
+            if self.names.count(name) > 1:
+                n_found = self.names.count(name)
+                raise RefusedError(f"expected one column {_short(name)}, found {n_found}")
+            if not _is_simple(kind):
+                raise RefusedError(
+                    f"expected numbers or text in column {_short(name)}, found {_short(str(kind))}"
+                )
+        groups = [metadata.row_group(i).num_rows for i in range(metadata.num_row_groups)]
+        n_rows = max(metadata.num_rows, sum(groups))  # one of them may lie
+        needed = n_rows * len(places) * _BYTES_OF_A_NUMBER
+        needed += _text_bytes(metadata, {self.names[place] for place in places})
+        if min(n_rows, *groups, 0) < 0 or budget.is_exceeded_by(needed):
+            raise budget.exceeded(f"declares {n_rows:,} rows, which would take", needed)
+
+    def _texts(self, name: str, budget: _Budget, longest_text: int) -> pa.ChunkedArray:
+        """Texts by number, a few rows at a time: how long they are is known when decoded."""
+        chunks: list[pa.DictionaryArray] = []
+        for batch in self._file.iter_batches(batch_size=TEXTS_AT_ONCE, columns=[name]):
+            chunk = batch.column(0)
+            if not pa.types.is_dictionary(chunk.type):
+                chunk = chunk.dictionary_encode()
+            if chunks and chunk.dictionary.equals(chunks[-1].dictionary):  # each has a copy
+                chunk = pa.DictionaryArray.from_arrays(chunk.indices, chunks[-1].dictionary)
+                budget.take(chunk.indices.nbytes)
+            else:
+                budget.take(chunk.nbytes)
+                lengths = pc.binary_length(chunk.dictionary)
+                longest = pc.max(lengths).as_py() or 0
+                if longest > longest_text:
+                    raise RefusedError(
+                        f"expected texts of at most {longest_text:,} bytes, found one of "
+                        f"{longest:,}"
+                    )
+            budget.take_texts(name, pc.sum(lengths.take(chunk.indices)).as_py() or 0)
+            chunks.append(chunk)
+        if not chunks:
+            return self._file.schema_arrow.empty_table().column(name)
+        # as one, so that the dictionary is sent once
+        return pa.chunked_array([pa.chunked_array(chunks).unify_dictionaries().combine_chunks()])
+
+
+class _Budget:
+    """Counts what is decoded, against what a file of this size may hold."""
+
+    def __init__(self, n_bytes: int, limits: Mapping[str, int]) -> None:
+        self._n_bytes, self._limits = n_bytes, limits
+        self._n_read = self._n_written_out = 0
+
+    def take(self, n_bytes: int) -> None:
+        """Count what has been decoded."""
+        self._n_read += n_bytes
+        if self.is_exceeded_by(self._n_read):
+            raise self.exceeded("takes more than", self._n_read)
+
+    def take_texts(self, name: str, n_bytes: int) -> None:
+        """Count the texts of rows, each as often as it stands there: as a packed CSV has them."""
+        self._n_written_out += n_bytes
+        if self._n_written_out > self._limits["unpacked"]:
+            raise RefusedError(
+                f"repeats texts in column {_short(name)} so often that its rows have more than "
+                f"{self._limits['unpacked'] >> 30} GiB of text; give several smaller files"
+            )
+
+    def is_exceeded_by(self, n_bytes: int) -> bool:
+        """Whether so many bytes are too many."""
+        limits = self._limits
+        is_bomb = n_bytes > limits["ratio_from"] and n_bytes > limits["ratio"] * self._n_bytes
+        return is_bomb or n_bytes > limits["unpacked"]
+
+    def exceeded(self, what: str, n_bytes: int) -> RefusedError:
+        """The error that says so."""
+        return RefusedError(
+            f"{what} {n_bytes / 2**30:,.1f} GiB, in a file of {self._n_bytes / 2**20:,.1f} MiB; "
+            f"expected at most {self._limits['ratio']} times its size, and "
+            f"{self._limits['unpacked'] >> 30} GiB: give several smaller files"
+        )
+
+
+def _numbered_texts(metadata: pq.FileMetaData) -> list[str]:
+    """Columns stored as numbers of texts throughout; pyarrow decodes others as texts alone."""
+    groups = (metadata.row_group(i) for i in range(metadata.num_row_groups))
+    chunks = [group.column(i) for group in groups for i in range(group.num_columns)]
+    others = {
+        chunk.path_in_schema
+        for chunk in chunks
+        if any("DELTA" in encoding for encoding in chunk.encodings)
+    }
+    texts = [field.name for field in metadata.schema.to_arrow_schema() if is_text(field.type)]
+    return [name for name in texts if name not in others]
+
+
+def _text_bytes(metadata: pq.FileMetaData, names: Collection[str]) -> int:
+    """What the texts of these columns take as they are stored, unpacked."""
+    groups = (metadata.row_group(i) for i in range(metadata.num_row_groups))
+    chunks = (group.column(i) for group in groups for i in range(group.num_columns))
+    return sum(
+        max(chunk.total_uncompressed_size, 0)
+        for chunk in chunks
+        if chunk.physical_type == "BYTE_ARRAY" and chunk.path_in_schema in names
+    )
+
+
+def _is_simple(kind: pa.DataType) -> bool:
+    value = kind.value_type if pa.types.is_dictionary(kind) else kind
+    checks = (
+        *(pa.types.is_integer, pa.types.is_floating, pa.types.is_decimal, pa.types.is_boolean),
+        *(pa.types.is_string, pa.types.is_large_string, pa.types.is_null),
+    )
+    return any(check(value) for check in checks)
+
+
+def _holds_text(kind: pa.DataType) -> bool:
+    return is_text(kind.value_type if pa.types.is_dictionary(kind) else kind)
+
+
+def is_text(kind: pa.DataType) -> bool:
+    """Whether values of this type are texts."""
+    return bool(pa.types.is_string(kind) or pa.types.is_large_string(kind))
+
+
+def _short(text: str) -> str:
+    text = " ".join(text.split())
+    return text if len(text) <= 60 else f"{text[:59]}…"
+
+
+def main() -> None:
+    """Answer requests until there are no more: (state, value), or (state, text of an error)."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # ^C is for whoever asks, and ends us too
+    requests, answers = sys.stdin.buffer, sys.stdout.buffer
+    table: Table | None = None
+    while True:
+        try:
+            content, places, limits = pickle.load(requests)  # noqa: S301  # of our own program
+        except EOFError:
+            return
+        answer: tuple[str, Any]
+        try:
+            if content is not None:
+                table = None  # that of before goes first
+                table = Table(content)
+                answer = ("fine", table.names)
+            else:
+                assert table is not None
+                answer = ("fine", table.columns(places, limits))
+        except RefusedError as error:
+            answer = ("refused", str(error))
+        except _FAULTS as error:
+            answer = ("fault", str(error))
+        pickle.dump(answer, answers, protocol=5)
+        answers.flush()
+        del content, answer
+
+
+if __name__ == "__main__":
+    main()
