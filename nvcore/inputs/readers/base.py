@@ -193,6 +193,25 @@ class ReadOptions:
 
 
 @dataclass(frozen=True)
+class LeftOut:
+    """Something in the files that a reading does not use.
+
+    Attributes
+    ----------
+    kind
+        ``class``: boxes of a class; ``box``: what is no box; ``picture``: files or pictures.
+    name
+        The class as the files call it; of others what they are ("polygon", "empty bbox").
+    count
+        How many boxes, objects or pictures.
+    """
+
+    kind: Literal["class", "box", "picture"]
+    name: str
+    count: int
+
+
+@dataclass(frozen=True)
 class Reading:
     """What one call of a reader returns.
 
@@ -221,6 +240,8 @@ class Reading:
         the boxes that are not ignored.
     categories
         Names of categories by their ids, where results in the same format have ids alone.
+    left_out
+        What of the files is not used, the most first; `conversion` says it in words.
     """
 
     boxes: pd.DataFrame
@@ -232,6 +253,7 @@ class Reading:
     attributes: pd.DataFrame | None = None
     labels: tuple[str, ...] = ()
     categories: Mapping[str, str] = field(default_factory=dict)
+    left_out: tuple[LeftOut, ...] = ()
 
 
 Read = Callable[[Sequence[SourceFile], ReadOptions], Reading]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -14,6 +15,7 @@ from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
     Format,
+    LeftOut,
     Lines,
     Reading,
     ReadOptions,
@@ -37,6 +39,7 @@ from nvcore.inputs.readers.csv_columns import (
 )
 from nvcore.inputs.readers.meaning.attributes import attributes_of_boxes, joined_attributes
 from nvcore.inputs.readers.meaning.categories import CategoryChoice, choose_categories
+from nvcore.inputs.readers.meaning.classes import classes_left_out
 from nvcore.inputs.readers.meaning.detectability import checked_detectability
 from nvcore.inputs.readers.meaning.distance import known_distances, odd_distances
 from nvcore.inputs.readers.meaning.labels import codes_of, labels_of
@@ -131,7 +134,7 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
         attributes.append(texts)
         facts += new_facts
     annotated = None
-    choice = _classes(kinds, files, options)
+    choice, left_out = _classes(kinds, files, options)
     labels: tuple[str, ...] = ()
     if choice is not None:
         label_of = labels_of(choice.counted, options.objects)
@@ -142,9 +145,7 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
         tables = [
             boxes
             if kind is None
-            else _sorted_by_class(
-                boxes.assign(label=codes_of(kind, label_of)), kind, choice, options.role
-            )
+            else _sorted_by_class(boxes.assign(label=codes_of(kind, label_of)), kind, choice)
             for boxes, kind in zip(tables, kinds, strict=True)
         ]
     recordings: list[str] = []
@@ -159,6 +160,7 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
         findings=tuple(findings),
         attributes=joined_attributes(attributes),
         labels=labels,
+        left_out=left_out,
     )
 
 
@@ -268,32 +270,30 @@ def _misspelt(source: NamedColumns, role: Role) -> list[Finding]:
 
 def _classes(
     kinds: Sequence[pd.Series | None], files: Sequence[SourceFile], options: ReadOptions
-) -> CategoryChoice | None:
-    """The choice of classes over all files; those of a single class are about that one."""
-    with_classes = [
-        (file, kind) for file, kind in zip(files, kinds, strict=True) if kind is not None
-    ]
-    if not with_classes:
-        return None
-    names = {str(name): str(name) for _, kind in with_classes for name in kind.unique()}
+) -> tuple[CategoryChoice | None, tuple[LeftOut, ...]]:
+    """The choice of classes over all files, and what it leaves out; None: files have no classes.
+
+    Those of a single class are about that one.
+    """
+    counts: Counter[Any] = Counter()
+    for kind in kinds:
+        counts.update({} if kind is None else kind.value_counts().to_dict())
+    first = next((file for file, kind in zip(files, kinds, strict=True) if kind is not None), None)
+    if first is None:
+        return None, ()
+    names = {str(name): str(name) for name in counts}
     is_lookalike = options.objects.is_lookalike
     if options.classes is None and len(names) <= 1 and not any(map(is_lookalike, names)):
-        return CategoryChoice(tuple(names), (), (), f"class {''.join(names)} throughout: counted")
-    file = with_classes[0][0].name
-    return choose_categories(names, options.classes, file=file, objects=options.objects)
+        conversion = f"class {''.join(names)} throughout: counted"
+        return CategoryChoice(tuple(names), (), (), conversion), ()
+    choice = choose_categories(names, options, file=first.name)
+    return choice, classes_left_out({name: counts[name] for name in choice.left_out})
 
 
-def _sorted_by_class(
-    boxes: pd.DataFrame, kind: pd.Series, choice: CategoryChoice, role: Role
-) -> pd.DataFrame:
-    """Boxes without those of other classes; lookalikes are ignore regions of the truth."""
-    keep = ~kind.isin(choice.left_out).to_numpy()
-    is_neutral = kind.isin(choice.ignored).to_numpy()
-    if role == "truth":
-        boxes = boxes.assign(ignore=boxes["ignore"].to_numpy() | is_neutral)
-    else:
-        keep &= ~is_neutral
-    return select_boxes(boxes, keep)
+def _sorted_by_class(boxes: pd.DataFrame, kind: pd.Series, choice: CategoryChoice) -> pd.DataFrame:
+    """Boxes without those of other classes; lookalikes are ignore regions."""
+    ignore = boxes["ignore"].to_numpy() | kind.isin(choice.ignored).to_numpy()
+    return select_boxes(boxes.assign(ignore=ignore), ~kind.isin(choice.left_out).to_numpy())
 
 
 def _columns_to_read(header: Header, role: Role) -> list[str]:

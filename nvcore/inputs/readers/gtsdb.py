@@ -26,7 +26,6 @@ from nvcore.inputs.readers.base import (
 from nvcore.inputs.readers.meaning.classes import (
     ClassRule,
     choose_classes,
-    name_left_out,
     rule_for,
 )
 from nvcore.inputs.readers.meaning.labels import labelled
@@ -92,7 +91,6 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         "frame numbers from the pictures' names",
         "inclusive 0-based corners to x, y, w, h (w = x2 - x1 + 1)",
         choice.fact,
-        name_left_out(label, choice.keep),
         *(fact for _, fact in scenes),
     ]
     return Reading(
@@ -109,6 +107,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         images=image_list(names, [listed for listed, _ in scenes]),
         findings=choice.findings,
         labels=labels,
+        left_out=choice.left_out,
     )
 
 

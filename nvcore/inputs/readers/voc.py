@@ -23,7 +23,7 @@ from nvcore.inputs.readers.base import (
     warning,
 )
 from nvcore.inputs.readers.meaning.categories import concerns_objects, free_labels
-from nvcore.inputs.readers.meaning.classes import choose_classes, name_left_out
+from nvcore.inputs.readers.meaning.classes import choose_classes
 from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.names import listed_frames
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
@@ -99,7 +99,6 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         if base
         else "corners taken as edges, pixels 0-based (box base 0)",
         choice.fact,
-        name_left_out(label, choice.keep),
         "difficult = ignore" if is_truth else "",
         "occluded = partial occlusion, truncated not used",
     ]
@@ -130,6 +129,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         images=images.sort_values("image_id", ignore_index=True),
         findings=tuple(findings),
         labels=labels,
+        left_out=choice.left_out,
     )
 
 

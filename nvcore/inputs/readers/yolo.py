@@ -25,7 +25,7 @@ from nvcore.inputs.readers.base import (
     recordings_table,
 )
 from nvcore.inputs.readers.meaning.categories import free_labels
-from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes, name_left_out
+from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes
 from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.names import listed_frames
 from nvcore.inputs.readers.parse.text import (
@@ -134,7 +134,6 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         f"shares of the picture to pixels of {width} x {height} (0-based)",
         *fields.facts,
         choice.fact,
-        name_left_out(label, choice.keep),
         f"class names from {names.source}" if names.source else "",
         f"not read as pictures: {', '.join(passed)}" if passed else "",
     ]
@@ -145,6 +144,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         images=images.sort_values("image_id", ignore_index=True),
         findings=(*fields.findings, *choice.findings),
         labels=labels,
+        left_out=choice.left_out,
     )
 
 

@@ -89,6 +89,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         f"the visible box (up to {PARTIAL_OCCLUSION:g} hidden = partial)",
         images=images.sort_values("image_id", ignore_index=True),
         findings=(*choice.findings, *rotated),
+        left_out=choice.left_out,
     )
 
 

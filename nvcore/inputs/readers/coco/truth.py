@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -37,6 +39,7 @@ from nvcore.inputs.readers.meaning.attributes import (
     joined_classes,
 )
 from nvcore.inputs.readers.meaning.categories import CategoryChoice, choose_categories
+from nvcore.inputs.readers.meaning.classes import classes_left_out
 from nvcore.inputs.readers.meaning.detectability import checked_detectability
 from nvcore.inputs.readers.meaning.distance import known_distances, odd_distances
 from nvcore.inputs.readers.meaning.labels import labelled
@@ -70,6 +73,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         With file and record of the first thing that is not COCO, or is not clear.
     """
     tables, images, recordings, attributes, kinds = [], [], [], [], []
+    left_out: Counter[Any] = Counter()
     categories: dict[str, str] = {}
     facts: list[str] = ["boxes as they are (0-based)"]
     findings: list[Finding] = []
@@ -83,7 +87,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         listed = read_images(document, file)
         names = _categories(document, file)
         boxes, new_facts, oddities, texts, kind = _read_annotations(
-            document, file, number, listed, names, options
+            document, file, number, listed, names, options, left_out
         )
         tables.append(boxes)
         kinds.append(kind)
@@ -106,6 +110,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         attributes=joined_attributes(attributes),
         labels=labels,
         categories=categories,
+        left_out=classes_left_out(left_out),
     )
 
 
@@ -132,8 +137,12 @@ def _read_annotations(
     listed: ImageList,
     names: Mapping[str, str],
     options: ReadOptions,
+    left_out: Counter[Any],
 ) -> tuple[pd.DataFrame, list[str], list[Finding], pd.DataFrame | None, np.ndarray]:
-    """Boxes, the conversion in words, what is odd, the attributes; class of boxes, or empty."""
+    """Boxes, the conversion in words, what is odd, the attributes; class of boxes, or empty.
+
+    Boxes of classes that are left out are added to the counts of `left_out`.
+    """
     records = Records(document.get("annotations"), file, "annotation", "annotations")
     choice, keys = _classes(names, records, file, options)
     facts = [choice.conversion] if choice is not None else ["no categories: all annotations count"]
@@ -150,6 +159,9 @@ def _read_annotations(
         kind = keys.map({key: names.get(key, "") for key in choice.counted}).fillna("").to_numpy()
         ignore |= keys.isin(choice.ignored).to_numpy()
         is_left_out = keys.isin(choice.left_out).to_numpy()
+        left_out.update(
+            keys[is_left_out].map(lambda key: names.get(key, key)).value_counts().to_dict()
+        )
     columns: dict[str, object] = {}
     track = id_texts(records, "track id", *TRACK_KEYS)
     if track is not None:
@@ -249,7 +261,7 @@ def _classes(
     used = set(keys)
     if "0" not in used and names.get("0") == "ignore":
         del names["0"]
-    choice = choose_categories(names, options.classes, file=file.name, objects=options.objects)
+    choice = choose_categories(names, options, file=file.name)
     return choice, keys
 
 

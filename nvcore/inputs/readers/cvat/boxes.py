@@ -21,7 +21,7 @@ from nvcore.inputs.readers.base import (
 from nvcore.inputs.readers.cvat.xml import CvatContent
 from nvcore.inputs.readers.meaning.attributes import attributes_of_boxes, is_ambiguous
 from nvcore.inputs.readers.meaning.categories import concerns_objects, free_labels
-from nvcore.inputs.readers.meaning.classes import choose_classes, name_left_out
+from nvcore.inputs.readers.meaning.classes import choose_classes
 from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
 
@@ -79,7 +79,6 @@ def boxes_reading(
         "corners to width and height (0-based, continuous)",
         *facts,
         choice.fact,
-        name_left_out(label, choice.keep),
         ignoring if is_truth else "",
         "other attributes as classes of encounters" if attributes is not None else "",
         f"{n_rotated} rotated boxes replaced by the upright box around them" if n_rotated else "",
@@ -92,6 +91,7 @@ def boxes_reading(
         findings=(*merged(findings), *choice.findings, *ambiguous),
         attributes=attributes,
         labels=labels,
+        left_out=choice.left_out,
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
     Format,
+    LeftOut,
     Reading,
     ReadOptions,
     Role,
@@ -92,13 +93,14 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     )
     keep = np.ones(len(table), dtype=bool)
     findings: tuple[Finding, ...] = ()
+    left_out: tuple[LeftOut, ...] = ()
     if is_long.any():
         options_by_name = replace(options, classes=_class_names(options.classes))
         label = _type_names(np.where(is_long, table.columns[1], 1))
         choice = choose_classes(
             label, rule_for(RULE, label, options_by_name), options_by_name, table.lines
         )
-        keep, findings = choice.keep, choice.findings
+        keep, findings, left_out = choice.keep, choice.findings, choice.left_out
         facts += [DISTANCE, choice.fact]
     elif len(table):
         facts.append("columns 2 to 5 taken for corners (x2 > x1 and y2 > y1 in every row)")
@@ -114,6 +116,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         recordings=recordings_table(names),
         conversion=conversion_text([*facts, *assumed]),
         findings=findings,
+        left_out=left_out,
     )
 
 

@@ -50,6 +50,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         conversion=conversion_text(["frame numbers from the file names", *facts]),
         images=images.sort_values("image_id", ignore_index=True),
         findings=choice.findings,
+        left_out=choice.left_out,
     )
 
 

@@ -60,6 +60,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         conversion=conversion_text(["frame numbers kept (0-based)", *facts, *assumed]),
         annotated=places.drop_duplicates(ignore_index=True),
         findings=choice.findings,
+        left_out=choice.left_out,
     )
 
 

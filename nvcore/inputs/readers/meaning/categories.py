@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import ReadOptions
 from nvcore.inputs.readers.meaning.classes import ClassRule, rule_of
-from nvcore.wording.objects import PEDESTRIAN, Objects, plain_class
+from nvcore.wording.objects import plain_class
 
 _MANY = 30
 
@@ -36,11 +36,7 @@ class CategoryChoice:
 
 
 def choose_categories(
-    names: Mapping[str, str],
-    classes: tuple[str, ...] | None,
-    *,
-    file: str,
-    objects: Objects = PEDESTRIAN,
+    names: Mapping[str, str], options: ReadOptions, *, file: str
 ) -> CategoryChoice:
     """Sort the categories of a file into counted, ignored and left out.
 
@@ -48,18 +44,18 @@ def choose_categories(
     ----------
     names
         Name of each category by its key in the file; where there are only names, key = name.
-    classes
-        Names or keys to count; None: those called as the objects are (person, pedestrian).
+    options
+        Its `classes` are names or keys to count; None: those called as the objects are (person,
+        pedestrian). Of detections nothing is ignored: what does not count is left out.
     file
         The file, for errors.
-    objects
-        What the boxes are of.
 
     Raises
     ------
     FormatError
         If one of `classes` is not there, or none is given and none is called so.
     """
+    classes, objects = options.classes, options.objects
     listed = ", ".join(_shown(key, name) for key, name in [*names.items()][:_MANY]) or "none"
     listed += f" and {len(names) - _MANY} more" if len(names) > _MANY else ""
     if classes is None:
@@ -84,6 +80,7 @@ def choose_categories(
                 )
             counted |= hits
     ignored = {key for key, name in names.items() if objects.concerns(name)} - counted
+    ignored = set() if options.role == "detections" else ignored
     fates = {
         "counted": tuple(key for key in names if key in counted),
         "ignored": tuple(key for key in names if key in ignored),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -11,7 +11,7 @@ import pandas as pd
 
 from nvcore.errors import InputError
 from nvcore.findings import Finding
-from nvcore.inputs.readers.base import Lines, ReadOptions
+from nvcore.inputs.readers.base import LeftOut, Lines, ReadOptions
 from nvcore.wording.objects import Objects
 
 _MAX_NAMED: Final = 8
@@ -56,12 +56,15 @@ class ClassChoice:
         The rule in words, for the conversion text.
     findings
         Rows of classes that the format does not have; rows of which none counts.
+    left_out
+        The classes whose rows do not stay; named in `fact`.
     """
 
     keep: np.ndarray
     ignore: np.ndarray
     fact: str
     findings: tuple[Finding, ...]
+    left_out: tuple[LeftOut, ...]
 
 
 def rule_of(classes: Iterable[str], objects: Objects) -> ClassRule:
@@ -161,30 +164,27 @@ def choose_classes(
         role=options.role,
         example=lambda row: str(label[row]),
     )
+    keep = is_wanted | is_neutral
+    n_boxes = np.bincount(codes[~keep], minlength=len(classes))
+    left_out = classes_left_out(dict(zip(classes, n_boxes, strict=True)))
     return ClassChoice(
-        keep=is_wanted | is_neutral,
+        keep=keep,
         ignore=is_neutral,
-        fact=fact + "; others left out",
+        fact=f"{fact}; others {left_out_text(left_out) or 'left out'}",
         findings=tuple(findings),
+        left_out=left_out,
     )
 
 
-def name_left_out(label: np.ndarray, keep: np.ndarray) -> str:
-    """The labels that were left out with their numbers of boxes, in words; empty for none.
+def classes_left_out(counts: Mapping[str, int]) -> tuple[LeftOut, ...]:
+    """Classes of which nothing is used, the most boxes first, from how many boxes each has."""
+    by_count = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
+    return tuple(LeftOut("class", str(name), int(n)) for name, n in by_count if n)
 
-    Parameters
-    ----------
-    label
-        Label of each box, object, shape (n,).
-    keep
-        Whether it stays, bool, shape (n,).
-    """
-    counts = pd.Series(label[~keep], dtype=object).value_counts()
-    if counts.empty:
-        return ""
-    counts = counts.sort_index().sort_values(ascending=False, kind="stable")
-    texts = [f"{name} ({n})" for name, n in counts.iloc[:_MAX_NAMED].items()]
-    if len(counts) > _MAX_NAMED:
-        further = counts.iloc[_MAX_NAMED:]
-        texts.append(f"{len(further)} more labels ({further.sum()})")
-    return f"left out: {', '.join(texts)}"
+
+def left_out_text(left_out: Sequence[LeftOut]) -> str:
+    """What is left out with its numbers, in words; empty for nothing."""
+    texts = [f"{item.name} ({item.count})" for item in left_out[:_MAX_NAMED]]
+    if further := left_out[_MAX_NAMED:]:
+        texts.append(f"{len(further)} more labels ({sum(item.count for item in further)})")
+    return f"left out: {', '.join(texts)}" if texts else ""

@@ -25,7 +25,8 @@ def test_labels_become_boxes_with_track_distance_and_occlusion():
     ]
     assert set(reading.boxes["recording"]) == {"0016"}
     assert reading.conversion.endswith(
-        "Pedestrian counted; Person, Person_sitting, DontCare ignored; others left out"
+        "Pedestrian counted; Person, Person_sitting, DontCare ignored; others left out: "
+        "Car (1), Cyclist (1)"
     )
     assert reading.findings == ()
 
