@@ -10,6 +10,7 @@ wrote and what OpenCV decodes.
 from __future__ import annotations
 
 import struct
+from dataclasses import dataclass
 from typing import Final
 
 from nvcore.errors import MediaError
@@ -25,16 +26,17 @@ _BITMAP_HEADERS: Final = frozenset(struct.pack("<L", n) for n in (12, 40, 52, 56
 _START_OF_FRAME: Final = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
 _WITHOUT_LENGTH: Final = frozenset({0x01, *range(0xD0, 0xD9)})
 
-_TIFF_WIDTH: Final = 256
-_TIFF_HEIGHT: Final = 257
+_TIFF_KIND, _TIFF_WIDTH, _TIFF_HEIGHT, _TIFF_PHOTOMETRIC = 254, 256, 257, 262
+_TIFF_ORIENTATION: Final = 274
 _TIFF_NUMBERS: Final = {3: "H", 4: "L"}
+_TIFF_STARTS: Final = (b"II*\0", b"MM\0*")
 
 
 def is_image(content: bytes) -> bool:
     """Whether the first bytes are those of PNG, JPEG, TIFF or BMP."""
-    return content.startswith(
-        (b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff", b"II*\0", b"MM\0*")
-    ) or _is_bitmap(content)
+    return content.startswith((b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff", *_TIFF_STARTS)) or _is_bitmap(
+        content
+    )
 
 
 def _is_bitmap(content: bytes) -> bool:
@@ -43,7 +45,9 @@ def _is_bitmap(content: bytes) -> bool:
 
 
 def image_size(content: bytes, name: str) -> tuple[int, int]:
-    """Width and height of a PNG, JPEG, TIFF or BMP, px.
+    """Width and height of a PNG, JPEG, TIFF or BMP as it is shown, px.
+
+    A camera that was turned says so in the file (Exif).
 
     Parameters
     ----------
@@ -117,11 +121,12 @@ def _has_whole_chunks(content: bytes) -> bool:
 
 def _size(content: bytes) -> tuple[int, int] | None:
     if content.startswith(b"\x89PNG\r\n\x1a\n"):
-        return struct.unpack_from(">2L", content, 16) if content[12:16] == b"IHDR" else None
+        return _png_size(content)
     if content.startswith(b"\xff\xd8\xff"):
         return _jpeg_size(content)
-    if content.startswith((b"II*\0", b"MM\0*")):
-        return _tiff_size(content, "<" if content[:1] == b"I" else ">")
+    if content.startswith(_TIFF_STARTS):
+        page, _ = _tiff_page(content, struct.unpack_from(_order(content) + "L", content, 4)[0])
+        return None if page is None else (page.width, page.height)
     if _is_bitmap(content):
         if content[14] == 12:  # the oldest header has short numbers
             return struct.unpack_from("<2H", content, 18)
@@ -131,7 +136,7 @@ def _size(content: bytes) -> tuple[int, int] | None:
 
 
 def _jpeg_size(content: bytes) -> tuple[int, int] | None:
-    position = 2
+    position, is_turned = 2, False
     while position + 9 <= len(content):  # a step per segment, before the picture's data
         if content[position] != 0xFF:
             return None
@@ -142,21 +147,130 @@ def _jpeg_size(content: bytes) -> tuple[int, int] | None:
             position += 2
         elif marker in _START_OF_FRAME:
             height, width = struct.unpack_from(">2H", content, position + 5)
-            return width, height
+            return (height, width) if is_turned else (width, height)
         else:
-            position += 2 + int.from_bytes(content[position + 2 : position + 4], "big")
+            n_bytes = int.from_bytes(content[position + 2 : position + 4], "big")
+            if marker == 0xE1 and content[position + 4 : position + 10] == b"Exif\0\0":
+                is_turned = _lies_on_its_side(content[position + 10 : position + 2 + n_bytes])
+            position += 2 + n_bytes
     return None
 
 
-def _tiff_size(content: bytes, order: str) -> tuple[int, int] | None:
-    start = struct.unpack_from(order + "L", content, 4)[0]
+def _png_size(content: bytes) -> tuple[int, int] | None:
+    if content[12:16] != b"IHDR":
+        return None
+    width, height = struct.unpack_from(">2L", content, 16)
+    position = 8
+    while position + 12 <= len(content):  # a step per part
+        n_bytes = int.from_bytes(content[position : position + 4], "big")
+        if content[position + 4 : position + 8] == b"eXIf":
+            exif = content[position + 8 : position + 8 + n_bytes]
+            return (height, width) if _lies_on_its_side(exif) else (width, height)
+        position += 12 + n_bytes
+    return width, height
+
+
+def _lies_on_its_side(exif: bytes) -> bool:
+    """Whether the camera says that it was turned by a quarter, as the decoder obeys it."""
+    try:
+        start = struct.unpack_from(_order(exif) + "L", exif, 4)[0]
+        return _tags(exif, start)[0].get(_TIFF_ORIENTATION, 1) >= 5
+    except struct.error:
+        return False
+
+
+@dataclass(frozen=True)
+class TiffPage:
+    """One of the pictures in a TIFF.
+
+    Attributes
+    ----------
+    start
+        Where its list of tags lies in the file, bytes.
+    width, height
+        Its size as it is shown, px.
+    is_white_zero
+        Whether 0 is white, as in the negative.
+    is_extra
+        Whether it is a smaller copy of another page, or a mask.
+    """
+
+    start: int
+    width: int
+    height: int
+    is_white_zero: bool
+    is_extra: bool
+
+
+def tiff_pages(content: bytes, most: int | None = None) -> list[TiffPage]:
+    """The pages of a TIFF that are pictures of the first one's size; empty: it is none, or damaged.
+
+    A file of many such pages is a recording; pages of other sizes are previews.
+
+    Parameters
+    ----------
+    most
+        Pages to look at; None: all.
+    """
+    pages: list[TiffPage] = []
+    if not content.startswith(_TIFF_STARTS):
+        return pages
+    seen: set[int] = set()
+    n_bytes = 0
+    try:
+        start = struct.unpack_from(_order(content) + "L", content, 4)[0]
+        # a step per page; lists of tags that overlap or go round would never end
+        while start and start not in seen and n_bytes <= len(content) and len(seen) != most:
+            seen.add(start)
+            page, following = _tiff_page(content, start)
+            n_bytes += 6 + 12 * struct.unpack_from(_order(content) + "H", content, start)[0]
+            start = following
+            if page is not None:
+                pages.append(page)
+    except struct.error:
+        pass  # the pages before can be read
+    return [
+        page
+        for page in pages
+        if not page.is_extra and (page.width, page.height) == (pages[0].width, pages[0].height)
+    ]
+
+
+def with_first_page(content: bytes, page: TiffPage) -> bytes:
+    """The TIFF with this page as its first, the one that is decoded."""
+    return content[:4] + struct.pack(_order(content) + "L", page.start) + content[8:]
+
+
+def _order(content: bytes) -> str:
+    return "<" if content[:1] == b"I" else ">"
+
+
+def _tags(content: bytes, start: int) -> tuple[dict[int, int], int]:
+    """Values of the tags in the list that lies there, and where the next list lies."""
+    order = _order(content)
     n_tags = struct.unpack_from(order + "H", content, start)[0]
-    sizes: dict[int, int] = {}
+    values: dict[int, int] = {}
     for number in range(n_tags):  # at most 65535 tags
         entry = start + 2 + 12 * number
         tag, kind = struct.unpack_from(order + "2H", content, entry)
-        if tag in (_TIFF_WIDTH, _TIFF_HEIGHT):
-            if kind not in _TIFF_NUMBERS:
-                return None
-            sizes[tag] = struct.unpack_from(order + _TIFF_NUMBERS[kind], content, entry + 8)[0]
-    return (sizes[_TIFF_WIDTH], sizes[_TIFF_HEIGHT]) if len(sizes) == 2 else None
+        if kind in _TIFF_NUMBERS:
+            values[tag] = struct.unpack_from(order + _TIFF_NUMBERS[kind], content, entry + 8)[0]
+    end = start + 2 + 12 * n_tags
+    return values, int.from_bytes(content[end : end + 4], "little" if order == "<" else "big")
+
+
+def _tiff_page(content: bytes, start: int) -> tuple[TiffPage | None, int]:
+    """The page whose tags lie there, None without a size, and where those of the next one lie."""
+    values, following = _tags(content, start)
+    if _TIFF_WIDTH not in values or _TIFF_HEIGHT not in values:
+        return None, following
+    width, height = values[_TIFF_WIDTH], values[_TIFF_HEIGHT]
+    is_turned = values.get(_TIFF_ORIENTATION, 1) >= 5
+    page = TiffPage(
+        start,
+        height if is_turned else width,
+        width if is_turned else height,
+        is_white_zero=values.get(_TIFF_PHOTOMETRIC) == 0,
+        is_extra=bool(values.get(_TIFF_KIND, 0) & 5),
+    )
+    return page, following

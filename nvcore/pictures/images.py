@@ -18,11 +18,13 @@ from nvcore.file_kinds import IMAGE_SUFFIXES
 from nvcore.inputs.readers.meaning.names import recording_and_frame_of
 from nvcore.pictures.archive import Archive
 from nvcore.pictures.base import Picture, PictureNote, RecentPictures, check_index
-from nvcore.pictures.header import image_size
+from nvcore.pictures.header import image_size, tiff_pages
 from nvcore.wording import one_line
 
 _MAX_BYTES: Final = 1 << 29
 _SHOWN_FOLDERS: Final = 5
+_FAR: Final = 25
+"""The sun in a picture of a night in kelvin is nearer than that, 0 for a masked border is not."""
 
 
 class Images:
@@ -93,9 +95,10 @@ class Images:
 
 
 def decode_image(content: bytes, name: str) -> Picture:
-    """A PNG, JPEG, TIFF or BMP as grey or RGB, uint8 or uint16.
+    """A PNG, JPEG, TIFF or BMP as grey or RGB, uint8 or uint16, turned as its camera says.
 
-    Transparency is dropped. Fractions (TIFF of temperatures) become uint16, least to greatest.
+    Transparency is dropped. Fractions (TIFF of temperatures) become uint16, least to greatest,
+    without those that are far from all others (`_as_uint16`).
 
     Raises
     ------
@@ -103,23 +106,48 @@ def decode_image(content: bytes, name: str) -> Picture:
         If it is none of these, too large, or damaged.
     """
     image_size(content, name)
+    # what is turned by Exif comes turned in this mode alone; a TIFF always does
+    is_exif = content.startswith((b"\xff\xd8\xff", b"\x89PNG"))
+    mode = cv2.IMREAD_ANYDEPTH | cv2.IMREAD_ANYCOLOR if is_exif else cv2.IMREAD_UNCHANGED
     try:
-        picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
+        picture = cv2.imdecode(np.frombuffer(content, np.uint8), mode)
     except cv2.error:
         picture = None
     if picture is None:
         raise MediaError("the picture cannot be decoded; it is damaged or unusual", file=name)
     if picture.ndim == 3:
         picture = picture[..., 0] if picture.shape[2] < 3 else picture[..., 2::-1]
+    is_negative = picture.dtype != np.uint8 and any(
+        page.is_white_zero for page in tiff_pages(content, most=1)
+    )  # of 8 bits, the decoder makes the positive itself
     if picture.dtype not in (np.uint8, np.uint16):
         picture = _as_uint16(picture)
-    return np.ascontiguousarray(picture)
+    return np.ascontiguousarray(65535 - picture if is_negative else picture)
 
 
 def _as_uint16(picture: NDArray[np.generic]) -> NDArray[np.uint16]:
-    values = np.nan_to_num(picture.astype(np.float64), posinf=0, neginf=0)
-    low, high = float(values.min()), float(values.max())
-    scaled: NDArray[np.float64] = (values - low) * (65535 / (high - low) if high > low else 0.0)
+    """The values from the least to the greatest as 0..65535.
+
+    What is no number becomes 0. So that a masked border or a single wrong pixel does not take the
+    contrast of all others, values further from the quartiles than `_FAR` times their distance are
+    cut off.
+    """
+    values = picture.astype(np.float64)
+    is_finite = np.isfinite(values)
+    if not is_finite.any():
+        return np.zeros(picture.shape, np.uint16)
+    near = values[is_finite]
+    for shares in ((25, 75), (5, 95), (0.5, 99.5)):  # the quartiles of a plain background are one
+        lower, upper = np.percentile(near, shares)
+        if upper > lower:
+            reach = _FAR * (upper - lower)
+            near = near[(near >= lower - reach) & (near <= upper + reach)]
+            break
+    low, high = float(near.min()), float(near.max())
+    if not low < high:
+        return np.zeros(picture.shape, np.uint16)
+    values = np.where(np.isnan(values), low, values).clip(low, high)
+    scaled: NDArray[np.float64] = (values - low) / (high - low) * 65535
     return scaled.astype(np.uint16)
 
 

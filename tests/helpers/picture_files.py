@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 import zipfile
 import zlib
+from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -52,9 +53,9 @@ def write_numbered_video(
     return path
 
 
-def encoded(picture: np.ndarray, ending: str = ".png") -> bytes:
+def encoded(picture: np.ndarray, ending: str = ".png", options: Sequence[int] = ()) -> bytes:
     """The picture as a file's content."""
-    done, content = cv2.imencode(ending, picture)
+    done, content = cv2.imencode(ending, picture, options)
     assert done
     return bytes(content)
 

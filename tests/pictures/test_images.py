@@ -6,6 +6,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 from picture_files import encoded, number_in, numbered, png_that_claims, write_picture, write_zip
@@ -78,7 +79,76 @@ def test_colours_come_as_red_green_blue(tmp_path: Path):
 def test_temperatures_in_a_tiff_become_16_bit():
     values = np.array([[-10.5, 0.0], [float("nan"), 31.5]], np.float32)
     picture = decode_image(encoded(values, ".tiff"), "a.tiff")
-    assert picture.tolist() == [[0, 16383], [16383, 65535]]
+    assert picture.tolist() == [[0, 16383], [0, 65535]]
+
+
+KELVIN = np.linspace(290, 300, 48 * 64, dtype=np.float32).reshape(48, 64)
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf, 3e38, -9999.0, 0.0])
+@pytest.mark.parametrize("where", [np.s_[:, :2], np.s_[3, 5]])
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+def test_a_masked_border_or_a_wrong_pixel_leaves_the_contrast_of_the_others(
+    wrong: float, where: Any, kind: type
+):
+    values = KELVIN.astype(kind)
+    values[where] = wrong
+    picture = decode_image(encoded(values, ".tiff"), "a.tiff")
+    is_right = np.ones(values.shape, bool)
+    is_right[where] = False
+    right = (KELVIN - 290) / 10 * 65535
+    assert np.abs(picture[is_right] - right[is_right]).max() < 65535 * 0.04
+    assert set(np.unique(picture[where])) <= {0, 65535}
+
+
+@pytest.mark.parametrize("plain", [np.nan, 295.0])
+def test_temperatures_without_a_difference_are_a_plain_picture(plain: float):
+    values = np.full((48, 64), plain, np.float32)
+    assert not decode_image(encoded(values, ".tiff"), "a.tiff").any()
+
+
+def test_one_wrong_pixel_before_a_plain_background_leaves_the_pedestrian():
+    values = np.full((48, 64), 280, np.float32)
+    values[10:30, 20:28], values[0, 0] = 305, 3e38
+    picture = decode_image(encoded(values, ".tiff"), "a.tiff")
+    assert (picture[0, 1], picture[20, 24]) == (0, 65535)
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.float32])
+def test_a_tiff_whose_zero_is_white_is_shown_as_the_positive(kind: type):
+    values = np.arange(48 * 64).reshape(48, 64).astype(kind)
+    content = encoded(values, ".tif", [cv2.IMWRITE_TIFF_COMPRESSION, 1])
+    black = (262).to_bytes(2, "little") + b"\3\0\1\0\0\0" + b"\1"
+    assert content.count(black) == 1
+    negative = decode_image(content.replace(black, black[:-1] + b"\0"), "a.tif")
+    assert (negative == np.iinfo(negative.dtype).max - decode_image(content, "a.tif")).all()
+
+
+@pytest.mark.parametrize("orientation", range(1, 9))
+@pytest.mark.parametrize(
+    ("ending", "kind"),
+    [
+        ("jpeg", np.uint8),
+        ("png", np.uint8),
+        *(("tiff", k) for k in (np.uint8, "uint16", "float32")),
+    ],
+)
+def test_a_picture_is_turned_as_its_camera_says(orientation: int, ending: str, kind: str):
+    exif = Image.Exif()
+    exif[ExifTags.Base.Orientation] = orientation
+    upright = np.zeros((48, 64), np.uint8)
+    upright[:12, :16] = 255  # at the top left
+    # as the sensor has it: what `ImageOps.exif_transpose` turns back
+    stored = {1: upright, 2: np.fliplr(upright), 3: np.rot90(upright, 2), 4: np.flipud(upright)}
+    stored |= {5: upright.T, 6: np.rot90(upright), 7: np.rot90(upright, 2).T}
+    stored |= {8: np.rot90(upright, 3)}
+    buffer = BytesIO()
+    Image.fromarray(stored[orientation].astype(kind)).save(buffer, ending, exif=exif)
+    content = buffer.getvalue()
+    picture = decode_image(content, "a")
+    assert image_size(content, "a") == (64, 48) == picture.shape[1::-1]
+    assert (picture[:10, :14] > 200).all()
+    assert (picture[14:] < 60).all()
 
 
 @pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.int16, np.int32, np.float32, np.float64])
@@ -94,10 +164,6 @@ def written_by_pillow(ending: str, mode: str, **options: Any) -> bytes:
     return buffer.getvalue()
 
 
-ROTATED = Image.Exif()
-ROTATED[ExifTags.Base.Orientation] = 6
-
-
 @pytest.mark.parametrize(
     ("ending", "mode", "options"),
     [
@@ -106,7 +172,6 @@ ROTATED[ExifTags.Base.Orientation] = 6
         ("png", "I;16", {}),
         ("jpeg", "L", {"progressive": True}),
         ("jpeg", "RGB", {"comment": "a" * 60_000}),
-        ("jpeg", "RGB", {"exif": ROTATED}),  # shown as it lies in the file
         ("tiff", "I;16B", {}),
         ("tiff", "RGB", {"compression": "tiff_lzw"}),
         ("tiff", "L", {"save_all": True, "append_images": [Image.new("L", (5, 5))]}),

@@ -10,6 +10,7 @@ from __future__ import annotations
 import glob
 import os
 import re
+import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
@@ -266,26 +267,48 @@ def _before_magic(parts: Sequence[str]) -> list[str]:
 def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, str]:
     """Pictures of each recording, guessed from their names: its own, or the only ones.
 
+    Each source serves one recording: that whose whole name it has, else that with the longest name
+    within its own.
+
     Examples
     --------
     >>> guess_pictures(["night_07", "night_08"], ["night_08.mp4", "extra.mp4"])
     {'night_08': 'night_08.mp4'}
+    >>> guess_pictures(["drive_1", "drive_10"], ["drive_10.mp4"])
+    {'drive_10': 'drive_10.mp4'}
     >>> guess_pictures(["PETS09-S2L1"], ["vtest.avi"])
     {'PETS09-S2L1': 'vtest.avi'}
     """
     sources = list(sources)
     if len(names) == len(sources) == 1:
         return {names[0]: sources[0]}
-    stems = {source: PurePosixPath(source).stem.casefold() for source in sources}
+    stems = {source: _folded(PurePosixPath(source).stem) for source in sources}
+    targets = {name: _folded(name.replace("/", "_")) for name in names}
+    matches: dict[str, list[str]] = {}
+    for source, stem in stems.items():
+        within = {name: len(target) for name, target in targets.items() if _is_in(target, stem)}
+        best = [name for name, length in within.items() if length == max(within.values())]
+        if len(best) == 1:
+            matches.setdefault(best[0], []).append(source)
     guesses = {}
     for name in names:
-        target = name.replace("/", "_").casefold()
-        matching = [source for source, stem in stems.items() if stem == target]
-        within = [source for source, stem in stems.items() if target in stem]
-        best = matching or within
-        if len(best) == 1:
-            guesses[name] = best[0]
+        mine = matches.get(name, [])
+        own = [source for source in mine if stems[source] == targets[name]] or mine
+        if len(own) == 1:
+            guesses[name] = own[0]
     return guesses
+
+
+def _folded(name: str) -> str:
+    """The name as it is compared: a Mac writes an accent as a letter of its own."""
+    return unicodedata.normalize("NFC", name).casefold()
+
+
+def _is_in(name: str, stem: str) -> bool:
+    """Whether a name stands in a file's: drive_1 is no part of drive_10."""
+    start = r"(?<!\d)" if name[:1].isdigit() else ""
+    end = r"(?!\d)" if name[-1:].isdigit() else ""
+    return re.search(start + re.escape(name) + end, stem) is not None
 
 
 def with_recordings(

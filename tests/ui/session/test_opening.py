@@ -99,6 +99,17 @@ def test_the_only_recordings_facts_count_whatever_their_name():
         (["set06/V000"], ["set06_V000_visible.zip", "other.zip"],
          {"set06/V000": "set06_V000_visible.zip"}),
         (["a", "b"], ["xa.mp4", "ya.mp4"], {}),
+        (["drive_1", "drive_10"], ["drive_10.mp4"], {"drive_10": "drive_10.mp4"}),
+        (["drive_1", "drive_2"], ["drive_10.mp4", "drive_2_lwir.mp4"],
+         {"drive_2": "drive_2_lwir.mp4"}),
+        (["1", "11"], ["cam 1 day.avi", "cam 11 day.avi"],
+         {"1": "cam 1 day.avi", "11": "cam 11 day.avi"}),
+        (["night", "night_rain"], ["night_rain_lwir.mp4"], {"night_rain": "night_rain_lwir.mp4"}),
+        (["night", "night_rain"], ["night_rain.mp4", "night_lwir.mp4"],
+         {"night": "night_lwir.mp4", "night_rain": "night_rain.mp4"}),
+        (["a", "b"], ["a_b.mp4"], {}),
+        (["Nacht_f\u00fcnf", "Tag"], ["Nacht_fu\u0308nf.mp4", "x.mp4"],
+         {"Nacht_f\u00fcnf": "Nacht_fu\u0308nf.mp4"}),
     ],
 )  # fmt: skip
 def test_pictures_find_their_recording_by_name(names, sources, expected):
