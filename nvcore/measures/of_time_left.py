@@ -35,9 +35,10 @@ def has_urgent(result: Result) -> bool:
     return bool(result.is_urgent.any())
 
 
-def _median_margin_s(_: Result, system: SystemResult) -> float:
-    margin_s = system.time_left["margin_s"].to_numpy()
-    margin_s = margin_s[~np.isnan(margin_s)]
+def _median_margin_s(result: Result, system: SystemResult) -> float:
+    margins_s = [side.time_left["margin_s"].to_numpy() for _, side in result.sides]
+    is_confirmed_by_both = ~np.isnan(margins_s).any(axis=0)
+    margin_s = system.time_left["margin_s"].to_numpy()[is_confirmed_by_both]
     return float(np.median(margin_s)) if len(margin_s) else np.nan
 
 
@@ -125,14 +126,14 @@ TIME_LEFT_MEASURES: Final[tuple[Measure, ...]] = (
     ),
     Measure(
         key="median_margin_s",
-        label="median margin before the last chance (s)",
+        label="median margin, where both confirm (s)",
         form=".2f",
-        better="",  # who confirms the easy ones alone has the larger one
+        better="",  # the median says nothing of those confirmed too late
         of=_median_margin_s,
         unit="s",
         meaning="Median time from confirmation to the last chance, of the urgent encounters that "
-        "it confirmed; negative: too late. Who confirms the easy ones alone has the larger one.",
-        empty=f"{_NOBODY}, or none of them confirmed",
+        "both systems confirmed; negative: too late.",
+        empty=f"{_NOBODY}, or both systems confirmed none of them",
         tables=(MeasureTable.SCORECARD,),
         applies=has_urgent,
     ),

@@ -18,7 +18,7 @@ from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
 from nvcore.measures import count_recordings, inference_of, measure_of
 from nvcore.measures.driver_doubt import doubt_of
 from nvcore.report.shown import comparison_shown
-from nvcore.wording import count_text, difference, number
+from nvcore.wording import count_text, difference, minus, number
 
 UNEQUAL_CHIP: Final = "no claim: unequal false alarms"
 NOT_SHOWN: Final = "not shown"
@@ -157,7 +157,7 @@ def _tile(
         unit=kind.unit.format(n_near=shown.venn.n_near),
         x=text_x,
         y=text_y,
-        difference=difference(x, y, form),
+        difference=minus(difference(x, y, form)),
         interval=interval,
         bar=ends,
         better=better,
@@ -183,7 +183,7 @@ def _interval_text(low: float, high: float, form: str) -> str:
         is_zero = any(not text.strip("+-.0 p") for text in shown)
         if shown[0] != shown[1] and not (low * high > 0 and is_zero):
             break
-    return " to ".join(shown)
+    return minus(" to ".join(shown))
 
 
 def _bar(low: float, middle: float, high: float, *, is_lower: bool) -> tuple[float, float, float]:

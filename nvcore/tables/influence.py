@@ -9,7 +9,6 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.measures.values import per_recording
-from nvcore.wording import difference
 
 FORM: Final = ".3f"
 
@@ -67,5 +66,5 @@ def lead_text(result: Result) -> str:
 
 
 def _lead(x: float, y: float) -> float:
-    """X less Y, of the values as shown."""
-    return float(difference(x, y, FORM))
+    """X less Y, as shown."""
+    return float(format(x - y, f"z{FORM}"))

@@ -10,7 +10,6 @@ import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from decimal import Decimal
 from difflib import get_close_matches
 from string import ascii_lowercase
 from typing import Final
@@ -43,12 +42,13 @@ def number(value: float | None, form: str) -> str:
 def difference(x: float, y: float, form: str) -> str:
     """X - Y with its sign, shares in percentage points, a dash where either is undefined.
 
-    It is that of the values as shown, so that a reader who subtracts gets the same.
+    Rounded once, so that it is the same wherever it stands, with however many decimals X and Y are
+    shown.
 
     Examples
     --------
     >>> difference(0.0184, 0.0156, ".3f")
-    '+0.002'
+    '+0.003'
     >>> difference(0.0046, 0.0068, ".1%")
     '-0.2 pp'
     >>> difference(0.00184, 0.00176, ".3f")
@@ -58,10 +58,9 @@ def difference(x: float, y: float, form: str) -> str:
         return UNDEFINED
     if form == "d":
         return format(x - y, "+,d") if x != y else "0"
-    shown_x, shown_y = (Decimal(format(value, form).replace("%", "")) for value in (x, y))
-    unit = " pp" if form.endswith("%") else ""
-    sign = "+" if shown_x != shown_y else ""
-    return format(float(shown_x - shown_y), f"{sign}z,{form.replace('%', 'f')}") + unit
+    unit, scale = (" pp", 100) if form.endswith("%") else ("", 1)
+    text = format((x - y) * scale, f"+z,{form.replace('%', 'f')}")
+    return (text if float(text.replace(",", "")) else text[1:]) + unit
 
 
 def minus(text: str) -> str:

@@ -133,9 +133,11 @@ def test_measures_that_mean_little_and_rates_of_sampled_frames_are_marked():
     assert any("12 frames (every 20th frame), 24.0 s" in line for line in lines)
 
 
-def test_a_difference_agrees_with_the_values_beside_it():
-    assert difference(0.0184, 0.0156, ".3f") == "+0.002"
-    assert difference(2.106, 4.224, ".2f") == "-2.11"
+def test_a_difference_is_rounded_once():
+    assert difference(0.0184, 0.0156, ".3f") == "+0.003"  # not 0.018 - 0.016
+    assert difference(2.106, 4.224, ".2f") == "-2.12"
+    assert difference(1234.5, 0.0, ".1f") == "+1,234.5"
+    assert difference(0.0, 0.00001, ".3f") == "0.000"
     assert difference(0.0046, 0.0068, ".1%") == "-0.2 pp"
     assert difference(0.01, 0.0100001, ".3f") == "0.000"
     assert difference(7, 9, "d") == "-2"

@@ -58,7 +58,7 @@ def test_the_interval_of_encounters_counts_them_and_its_bar_is_right_where_x_is_
     sample: tuple[Result, pd.DataFrame, Companions],
 ):
     found = tile_of(sample, "encounters_detected_by_unit", low=-0.1, difference=0.1, high=0.3)
-    assert found.interval == "95 % interval -3.8 to +11.4"
+    assert found.interval == "95 % interval −3.8 to +11.4"
     low, middle, high = found.bar
     assert low < 0.5 < middle < high < 1
     missed = tile_of(sample, "severity_s_per_encounter", low=0.1, difference=0.2, high=0.4)

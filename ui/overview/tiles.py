@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from html import escape
 
 from nvcore.report.tiles import Tile
-from nvcore.wording import minus
 
 
 def tiles_html(tiles: Sequence[Tile]) -> str:
@@ -25,8 +24,8 @@ def _tile(tile: Tile) -> str:
         f'<section class="nv-tile" aria-label="{escape(tile.title, quote=True)}">'
         f"<h3>{escape(tile.title)}</h3><p>{escape(tile.unit)}</p>"
         f'<div class="values">{values}</div>'
-        f"<p>X − Y &nbsp;<b>{escape(minus(tile.difference))}</b></p>{_bar(tile)}"
-        f"<p>{escape(minus(tile.interval))}</p>{chip}</section>"
+        f"<p>X − Y &nbsp;<b>{escape(tile.difference)}</b></p>{_bar(tile)}"
+        f"<p>{escape(tile.interval)}</p>{chip}</section>"
     )
 
 

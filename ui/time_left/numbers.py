@@ -82,7 +82,6 @@ def _draw_measures(result: Result) -> None:
     lines = [f"{mark}: {plain(capitalised(note))}." for note, mark in notes.marks.items()]
     if few := few_urgent(int(result.is_urgent.sum())):
         lines.append(few)
-    lines.append(state.words("Median margin: of those whom the system confirms at all."))
     st.caption("  \n".join(lines))
 
 

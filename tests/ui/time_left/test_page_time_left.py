@@ -131,7 +131,7 @@ def test_a_few_encounters_are_called_few_and_a_system_that_is_never_sure_hits_at
     begin_with(session(tmp_path, boxes, boxes, only(boxes, range(3))), monkeypatch)
     page = alone_on()
     assert "The only urgent encounter says what happened in these recordings" in texts(page)
-    assert pages.measures(page, "time-left")["median margin before the last chance (s)"][0] != "–"
+    assert pages.measures(page, "time-left")["median margin, where both confirm (s)"][0] != "–"
     assert "recording" not in page.dataframe[0].proto.column_order
 
 
