@@ -76,11 +76,12 @@ TRUTH_COLOUR: Final[dict[Shade, str]] = {"light": "#3D4650", "dark": "#E6EAF0"}
 
 
 class Scheme(NamedTuple):
-    """A shade, and which of the `STYLES` X and Y have."""
+    """A shade, which of the `STYLES` X and Y have, and what they are called, where it is known."""
 
     shade: Shade
     x: int = 0
     y: int = 1
+    names: tuple[str, str] = ("", "")
 
     def style(self, letter: str) -> SystemStyle:
         """How ``x`` or ``y`` is drawn."""
@@ -107,12 +108,13 @@ def scheme_for(shade: Shade, systems: Sequence[str], x: str, y: str | None) -> S
     Examples
     --------
     >>> scheme_for("light", ["FIR", "NIR"], "NIR", "FIR")
-    Scheme(shade='light', x=1, y=0)
+    Scheme(shade='light', x=1, y=0, names=('NIR', 'FIR'))
     """
     places = {name: i % len(STYLES) for i, name in reversed([*enumerate(systems)])}
     of_x = places.get(x, 0)
     of_y = places.get(y or "", 1 if of_x == 0 else 0)
-    return Scheme(shade, of_x, (of_x + 1) % len(STYLES) if of_y == of_x else of_y)
+    of_y = (of_x + 1) % len(STYLES) if of_y == of_x else of_y
+    return Scheme(shade, of_x, of_y, (x, y or ""))
 
 
 def rgb(colour: str) -> tuple[int, int, int]:

@@ -11,7 +11,16 @@ import plotly.graph_objects as go
 
 from nvcore.evidence.subgroups import ALL
 from nvcore.figures.marks import marks, still_line, with_gaps
-from nvcore.figures.style import LOOK, axis, draw, empty_figure, plain, rows_axis, written
+from nvcore.figures.style import (
+    LOOK,
+    axis,
+    draw,
+    empty_figure,
+    plain,
+    rows_axis,
+    which_is_which,
+    written,
+)
 from nvcore.measures import AxisScale, inference_of
 from nvcore.palette import Theme
 from nvcore.wording import capitalised, count_text
@@ -112,7 +121,7 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
         theme,
         title=f"{title}: X less Y, by group",
         subtitle=f"{n_most}{near}; larger squares: more {unit}; open: no interval; "
-        "in brackets: p corrected for all groups",
+        f"in brackets: p corrected for all groups{which_is_which(theme)}",
         height=130 + ROW_PX * len(table),
         showlegend=False,
         margin={"l": 190, "r": 260, "t": 64, "b": 48},

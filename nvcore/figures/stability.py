@@ -11,7 +11,16 @@ import plotly.graph_objects as go
 from scipy.ndimage import binary_dilation, binary_erosion, distance_transform_edt
 
 from nvcore.figures.marks import click_markers, still_line
-from nvcore.figures.style import CLEAR, LOOK, axis, draw, empty_figure, faded, write
+from nvcore.figures.style import (
+    CLEAR,
+    LOOK,
+    axis,
+    draw,
+    empty_figure,
+    faded,
+    which_is_which,
+    write,
+)
 from nvcore.palette import Theme
 from nvcore.stability.axes import Axis
 from nvcore.stability.flips import combine_axes
@@ -60,14 +69,14 @@ def stability_map(stability: StabilityMap, *, theme: Theme) -> go.Figure:
     return figure
 
 
-def _title(stability: StabilityMap) -> dict[str, Any]:
+def _title(stability: StabilityMap, theme: Theme) -> dict[str, Any]:
     subtitle = count_text(stability.difference.size, "setting")
     if np.isfinite(stability.share_held):
         share = share_text(stability.share_held)
         subtitle += f"; the present verdict holds in {share} of the plausible range (dotted)"
     return {
         "title": f"Who is better by {CRITERIA[stability.criterion]}",
-        "subtitle": subtitle,
+        "subtitle": subtitle + which_is_which(theme),
     }
 
 
@@ -123,7 +132,7 @@ def _heat(stability: StabilityMap, theme: Theme) -> go.Figure:
     figure = draw(
         traces,
         theme,
-        **_title(stability),
+        **_title(stability, theme),
         height=MAP_PX,
         hoverdistance=-1,
         xaxis=_map_axis(across, theme),
@@ -324,7 +333,7 @@ def _line(stability: StabilityMap, theme: Theme) -> go.Figure:
     figure = draw(
         traces,
         theme,
-        **_title(stability),
+        **_title(stability, theme),
         height=LINE_PX,
         hovermode="x",
         hoverdistance=-1,

@@ -99,6 +99,8 @@ class _Looks(dict[Theme, Look]):
 
     def __missing__(self, theme: Theme) -> Look:
         scheme = scheme_of(theme)
+        if any(scheme.names):  # no look of its own: names are many
+            return self[scheme._replace(names=("", ""))]
         x, y = (scheme.style(letter).colour(scheme.shade) for letter in "xy")
         look = self[theme] = replace(self[scheme.shade], x=x, y=y, scheme=scheme)
         return look
@@ -129,6 +131,12 @@ def plain(text: object, *, max_length: int = MAX_NAME) -> str:
 def system_label(letter: str, name: str) -> str:
     """How a system is called in legends: "X: FIR", as plain text."""
     return f"{letter.upper()}: {plain(name)}" if name else letter.upper()
+
+
+def which_is_which(theme: Theme) -> str:
+    """Who X and Y are, as the end of a subtitle where no legend says it; empty: not known."""
+    x, y = scheme_of(theme).names
+    return f"; {system_label('x', x)}, {system_label('y', y)}" if x and y else ""
 
 
 def faded(colour: str, opacity: float) -> str:

@@ -9,7 +9,16 @@ import plotly.graph_objects as go
 
 from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers
-from nvcore.figures.style import LOOK, axis, draw, empty_figure, loss_scale, plain, rows_axis
+from nvcore.figures.style import (
+    LOOK,
+    axis,
+    draw,
+    empty_figure,
+    loss_scale,
+    plain,
+    rows_axis,
+    which_is_which,
+)
 from nvcore.palette import Theme
 from nvcore.tables.loss_strip import LossStrip
 from nvcore.wording import count_text
@@ -72,7 +81,7 @@ def loss_strip_plot(result: Result, strip: LossStrip, *, theme: Theme) -> go.Fig
         theme,
         title="Where to look first",
         subtitle=f"{extent}, most lost per minute on top; colour: the worse system's largest loss "
-        f"in each {strip.bin_s:.2g} s",
+        f"in each {strip.bin_s:.2g} s{which_is_which(theme)}",
         height=132 + strips_px,
         hoverdistance=-1,
         showlegend=False,

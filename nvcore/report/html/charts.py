@@ -14,7 +14,7 @@ import pandas as pd
 import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
-from nvcore.figures.style import LOOK, axis, empty_figure, layout, plain
+from nvcore.figures.style import LOOK, axis, empty_figure, layout, plain, which_is_which
 from nvcore.measures import evidence_form, inference_of
 from nvcore.palette import Theme
 from nvcore.report.tiles import REACH
@@ -101,7 +101,8 @@ def interval_plot(evidence: pd.DataFrame, theme: Theme = "light") -> go.Figure:
         layout(
             theme,
             title="Differences X − Y with 95 % intervals",
-            subtitle=sides if has_interval.any() else "too few data for any interval",
+            subtitle=(sides if has_interval.any() else "too few data for any interval")
+            + which_is_which(theme),
             height=int(above + total + below),
             showlegend=False,
             margin={"l": 24, "r": 24, "t": above, "b": below},
