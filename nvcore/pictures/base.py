@@ -17,6 +17,8 @@ from nvcore.errors import MediaError
 Picture: TypeAlias = NDArray[Any]
 """Grey (h, w) or RGB (h, w, 3), uint8 or uint16; not to be written to."""
 
+MOST_PLACES: Final = 100
+"""Of a note."""
 _CACHED_PICTURES: Final = 16
 _CACHED_BYTES: Final = 1 << 26
 
@@ -105,7 +107,7 @@ class Pictures(PictureReader, Protocol):
     is_video: bool
     numbers: NDArray[np.int64] | None
     fps: float | None
-    times_s: NDArray[np.float64] | None
+    times_s: NDArray[np.floating] | None
     notes: tuple[PictureNote, ...]
     note: str
 

@@ -60,7 +60,7 @@ class Images:
         self.name, self.n, self.note = name, len(names), ""
         self.numbers = numbers_of(names)
         self.fps: float | None = None
-        self.times_s: NDArray[np.float64] | None = None
+        self.times_s: NDArray[np.floating] | None = None
         self.notes: tuple[PictureNote, ...] = ()
         self._names, self._read_bytes, self._close = names, read_bytes, close
         self._recent, self._lock = RecentPictures(), Lock()

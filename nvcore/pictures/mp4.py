@@ -1,4 +1,4 @@
-"""How many samples an MP4 or MOV states, before a demuxer takes memory for each of them.
+"""What an MP4 or MOV states of its samples, before a demuxer takes memory for each of them.
 
 A few bytes can state millions: the demuxer makes an entry for each, whether the file holds it or
 not.
@@ -30,10 +30,18 @@ def check_samples(path: Path, name: str) -> None:
     Raises
     ------
     MediaError
-        If they are more than `MOST_SAMPLES`, or stated in a compressed header.
+        If they are more than `MOST_SAMPLES`, stated in a compressed header, or nowhere.
     """
     with path.open("rb") as file:
         end = file.seek(0, 2)
+        if all(kind != b"moov" for kind, _, _ in _boxes(file, 0, end)):
+            raise MediaError(
+                "has no table of contents (moov): the recording was not closed, as when the power "
+                "fails, or the file is cut off. A repair tool such as untrunc may mend it with a "
+                "whole recording of the same camera; a recorder that writes Matroska or fragmented "
+                "MP4 loses only the end",
+                file=name,
+            )
         n_samples = _count(file, 0, end, end, name, 0)
     if n_samples > MOST_SAMPLES:
         raise MediaError(

@@ -20,20 +20,13 @@ from numpy.typing import NDArray
 from nvcore.errors import MediaError
 from nvcore.pictures.base import (
     Picture,
-    PictureNote,
     PictureTrait,
     RecentPictures,
     check_index,
 )
-from nvcore.pictures.containers import (
-    DAMAGED,
-    REORDERED,
-    format_of_file,
-    is_cut_off,
-    list_pictures,
-    open_container,
-)
+from nvcore.pictures.containers import DAMAGED, REORDERED, format_of_file, open_container
 from nvcore.pictures.header import check_size
+from nvcore.pictures.listing import decoded, list_pictures
 from nvcore.pictures.mp4 import check_samples
 from nvcore.wording import one_line
 
@@ -62,20 +55,11 @@ class Video:
         try:
             if self._format == "mov":
                 check_samples(path, self.name)
-            stream = self._open()
-            rate, tick = stream.average_rate, stream.time_base
-            self.fps = float(rate) if rate else None
-            self._table = list_pictures(
-                self._container,
-                stream,
-                self._format,
-                self.name,
-                is_cut=is_cut_off(path, self._format),
-            )
+            self._table = list_pictures(path, self._format, self.name)
             self._by_count = not self._table.is_sure
-            self.n = len(self._table.times)
-            times = self._table.times
-            self.times_s = None if self._by_count else (times - times[0]) * float(tick)
+            self._n = len(self._table.times)
+            self.n, self.fps = len(self._table.shown), self._table.fps
+            self.times_s, self.notes = self._table.times_s, self._table.notes
             first = self._find(0)
         except (av.error.FFmpegError, OSError) as error:
             raise MediaError(DAMAGED, file=self.name) from error
@@ -84,11 +68,9 @@ class Video:
         if first is None:
             raise MediaError(f"its first picture cannot be decoded: it {DAMAGED}", file=self.name)
         self.height, self.width = first.shape[:2]
-        self.notes: tuple[PictureNote, ...] = ()
         self.note = ""
-        if self._table.is_cut:
-            self.notes = (PictureNote(PictureTrait.CUT, self.n, self._table.n_stated),)
-            stated = f" of {self._table.n_stated}" if self._table.n_stated else ""
+        if self.notes and self.notes[0].trait is PictureTrait.CUT:
+            stated = f" of {self.notes[0].total}" if self.notes[0].total else ""
             self.note = f"the video is cut off or damaged; {self.n}{stated} pictures can be read"
 
     def _start(self) -> None:
@@ -103,17 +85,18 @@ class Video:
     def read(self, index: int) -> Picture:
         """See `Pictures.read`."""
         check_index(index, self)
+        position = int(self._table.shown[index])
         with self._lock:
-            picture = self._recent.get(index)
+            picture = self._recent.get(position)
             if picture is not None:
                 return picture
-            if index not in self._lost:
+            if position not in self._lost:
                 try:
-                    picture = self._find(index)
+                    picture = self._find(position)
                 except (av.error.FFmpegError, OSError):
                     self._let_go()
             if picture is None:
-                self._lost.add(index)
+                self._lost.add(position)
                 raise MediaError(
                     f"picture {index} cannot be decoded: the video is damaged there",
                     file=self.name,
@@ -166,7 +149,7 @@ class Video:
             if was_reached:
                 return picture
         self._seek(None)
-        return self._forward(index, self.n)[0]
+        return self._forward(index, self._n)[0]
 
     def _seek(self, time: int | None) -> None:
         """Go to a key picture; None: to the start of the file."""
@@ -174,14 +157,7 @@ class Video:
         self._stream, self._at = stream, -1
         if time is not None:
             self._container.seek(time, stream=stream, backward=True)
-        self._frames = self._decode(stream)
-
-    def _decode(self, stream: Any) -> Iterator[Any]:
-        for packet in self._container.demux(stream):
-            try:
-                yield from packet.decode()
-            except av.error.InvalidDataError:
-                continue  # the pictures of this packet are missing, others follow
+        self._frames = decoded(self._container, stream)
 
     def _forward(self, index: int, start: int) -> tuple[Picture | None, bool]:
         """Decode up to the picture: the picture, and whether decoding began at `start` or before.
@@ -210,11 +186,11 @@ class Video:
     def _position(self, frame: Any) -> int | None:
         """Which picture this is; None: none of those listed."""
         if self._by_count:
-            return self._at + 1 if self._at + 1 < self.n else None
+            return self._at + 1 if self._at + 1 < self._n else None
         if frame.pts is None:
             return None
         position = int(np.searchsorted(self._table.times, frame.pts))
-        return position if position < self.n and self._table.times[position] == frame.pts else None
+        return position if position < self._n and self._table.times[position] == frame.pts else None
 
     def _to_array(self, frame: Any) -> Picture:
         name = frame.format.name

@@ -76,7 +76,7 @@ class ConfinedPictures:
         self.is_video: bool = facts["is_video"]
         self.numbers: NDArray[np.int64] | None = facts["numbers"]
         self.fps: float | None = facts["fps"]
-        self.times_s: NDArray[np.float64] | None = facts["times_s"]
+        self.times_s: NDArray[np.floating] | None = facts["times_s"]
         self.notes: tuple[PictureNote, ...] = facts["notes"]
         self.note: str = facts["note"]
 

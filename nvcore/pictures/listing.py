@@ -1,0 +1,308 @@
+"""Which pictures a video holds, by its packets; where these do not tell, by decoding it once."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import av
+import numpy as np
+from numpy.typing import NDArray
+
+from nvcore.errors import MediaError
+from nvcore.pictures.base import MOST_PLACES, PictureNote, PictureTrait
+from nvcore.pictures.containers import (
+    DAMAGED,
+    REORDERED,
+    is_cut_off,
+    open_container,
+    picture_streams,
+)
+from nvcore.pictures.h264 import FieldPairs
+from nvcore.pictures.mp4 import MOST_SAMPLES
+from nvcore.pictures.timing import frame_rate, time_notes, usual_step
+
+_WIDE_GAP: Final = 1.5
+"""Times the usual step from which on a step is a gap."""
+_PACKED: Final = re.compile(rb"DivX\d+(Build|b)\d+p")
+"""In MPEG-4 of two pictures a packet: their order and times are not those of the packets."""
+
+
+@dataclass(frozen=True)
+class PictureTable:
+    """Which pictures there are.
+
+    Attributes
+    ----------
+    times
+        Presentation times, sorted, all different; int64, shape (n,).
+    keys, key_seeks
+        Where decoding can begin, as positions in `times`, and what to seek for each; int64.
+    is_sure
+        Whether decoded pictures carry these times; if not, they are only counted.
+    shown
+        Position in `times` of what is shown as picture 0, 1, ...; int64.
+    times_s
+        When each of these is shown, s after the first; None if not `is_sure`.
+    fps
+        Frame rate, 1/s; None: not stated.
+    notes
+        What is unusual.
+    """
+
+    times: NDArray[np.int64]
+    keys: NDArray[np.int64]
+    key_seeks: NDArray[np.int64]
+    is_sure: bool
+    shown: NDArray[np.int64]
+    times_s: NDArray[np.floating] | None
+    fps: float | None
+    notes: tuple[PictureNote, ...]
+
+
+@dataclass(frozen=True)
+class _Packets:
+    """Packets with pictures, in the order of decoding; n of them.
+
+    Attributes
+    ----------
+    shown_at, decoded_at
+        Presentation and decoding times, int64; where they are missing, the number of the packet.
+    is_key, is_hidden
+        Key pictures; pictures that are decoded but not shown, as an edit list says.
+    have_times
+        Whether the pictures shown have presentation times, all different.
+    is_packed
+        Whether packets hold pictures of others.
+    is_partial
+        Whether the file ends early.
+    n_read, n_second_fields
+        Packets that were read, and those of them that are not listed as they complete a frame.
+    """
+
+    shown_at: NDArray[np.int64]
+    decoded_at: NDArray[np.int64]
+    is_key: NDArray[np.bool_]
+    is_hidden: NDArray[np.bool_]
+    have_times: bool
+    is_packed: bool
+    is_partial: bool
+    n_read: int
+    n_second_fields: int
+
+
+def list_pictures(path: Path, container_format: str, name: str) -> PictureTable:
+    """The pictures of a file; it is decoded only where its packets may not be its pictures.
+
+    Raises
+    ------
+    MediaError
+        If there is none.
+    av.error.FFmpegError
+        If the file is damaged.
+    """
+    container, stream = open_container(path, container_format, name)
+    with container:
+        packets = _read_packets(container, stream)
+        codec, n_stated, tick_s = stream.codec_context, stream.frames, float(stream.time_base or 1)
+        is_reordered = bool(codec.has_b_frames)
+        fps = float(stream.average_rate or 0) or None
+        if packets.n_second_fields:  # the container counts fields
+            fps = float(codec.framerate or 0) or None
+        # AVI has no presentation times: with reordered pictures they are guesses
+        is_avi = container_format == "avi"
+        is_guess = is_avi and is_reordered and codec.name in ("h264", "hevc")
+        others = tuple(
+            f"{other.codec_context.name if other.codec_context else 'unknown'} "
+            f"{other.width} x {other.height}"
+            for other in picture_streams(container)[1:]
+        )
+    is_cut = packets.is_partial or is_cut_off(path, container_format)
+    if container_format == "mov" and n_stated != packets.n_read:
+        # an edit list shows samples twice or leaves them out: they are in the file all the same
+        is_cut = is_cut or _n_packets(path, container_format, name) < n_stated
+    keys = seeks = np.empty(0, np.int64)
+    is_sure = packets.have_times and not packets.is_packed and not is_guess
+    if is_sure:
+        is_shown = _is_shown(packets)
+        n_listed = int(np.count_nonzero(is_shown))
+        if is_cut or not (is_avi or n_stated):  # else all is there, and a gap is no loss
+            is_shown &= packets.shown_at < _end_of_certainty(packets, is_shown, is_cut=is_cut)
+        times = np.sort(packets.shown_at[is_shown])
+        is_cut = is_cut or len(times) < n_listed
+        keys, seeks = _keys(packets, is_shown, times, by_shown=container_format == "matroska")
+    else:
+        n_listed = len(packets.shown_at)
+        if not is_guess or time_notes(packets.decoded_at):
+            n_listed = _n_decoded(path, container_format, name)
+        # among the last ones of a cut file a lost one may be missing
+        times = np.arange(n_listed - REORDERED if is_cut else n_listed)
+    if not len(times):
+        raise MediaError(f"holds no picture that can be read: it {DAMAGED}", file=name)
+
+    shown, times_s, notes = np.arange(len(times)), None, []
+    if is_sure and is_avi:
+        shown, empty = _chunks(times, 0 if is_cut or is_reordered else n_stated)
+        times_s = np.arange(len(shown)) * tick_s
+        if len(empty):
+            places = tuple(map(int, empty[:MOST_PLACES]))
+            notes.append(PictureNote(PictureTrait.REPEATED, len(empty), len(shown), places))
+    elif is_sure:
+        times_s = (times - times[0]) * tick_s
+        notes += time_notes(times)
+        is_even = not any(note.trait is PictureTrait.UNEVEN for note in notes)
+        if is_even and not (packets.n_second_fields and fps):
+            fps = frame_rate(usual_step(times) * tick_s, fps)
+    elif is_guess:
+        notes += time_notes(packets.decoded_at)
+    if is_cut:
+        n_total = max(0, n_stated - packets.n_read + n_listed) if n_stated else 0
+        notes.insert(0, PictureNote(PictureTrait.CUT, len(shown), n_total))
+    if others:
+        notes.append(PictureNote(PictureTrait.OTHER_STREAMS, len(others), names=others))
+    return PictureTable(times, keys, seeks, is_sure, shown, times_s, fps, tuple(notes))
+
+
+def _read_packets(container: Any, stream: Any) -> _Packets:
+    """As far as the file can be read; of the two fields of a frame only the first."""
+    codec = stream.codec_context
+    fields = FieldPairs(codec.extradata or b"") if codec.name == "h264" else None
+    is_packed = codec.name == "mpeg4" and bool(_PACKED.search(codec.extradata or b""))
+    n_read, n_second_fields, is_partial = 0, 0, False
+    rows: list[tuple[int | None, int | None, bool, bool]] = []
+    partial: list[bool] = []
+    try:
+        for packet in container.demux(stream):  # a step per picture: the demuxer's way
+            if not packet.size:
+                continue
+            n_read += 1
+            if codec.name == "mpeg4" and n_read == 1:
+                is_packed = is_packed or bool(_PACKED.search(bytes(packet)))
+            if fields is not None and fields.may_occur and fields.is_second(bytes(packet)) and rows:
+                n_second_fields += 1
+                partial[-1] |= packet.is_corrupt
+                continue
+            rows.append((packet.pts, packet.dts, packet.is_keyframe, packet.is_discard))
+            partial.append(packet.is_corrupt)
+    except av.error.FFmpegError:
+        is_partial = True
+    if any(partial[-2:]):  # the file ends within the last packet, or within what it lies in
+        is_partial = True
+        rows.pop()
+        n_read -= 1
+    shown = [pts for pts, _, _, is_hidden in rows if not is_hidden]
+    have_times = None not in shown and len(set(shown)) == len(shown)
+    return _Packets(
+        np.array([n if row[0] is None else row[0] for n, row in enumerate(rows)], np.int64),
+        np.array([n if row[1] is None else row[1] for n, row in enumerate(rows)], np.int64),
+        np.array([row[2] for row in rows], bool),
+        np.array([row[3] for row in rows], bool),
+        have_times,
+        is_packed,
+        is_partial,
+        n_read,
+        n_second_fields,
+    )
+
+
+def _is_shown(packets: _Packets) -> NDArray[np.bool_]:
+    """Which packets' pictures are shown.
+
+    Not what comes before the first key picture: it cannot be decoded, and no program counts it.
+    """
+    if not packets.is_key.any():
+        return ~packets.is_hidden
+    start = int(np.argmax(packets.is_key))
+    is_shown: NDArray[np.bool_] = ~packets.is_hidden
+    is_shown &= packets.shown_at >= packets.shown_at[start]
+    is_shown[:start] = False
+    return is_shown
+
+
+def _keys(
+    packets: _Packets, is_shown: NDArray[np.bool_], times: NDArray[np.int64], *, by_shown: bool
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """First position that can be decoded from each key picture, ascending, and what to seek.
+
+    A hidden key picture is none of those shown, but they are decoded from it. Pictures that are
+    decoded after it and shown before it need an earlier one as well.
+
+    Parameters
+    ----------
+    by_shown
+        Whether the file's index has presentation times.
+    """
+    group = np.cumsum(packets.is_key) - 1
+    key_times = packets.shown_at[packets.is_key]
+    is_of_key = is_shown & (group >= 0)
+    is_of_key[is_of_key] = packets.shown_at[is_of_key] >= key_times[group[is_of_key]]
+    never = np.iinfo(np.int64).max
+    first = np.full(len(key_times), never)
+    np.minimum.at(first, group[is_of_key], packets.shown_at[is_of_key])
+    is_used = first < never
+    keys = np.searchsorted(times, first[is_used])
+    seeks = (packets.shown_at if by_shown else packets.decoded_at)[packets.is_key][is_used]
+    order = np.argsort(keys, kind="stable")
+    return keys[order], seeks[order]
+
+
+def _chunks(times: NDArray[np.int64], n_stated: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Picture of each chunk of an AVI, of an empty one the picture before; and which are empty.
+
+    Chunks before the first picture and after the last one are counted if the file states as many.
+    """
+    end = int(times[-1]) + 1
+    start = 0 if end <= n_stated else int(times[0])
+    if end < n_stated <= 2 * end:  # else the number is no more than a wish
+        end = n_stated
+    if end - start > MOST_SAMPLES:
+        return np.arange(len(times)), np.empty(0, np.int64)
+    chunks = np.arange(start, end)
+    shown = np.maximum(np.searchsorted(times, chunks, side="right") - 1, 0)
+    return shown, np.flatnonzero(times[shown] != chunks)
+
+
+def _n_packets(path: Path, container_format: str, name: str) -> int:
+    """Packets of an MP4 or MOV without its edit list."""
+    container, stream = open_container(path, container_format, name, advanced_editlist="0")
+    with container:
+        return sum(packet.size > 0 for packet in container.demux(stream))
+
+
+def _n_decoded(path: Path, container_format: str, name: str) -> int:
+    """Pictures that the decoder gives."""
+    container, stream = open_container(path, container_format, name)
+    with container:
+        return sum(1 for _ in decoded(container, stream))
+
+
+def decoded(container: Any, stream: Any) -> Iterator[Any]:
+    """All frames from here on; those of damaged packets are missing."""
+    for packet in container.demux(stream):
+        try:
+            yield from packet.decode()
+        except av.error.InvalidDataError:
+            continue
+
+
+def _end_of_certainty(packets: _Packets, is_shown: NDArray[np.bool_], *, is_cut: bool) -> int:
+    """Presentation time from which on pictures may be missing, and others be taken for them.
+
+    Of a file that is cut off, that is what is shown after the last picture was to be decoded: lost
+    ones may come before it. Where nothing says that it is cut, a gap there counts, if all other
+    steps are regular.
+    """
+    if not is_shown.any():
+        return 0
+    display_times, last_decoded = np.sort(packets.shown_at[is_shown]), int(packets.decoded_at[-1])
+    if is_cut:
+        return last_decoded + 1
+    gaps = np.diff(display_times)
+    is_wide = gaps > _WIDE_GAP * (np.median(gaps) if len(gaps) else 0)
+    is_tail = display_times[1:] > last_decoded
+    if (is_wide & ~is_tail).any() or not is_wide.any():
+        return int(display_times[-1]) + 1
+    return int(display_times[1:][is_wide][0])

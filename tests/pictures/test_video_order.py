@@ -1,0 +1,196 @@
+"""Pictures of videos as cameras, phones and editors write them are those that players show."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import av
+import cv2
+import numpy as np
+import pytest
+from picture_files import number_in, write_numbered_video
+from video_files import (
+    cut_without_reencoding,
+    edited,
+    field_pictures,
+    remux,
+    with_empty_chunks,
+    with_packed_pictures,
+)
+
+from nvcore.errors import MediaError
+from nvcore.pictures import open_pictures
+from nvcore.pictures.base import PictureNote, PictureTrait
+from nvcore.pictures.video import Video
+
+CODINGS = {
+    "h264.mp4": {"g": "12", "bf": "2"},
+    "open_gop.mp4": {"x264-params": "open-gop=1:keyint=12:bframes=3:scenecut=0"},
+    "long.mov": {"g": "250", "bf": "3"},
+    "no_b.mp4": {"g": "12", "bf": "0"},
+    "hevc.mp4": {"codec": "libx265", "x265-params": "keyint=30:bframes=3:log-level=none"},
+    "hevc_open.mp4": {
+        "codec": "libx265",
+        "x265-params": "keyint=12:open-gop=1:bframes=4:log-level=none",
+    },
+}
+EDITS: dict[str, list[tuple[int, int | None]]] = {
+    "begins later": [(10, None), (100, 0)],
+    "middle": [(50, 30)],
+    "skips": [(20, 10), (20, 60)],
+    "repeats": [(30, 10), (30, 25)],
+    "goes back": [(10, 50), (10, 5), (20, 70)],
+}
+
+
+def numbers_of(video: Video) -> list[int]:
+    """As read one after another; each is the same when it is read out of order."""
+    numbers = [number_in(video.read(index)) for index in range(video.n)]
+    for index in random.Random(3).choices(range(video.n), k=60):
+        assert number_in(video.read(index)) == numbers[index]
+    return numbers
+
+
+def played(path: Path) -> list[int]:
+    """The numbers as the file is decoded from its start to its end."""
+    with av.open(str(path)) as video:
+        return [number_in(frame.to_ndarray(format="gray")) for frame in video.decode(video=0)]
+
+
+def captured(path: Path) -> list[int]:
+    """The numbers as OpenCV reads them."""
+    capture, numbers = cv2.VideoCapture(str(path)), []
+    while (read := capture.read())[0]:
+        numbers.append(number_in(read[1]))
+    return numbers
+
+
+@pytest.mark.parametrize("first", [1, 25])
+@pytest.mark.parametrize("name", CODINGS)
+def test_pictures_before_a_cut_are_hidden_and_those_after_it_shown(
+    tmp_path: Path, name: str, first: int
+):
+    whole = write_numbered_video(tmp_path / name, **CODINGS[name])
+    path = cut_without_reencoding(whole, tmp_path / f"cut_{name}", first)
+    video = Video(path)
+    assert numbers_of(video) == played(path) == captured(path) == [*range(first, 100)]
+    assert (video.notes, video.fps) == ((), 20)
+
+
+@pytest.mark.parametrize("edits", EDITS.values(), ids=EDITS)
+@pytest.mark.parametrize("name", CODINGS)
+def test_an_edit_list_is_followed_as_players_do(
+    tmp_path: Path, name: str, edits: list[tuple[int, int | None]]
+):
+    path = edited(write_numbered_video(tmp_path / name, **CODINGS[name]), edits)
+    video = Video(path)
+    assert numbers_of(video) == played(path) == captured(path)
+    assert not any(note.trait is PictureTrait.CUT for note in video.notes)
+
+
+def test_a_cut_file_with_an_edit_list_is_still_said_to_be_cut(tmp_path: Path):
+    path = write_numbered_video(tmp_path / "a.mp4", g="12", bf="0")
+    path = cut_without_reencoding(path, tmp_path / "b.mp4", 5)
+    path = remux(path, tmp_path / "c.mp4", movflags="+faststart")
+    path.write_bytes(path.read_bytes()[: path.stat().st_size * 3 // 4])
+    video = Video(path)
+    assert [note.trait for note in video.notes] == [PictureTrait.CUT]
+    assert numbers_of(video) == [*range(5, 5 + video.n)]
+
+
+@pytest.mark.parametrize("packets", ["both times", "first time", "joined"])
+@pytest.mark.parametrize("ending", ["ts", "mp4", "mkv"])
+def test_two_fields_are_one_picture(tmp_path: Path, ending: str, packets: str):
+    path = field_pictures(tmp_path / f"a.{ending}", packets=packets)
+    video = Video(path)
+    assert numbers_of(video) == played(path) == [*range(24)]
+    assert (video.fps, video.notes) == (25, ())
+
+
+@pytest.mark.parametrize("ending", ["avi", "mkv", "mp4"])
+def test_packed_pictures_are_shown_in_their_order(tmp_path: Path, ending: str):
+    path = write_numbered_video(tmp_path / "a.avi", "mpeg4", g="12", bf="1")
+    path = with_packed_pictures(path)
+    if ending != "avi":
+        path = remux(path, tmp_path / f"b.{ending}")
+    video = Video(path)
+    assert numbers_of(video) == captured(path) == [*range(100)]
+    assert video.note == ""
+
+
+@pytest.mark.parametrize(
+    "empty", [{20, 21, 40}, {0, 1, 50}, {98, 99}], ids=["within", "first", "last"]
+)
+def test_an_empty_chunk_of_an_avi_repeats_the_picture_before(tmp_path: Path, empty: set[int]):
+    path = write_numbered_video(tmp_path / "a.avi", "mjpeg", n=100, pixels="yuvj420p")
+    video = Video(with_empty_chunks(path, empty))
+    held = np.array([n for n in range(100) if n not in empty])
+    right = held[np.maximum(np.searchsorted(held, range(100), "right") - 1, 0)]
+    assert numbers_of(video) == right.tolist()
+    places = tuple(sorted(empty))
+    assert video.notes == (PictureNote(PictureTrait.REPEATED, len(empty), 100, places),)
+    assert video.note == ""
+
+
+def test_h264_in_an_avi_with_empty_chunks_is_counted_by_decoding(tmp_path: Path):
+    path = write_numbered_video(tmp_path / "a.avi", g="12", bf="2")
+    path = with_empty_chunks(path, {40, 50})
+    video = Video(path)
+    assert numbers_of(video) == played(path)
+    assert [note.trait for note in video.notes] == [PictureTrait.GAP]
+
+
+@pytest.mark.parametrize("ending", ["mp4", "mkv", "ts"])
+def test_pictures_that_were_not_recorded_do_not_slow_the_rate_down(tmp_path: Path, ending: str):
+    times = [*range(20), *range(30, 60)]
+    path = write_numbered_video(tmp_path / f"a.{ending}", n=50, times=times)
+    video = Video(path)
+    assert video.fps == 20
+    assert video.notes == (PictureNote(PictureTrait.GAP, 10, 60, (20,)),)
+    np.testing.assert_allclose(video.times_s, np.array(times) / 20, atol=1e-3)
+
+
+def test_a_gap_near_the_end_of_a_whole_file_is_no_damage(tmp_path: Path):
+    times = [*range(48), 70, 71]
+    video = Video(write_numbered_video(tmp_path / "a.mp4", n=50, times=times, bf="3"))
+    assert video.notes == (PictureNote(PictureTrait.GAP, 22, 72, (48,)),)
+    assert numbers_of(video) == [*range(50)]
+
+
+def test_a_rate_that_varies_is_noted(tmp_path: Path):
+    times = np.cumsum(np.random.default_rng(1).integers(2, 6, 50)).tolist()
+    [note] = Video(write_numbered_video(tmp_path / "a.mp4", n=50, times=times)).notes
+    assert (note.trait, note.total) == (PictureTrait.UNEVEN, 49)
+
+
+def two_streams(path: Path, default: int) -> Path:
+    with av.open(str(path), "w") as output:
+        streams = []
+        for number in range(2):
+            stream = output.add_stream("mpeg4", rate=20)
+            stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
+            stream.disposition = av.stream.Disposition(number == default)
+            streams.append(stream)
+        for number, stream in enumerate(streams):
+            for _ in range(5):
+                grey = np.full((48, 64), 100 * number + 50, np.uint8)
+                output.mux(stream.encode(av.VideoFrame.from_ndarray(grey, format="gray")))
+            output.mux(stream.encode(None))
+    return path
+
+
+@pytest.mark.parametrize("default", [0, 1])
+def test_of_two_streams_the_default_is_shown_and_the_other_said(tmp_path: Path, default: int):
+    video = Video(two_streams(tmp_path / "a.mkv", default))
+    assert abs(int(video.read(0)[20, 20, 0]) - (100 * default + 50)) < 10
+    names = ("mpeg4 64 x 48",)
+    assert video.notes == (PictureNote(PictureTrait.OTHER_STREAMS, 1, names=names),)
+
+
+def test_a_recording_that_was_not_closed_is_refused_with_what_may_help(tmp_path: Path):
+    path = write_numbered_video(tmp_path / "a.mp4")
+    content = path.read_bytes()
+    path.write_bytes(content[: content.rindex(b"moov") - 4])
+    with pytest.raises(MediaError, match=r"a\.mp4: has no table of contents .*untrunc.*Matroska"):
+        open_pictures(path)
