@@ -6,7 +6,8 @@ import json
 import math
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from types import NoneType, UnionType
+from typing import Any, Final, Literal, TypeVar, Union, get_args, get_origin
 
 from nvcore.errors import FormatError, InputError
 
@@ -65,6 +66,39 @@ def typed(value: object, kind: type, where: str) -> Any:
     return value
 
 
+def expected_instead(value: object, declared: Any) -> str | None:
+    """What a value has to be by the declared type of its field, in words; None if it is that.
+
+    Parameters
+    ----------
+    declared
+        bool, int, float, str, a Literal of texts, a tuple of these of any length, or one of these
+        or None. A float may be a whole number, has to be finite, and nothing stands for a bool but
+        a bool.
+
+    Examples
+    --------
+    >>> expected_instead([0.5], float)
+    'a number'
+    >>> expected_instead((1, 2.5), tuple[float, ...])
+    """
+    origin, parts = get_origin(declared), get_args(declared)
+    if origin is Literal:
+        return None if isinstance(value, str) and value in parts else f"one of {', '.join(parts)}"
+    if origin in (Union, UnionType):
+        kinds = [part for part in parts if part is not NoneType]
+        assert len(kinds) == 1, declared
+        return None if value is None else expected_instead(value, kinds[0])
+    if origin is tuple:
+        if not isinstance(value, tuple):
+            return "several values"
+        return next(filter(None, (expected_instead(part, parts[0]) for part in value)), None)
+    if declared is float:
+        return None if _is_number(value) else "a number"
+    is_of_kind = isinstance(value, declared) and (declared is bool or not isinstance(value, bool))
+    return None if is_of_kind else _WORDS[declared]
+
+
 def numbers_of(table: Mapping[str, object], names: Collection[str], where: str) -> dict[str, float]:
     """The finite numbers that a JSON object has under these keys, and no others.
 
@@ -78,10 +112,16 @@ def numbers_of(table: Mapping[str, object], names: Collection[str], where: str) 
     return {name: _number(value, name) for name, value in table.items()}
 
 
-def _number(value: object, where: str) -> float:
+def _number(value: Any, where: str) -> float:
+    if not _is_number(value):
+        raise ValueError(f"{where}: expected a number, found {str(value)[:30]!r}")
+    return float(value)
+
+
+def _is_number(value: object) -> bool:
+    """Whether it is a finite number that float64 can hold, and no bool."""
     try:
-        if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value):
-            return float(value)
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        return is_number and math.isfinite(value)  # type: ignore[arg-type]
     except OverflowError:  # a whole number of hundreds of digits
-        pass
-    raise ValueError(f"{where}: expected a number, found {str(value)[:30]!r}")
+        return False

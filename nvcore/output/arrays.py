@@ -5,6 +5,8 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import math
+import re
 import zipfile
 import zlib
 from collections.abc import Container, Iterator, Mapping
@@ -32,6 +34,12 @@ _OF_TEXT: Final = b"\t\n\f\r"
 """Control characters that text may have."""
 _MOST_LOOKED_AT: Final = 4096
 _MOST_ABOUT: Final = 1 << 22
+_HEADER: Final = re.compile(
+    rb"\x93NUMPY\x01\x00(?P<length>..)\{'descr': '(?P<dtype>[|<][a-z]\d{1,2})', "
+    rb"'fortran_order': False, 'shape': \((?P<shape>(\d{1,10}, ?)*(\d{1,10})?)\), \} *\n",
+    re.DOTALL,
+)
+"""As numpy writes it, which reads it as Python: more than an array of numbers may stand there."""
 _UNREADABLE: Final = (
     zipfile.BadZipFile,
     zlib.error,
@@ -262,18 +270,16 @@ def _read_members(
 
 def _array(member: bytes, name: str, kind: str, n_sides: int) -> NDArray[Any]:
     """An array of a plain type that is as large as its header says."""
-    stream = io.BytesIO(member)
-    if np.lib.format.read_magic(stream) != (1, 0):
-        raise BadArchiveError(f"{name} has an unknown version")
-    shape, is_fortran, dtype = np.lib.format.read_array_header_1_0(stream, max_header_size=1000)
-    if is_fortran or dtype != np.dtype(kind) or len(shape) != n_sides:
+    header = _HEADER.match(member)
+    if header is None or header.end() != 10 + int.from_bytes(header["length"], "little"):
+        raise BadArchiveError(f"{name} does not begin as an array of numbers")
+    dtype = header["dtype"].decode()
+    shape = tuple(map(int, header["shape"].replace(b",", b" ").split()))
+    if dtype != kind or len(shape) != n_sides:
         raise BadArchiveError(f"{name} has type {dtype} and shape {shape}, expected {kind}")
-    count = 1
-    for side in shape:
-        count *= side
-    if min(shape) < 0 or count * dtype.itemsize != len(member) - stream.tell():
+    if math.prod(shape) * np.dtype(kind).itemsize != len(member) - header.end():
         raise BadArchiveError(f"{name} is not of the size that it states")
-    return np.frombuffer(member, dtype, offset=stream.tell()).reshape(shape)
+    return np.frombuffer(member, kind, offset=header.end()).reshape(shape)
 
 
 def _read_about(text: bytes, what: str) -> dict[str, Any]:

@@ -65,6 +65,7 @@ _FACTS: Final[dict[str, type]] = {
     "seed": int,
     "trained_on": list,
 }
+_GREATEST: Final = 1 << 63
 LONGEST_NAME: Final = 200
 """Of a model, and of what it detects."""
 
@@ -159,6 +160,9 @@ def _members(model: IcfModel) -> dict[str, NDArray[Any]]:
 def _checked(about: Mapping[str, Any], arrays: dict[str, NDArray[Any]]) -> IcfModel:
     archives.check_version(about, FORMAT, VERSION, what=_WHAT)
     archives.check_facts(about, _FACTS)
+    for name, kind in _FACTS.items():
+        if kind is int and not abs(about[name]) < _GREATEST:
+            raise DetectorError(f"{name}: expected a number of fewer digits")
     for name in ("name", "label"):
         archives.check_name(about, name, LONGEST_NAME)
     settings = IcfSettings.from_json(about["settings"])

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import Field, asdict, dataclass, fields
-from typing import Any, Final, Literal, get_args
+from functools import cache
+from typing import Any, Final, Literal, get_args, get_type_hints
 
+from nvcore.dataset.records import expected_instead
 from nvcore.detection import scale_steps
 from nvcore.detectors.base import Setting
 from nvcore.detectors.settings import facts_of, setting, value_text
 from nvcore.detectors.suppression import OverlapOf
 from nvcore.errors import ParameterError
+from nvcore.wording import shortened
 
 ChannelSet = Literal["grey", "rgb", "hsv", "luv", "magnitude", "orientations"]
 Magnitude = Literal["euclidean", "sum"]
@@ -203,14 +205,10 @@ class IcfSettings:
     red_share: float = setting(0.02, "Least share of red pixels of a proposal.", low=0, high=1)
 
     def __post_init__(self) -> None:
-        _check_channels(self)
+        kinds = _kinds()
         for spec in fields(self):
-            _check(spec, getattr(self, spec.name))
-        for name in _WHOLE:
-            if not all(isinstance(value, int) for value in _values(getattr(self, name))):
-                raise ParameterError(
-                    f"{name}: expected a whole number, got {value_text(getattr(self, name))}"
-                )
+            value = getattr(self, spec.name)
+            _check(spec, value, expected_instead(value, kinds[spec.name]))
         _check_together(self)
 
     @property
@@ -254,64 +252,33 @@ class IcfSettings:
         }
 
 
-_WHOLE: Final = (
-    "orientation_bins",
-    "clahe_tile_px",
-    "window_width",
-    "window_height",
-    "features",
-    "least_area",
-    "trees_per_round",
-    "negatives",
-    "negatives_per_round",
-    "copies",
-    "scales_between",
-    "stride",
-)
+@cache
+def _kinds() -> dict[str, Any]:
+    """The declared type of each setting."""
+    return get_type_hints(IcfSettings)
 
 
-def _values(value: Any) -> tuple[Any, ...]:
-    return value if isinstance(value, tuple) else (value,)
-
-
-def _check_channels(settings: IcfSettings) -> None:
-    channels, known = settings.channels, get_args(ChannelSet)
-    if not isinstance(channels, tuple):
-        raise ParameterError(f"channels: expected several values, got {value_text(channels)}")
-    if not channels or not all(channel in known for channel in channels):
-        raise ParameterError(
-            f"channels: expected some of {', '.join(known)}, got {value_text(channels)}"
-        )
-    if len(set(channels)) < len(channels):
-        raise ParameterError(f"channels: each once, got {value_text(channels)}")
-
-
-def _check(spec: Field[Any], value: Any) -> None:
+def _check(spec: Field[Any], value: Any, expected: str | None) -> None:
     """Refuse a value that a setting cannot have by itself."""
     facts = facts_of(spec)
-    is_choice = isinstance(value, str) and value in (facts.choices or {})
-    if facts.choices and not is_choice:
-        expected = ", ".join(facts.choices)
-        raise ParameterError(f"{spec.name}: expected one of {expected}, got {value_text(value)}")
-    if isinstance(spec.default, bool) and not isinstance(value, bool):
-        raise ParameterError(f"{spec.name}: expected yes or no, got {value_text(value)}")
-    if isinstance(spec.default, tuple) and not isinstance(value, tuple):
-        raise ParameterError(f"{spec.name}: expected several values, got {value_text(value)}")
-    if facts.low is None or facts.high is None or (value is None and spec.default is None):
-        return
-    for number in _values(value):
-        _check_number(spec.name, number, facts.low, facts.high)
-
-
-def _check_number(name: str, value: Any, low: float, high: float) -> None:
-    if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
-        raise ParameterError(f"{name}: expected a number, got {value_text(value)}")
-    if not low <= value <= high:
-        raise ParameterError(f"{name}: expected {low:g} to {high:g}, got {value:g}")
+    if expected is None and facts.low is not None and facts.high is not None and value is not None:
+        numbers = value if isinstance(value, tuple) else (value,)
+        if not all(facts.low <= number <= facts.high for number in numbers):
+            expected = f"{facts.low:g} to {facts.high:g}"
+    if expected is not None:
+        text = shortened(value_text(value), 80)
+        if isinstance(value, tuple | list) and not isinstance(spec.default, tuple):
+            text = f"a list ({text})"
+        raise ParameterError(f"{spec.name}: expected {expected}, got {text}")
 
 
 def _check_together(settings: IcfSettings) -> None:
     s = settings
+    if not s.channels or len(set(s.channels)) < len(s.channels):
+        known = ", ".join(get_args(ChannelSet))
+        raise ParameterError(
+            f"channels: expected some of {known}, each once, got {value_text(s.channels)}"
+        )
     if s.object_width > s.window_width or s.object_height > s.window_height:
         raise ParameterError(
             f"object_width, object_height: the object ({s.object_width:g}x{s.object_height:g} px) "

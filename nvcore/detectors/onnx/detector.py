@@ -6,7 +6,7 @@ import ast
 import hashlib
 import json
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -317,20 +317,15 @@ def _names(session: Any, settings: OnnxSettings) -> dict[int, str]:
         return {}
     try:
         value = ast.literal_eval(text)  # as Ultralytics writes it: {0: 'person', 1: ...}
-    except (ValueError, SyntaxError, MemoryError, RecursionError):
-        return {}
-    entries: Sequence[tuple[Any, Any]] = (
-        [*value.items()]
-        if isinstance(value, dict)
-        else [*enumerate(value)]
-        if isinstance(value, list | tuple)
-        else []
-    )
-    return {
-        key: one_line(str(name))
-        for key, name in entries
-        if type(key) is int and 0 <= key < _MOST_CLASSES
-    }
+        numbered = enumerate(value if isinstance(value, list | tuple) else ())
+        entries = value if isinstance(value, dict) else dict(numbered)
+        return {
+            key: one_line(str(name))
+            for key, name in entries.items()
+            if type(key) is int and 0 <= key < _MOST_CLASSES
+        }
+    except (ValueError, TypeError, SyntaxError, MemoryError, RecursionError):
+        return {}  # also a list as a key; a whole number of thousands of digits
 
 
 def _classes(

@@ -225,7 +225,10 @@ def test_classes_that_are_not_there_are_refused(tmp_path: Path):
     assert open_onnx(plain, {"names": "car,person"}).about.labels == ("person",)
 
 
-@pytest.mark.parametrize("names", ["__import__('os')", "[[[", "{'a': 1}", "7", "(" * 5000])
+@pytest.mark.parametrize(
+    "names",
+    ["__import__('os')", "[[[", "{'a': 1}", "7", "(" * 5000, "{[]: 'a'}", f"[0x{'f' * 5000}]"],
+)
 def test_names_that_are_no_names_are_passed_over(names: str, tmp_path: Path):
     output = {"output0": np.zeros((1, 6, 84))}
     path = fixed_model(tmp_path / "m.onnx", output, names=names)

@@ -7,13 +7,21 @@ import io
 import json
 import pickle
 import re
-import zipfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from damaged_models import (
+    about_of,
+    members,
+    npy,
+    packed,
+    with_about,
+    with_changed_members,
+    with_odd_values,
+)
 
 from nvcore.driver.estimators import (
     Estimator,
@@ -53,7 +61,9 @@ def test_an_estimator_is_read_as_it_was_written(training: Training, tmp_path: Pa
 
 def test_the_settings_of_its_features_are_kept(training: Training):
     assert training.estimator.feature_settings is None
-    assert "feature_settings" not in about_of(to_bytes(training.estimator))  # as in old files
+    assert "feature_settings" not in about_of(
+        members(to_bytes(training.estimator))
+    )  # as in old files
     wide = replace(training.estimator, feature_settings=FeatureSettings(surround=3))
     again = from_bytes(to_bytes(wide), "wide.npz")
     assert again.feature_settings == FeatureSettings(surround=3)
@@ -65,22 +75,17 @@ def test_a_quick_search_is_kept_and_any_other_leaves_the_file_as_it_was(training
     assert quick.origin.search == "quick"  # few settings
     assert from_bytes(to_bytes(quick), "m.npz").origin == quick.origin
     full = replace(quick, origin=replace(quick.origin, search=""))
-    assert "search" not in about_of(to_bytes(full))["origin"]
+    assert "search" not in about_of(members(to_bytes(full)))["origin"]
     assert from_bytes(to_bytes(full), "m.npz").origin == full.origin
     assert fingerprint(full) != fingerprint(quick)
 
 
 def test_the_size_of_its_pictures_is_kept_where_it_is_known(training: Training):
     unknown = training.estimator
-    assert "picture_px" not in about_of(to_bytes(unknown))["origin"]  # as in old files
+    assert "picture_px" not in about_of(members(to_bytes(unknown)))["origin"]  # as in old files
     known = replace(unknown, origin=replace(unknown.origin, picture_px=(960, 540)))
     assert from_bytes(to_bytes(known), "m.npz").origin == known.origin
     assert fingerprint(known) != fingerprint(unknown)
-
-
-def about_of(content: bytes) -> dict:
-    with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-        return json.loads(arrays["about"].tobytes())
 
 
 def test_numpy_opens_it_without_pickle(training: Training):
@@ -90,18 +95,14 @@ def test_numpy_opens_it_without_pickle(training: Training):
 
 
 def changed(content: bytes, change: Callable[[dict[str, np.ndarray], dict], None]) -> bytes:
-    with np.load(io.BytesIO(content), allow_pickle=False) as members:
-        arrays = {name: members[name].copy() for name in members}
-    about = json.loads(arrays.pop("about").tobytes())
+    files = members(content)
+    with np.load(io.BytesIO(content), allow_pickle=False) as stored:
+        arrays = {name: stored[name].copy() for name in stored}
+    about = about_of(files)
+    del arrays["about"]
     change(arrays, about)
-    arrays = {"about": np.frombuffer(json.dumps(about).encode(), np.uint8), **arrays}
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w") as archive:
-        for name, array in arrays.items():
-            member = io.BytesIO()
-            np.lib.format.write_array(member, np.ascontiguousarray(array), version=(1, 0))
-            archive.writestr(f"{name}.npy", member.getvalue())
-    return stream.getvalue()
+    new = {f"{name}.npy": npy(np.ascontiguousarray(array)) for name, array in arrays.items()}
+    return packed({**with_about(files, about), **new})
 
 
 def put(name: str, index: object, value: object):
@@ -197,6 +198,35 @@ def test_a_hostile_model_is_refused_with_its_name(training: Training, change, me
     content = changed(to_bytes(training.estimator), change)
     with pytest.raises(EstimatorError, match=f"^bad.npz: {message}"):
         from_bytes(content, "bad.npz")
+
+
+def estimates_or_is_refused(content: bytes) -> bool:
+    """Whether it is a model, which estimates; else it is refused by its name."""
+    try:
+        estimator, message = from_bytes(content, "bad.npz"), ""
+    except EstimatorError as error:
+        estimator, message = None, str(error)
+    if estimator is None:
+        assert message.startswith("bad.npz: ")
+        return False
+    render_estimator(estimator)
+    estimates = estimator.estimate(np.linspace(0, 300, 80).reshape(10, 8), np.arange(10.0))
+    assert np.isfinite(estimates.detectability).all()
+    return True
+
+
+def test_no_changed_member_breaks_the_reader_or_an_estimate(training: Training):
+    variants = list(with_changed_members(to_bytes(training.estimator)))
+    n_models = sum(map(estimates_or_is_refused, variants))
+    assert 0 < n_models < len(variants) / 2
+
+
+def test_no_value_of_another_type_breaks_the_reader_or_an_estimate(training: Training):
+    whole = replace(training.estimator, feature_settings=FeatureSettings(surround=3))
+    whole = replace(whole, origin=replace(whole.origin, picture_px=(960, 540)))
+    variants = [content for _, content in with_odd_values(to_bytes(whole))]
+    n_models = sum(map(estimates_or_is_refused, variants))
+    assert 0 < n_models < len(variants) / 2
 
 
 def extreme(arrays: dict[str, np.ndarray], _: dict) -> None:
