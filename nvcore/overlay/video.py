@@ -100,7 +100,8 @@ def write_video(
         listed = frames.frame[first:last]
         name = str(result.dataset.recordings["name"].iloc[recording])
         others = result.dataset.unlisted_frames(name)
-        indices = picture_index(listed, source, first_picture, others=others)[0]
+        rate = float(frames.fps[recording])
+        indices = picture_index(listed, source, first_picture, others=others, fps=rate)[0]
     index = [-1] * (last - first) if indices is None else indices.tolist()
 
     def draw(row: int) -> Canvas:

@@ -8,15 +8,18 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from nvcore.pictures.base import Pictures
+from nvcore.pictures.base import Pictures, PictureTrait
+from nvcore.pictures.timing import NOT_WHOLE
 
 _BY_COUNT: Final = "picture i shows frame i, both counted from 0"
+_BY_TIME: Final = "the time of each picture tells its frame, as pictures are missing in the video"
 _BY_NAME: Final = "the number in a picture's name is the frame"
 NO_FRAMES: Final = np.empty(0, np.int64)
 USUAL: Final = tuple(f"{rule[0].upper()}{rule[1:]}." for rule in (_BY_COUNT, _BY_NAME))
 """Notes of `picture_index` that say nothing but what anybody expects."""
 _SAME_SHAPE: Final = 0.02
 """By so much the scales across and down may differ: sides are whole numbers of pixels."""
+_SAME_RATE: Final = 0.005
 _ENOUGH: Final = 0.5
 """Share of the frames, or of the pictures, from which on numbers in names are believed."""
 
@@ -27,14 +30,16 @@ def picture_index(
     first_picture: int | None = None,
     *,
     others: NDArray[np.int64] = NO_FRAMES,
+    fps: float | None = None,
 ) -> tuple[NDArray[np.int64], str]:
     """The picture of every listed frame, and in words by which rule.
 
-    In this order: `first_picture`; a video's picture i shows frame i, or
-    frame i + 1 where the last listed frame is the number of pictures; the number in a picture's
-    name is the frame, or the frame + 1 (names that count from 1), if so every listed frame has a
-    picture, or else at least half of the frames or pictures find each other; the pictures in
-    their order show the listed frames if they are as many, or else frame 0, 1, 2, ...
+    In this order: `first_picture`; a video's picture i shows frame i, or frame i + 1 where the last
+    listed frame is the number of pictures, or, where frames go beyond that number and the times say
+    that pictures are missing, the frame of its time; the number in a picture's name is the frame,
+    or the frame + 1 (names that count from 1), if so every listed frame has a picture, or else at
+    least half of the frames or pictures find each other; the pictures in their order show the
+    listed frames if they are as many, or else frame 0, 1, 2, ...
 
     Parameters
     ----------
@@ -47,6 +52,8 @@ def picture_index(
     others
         Further frames of the recording, which are not listed: a selection of frames changes no
         rule.
+    fps
+        Frame rate of the recording, 1/s; None: that of the video.
 
     Returns
     -------
@@ -57,10 +64,13 @@ def picture_index(
     if first_picture is not None:
         index = frames - first_picture
         rule = f"the first picture shows frame {first_picture}, as given"
+        if pictures.is_video:
+            by_time = _by_time(frames - first_picture, pictures, fps)
+            index, rule = (index, rule) if by_time is None else (by_time, f"{rule}; {_BY_TIME}")
     else:
         every = np.union1d(frames, others)
         if pictures.is_video:
-            index, rule = _of_video(every, pictures.n)
+            index, rule = _of_video(every, pictures, fps)
         elif pictures.numbers is not None:
             index, rule = _by_number(every, pictures.numbers)
         else:
@@ -79,11 +89,36 @@ def picture_index(
     return index, note
 
 
-def _of_video(frames: NDArray[np.int64], n: int) -> tuple[NDArray[np.int64], str]:
+def _of_video(
+    frames: NDArray[np.int64], pictures: Pictures, fps: float | None
+) -> tuple[NDArray[np.int64], str]:
     """Frames that count from 1 to the number of pictures are those of a video counted from 1."""
-    if len(frames) and frames.min() >= 1 and frames.max() == n:
+    if len(frames) and frames.min() >= 1 and frames.max() == pictures.n:
         return frames - 1, "picture i, counted from 0, shows frame i + 1: the frames count from 1"
-    return frames.copy(), _BY_COUNT
+    by_time = _by_time(frames, pictures, fps)
+    return (frames.copy(), _BY_COUNT) if by_time is None else (by_time, _BY_TIME)
+
+
+def _by_time(
+    frames: NDArray[np.int64], pictures: Pictures, fps: float | None
+) -> NDArray[np.int64] | None:
+    """Picture of the time of each frame; None: the video misses none, or frames do not go so far.
+
+    Frames that a video lacks are counted by whoever numbers frames by time, or as they were
+    recorded; programs that count decoded pictures do not come to a number beyond these.
+    """
+    rate, times = pictures.fps, pictures.times_s
+    if fps and not (rate and abs(fps / rate - 1) < _SAME_RATE):  # 30 is said of 29.97
+        rate = fps
+    has_gap = any(note.trait is PictureTrait.GAP for note in pictures.notes)
+    if times is None or not rate or not has_gap or frames.max(initial=0) < pictures.n:
+        return None
+    recorded = np.rint(times * rate).astype(np.int64)
+    is_whole = (np.abs(times * rate - recorded) <= NOT_WHOLE).all()
+    if not is_whole or (np.diff(recorded) < 1).any():
+        return None
+    counts_from_one = frames.min() >= 1 and frames.max() == recorded[-1] + 1
+    return _find(frames - counts_from_one, recorded)
 
 
 def _by_number(

@@ -182,7 +182,10 @@ def session_pictures(
             continue
         listed = frames.frame[frames.rows_of(number)]
         others = dataset.unlisted_frames(name)
-        indices[number], note = picture_index(listed, pictures, entry.first_picture, others=others)
+        fps = float(frames.fps[number])
+        indices[number], note = picture_index(
+            listed, pictures, entry.first_picture, others=others, fps=fps
+        )
         other_size = ""
         size = float(frames.width[number]), float(frames.height[number])
         of_size = pictures.width / size[0], pictures.height / size[1], 0.0, 0.0

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from builders import Place, make_dataset
-from picture_files import numbered, write_numbered_video, write_picture
+from picture_files import number_in, numbered, write_numbered_video, write_picture
 
 import nvcore as nv
 from nvcore.pictures import Pictures, open_pictures, picture_index, size_note
@@ -45,6 +45,43 @@ def test_frames_from_one_to_the_number_of_pictures_count_from_one(tmp_path: Path
     index, note = index_of([1, 2, 5], video)
     assert index == [0, 1, 4]
     assert note.endswith("the frames count from 1.")
+
+
+RECORDED = [*range(20), *range(30, 60)]
+
+
+@pytest.fixture
+def video_with_a_gap(tmp_path: Path) -> Pictures:
+    return open_pictures(write_numbered_video(tmp_path / "a.mp4", n=50, times=RECORDED))
+
+
+@pytest.mark.parametrize("fps", [20, 20.02, None])
+@pytest.mark.parametrize("start", [0, 1])
+def test_where_pictures_were_not_recorded_times_tell_the_frame(video_with_a_gap, start, fps):
+    frames = np.arange(start, 60 + start)
+    index, note = picture_index(frames, video_with_a_gap, fps=fps)
+    numbers = [number_in(video_with_a_gap.read(at)) for at in index[index >= 0]]
+    assert numbers == [*range(50)]
+    assert (frames[index >= 0] - start).tolist() == RECORDED
+    assert note.startswith("The time of each picture tells its frame, as pictures are missing")
+    assert "10 of 60 listed frames have no picture" in note
+
+
+@pytest.mark.parametrize(
+    ("frames", "fps", "first", "right"),
+    [
+        ([0, 20, 49], 20, None, [0, 20, 49]),  # as programs count that decode the video
+        ([1, 20, 50], 20, None, [0, 19, 49]),
+        ([0, 20, 59], 17, None, [0, 20, -1]),  # the times are no frames of this rate
+        ([100, 130, 159], 20, 100, [0, 20, 49]),
+        ([100, 130, 149], 20, 100, [0, 30, 49]),
+    ],
+)
+def test_times_count_only_where_frames_go_beyond_the_pictures(
+    video_with_a_gap, frames, fps, first, right
+):
+    index, _ = picture_index(np.array(frames), video_with_a_gap, first, fps=fps)
+    assert index.tolist() == right
 
 
 def test_the_frame_of_the_first_picture_goes_before_every_rule(tmp_path: Path):
