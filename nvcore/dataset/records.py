@@ -92,7 +92,9 @@ def expected_instead(value: object, declared: Any) -> str | None:
     if origin is tuple:
         if not isinstance(value, tuple):
             return "several values"
-        return next(filter(None, (expected_instead(part, parts[0]) for part in value)), None)
+        odd = next(filter(None, (expected_instead(part, parts[0]) for part in value)), None)
+        choices = get_args(parts[0])
+        return f"some of {', '.join(choices)}" if odd and choices else odd
     if declared is float:
         return None if _is_number(value) else "a number"
     is_of_kind = isinstance(value, declared) and (declared is bool or not isinstance(value, bool))
