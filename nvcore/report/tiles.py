@@ -17,8 +17,9 @@ from nvcore.evidence.companions import Companions
 from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
 from nvcore.measures import count_recordings, inference_of, measure_of
 from nvcore.measures.driver_doubt import doubt_of
+from nvcore.measures.values import duration_of_recordings
 from nvcore.report.shown import comparison_shown
-from nvcore.wording import count_text, difference, minus, number
+from nvcore.wording import count_text, difference, duration_text, minus, number
 
 UNEQUAL_CHIP: Final = "no claim: unequal false alarms"
 NOT_SHOWN: Final = "not shown"
@@ -97,7 +98,7 @@ _KINDS: Final = (
         "false_alert_episodes_per_hour",
         "false_alert_episodes_per_hour",
         "False alerts",
-        "episodes per hour",
+        "episodes per hour, from {episodes} in {duration}",
         ".0f",
     ),
     _Kind("worst_severity_s", "", "Worst miss", "severity of one encounter, s", ".1f"),
@@ -154,7 +155,13 @@ def _tile(
     return Tile(
         key=kind.key,
         title=kind.title,
-        unit=kind.unit.format(n_near=shown.venn.n_near),
+        unit=kind.unit.format(
+            n_near=shown.venn.n_near,
+            episodes=" and ".join(
+                f"{system.false_alarm_summary.episodes:,}" for _, system in shown.sides
+            ),
+            duration=duration_text(float(duration_of_recordings(shown).sum())),
+        ),
         x=text_x,
         y=text_y,
         difference=minus(difference(x, y, form)),

@@ -5,7 +5,7 @@ The systems are called X and Y; these sentences contain no names from files.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable, Iterable, Mapping
 from typing import Any, Final
 
 import numpy as np
@@ -13,6 +13,7 @@ import pandas as pd
 
 from nvcore.columns import FrameColumns
 from nvcore.comparison import Result
+from nvcore.evidence.measures import ODDS_RATIO
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.inputs.evaluated_frames import nth
 from nvcore.measures import MeasureTable, has_several_recordings, relevant_share
@@ -21,7 +22,7 @@ from nvcore.schema import Urgency
 from nvcore.scoring import SystemResult
 from nvcore.tables.classes import names_classes, read_share
 from nvcore.tables.scorecard import ScoreRow, score_rows
-from nvcore.wording import count_text, difference, number
+from nvcore.wording import UNDEFINED, count_text, difference, number
 
 FEW_MISSES: Final = 5
 """Fewest misses of a system for an explanation of phi."""
@@ -60,6 +61,20 @@ def scorecard_cells(result: Result, *, indent: str, mark: str = "") -> list[tupl
         (f"how the {result.venn.n_near} encounters went:", "", "", "", ""),
         *score_cells(score_rows(result, MeasureTable.MISS_CLASSES), indent=indent, mark=mark),
     ]
+
+
+def effect_text(row: Mapping[Hashable, Any]) -> str:
+    """The size of a difference in a row of the table of evidence, with what it is measured in.
+
+    Examples
+    --------
+    >>> effect_text({"effect": np.inf, "effect_name": ODDS_RATIO})
+    'odds ∞'
+    """
+    if np.isnan(row["effect"]):
+        return UNDEFINED
+    name = "odds" if row["effect_name"] == ODDS_RATIO else "d_z"
+    return f"{name} {'∞' if np.isinf(row['effect']) else number(row['effect'], '.2f')}"
 
 
 def every_nth(frames: FrameColumns) -> str:

@@ -159,7 +159,8 @@ def listed(words: Sequence[str], *, most: int | None = None) -> str:
     Parameters
     ----------
     most
-        So many are named, of the others how many they are; None: all.
+        So many are named, of the others how many they are; a single other one is named, too. None:
+        all.
 
     Examples
     --------
@@ -168,7 +169,7 @@ def listed(words: Sequence[str], *, most: int | None = None) -> str:
     >>> listed(["alpha", "IoU", "midpoint"], most=1)
     'alpha and 2 more'
     """
-    if most is not None and len(words) > most:
+    if most is not None and len(words) > most + 1:  # in place of the last, "1 more" says less
         words = [*words[:most], f"{len(words) - most:,} more"]
     return "".join(words) if len(words) < 2 else f"{', '.join(words[:-1])} and {words[-1]}"
 

@@ -352,7 +352,7 @@ def test_a_share_of_estimates_that_say_little_is_said_with_the_features():
     result = eight(unknown=0)
     boxes = result.dataset.boxes
     n = int(boxes["detectability"].notna().sum())
-    counts = {"Height": 5, "Edge contrast": 3, "Width": 2, "Lab distance": 1}
+    counts = {"Height": 5, "Edge contrast": 3, "Width": 2, "Lab distance": 1, "Luma": 1}
     record = EstimateRecord("m", n_estimates=100, n_light_unknown=6, outside=counts)
 
     def source(record: EstimateRecord, n_outside: int) -> str:
@@ -364,7 +364,7 @@ def test_a_share_of_estimates_that_say_little_is_said_with_the_features():
 
     text = source(record, 1)
     assert (
-        "Outside the range of the training (in that run by Height, Edge contrast, Width and 1 more)"
+        "Outside the range of the training (in that run by Height, Edge contrast, Width and 2 more)"
         f" are 1 of {n} values; such values decide 1 of 8 encounters."
     ) in text
     assert "In 6 % of all estimates of that run it is not known when the light last" in text

@@ -16,9 +16,8 @@ nvcore app seen/session.toml"""
 def draw() -> None:
     """What is missing."""
     text = (
-        "How detectable pedestrians are is not known here: the ground truth has no column "
-        "`detectability`, and the session names no estimates (`detectability` under `[driver]`). "
-        "An estimator, trained on trials with people, estimates it from pictures of visible light."
+        "Whether the driver sees the pedestrians is not known yet. Press *Estimate* below: an "
+        "estimator, trained on trials with people, tells it from pictures of visible light."
     )
     st.info(
         state.words(text),

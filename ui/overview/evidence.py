@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import pandas as pd
@@ -11,13 +10,13 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.evidence.bootstrap import INTERVAL_RULE
-from nvcore.evidence.measures import ODDS_RATIO
 from nvcore.evidence.operating_points import AS_SET, are_unequal, is_undecided
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.units import BLOCKS
 from nvcore.figures.forest import forest_in_words, subgroup_forest
 from nvcore.measures import EVIDENCE_KEYS, evidence_form, inference_of
+from nvcore.report.words import effect_text
 from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number
 from ui.session import state
 from ui.shell.messages import draw_as_set_note
@@ -25,7 +24,6 @@ from ui.widgets.charts import draw_chart, kept_figure
 from ui.widgets.html import MeasureRow, measures_html, with_arrow
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
-TIMES: Final = " ×"
 SETTING: Final = "thresholds"
 HEAD: Final = ("X", "Y", "X − Y", "95 % interval", "p", "p (Holm)", "effect")
 
@@ -51,7 +49,8 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
             f"the rows being looked at together: the verdict claims no difference with more than "
             f"{SIGNIFICANT}, nor one that does not hold at equal false alarms. Within these "
             "recordings: McNemar's test, which says nothing of others. effect: size of the "
-            "difference, Cohen's d_z or, with ×, the odds ratio "
+            "difference, Cohen's d_z or the odds ratio (∞: in all encounters that only one "
+            "system detects it is the same one) "
             f"({docs_link('Significance', 'significance', doc='significance')})."
         )
     )
@@ -112,10 +111,6 @@ def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
     )
 
 
-def _has_odds_ratio(row: Mapping[Hashable, Any]) -> bool:
-    return row["effect_name"] == ODDS_RATIO and bool(np.isfinite(row["effect"]))
-
-
 def shown_evidence(
     result: Result, evidence: pd.DataFrame
 ) -> tuple[list[MeasureRow], dict[str, str]]:
@@ -132,7 +127,7 @@ def shown_evidence(
             interval_text(row["low"], row["high"], form),
             number(row["p"], ".2g"),
             number(row["p_holm"], ".2g"),
-            number(row["effect"], ".2f") + (TIMES if _has_odds_ratio(row) else ""),
+            effect_text(row),
         )
         if are_unequal(result):
             cells = (*cells, "as set" if is_undecided(result, row["figure"]) else "all")

@@ -18,7 +18,6 @@ from nvcore.detection.miss_rate import explain_few
 from nvcore.errors import InputError
 from nvcore.evidence.bootstrap import INTERVAL_RULE
 from nvcore.evidence.companions import Companions
-from nvcore.evidence.measures import ODDS_RATIO
 from nvcore.evidence.planning.study import StudyPlan
 from nvcore.evidence.subgroups import ALL
 from nvcore.figures.detection import CurveKind, curve_plot, legend_text
@@ -45,7 +44,7 @@ from nvcore.report.html.charts import interval_plot
 from nvcore.report.html.result_sections import MEASURES_HEAD, PART
 from nvcore.report.plan import verdict_plan
 from nvcore.report.verdict import Verdict, verdict
-from nvcore.report.words import score_cells
+from nvcore.report.words import effect_text, score_cells
 from nvcore.stability.survey import SurveyRow, survey_stability, survey_table
 from nvcore.stability.words import (
     CRITERIA,
@@ -109,16 +108,13 @@ def significance_section(evidence: pd.DataFrame, theme: Theme) -> Section:
     rows, ways = [], []
     for row in evidence.to_dict("records"):
         values = (number(row[letter], evidence_form(row["figure"])) for letter in "xy")
-        effect = number(row["effect"], ".2f")
-        if row["effect_name"] == ODDS_RATIO and np.isfinite(row["effect"]):
-            effect += " ×"
         label = row["label"] + ARROWS[row["better"]]
-        rows.append((label, *values, *_evidence_of(row), effect))
+        rows.append((label, *values, *_evidence_of(row), effect_text(row)))
         how = row["method"] or UNDEFINED, row["note"] or UNDEFINED
         ways.append((row["label"], f"{row['n']:,} {row['unit']}", *how))
     head = ("Measure", "X", "Y", "X − Y", "95 % interval", "p", "p (Holm)", "Effect")
     note = (
-        "↑ higher is better, ↓ lower is better. Effect: Cohen's d_z or, with ×, the odds ratio of "
+        "↑ higher is better, ↓ lower is better. Effect: Cohen's d_z or the odds ratio of "
         "the encounters that only one detects."
     )
     return Section(
