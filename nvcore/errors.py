@@ -8,7 +8,8 @@
     │   ├── DetectorError           a detector's model or settings cannot be used
     │   ├── EstimatorError          a model of what the driver sees cannot be used
     │   ├── MissingFactError        image size, frame rate, ... are needed and not in the files
-    │   └── SessionError            a session file says something that cannot be done
+    │   ├── SessionError            a session file says something that cannot be done
+    │   └── StoreError              the file of people's answers cannot be used; later it may
     ├── ParameterError              a live parameter is outside its range
     └── MissingExtraError           packages of an extra are not installed
 
@@ -124,6 +125,10 @@ class MissingFactError(InputError):
 
 class SessionError(InputError):
     """A session file says something that cannot be done."""
+
+
+class StoreError(InputError):
+    """The file of people's answers is locked, its disk is full, or the like: later it may work."""
 
 
 class ParameterError(NvcoreError):

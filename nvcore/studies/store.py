@@ -10,7 +10,7 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Final
 
-from nvcore.errors import InputError
+from nvcore.errors import InputError, StoreError
 
 WAIT_S: Final = 10.0
 """Timeout of a write that waits for another, seconds."""
@@ -37,7 +37,7 @@ class AnswerFile:
 
     Raises
     ------
-    InputError
+    StoreError
         Here and in every call: if the file cannot be used.
     """
 
@@ -69,7 +69,7 @@ class AnswerFile:
         except sqlite3.IntegrityError:
             raise
         except sqlite3.DatabaseError as error:
-            raise InputError(f"the file of the {self._what} cannot be used ({error})") from error
+            raise StoreError(f"the file of the {self._what} cannot be used ({error})") from error
 
 
 def _create(path: Path) -> None:

@@ -25,7 +25,7 @@ const picture = await grey.convertToBlob();
 window.told = [];
 window.sent = [];
 window.waiting = [];
-window.isHeld = window.isRefused = window.isLost = false;
+window.isHeld = window.isRefused = window.isLost = window.isGone = window.isFull = false;
 window.locks = [];
 Object.defineProperty(navigator, "wakeLock", { value: { request: async (kind) => {
   locks.push(kind);
@@ -34,11 +34,17 @@ Object.defineProperty(navigator, "wakeLock", { value: { request: async (kind) =>
 window.fetch = async (address, options = {}) => {
   if (options.method !== "PUT") return new Response(picture);
   sent.push(address);
+  if (isGone && address.startsWith("study/")) return new Response("ended", { status: 404 });
   if (isLost) throw new TypeError("Failed to fetch");
+  if (isFull) return new Response("disk is full", { status: 503 });
   if (isRefused) return new Response("no such trial", { status: 400 });
   if (isHeld) await new Promise((done) => waiting.push(done));
   return new Response(null, { status: 204 });
 };
+window.following = () => ({
+  ...begun, run: "run 2", title: "Begin run 2",
+  trials: begun.trials.map((trial) => ({ ...trial, place: trial.place + 2 })),
+});
 window.begin = (data) => draw({
   data: window.begun = data, parentElement: document.getElementById("study"),
   setTriggerValue: (name, value) => told.push([name, value]),
@@ -87,10 +93,13 @@ def run(person: BrowserContext) -> Iterator[Callable[..., Page]]:
         is_held: bool = False,
         is_refused: bool = False,
         is_lost: bool = False,
+        is_gone: bool = False,
+        is_full: bool = False,
         size: tuple[int, int] = (1280, 800),
         **times: Any,
     ) -> Page:
         answers = {"isHeld": is_held, "isRefused": is_refused, "isLost": is_lost}
+        answers |= {"isGone": is_gone, "isFull": is_full}
         page.evaluate(f"Object.assign(window, {json.dumps(answers)})")
         page.set_viewport_size({"width": size[0], "height": size[1]})
         timing = Timing(**{**SHORT, **times})
@@ -98,7 +107,8 @@ def run(person: BrowserContext) -> Iterator[Callable[..., Page]]:
             {"place": place, "picture": str(place), "width": 32, "height": 18, "adaptation_s": time}
             for place, time in enumerate(timing.adaptation_s, start=1)
         ]
-        study = {"run": "run 1", "title": "Begin run 1", "url": "study", "trials": trials}
+        study = {"run": "run 1", "title": "Begin run 1", "url": "study", "whose": "anna"}
+        study |= {"trials": trials}
         page.evaluate(f"begin({json.dumps({**study, 'timing': asdict(timing)})})")
         page.get_by_role("button", name="Begin run 1").click()
         return page
@@ -195,7 +205,7 @@ def test_between_two_runs_it_is_said_that_the_first_is_kept(run: Callable[..., P
     for picture in (1, 2):
         answer(page, picture)
     page.wait_for_function("told.length > 0")
-    page.evaluate("begin({ ...begun, run: 'run 2', title: 'Begin run 2' })")
+    page.evaluate("begin(following())")
     expect(page.locator(".nv-bar span")).to_have_text("The run is kept. Rest as long as you like.")
 
 
@@ -221,6 +231,67 @@ def test_answers_that_do_not_arrive_are_told_and_sent_again(run: Callable[..., P
     page.evaluate("isLost = false")
     page.wait_for_function("told.length > 0")
     assert page.evaluate("told") == [["ended", "run 1"]]
+
+
+def test_answers_that_the_app_cannot_keep_now_are_sent_again(run: Callable[..., Page]):
+    page = run(is_full=True)
+    for picture in (1, 2):
+        answer(page, picture)
+    expect(page.locator(".nv-bar span")).to_have_text(re.compile("trying again. Leave this page"))
+    page.evaluate("isFull = false")
+    page.wait_for_function("told.length > 0")
+    assert page.evaluate("told") == [["ended", "run 1"]]
+
+
+def test_answers_go_to_the_new_address_when_the_app_has_started_anew(run: Callable[..., Page]):
+    page = run(is_gone=True)
+    for picture in (1, 2):
+        answer(page, picture)
+    expect(page.locator(".nv-bar span")).to_have_text(re.compile("trying again"))
+    page.evaluate("sent.length = 0")
+    page.evaluate("begin({ ...begun, url: 'new' })")  # the page is drawn again
+    page.wait_for_function("told.length > 0")
+    assert page.evaluate("told") == [["ended", "run 1"]]
+    kept = page.evaluate("sent.filter((address) => address.startsWith('new'))")
+    assert kept == ["new/1/shown", "new/1/answer", "new/2/shown", "new/2/answer"]
+
+
+def test_a_page_that_is_drawn_again_leaves_the_run_that_is_on(run: Callable[..., Page]):
+    page = run(adaptation_s=(0, 0.1))
+    answer(page, 1)
+    page.evaluate("begin({ ...following(), url: 'new' })")
+    answer(page, 2)
+    page.wait_for_function("told.length > 0")
+    assert page.evaluate("told") == [["ended", "run 1"]]
+    expect(page.locator('.nv-study[data-run="run 2"][data-phase="ready"]')).to_have_count(1)
+
+
+def test_answers_outlive_the_page_and_their_pictures_are_not_shown_again(
+    run: Callable[..., Page],
+):
+    page = run(adaptation_s=(0, 600), is_gone=True)
+    reach(page, "again")
+    data = page.evaluate("begun")
+    page.reload()
+    page.wait_for_function("'begin' in window")
+    page.evaluate("data => begin({ ...data, url: 'new' })", data)
+    page.wait_for_function("told.length > 0")
+    assert page.evaluate("told") == [["kept", "run 1"]]
+    assert page.evaluate("sent") == ["new/1/shown", "new/1/answer"]
+    expect(page.get_by_role("button", name="Begin run 1")).to_be_disabled()
+
+
+def test_another_participant_in_the_tab_sends_no_answers_of_the_one_before(
+    run: Callable[..., Page],
+):
+    page = run(adaptation_s=(0, 600), is_gone=True)
+    reach(page, "again")
+    data = page.evaluate("begun")
+    page.reload()
+    page.wait_for_function("'begin' in window")
+    page.evaluate("data => begin({ ...data, url: 'new', whose: 'bert' })", data)
+    expect(page.locator('.nv-study[data-phase="ready"]')).to_have_count(1)
+    assert page.evaluate("sent") == []
 
 
 def test_the_screen_stays_awake_during_a_run_and_no_longer(run: Callable[..., Page]):

@@ -5,7 +5,7 @@ import stat
 
 import pytest
 
-from nvcore.errors import InputError
+from nvcore.errors import InputError, StoreError
 from nvcore.studies.store import AnswerFile
 
 TABLES = "CREATE TABLE IF NOT EXISTS answer (text TEXT);"
@@ -47,3 +47,10 @@ def test_a_file_that_cannot_be_created_is_told(tmp_path):
     (tmp_path / "link.sqlite").symlink_to(tmp_path / "gone" / "answers.sqlite")
     with pytest.raises(InputError, match=r"file of the answers cannot be used \(No such file"):
         AnswerFile(tmp_path / "link.sqlite", TABLES, what="answers")
+
+
+def test_a_full_disk_is_no_fault_of_the_answer(tmp_path):
+    file = AnswerFile(tmp_path / "answers.sqlite", TABLES, what="answers")
+    fill = "PRAGMA max_page_count = 1; INSERT INTO answer VALUES (zeroblob(1000000))"
+    with pytest.raises(StoreError, match="disk is full"), file.connect() as base:
+        base.executescript(fill)

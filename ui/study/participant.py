@@ -61,7 +61,7 @@ def draw() -> None:
     screen = study.settings.facts.screen_text(dict(participant.form))
     note = OnScreen(store, study, participant.code, folder, screen)
     state.workspace().notes[NOTE] = note
-    _next(study, store, participant)
+    _next(note, participant)
 
 
 def enter(token: str, code: str | None = None) -> None:
@@ -136,20 +136,20 @@ def _draw_form(study: DetectabilityStudy) -> dict[str, str]:
     return answers
 
 
-def _next(study: DetectabilityStudy, store: DetectabilityStore, person: Participant) -> None:
-    left = store.left(study, person)
+def _next(screen: OnScreen, person: Participant) -> None:
+    study = screen.study
+    left = screen.store.left(study, person)
     n_practised = st.session_state.get(f"{PRACTISED}_{person.code}", 0)
     if not person.has_practised and n_practised < study.settings.n_practice:
-        _practise(study, store, person, n_practised)
+        _practise(screen, person, n_practised)
     elif left:
-        _run(study, person, next([*run] for _, run in groupby(left, key=lambda trial: trial.run)))
+        _run(screen, person, next([*run] for _, run in groupby(left, key=lambda trial: trial.run)))
     else:
         _thanks(study, person)
 
 
-def _practise(
-    study: DetectabilityStudy, store: DetectabilityStore, person: Participant, n_practised: int
-) -> None:
+def _practise(screen: OnScreen, person: Participant, n_practised: int) -> None:
+    study = screen.study
     n = study.settings.n_practice
     st.title("Practice" if n == 1 else f"Practice {n_practised + 1} of {n}")
     _draw_code(person)
@@ -166,14 +166,22 @@ def _practise(
             return
         st.session_state[f"{PRACTISED}_{person.code}"] = n_practised + 1
         if n_practised + 1 >= n:
-            store.end_practice(study, person.code)
+            screen.store.end_practice(study, person.code)
 
     name = f"practice {n_practised + 1} of {person.code}"
-    draw_run(name, "Begin the practice", trials, study.settings.timing, on_end=practised)
+    draw_run(
+        name,
+        "Begin the practice",
+        trials,
+        study.settings.timing,
+        whose=screen.whose,
+        on_end=practised,
+    )
     st.caption("Answers of the practice are not kept.")
 
 
-def _run(study: DetectabilityStudy, person: Participant, run: list[Trial]) -> None:
+def _run(screen: OnScreen, person: Participant, run: list[Trial]) -> None:
+    study = screen.study
     n_runs = person.plan[-1].run
     st.markdown(f"# Run {run[0].run} of {n_runs}")
     st.progress((run[0].order - 1) / len(person.plan))
@@ -197,6 +205,7 @@ def _run(study: DetectabilityStudy, person: Participant, run: list[Trial]) -> No
         f"Begin run {run[0].run} of {n_runs}",
         trials,
         study.settings.timing,
+        whose=screen.whose,
         on_end=lambda _: None,  # what is left is asked of the file
     )
 

@@ -17,6 +17,7 @@ from nvcore.studies.detectability.plan import Trial, plan_trials
 from nvcore.studies.detectability.records import Answer, DetectabilityStudy, Participant
 from nvcore.studies.detectability.settings import MOST_QUESTION, StudySettings
 from nvcore.studies.participants import (
+    MOST_NAME,
     PARTICIPANTS,
     delete_ended,
     join,
@@ -47,6 +48,10 @@ CREATE TABLE IF NOT EXISTS showing (
     study TEXT NOT NULL, participant TEXT NOT NULL, place INTEGER NOT NULL, n INTEGER NOT NULL,
     shown_at TEXT NOT NULL, PRIMARY KEY (study, participant, place),
     FOREIGN KEY (study, participant) REFERENCES participant (study, name));
+CREATE TABLE IF NOT EXISTS showing_report (
+    study TEXT NOT NULL, participant TEXT NOT NULL, place INTEGER NOT NULL, name TEXT NOT NULL,
+    PRIMARY KEY (study, participant, place),
+    FOREIGN KEY (study, participant) REFERENCES participant (study, name));
 CREATE TABLE IF NOT EXISTS trial (
     study TEXT NOT NULL, participant TEXT NOT NULL, place INTEGER NOT NULL,
     measured_s REAL NOT NULL, shown_s REAL NOT NULL, touch_x REAL, touch_y REAL,
@@ -55,7 +60,7 @@ CREATE TABLE IF NOT EXISTS trial (
     PRIMARY KEY (study, participant, place),
     FOREIGN KEY (study, participant) REFERENCES participant (study, name));
 """
-OF_PARTICIPANT: Final = ("trial", "showing", "form")
+OF_PARTICIPANT: Final = ("trial", "showing_report", "showing", "form")
 """Tables with what a participant left."""
 
 
@@ -73,7 +78,7 @@ class DetectabilityStore(AnswerFile):
 
     Raises
     ------
-    InputError
+    StoreError
         Here and in every call: if the file cannot be used.
     """
 
@@ -214,13 +219,17 @@ class DetectabilityStore(AnswerFile):
                 (study.token, code),
             )
 
-    def note_showing(self, study: DetectabilityStudy, code: str, place: int) -> None:
+    def note_showing(
+        self, study: DetectabilityStudy, code: str, place: int, name: str = ""
+    ) -> None:
         """Remember that a picture appears: who reloads the page then has seen it.
 
         Parameters
         ----------
         place
             ``order`` of the trial, from 1.
+        name
+            Of this showing: the last report, sent again, is not counted again; empty: it is.
 
         Raises
         ------
@@ -230,6 +239,13 @@ class DetectabilityStore(AnswerFile):
         with self.connect() as base:
             _trial_at(base, study, code, place)
             now = datetime.now(UTC).isoformat()
+            report = base.execute(
+                "INSERT INTO showing_report VALUES (?, ?, ?, ?) "
+                "ON CONFLICT DO UPDATE SET name = excluded.name WHERE name <> excluded.name",
+                (study.token, code, place, name[:MOST_NAME]),
+            )
+            if name and not report.rowcount:
+                return
             base.execute(
                 "INSERT INTO showing VALUES (?, ?, ?, 1, ?) ON CONFLICT DO UPDATE SET n = n + 1, "
                 "shown_at = excluded.shown_at",

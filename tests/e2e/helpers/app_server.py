@@ -43,20 +43,22 @@ expect.set_options(timeout=PATIENCE_MS)
 
 
 @contextmanager
-def serve(script: Path, *, base: str = "") -> Iterator[str]:
+def serve(script: Path, *, base: str = "", port: int | None = None) -> Iterator[str]:
     """The address of a server that runs this script from the project's folder.
 
     Parameters
     ----------
     base
         Path below which the app is served (``server.baseUrlPath``).
+    port
+        One of `held_port`; None: any.
     """
     command = [sys.executable, "-m", "streamlit", "run", str(script), "--server.headless=true"]
     command += ["--browser.gatherUsageStats=false", "--server.address=127.0.0.1"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     command += [f"--server.baseUrlPath={base}"] if base else []
     command += ["--server.port"]
-    with serving(command, cwd=ROOT, environment=environment, base=base) as (url, _):
+    with serving(command, cwd=ROOT, environment=environment, base=base, port=port) as (url, _):
         yield url
 
 

@@ -20,7 +20,9 @@ def hears(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     monkeypatch.setattr(screen, "address", lambda _: "/nv/token")
     monkeypatch.setattr(screen.st, "session_state", component.setdefault("session", {}))
     component["runs"] = []
-    screen.draw_run(NAME, "Begin", [], Timing(), on_end=component["runs"].append)
+    screen.draw_run(
+        NAME, "Begin", [], Timing(), whose="study ABCDEFGH", on_end=component["runs"].append
+    )
     return component
 
 

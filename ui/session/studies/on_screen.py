@@ -69,25 +69,33 @@ class OnScreen:
             picture, box = load_picture(self.folder, scene), (scene.x, scene.y, scene.w, scene.h)
         return png(picture if view == "full" else coarse(picture, box))
 
-    def note_showing(self, place: int) -> None:
-        """Remember that a picture appears.
+    @property
+    def whose(self) -> str:
+        """Whose answers these are, in each of them: the browser may have kept those of others."""
+        return f"{self.study.token} {self.code}"
 
-        Raises
-        ------
-        InputError
-            If the participant has no such trial.
-        """
-        self.store.note_showing(self.study, self.code, place)
+    def keep(self, place: int, kind: str, content: bytes) -> bool:
+        """Keep an answer, or the report that a picture appears, as the browser sends it.
 
-    def keep(self, place: int, content: bytes) -> None:
-        """Keep an answer as the browser sends it.
+        False: it is another participant's, and nothing is kept.
 
         Raises
         ------
         InputError
             If it is none, or the participant has no such trial.
+        StoreError
+            If it cannot be kept now.
         """
-        self.store.answer(self.study, self.code, place, answer_of(content, self.screen))
+        sent = sent_by_browser(content)
+        if sent.get("whose", self.whose) != self.whose:
+            return False
+        if kind == "answer":
+            self.store.answer(self.study, self.code, place, answer_of(sent, self.screen))
+        else:
+            name = sent.get("name")
+            name = name if isinstance(name, str) else ""
+            self.store.note_showing(self.study, self.code, place, name)
+        return True
 
 
 def leave_screen(space: Workspace) -> None:
@@ -95,13 +103,13 @@ def leave_screen(space: Workspace) -> None:
     space.notes.pop(NOTE, None)
 
 
-def answer_of(content: bytes, screen: str = "") -> Answer:
-    """An answer from the text of a browser, of which nothing is believed unseen.
+def sent_by_browser(content: bytes) -> Mapping[str, Any]:
+    """The fields of what a browser sends.
 
     Raises
     ------
     InputError
-        If it is no answer.
+        If it has none.
     """
     try:
         sent = json.loads(content)
@@ -109,6 +117,17 @@ def answer_of(content: bytes, screen: str = "") -> Answer:
         raise InputError("this is no answer") from error
     if not isinstance(sent, Mapping):
         raise InputError("this is no answer")
+    return sent
+
+
+def answer_of(sent: Mapping[str, Any], screen: str = "") -> Answer:
+    """An answer from the fields that a browser sends, of which nothing is believed unseen.
+
+    Raises
+    ------
+    InputError
+        If it is no answer.
+    """
     touch = sent.get("touch")
     x = y = math.nan
     if isinstance(touch, list) and len(touch) == 2:

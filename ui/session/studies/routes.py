@@ -4,19 +4,24 @@ Only while the session's page has a study on the screen: for its participant, an
 
     GET /nv/TOKEN/study/PICTURE/VIEW.png    a picture (by index, or practice-0): full or coarse
     PUT /nv/TOKEN/study/PLACE/shown         the picture of a trial appears
-    PUT /nv/TOKEN/study/PLACE/answer        its answer, JSON
+    PUT /nv/TOKEN/study/PLACE/answer        its answer
+
+What is sent is JSON, and says whose it is. 400 and 413 are for what no other try makes better; with
+anything else but success the browser keeps it, and sends it again, also to the next session.
 """
 
 from __future__ import annotations
 
+import logging
 from http import HTTPStatus
+from typing import Final
 
 from anyio.to_thread import run_sync
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import Response
 
-from nvcore.errors import InputError
+from nvcore.errors import InputError, StoreError
 from ui.session.requests import (
     NOT_CACHED,
     for_owner,
@@ -27,7 +32,8 @@ from ui.session.requests import (
 from ui.session.studies.on_screen import MOST_BYTES, NOTE, OnScreen
 from ui.session.workspace import Workspace
 
-ENDED = "the page has ended; load it again"
+ENDED: Final = "the page has ended; load it again"
+_LOG = logging.getLogger("nvcore.ui")
 
 
 @for_owner()
@@ -57,12 +63,13 @@ async def study_answer(request: Request, space: Workspace | None) -> Response:
             content += chunk
             if len(content) > MOST_BYTES:
                 return say(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, "this is no answer")
-        if kind == "shown":
-            await run_in_threadpool(screen.note_showing, place)
-        else:
-            await run_in_threadpool(screen.keep, place, bytes(content))
+        if not await run_in_threadpool(screen.keep, place, kind, bytes(content)):
+            return not_found(ENDED)
     except ClientDisconnect:
         return say(HTTPStatus.BAD_REQUEST, "the answer broke off")
+    except StoreError as error:
+        _LOG.warning("An answer of a study waits in its browser: %s", error)
+        return say(HTTPStatus.SERVICE_UNAVAILABLE, str(error))
     except InputError as error:
         return say(HTTPStatus.BAD_REQUEST, str(error))
     return Response(status_code=HTTPStatus.NO_CONTENT, headers=NOT_CACHED)

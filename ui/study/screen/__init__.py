@@ -6,7 +6,7 @@ and of a stop.
 
     clock.js     frames of the animation, and waiting for them
     drawing.js   what is on the canvas: light, pictures, crosses
-    sending.js   pictures from the app, answers to it
+    sending.js   pictures from the app, answers to it, which wait in the tab until they are kept
     run.js       the order of things; what Streamlit calls
 """
 
@@ -39,6 +39,7 @@ def draw_run(
     trials: Sequence[dict[str, Any]],
     timing: Timing,
     *,
+    whose: str,
     on_end: Callable[[str], None],
     key: str = "study_screen",
 ) -> None:
@@ -53,9 +54,11 @@ def draw_run(
     trials
         ``place`` (0: practice, nothing is kept), ``picture`` (name in the route), ``width``,
         ``height`` (px) and ``adaptation_s`` of each picture, in their order.
+    whose
+        The participant, as answers say it; see `ui.session.studies.on_screen.OnScreen.whose`.
     on_end
-        Called with the name of a run that was seen to its end; after one that was stopped the page
-        is only drawn again.
+        Called with the name of a run that was seen to its end; after one that was stopped, or
+        when answers from before were kept, the page is only drawn again.
     """
 
     def end() -> None:
@@ -68,10 +71,12 @@ def draw_run(
         data={
             "run": run,
             "title": title,
+            "whose": whose,
             "url": f"{address(state.workspace())}/study",
             "trials": list(trials),
             "timing": asdict(timing),
         },
         on_ended_change=end,
         on_stopped_change=lambda: None,
+        on_kept_change=lambda: None,
     )

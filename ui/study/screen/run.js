@@ -8,7 +8,7 @@ const TEXTS = {
   kept: "The run is kept.",
   rest: "Rest as long as you like.",
   sending: "Keeping your answers …",
-  unreached: "The app does not answer; trying again. Leave this page open to keep your answers.",
+  unreached: "The app does not keep your answers; trying again. Leave this page open until it does.",
 };
 const screens = new WeakMap();
 
@@ -70,9 +70,19 @@ class Screen {
 
   update(data, tell) {
     this.tell = tell;
-    if (this.data && this.data.run === data.run) return;
+    outbox.open(data.url, data.whose, () => this.retry());
+    if (this.isOn) {
+      this.next = data; // the page was drawn again, maybe by an app that has started anew
+      return;
+    }
+    this.next = null;
+    if (this.data && this.data.run === data.run && this.data.url === data.url) return;
     this.data = data;
     this.load();
+  }
+
+  retry() {
+    if (this.phase === "sending") this.message.textContent = this.text.textContent = TEXTS.unreached;
   }
 
   enter(phase) {
@@ -90,18 +100,28 @@ class Screen {
     return ["bright", "preview", "cross"].includes(this.phase);
   }
 
-  async load() {
-    const { run, title, trials, url } = this.data;
+  // Offers the run, once all answers are kept; unless some are of its pictures: then, and after an
+  // event, the page is told.
+  async load(event = null) {
+    const { data } = this;
+    const { run, title, trials, url } = data;
     this.outside.textContent = this.inside.textContent = title;
     this.outside.disabled = true;
-    this.message.textContent = TEXTS.loading;
-    this.enter("loading");
     try {
+      this.message.textContent = TEXTS.sending;
+      this.enter("sending");
+      await outbox.sendLeft();
+      if (this.data !== data) return;
+      const isAnswered = trials.some((trial) => outbox.isAnswered(trial.place));
+      if (event || isAnswered) this.tell(event || "kept", run);
+      if (isAnswered) return;
+      this.message.textContent = TEXTS.loading;
+      this.enter("loading");
       const ready = await Promise.all(trials.map((trial) => fetchTrial(url, trial)));
-      if (this.data.run !== run) return;
+      if (this.data !== data) return;
       this.trials = ready;
     } catch (error) {
-      this.fail(error);
+      if (this.data === data) this.fail(error);
       return;
     }
     this.message.textContent = "";
@@ -131,6 +151,7 @@ class Screen {
     if (!this.dialog.open) this.dialog.showModal();
     this.fill();
     this.isStopped = false;
+    this.isOn = true;
     this.kept = [];
     const { run } = this.data;
     try {
@@ -138,10 +159,13 @@ class Screen {
       this.enter("sending");
       await Promise.all(this.kept);
       this.tell("ended", run);
+      this.isOn = false;
     } catch (error) {
+      this.isOn = false;
       if (error instanceof Stopped) this.end("stopped");
       else this.fail(error);
     }
+    if (this.next && this.next.run !== run) this.update(this.next, this.tell);
   }
 
   // The whole screen, where the browser lets us; else the window.
@@ -209,13 +233,13 @@ class Screen {
     this.enter("picture");
     const seen = await clock.show(() => drawing.whole(trial.screens.picture));
     dark = dark === null ? seen : dark;
-    const shown = trial.place ? this.send(trial, "shown", {}) : null;
+    this.send(trial, "shown", { name: `${Date.now()} ${Math.random()}` });
     await this.until(seen + 1000 * timing.show_s);
     const gone = await clock.show(() => drawing.answer(trial, null));
     this.enter("answer");
     const answer = await this.ask(trial, gone);
     const report = this.report(trial, answer, { dark, seen, gone });
-    if (trial.place) this.send(trial, "answer", report, shown);
+    this.send(trial, "answer", report);
     return dark;
   }
 
@@ -252,16 +276,11 @@ class Screen {
     };
   }
 
-  // After `before`: an answer that overtakes the report that its picture appears is marked.
-  send(trial, kind, content, before = null) {
-    const address = `${this.data.url}/${trial.place}/${kind}`;
-    const onRetry = () => {
-      if (this.phase === "sending") this.text.textContent = TEXTS.unreached;
-    };
-    const sent = Promise.resolve(before).catch(() => {}).then(() => put(address, content, onRetry));
+  send(trial, kind, content) {
+    if (!trial.place) return; // practice
+    const sent = outbox.add(trial.place, kind, content);
     sent.catch(() => {}); // said at the end of the run
     this.kept.push(sent);
-    return sent;
   }
 
   key(event) {
@@ -291,20 +310,15 @@ class Screen {
   }
 
   stop() {
-    if (!["ready", "loading", "failed"].includes(this.phase)) this.isStopped = true;
+    if (this.isOn) this.isStopped = true;
     else if (this.dialog.open) this.end();
   }
 
   // Back to the page, which is told what happened to the run, if anything; what was answered is kept.
-  async end(event = null) {
-    const { run } = this.data;
+  end(event = null) {
     this.asked = null;
     this.close();
-    if (this.phase === "loading" || this.phase === "failed") return;
-    this.enter("ready");
-    if (event === null) return;
-    await Promise.allSettled(this.kept);
-    this.tell(event, run);
+    if (event) this.load(event);
   }
 
   close() {

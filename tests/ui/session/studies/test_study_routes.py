@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import cv2
@@ -17,7 +19,13 @@ from nvcore.studies.detectability.pictures import read_pictures
 from nvcore.studies.detectability.settings import StudySettings
 from nvcore.studies.detectability.store import DetectabilityStore
 from ui.session.routes import address
-from ui.session.studies.on_screen import MOST_BYTES, NOTE, OnScreen, answer_of
+from ui.session.studies.on_screen import (
+    MOST_BYTES,
+    NOTE,
+    OnScreen,
+    answer_of,
+    sent_by_browser,
+)
 from ui.session.workspace import Workspace
 
 TOUCH = {
@@ -79,6 +87,38 @@ def test_an_answer_is_kept_at_once(space: Workspace, screen: OnScreen):
     assert answer.device == "touch, picture 1152 px of a screen of 1280 px, 24 inch"
 
 
+def test_a_report_that_is_sent_again_counts_once(space: Workspace, screen: OnScreen):
+    start = f"{address(space)}/study/1"
+    sent = [put(f"{start}/shown", json.dumps({"name": name}).encode()) for name in "aabb"]
+    assert [answer.status for answer in sent] == [204] * 4
+    assert put(f"{start}/answer", json.dumps(TOUCH).encode()).status == 204
+    _, n_shown = screen.store.answers(screen.study)[screen.code][1]
+    assert n_shown == 2
+
+
+def test_an_answer_that_cannot_be_kept_now_is_the_servers_fault_and_kept_later(
+    space: Workspace, screen: OnScreen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr("nvcore.studies.store.WAIT_S", 0.01)
+    address_of = f"{address(space)}/study/1/answer"
+    with closing(sqlite3.connect(tmp_path / "studies.sqlite")) as other:
+        other.execute("BEGIN EXCLUSIVE")
+        answer = put(address_of, json.dumps(TOUCH).encode())
+        other.rollback()
+    assert (answer.status, "database is locked" in answer.text) == (503, True)
+    assert put(address_of, json.dumps(TOUCH).encode()).status == 204
+
+
+def test_an_answer_of_another_participant_is_not_taken_for_this_ones(
+    space: Workspace, screen: OnScreen
+):
+    theirs = json.dumps({**TOUCH, "whose": f"{screen.study.token} OTHER"}).encode()
+    assert put(f"{address(space)}/study/1/answer", theirs).status == 404
+    assert screen.store.answers(screen.study) == {}
+    own = json.dumps({**TOUCH, "whose": screen.whose}).encode()
+    assert put(f"{address(space)}/study/1/answer", own).status == 204
+
+
 def test_a_touch_outside_the_picture_is_no_answer(space: Workspace, screen: OnScreen):
     beside = json.dumps({**TOUCH, "touch": [study_pictures.WIDTH, 5]}).encode()
     answer = put(f"{address(space)}/study/1/answer", beside)
@@ -124,14 +164,14 @@ def test_nobody_else_gets_pictures_or_sends_answers(space: Workspace, screen: On
 )  # fmt: skip
 def test_what_is_no_answer_is_refused(sent: bytes):
     with pytest.raises(InputError):
-        answer_of(sent)
+        answer_of(sent_by_browser(sent))
 
 
 def test_not_seen_no_answer_and_strange_devices():
-    unseen = answer_of(json.dumps({**TOUCH, "touch": None, "pointer": "<b>"}).encode())
+    unseen = answer_of({**TOUCH, "touch": None, "pointer": "<b>"})
     assert (unseen.is_seen, unseen.is_answered) == (False, True)
     assert unseen.device == "picture 1152 px of a screen of 1280 px"
     sent = {**TOUCH, "touch": None, "response_s": None, "is_answered": False, "screen_px": -1}
-    late = answer_of(json.dumps(sent).encode(), "24 inch")
+    late = answer_of(sent, "24 inch")
     assert (late.is_answered, late.device) == (False, "touch, 24 inch")
     assert math.isnan(late.response_s)
