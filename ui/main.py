@@ -57,9 +57,7 @@ try:
             systems.draw()
             finished.draw_aside(page.url_path)
     wrong_params = live_params.read()
-    if links.is_participant():
-        live_params.keep_all_hidden()
-    elif page.url_path not in WRITE_ADDRESS:
+    if not links.is_participant() and page.url_path not in WRITE_ADDRESS:
         state.write_address()
     if not links.is_participant():
         title.draw(page.title, page.url_path)

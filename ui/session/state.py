@@ -19,7 +19,7 @@ from nvcore.palette import Scheme, Shade, scheme_for
 from nvcore.params import SETTINGS, Params
 from nvcore.protocols import Protocol
 from ui.access.people import is_same
-from ui.session import address
+from ui.session import address, settings
 from ui.session.address import PLACE, read_place, read_systems
 from ui.session.ending import end_with_session, is_in_use
 from ui.session.opening import load_for, with_systems
@@ -154,17 +154,17 @@ def begin_run() -> None:
     space = workspace()
     seen_opening: int | None = st.session_state.get("seen_opening")
     if seen_opening != space.n_opened:
-        _forget_widgets()
+        _forget_settings()
         if seen_opening is not None:  # the first one may be opened by a link
             st.session_state["place"] = 0, 0
         st.session_state["seen_opening"] = space.n_opened
     elif st.session_state.get("wants_reset", False):
-        _forget_widgets()
+        _forget_settings()
         st.session_state["wants_reset"] = False
     if "place" not in st.session_state:
         _follow_link()
-    for name, value in st.session_state.pop("new_params", {}).items():
-        st.session_state[name] = value
+    settings.keep(**st.session_state.pop("new_params", {}))
+    settings.begin_run()
 
 
 def set_params(**values: Any) -> None:
@@ -402,10 +402,7 @@ def frame_numbers(recording_index: int) -> np.ndarray:
     return frames.frame[frames.rows_of(recording_index)]
 
 
-def _forget_widgets() -> None:
-    """Forget the widgets' values, so that they start with those of the open session."""
+def _forget_settings() -> None:
+    """Let the settings start with those of the open session."""
     st.session_state.pop("params", None)
-    if st.session_state.get("has_opened", False):
-        for name in SETTINGS:
-            st.session_state.pop(name, None)
-    st.session_state["has_opened"] = True  # the first time the address may set parameters
+    settings.forget()

@@ -1,4 +1,4 @@
-"""The live parameters, read from the sidebar's widgets before anything is drawn."""
+"""The live parameters, made from the settings before anything is drawn."""
 
 from __future__ import annotations
 
@@ -13,26 +13,22 @@ from nvcore.metrics.proximity import in_use
 from nvcore.params import SETTINGS, Params
 from nvcore.params.metadata import DRIVER, THRESHOLD, UNSEEN, Setting
 from nvcore.params.presets import Preset
-from ui.session import state
-from ui.shell.tab import dragging
+from ui.session import settings, state
 
 KEPT_NUMBERS: Final = 1e-9
-_DRAGGED: Final = "dragged_parameter"
-"""Under which name a run keeps the value of the slider that is being dragged."""
 
 
 def read() -> str:
-    """Make the values of the widgets the live parameters.
+    """Make the settings the live parameters.
 
-    A widget has its new value in Streamlit's state before it is drawn: so the page can be drawn
-    first, and the sidebar, which is less urgent, after it.
+    A widget tells of its new value before it is drawn: so the page can be drawn first, and the
+    sidebar, which is less urgent, after it.
 
     Returns
     -------
     What is wrong with the values, for the sidebar; empty if nothing. The last parameters that
     worked then stay in use.
     """
-    st.session_state[_DRAGGED] = dragging.take_moved()
     values = {name: _read(name, setting) for name, setting in SETTINGS.items()}
     try:
         params = Params(**values)
@@ -58,13 +54,8 @@ def _lacks_horizon(params: Params) -> bool:
 
 
 def value_of(name: str) -> Any:
-    """Value of the widget of a parameter; without one, that of the open session."""
-    dragged = st.session_state.get(_DRAGGED, {})
-    if name in dragged:  # its slider is in motion, and has its old value until it is let go
-        return dragged[name]
-    if name in st.session_state:
-        return st.session_state[name]
-    return getattr(state.session_params(), name)
+    """Value of a setting as it was made, else that of the open session."""
+    return settings.kept(name, getattr(state.session_params(), name))
 
 
 def value_when_set(name: str) -> float:
@@ -84,18 +75,6 @@ def is_used(setting: Setting) -> bool:
         return True
     name, values = setting.used_with
     return value_of(name) in values
-
-
-def keep_hidden(name: str) -> None:
-    """Keep the value of a parameter whose widget is not drawn: Streamlit would forget it."""
-    if name in st.session_state:
-        st.session_state[name] = st.session_state[name]
-
-
-def keep_all_hidden() -> None:
-    """Keep all parameters' values on a page that has no sidebar."""
-    for name in SETTINGS:
-        keep_hidden(name)
 
 
 def picture_height() -> float:

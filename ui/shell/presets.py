@@ -11,7 +11,7 @@ from nvcore.params import SETTINGS
 from nvcore.params.metadata import THRESHOLD
 from nvcore.params.presets import PRESETS, Preset, presets_for
 from nvcore.wording import count_text
-from ui.session import state
+from ui.session import settings, state
 from ui.shell import live_params
 
 KEY: Final = "preset"
@@ -49,12 +49,15 @@ def changed() -> dict[str, Any]:
 def draw(moved: dict[str, Any]) -> None:
     """The presets with that in use marked, and a list of what differs, each with its way back."""
     preset = preset_in_use()
-    st.session_state[KEY] = None if preset is None else preset.name
+    name = None if preset is None else preset.name
+    key = settings.key_of(KEY, name)
     st.segmented_control(
         "Preset" if preset is not None else "Preset: custom",
         [preset.name for preset in _presets()],
-        key=KEY,
+        default=name,
+        key=key,
         on_change=_take,
+        args=(key,),
         width="stretch",
         help=state.words("  \n".join(f"*{preset.name}*: {preset.text}" for preset in _presets())),
     )
@@ -73,9 +76,9 @@ def draw(moved: dict[str, Any]) -> None:
             )
 
 
-def _take() -> None:
+def _take(key: str) -> None:
     """A preset was chosen; the one in use, pressed again, stays."""
-    name: str | None = st.session_state[KEY]
+    name: str | None = st.session_state[key]
     if name is not None:
         st.session_state[BASE] = state.workspace().n_opened, name
         live_params.set_preset(_BY_NAME[name])

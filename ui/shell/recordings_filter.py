@@ -10,7 +10,7 @@ import streamlit as st
 
 from nvcore.dataset import part_text
 from nvcore.errors import InputError
-from ui.session import state
+from ui.session import settings, state
 from ui.session.address import read_place
 from ui.widgets.text import plain
 
@@ -23,12 +23,15 @@ def draw() -> None:
     tags = sorted({tag for own in state.opened().whole.recordings["tags"] for tag in own})
     if not tags:
         return
-    st.session_state[_KEY] = list(state.opened().session.only_tags)
+    chosen = list(state.opened().session.only_tags)
+    key = settings.key_of(_KEY, chosen)
     st.multiselect(
         "Only recordings tagged",
         tags,
-        key=_KEY,
+        default=chosen,
+        key=key,
         on_change=_choose,
+        args=(key,),
         placeholder="all recordings",
         help="Every page then shows and compares these recordings only. Of several tags a "
         "recording needs all.",
@@ -63,8 +66,8 @@ def choose_tags(tags: Sequence[str]) -> None:
     state.go_to(*place)
 
 
-def _choose() -> None:
+def _choose(key: str) -> None:
     try:
-        choose_tags(st.session_state[_KEY])
+        choose_tags(st.session_state[key])
     except InputError as error:
         st.session_state[_REFUSED] = f"{error}: the choice stays as it was"

@@ -11,7 +11,7 @@ from nvcore.figures.inputs import proximity_plot
 from nvcore.params import SETTINGS, settings_for
 from nvcore.params.metadata import MATCH, PROXIMITY, THRESHOLD, Setting, Stage
 from nvcore.params.traffic import count_contexts
-from ui.session import state
+from ui.session import settings, state
 from ui.shell import cost_map, live_params, operating_point, presets, recordings_filter
 from ui.widgets.charts import draw_chart
 from ui.widgets.text import plain
@@ -45,8 +45,6 @@ def draw(
         recordings_filter.draw()
         if not is_folded or _is_unfolded(len(moved)):
             _draw_settings(moved)
-        else:
-            live_params.keep_all_hidden()
         if wrong:
             st.error(f"{plain(wrong)}. The last settings that worked stay in use.")
 
@@ -118,13 +116,13 @@ def _quietness(setting: Setting, text: str = "") -> dict[str, Any]:
 
 def _proximity() -> None:
     kind = _widget("proximity")
-    settings = {name: SETTINGS[name] for name in settings_for(PROXIMITY) if name != "proximity"}
     if kind == "horizon":
         _horizon()
-    for name, setting in settings.items():
-        if not live_params.is_used(setting):
-            live_params.keep_hidden(name)
-        elif setting.height_share is not None:
+    for name in settings_for(PROXIMITY):
+        setting = SETTINGS[name]
+        if name in ("proximity", "horizon") or not live_params.is_used(setting):
+            continue
+        if setting.height_share is not None:
             low, high_share, step = SLIDER_OF_HEIGHT[name]
             _number_slider(
                 name,
@@ -133,7 +131,7 @@ def _proximity() -> None:
                 value=live_params.default_of_height(name),
                 step=step,
             )
-        elif name != "horizon":
+        else:
             _widget(name)
     if kind != "none":
         _proximity_plot()
@@ -141,13 +139,16 @@ def _proximity() -> None:
 
 
 def _horizon() -> None:
-    setting = SETTINGS["horizon"]
+    value = live_params.value_of("horizon")
+    settings.give("horizon", value)
     st.number_input(
         _label("horizon"),
-        value=state.session_params().horizon,
+        value=value,
         key="horizon",
         placeholder="each recording's own",
-        **_quietness(setting),
+        on_change=settings.take,
+        args=("horizon",),
+        **_quietness(SETTINGS["horizon"]),
     )
 
 
@@ -205,39 +206,36 @@ def _advanced() -> None:
                 for name in names:
                     if live_params.is_used(SETTINGS[name]):
                         _widget(name)
-                    else:
-                        live_params.keep_hidden(name)
-        else:
-            for name in names:
-                live_params.keep_hidden(name)
 
 
 def _widget(name: str) -> Any:
     """The widget of a parameter, made from what `Params` says of it; its value."""
     setting = SETTINGS[name]
     if setting.unset and not _is_set(name, setting):
-        live_params.keep_hidden(name)
         return None
     choices = setting.words
     if choices is None:
         _slider(name, setting)
-        return st.session_state[name]
-    st.session_state.setdefault(name, getattr(state.session_params(), name))
+        return live_params.value_of(name)
+    settings.give(name, live_params.value_of(name))
     return st.selectbox(
         _label(name),
         list(choices),
         format_func=lambda value: state.words(choices[value]),
         key=name,
+        on_change=settings.take,
+        args=(name,),
         **_quietness(setting),
     )
 
 
 def _is_set(name: str, setting: Setting) -> bool:
     """The switch above the slider of a parameter that may have no value: whether it has one."""
-    key = f"{name}_unset"
-    st.session_state[key] = live_params.value_of(name) is None
+    value = live_params.value_of(name) is None
+    key = settings.key_of(f"{name}_unset", value)
     is_unset = st.checkbox(
         state.words(f"{setting.label} {setting.unset}"),
+        value=value,
         key=key,
         on_change=_switch,
         args=(name, key),
@@ -281,14 +279,13 @@ def _number_slider(
     setting = SETTINGS[name]
     # a session or a link may give any possible value: the slider then reaches to it, and stays so,
     # since one with other ends would be another slider and lose its value
-    given = float(st.session_state.get(name, value))
+    made = live_params.value_of(name)
+    given = float(value if made is None else made)
     base, (least, most) = st.session_state.get(f"ends_{name}", (None, (low, high)))
     if base != (low, high, step):
         least, most = low, high
     ends = min(least, given), max(most, given, low + step)
-    is_known = isinstance(st.session_state.get(name), float)
-    if not is_known or (base, (least, most)) != ((low, high, step), ends):
-        st.session_state[name] = given  # not in each run: it would move a slider in motion
+    settings.give(name, given)
     st.session_state[f"ends_{name}"] = (low, high, step), ends
     st.slider(
         _label(name),
@@ -298,6 +295,8 @@ def _number_slider(
         value=given,
         step=float(step),
         key=name,
+        on_change=settings.take,
+        args=(name,),
         **_quietness(setting, help_text),
         **more,
     )

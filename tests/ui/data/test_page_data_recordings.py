@@ -230,5 +230,5 @@ def test_an_impossible_context_changes_nothing(tmp_path: Path, edit: Edit):
 def test_a_value_in_the_sidebar_is_said_to_go_before_the_context(tmp_path: Path):
     page = opened_drive(tmp_path, "fir.csv", "nir.csv")
     assert "which holds for all recordings" not in texts(page)
-    page.session_state["edge_weight"] = 0.4
+    page.session_state["settings"] = {"edge_weight": 0.4}
     assert "which holds for all recordings" in texts(checked(page.run()))

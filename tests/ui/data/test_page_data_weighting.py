@@ -16,7 +16,7 @@ def opened_by_distance() -> AppTest:
         seen.append(f"{frame},{100 + frame},100,40,120,0.{50 + frame},{40 - 0.5 * frame}")
     system = "\n".join(seen).encode()
     page = open_files(sent("\n".join(truth).encode(), ("a.csv", system), ("b.csv", system)))
-    page.session_state["proximity"] = "distance"
+    page.session_state["settings"] = {"proximity": "distance"}
     return checked(page.run())
 
 

@@ -133,7 +133,7 @@ def test_what_the_comparison_would_make_of_the_boxes_stands_beside_them():
     page = checked(opened("detectors", is_folded=True, recording="odd_pose", frame="255"))
     assert [one.value for one in page.metric][1:] == ["1", "0", "1", "1"]  # IoU 0.457
     assert "1 after: 0 matched, 1 false; the truth has 1, 1 missed" in headings(page)[0]
-    page.session_state["iou"] = 0.45
+    page.session_state["settings"] = {"iou": 0.45}
     checked(page.run())
     assert [one.value for one in page.metric][2:] == ["1", "0", "0"]
 

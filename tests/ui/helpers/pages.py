@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 from xml.etree.ElementTree import Element, fromstring
 
 import pytest
@@ -66,6 +67,13 @@ def checked(page: AppTest) -> AppTest:
 
 def press(page: AppTest, key: str) -> AppTest:
     return checked(page.button(key=key).click().run())
+
+
+def shown(page: AppTest, kind: str, name: str) -> Any:
+    """The widget that now shows what others change, too (`ui.session.settings.key_of`)."""
+    form = re.compile(rf"{name}(_\d+)?")
+    (widget,) = [one for one in page.get(kind) if form.fullmatch(str(one.key))]
+    return widget
 
 
 def texts(page: AppTest) -> str:

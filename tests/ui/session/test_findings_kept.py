@@ -31,7 +31,7 @@ def test_findings_follow_the_threshold_and_those_of_the_files_are_made_once(monk
     app = AppTest.from_string(SCRIPT, default_timeout=TIMEOUT_S).run()
     assert app.session_state["found"] == audit(dataset)
     for threshold in (0.9, 2.0):  # the latter above every score
-        app.session_state["threshold_x"] = threshold
+        app.session_state["settings"] = {"threshold_x": threshold}
         app.run()
         assert not app.exception
     params = replace(dataset.params_of(), threshold_x=2.0)

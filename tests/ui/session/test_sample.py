@@ -37,8 +37,10 @@ st.session_state["made"] = (result, measure_evidence(result), drawing.thumbnail(
 """
 
 
-def visit(mine: bytes = b"drawn", **given: object) -> AppTest:
+def visit(mine: bytes = b"drawn", alpha: float | None = None, **given: object) -> AppTest:
     page = AppTest.from_string(SCRIPT.replace("MINE", repr(mine)), default_timeout=TIMEOUT_S)
+    if alpha is not None:
+        page.query_params["alpha"] = str(alpha)
     for name, value in given.items():
         page.session_state[name] = value
     return checked(page.run())
@@ -111,7 +113,7 @@ def test_long_recordings_are_not_kept_for_settings_that_were_moved(monkeypatch: 
 
 def test_a_change_taken_back_shares_again():
     page = visit(alpha=0.123)
-    page.session_state["alpha"] = made(visit())[0].params.alpha
+    page.session_state["settings"] = {"alpha": made(visit())[0].params.alpha}
     checked(page.run())
     assert {id(value) for value in made(page)[:2]} <= stored()  # the drawing holds for any alpha
 

@@ -12,7 +12,8 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import SETTINGS, Params
 from nvcore.params.metadata import MATCH, PROXIMITY, RESULTS
-from pages import FRAMES, begin_with, checked, opened, press, rows, texts, write
+from pages import FRAMES, begin_with, checked, opened, press, rows, shown, texts, write
+from ui.session import settings
 from ui.session.sample import shown_in
 from ui.session.workspace import Opened
 from ui.shell import pages
@@ -97,13 +98,13 @@ def test_sliders_start_at_their_values_in_every_run():
 
 def test_presets_and_resets_are_in_use_in_the_same_run():
     page = app(low="0.8", alpha="0.3")
-    checked(page.button_group(key="preset").set_value("Rural").run())
+    checked(shown(page, "button_group", "preset").set_value("Rural").run())
     assert live(page).edge_weight == page.slider(key="edge_weight").value == 1
     assert page.slider(key="midpoint").value == pytest.approx(28.8)
     reset = next(button for button in page.button if button.label == "Reset all parameters")
     checked(reset.click().run())
     assert live(page) == page.session_state["workspace"].opened.dataset.params_of()
-    assert page.checkbox(key="edge_weight_unset").value
+    assert shown(page, "checkbox", "edge_weight_unset").value
     assert page.slider(key="midpoint").value == 48.0
 
 
@@ -197,12 +198,12 @@ def test_without_a_value_the_traffic_context_is_as_the_recordings_say():
     page = app()
     assert live(page).edge_weight is None
     assert "edge_weight" not in [slider.key for slider in page.slider]
-    checked(page.checkbox(key="edge_weight_unset").uncheck().run())
+    checked(shown(page, "checkbox", "edge_weight_unset").uncheck().run())
     assert live(page).edge_weight == page.slider(key="edge_weight").value == 0
     checked(page.slider(key="edge_weight").set_value(0.4).run())
     checked(page.slider(key="alpha").set_value(0.5).run())
     assert (live(page).edge_weight, live(page).alpha) == (0.4, 0.5)
-    checked(page.checkbox(key="edge_weight_unset").check().run())
+    checked(shown(page, "checkbox", "edge_weight_unset").check().run())
     checked(page.slider(key="alpha").set_value(0.6).run())
     assert (live(page).edge_weight, live(page).alpha) == (None, 0.6)
 
@@ -210,7 +211,7 @@ def test_without_a_value_the_traffic_context_is_as_the_recordings_say():
 def test_a_link_keeps_its_traffic_context_and_the_default_clears_it():
     page = app(edge_weight="0.3")
     assert live(page).edge_weight == page.slider(key="edge_weight").value == 0.3
-    checked(page.button_group(key="preset").set_value("Default").run())
+    checked(shown(page, "button_group", "preset").set_value("Default").run())
     assert live(page).edge_weight is None
 
 
@@ -222,7 +223,7 @@ def test_a_link_can_clear_the_traffic_context_of_a_session(
     begin_with(session, monkeypatch)
     page = app()
     assert live(page).edge_weight == page.slider(key="edge_weight").value == 0.7
-    checked(page.checkbox(key="edge_weight_unset").check().run())
+    checked(shown(page, "checkbox", "edge_weight_unset").check().run())
     assert live(page).edge_weight is None
     assert live(app(edge_weight="none")).edge_weight is None
 
@@ -246,7 +247,7 @@ def test_settings_are_grey_where_they_act_on_nothing(monkeypatch: pytest.MonkeyP
     page.session_state["advanced"] = True
     checked(page.run())
     is_grey = {slider.key: slider.disabled for slider in page.slider}
-    assert page.checkbox(key="edge_weight_unset").disabled
+    assert shown(page, "checkbox", "edge_weight_unset").disabled
     grey = {name for name, disabled in is_grey.items() if disabled}
     assert {"alpha", "tolerance", "recency_midpoint"} < grey
     assert {"iou", "midpoint", "spread", "threshold_x"}.isdisjoint(grey)
@@ -282,25 +283,39 @@ def test_the_costs_by_place_are_drawn_once_unfolded_and_say_what_they_follow_fro
     assert "Everybody weighs the same" in texts(page)
 
 
-def test_a_slider_in_motion_acts_for_its_run_and_keeps_its_own_value():
+def test_a_slider_in_motion_acts_until_it_is_let_go_and_is_not_moved():
     page = app(alpha="0.4")
-    page.session_state["dragging_moved"] = ("alpha", 0.75, 0.4)
-    checked(page.run())
-    assert live(page).alpha == 0.75
-    assert page.slider(key="alpha").value == 0.4
-    checked(page.run())  # whatever else causes a run: the slider's value holds
-    assert live(page).alpha == 0.4
+    page.session_state["settings"] = {"alpha": 0.75}  # as `settings.drag` does
+    page.session_state["settings_moving"] = ("alpha", 0.4)
+    for _ in range(2):  # in whatever else causes a run, too
+        checked(page.run())
+        assert live(page).alpha == 0.75
+        assert page.slider(key="alpha").value == 0.4  # to Streamlit
+    checked(page.slider(key="alpha").set_value(0.8).run())
+    assert live(page).alpha == page.slider(key="alpha").value == 0.8
 
 
 def test_a_slider_that_was_let_go_has_its_own_value_though_another_was_on_its_way(
     monkeypatch: pytest.MonkeyPatch,
 ):
     monkeypatch.setattr(st, "session_state", {"alpha": 0.4})
-    dragging.note({"name": "alpha", "value": 0.75, "id": 1})
-    st.session_state["alpha"] = 0.8  # the release cuts off the run that would have taken it
-    assert dragging.take_moved() == {}
+    dragging.note({"name": "alpha", "value": 0.7, "id": 1})
+    st.session_state["alpha"] = 0.8  # both reach the server before it runs
+    settings.take("alpha")
     dragging.note({"name": "alpha", "value": 0.75, "id": 2})
-    assert dragging.take_moved() == {"alpha": 0.75}
+    assert settings.kept("alpha", None) == 0.8
+
+
+def test_a_widget_of_what_others_changed_is_another_one(monkeypatch: pytest.MonkeyPatch):
+    """The browser may still send what it had before, as if a person had chosen it."""
+    monkeypatch.setattr(st, "session_state", {})
+    first = settings.key_of("preset", "Default")
+    st.session_state[first] = "Rural"  # a person chooses
+    assert settings.key_of("preset", "Rural") == first
+    second = settings.key_of("preset", None)  # a slider was moved
+    assert second != first
+    assert settings.key_of("preset", None) == second
+    assert settings.key_of("preset", "Rural") not in (first, second)
 
 
 @pytest.mark.parametrize(
@@ -319,4 +334,4 @@ def test_a_slider_that_was_let_go_has_its_own_value_though_another_was_on_its_wa
 def test_what_a_browser_sends_of_a_slider_is_checked(sent, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(st, "session_state", {})
     dragging.note(sent)
-    assert dragging.take_moved() == {}
+    assert settings.kept("alpha", None) is None

@@ -11,7 +11,7 @@ from streamlit.testing.v1.element_tree import NumberInput
 
 from nvcore.detection.operating_point import threshold_with_alarms
 from nvcore.params.metadata import RESULTS
-from pages import FRAMES, begin_with, checked, opened, press, rows, texts, write
+from pages import FRAMES, begin_with, checked, opened, press, rows, shown, texts, write
 from ui.shell import pages
 from ui.shell.operating_point import RATE, points
 
@@ -141,30 +141,30 @@ def test_without_scores_the_buttons_are_disabled_and_say_why(tmp_path: Path, mon
 @pytest.mark.usefixtures("every_setting_acts")
 def test_the_preset_in_use_is_marked_and_what_was_moved_away_can_be_taken_back():
     page = checked(opened(QUICK))
-    preset = page.button_group(key="preset")
+    preset = shown(page, "button_group", "preset")
     assert preset.value == "Default"
     assert "●" not in page.slider(key="alpha").label
     checked(page.slider(key="alpha").set_value(0.5).run())
-    preset = page.button_group(key="preset")
+    preset = shown(page, "button_group", "preset")
     assert (preset.value, preset.label) == (None, "Preset: custom")
     assert "●" in page.slider(key="alpha").label
     assert page.button(key="reset_alpha").label.endswith("0.5, back to 0.9")
     press(page, "reset_alpha")
-    assert page.button_group(key="preset").value == "Default"
+    assert shown(page, "button_group", "preset").value == "Default"
     assert "reset_alpha" not in keys(page)
 
 
 @pytest.mark.usefixtures("every_setting_acts")
 def test_what_was_moved_is_told_against_the_preset_that_was_chosen_last():
     page = checked(opened(QUICK))
-    checked(page.button_group(key="preset").set_value("Rural").run())
-    assert page.button_group(key="preset").value == "Rural"
+    checked(shown(page, "button_group", "preset").set_value("Rural").run())
+    assert shown(page, "button_group", "preset").value == "Rural"
     assert {key for key in keys(page) if str(key).startswith("reset_")} == set()
     checked(page.slider(key="midpoint").set_value(60.0).run())
     assert "●" in page.slider(key="midpoint").label
     press(page, "reset_midpoint")
     assert page.slider(key="midpoint").value == pytest.approx(28.8)
-    assert page.button_group(key="preset").value == "Rural"
+    assert shown(page, "button_group", "preset").value == "Rural"
 
 
 @pytest.mark.usefixtures("every_setting_acts")

@@ -58,7 +58,7 @@ def test_a_page_that_fails_by_a_fault_lets_one_start_over(monkeypatch: pytest.Mo
     assert (offered(page), len(page.error)) == ({"way_out_anew"}, 1)  # the sidebar fails as well
     before = page.session_state["workspace"]
     monkeypatch.undo()
-    page.session_state["alpha"] = 0.2
+    page.session_state["settings"] = {"alpha": 0.2}
     press(page, "way_out_anew")
     assert page.session_state["workspace"] is not before
     assert (offered(page), before.opened, before.folder.exists()) == (set(), None, False)

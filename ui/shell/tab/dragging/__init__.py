@@ -1,14 +1,14 @@
 """Parameters that act while their slider in the sidebar is dragged.
 
 Streamlit tells Python of a slider only when it is let go. A script of the page reads where the
-handle is meanwhile and sends that, one value at a time; for the run that it causes, and no longer,
-it holds in place of the slider's own value (`ui.shell.live_params`).
+handle is meanwhile and sends that, one value at a time (`ui.session.settings`).
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
@@ -16,9 +16,9 @@ import streamlit as st
 
 from nvcore.errors import ParameterError
 from nvcore.params import SETTINGS
+from ui.session import settings
 
 KEY: Final = "dragging"
-_MOVED: Final = "dragging_moved"
 _ANSWERED: Final = "dragging_answered"
 _COMPONENT = st.components.v2.component(
     "nvcore_dragging", js=Path(__file__).with_name("dragging.js").read_text(encoding="utf-8")
@@ -37,7 +37,7 @@ def _note() -> None:
 
 
 def note(drag: Any) -> None:
-    """Keep where a slider is for the next run, if what the browser sends has a meaning."""
+    """Make the setting what its slider says in motion, if what the browser sends has a meaning."""
     if not isinstance(drag, Mapping):
         return
     name, value, answered = (drag.get(key) for key in ("name", "value", "id"))
@@ -47,17 +47,6 @@ def note(drag: Any) -> None:
         return
     if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
         return
-    try:
+    with suppress(ParameterError):
         SETTINGS[name].check(name, float(value))
-    except ParameterError:
-        return
-    st.session_state[_MOVED] = (name, float(value), st.session_state.get(name))
-
-
-def take_moved() -> dict[str, float]:
-    """The parameter whose slider is being dragged and its value, once for a run; else nothing.
-
-    Nothing too where the slider has another value of its own by now: it was let go.
-    """
-    name, value, own = st.session_state.pop(_MOVED, ("", 0.0, None))
-    return {name: value} if name and st.session_state.get(name) == own else {}
+        settings.drag(name, float(value))

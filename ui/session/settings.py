@@ -1,0 +1,78 @@
+"""The settings as they were made: kept here, whatever becomes of the widgets that show them.
+
+Streamlit forgets the value of a widget that a run does not draw, as one that a click on the page
+cuts off for another page. So a widget only tells of a change, and is given its value anew.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import streamlit as st
+
+_KEPT: Final = "settings"
+_MOVING: Final = "settings_moving"
+"""The setting whose slider is in motion, and the value that Streamlit has of it meanwhile."""
+_LET_GO: Final = "settings_let_go"
+"""The settings whose widgets told of a change before this run."""
+_NONE: Final = object()
+
+
+def kept(name: str, otherwise: Any) -> Any:
+    """The value of a setting; `otherwise` where it was not made."""
+    return st.session_state.get(_KEPT, {}).get(name, otherwise)
+
+
+def keep(**values: Any) -> None:
+    """Make these settings."""
+    st.session_state[_KEPT] = {**st.session_state.get(_KEPT, {}), **values}
+
+
+def forget() -> None:
+    """No setting was made: all are those of what is open."""
+    st.session_state.pop(_KEPT, None)
+
+
+def begin_run() -> None:
+    """What widgets told of is in the settings."""
+    st.session_state.pop(_LET_GO, None)
+
+
+def take(name: str) -> None:
+    """A widget tells of a change. For callbacks."""
+    keep(**{name: st.session_state[name]})
+    st.session_state[_LET_GO] = {*st.session_state.get(_LET_GO, ()), name}
+    st.session_state.pop(_MOVING, None)
+
+
+def drag(name: str, value: float) -> None:
+    """A slider in motion has this value, of which Streamlit does not know until it is let go.
+
+    Passed over where it was let go since: that is newer.
+    """
+    if name not in st.session_state.get(_LET_GO, ()):
+        keep(**{name: value})
+        st.session_state[_MOVING] = name, st.session_state.get(name)
+
+
+def give(name: str, value: Any) -> None:
+    """Give a widget its value before it is drawn, unless it has it, or is in motion."""
+    own = st.session_state.get(name, _NONE)
+    if own != value and (name, own) != st.session_state.get(_MOVING):
+        st.session_state[name] = value
+
+
+def key_of(name: str, value: Any) -> str:
+    """Key of a widget that shows a value which others change, too.
+
+    A browser that has not heard of such a change sends what the widget had before, as if it had
+    been chosen. So what others have changed is shown by another widget.
+    """
+    memory = f"shown_{name}"
+    number, shown = st.session_state.get(memory, (0, value))
+    key = f"{name}_{number}" if number else name
+    if st.session_state.get(key, shown) != value:
+        number += 1
+        key = f"{name}_{number}"
+    st.session_state[memory] = number, value
+    return key
