@@ -69,6 +69,8 @@ class Remedy(StrEnum):
     """Say which frames are evaluated; value: ``first:last:step``."""
     FORMAT = "format"
     """Say in which format the files are; value: its name."""
+    BOXES = "boxes"
+    """Say what the four numbers of a box are; value: such as ``corners``."""
     TABLE = "table"
     """Convert the files to plain CSV with a header line."""
 

@@ -100,6 +100,10 @@ LEFT_OUT_DTYPES: Final[dict[str, str]] = {
     "file": "int32",
     "line": "int32",
     "reason": "object",
+    "x": "float64",
+    "y": "float64",
+    "w": "float64",
+    "h": "float64",
 }
 """Rows of the inputs that could not be placed."""
 

@@ -211,7 +211,7 @@ def test_a_choice_that_leaves_nothing_is_refused(tags, names, match: str) -> Non
 def test_rows_left_out_go_with_their_recording() -> None:
     lost = pd.DataFrame(
         [("x", name, 9, 0, 1, "frame not listed") for name in ("r0", "r1", "nowhere")],
-        columns=list(LEFT_OUT_DTYPES),
+        columns=list(LEFT_OUT_DTYPES)[:6],
     )
     part = replace(of_three(), left_out=lost).only(names=["r0"])
     assert part.left_out["recording"].tolist() == ["r0", "nowhere"]
@@ -232,7 +232,9 @@ def test_two_of_a_name_are_refused() -> None:
         of_three().renamed({"x": "y"}, {})
     with pytest.raises(InputError, match="two recordings would be called 'r2'"):
         of_three().renamed({}, {"r1": "r2"})
-    lost = pd.DataFrame([("x", "B", 9, 0, 1, "unknown recording")], columns=list(LEFT_OUT_DTYPES))
+    lost = pd.DataFrame(
+        [("x", "B", 9, 0, 1, "unknown recording")], columns=list(LEFT_OUT_DTYPES)[:6]
+    )
     with pytest.raises(InputError, match="two recordings would be called 'B'"):
         replace(of_three(), left_out=lost).renamed({}, {"r1": "B"})
 

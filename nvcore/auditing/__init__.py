@@ -25,6 +25,7 @@ from nvcore.auditing.comparability import (
 )
 from nvcore.auditing.coverage import audit_system_coverage, audit_truth_coverage
 from nvcore.auditing.detectability import audit_detectability
+from nvcore.auditing.layouts import audit_layouts, find_layouts
 from nvcore.auditing.offsets import find_offsets
 from nvcore.auditing.overlaps import above_threshold
 from nvcore.auditing.perspective import audit_foot_spread
@@ -38,7 +39,7 @@ from nvcore.auditing.rows import audit_left_out
 from nvcore.auditing.scores import audit_scores, audit_threshold
 from nvcore.auditing.training import audit_provenance
 from nvcore.dataset import Dataset
-from nvcore.findings import Finding, worst_first
+from nvcore.findings import TRUTH_NAME, Finding, worst_first
 from nvcore.params import Params
 
 
@@ -101,7 +102,7 @@ def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
     findings = [*audit_left_out(dataset)]
     findings += [*audit_truth_coverage(dataset), *_audit_boxes(truth), *audit_tracks(truth)]
     findings += [*audit_size(dataset), *audit_kitti_size(dataset), *audit_fps(dataset)]
-    findings += audit_frame_list(dataset)
+    findings += [*audit_frame_list(dataset), *audit_layouts(dataset)]
     for system in (system_source(dataset, name) for name in dataset.systems):
         findings += [*audit_system_coverage(system), *_audit_boxes(system), *audit_scores(system)]
         findings += audit_same_as_truth(system)
@@ -124,11 +125,10 @@ def audit_system(
         ``x`` or ``y`` where it is one of the compared systems: its flags are named.
     """
     system = system_source(dataset, name)
-    counting = above_threshold(system.boxes, threshold)
-    findings = [
-        *audit_threshold(system, threshold, flag=f"--threshold-{letter}"),
-        *find_offsets(system, counting, letter=letter),
-    ]
+    findings = [*audit_threshold(system, threshold, flag=f"--threshold-{letter}")]
+    if not {name, TRUTH_NAME} & find_layouts(dataset).keys():  # else all of them would be wrong
+        counting = above_threshold(system.boxes, threshold)
+        findings += find_offsets(system, counting, letter=letter)
     return _worded(dataset, findings)
 
 

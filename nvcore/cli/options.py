@@ -300,6 +300,15 @@ reading_options = (
         type=click.Choice(["0", "1"]),
         help="Coordinate of the first pixel, for Pascal VOC. Default: 1.",
     ),
+    grouped_option(
+        READING,
+        "--boxes",
+        metavar="LAYOUT",
+        help="What the four numbers of a box are: sizes (left, top, width, height), corners (left, "
+        "top, right, bottom) or centres (centre x, centre y, width, height); -yx behind it: the "
+        "vertical number first; -shares, -percent, -thousandths: of the picture, as in "
+        "corners-yx-shares. Default: as the format has them.",
+    ),
 )
 """Flags that say how files are read."""
 
@@ -349,6 +358,12 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
         grouped_option(READING, "--format-x", metavar="FORMAT", help="Format of X, likewise."),
         grouped_option(READING, "--format-y", metavar="FORMAT", help="Format of Y, likewise."),
         *reading_options,
+        *(
+            grouped_option(
+                READING, f"--boxes-{end}", metavar="LAYOUT", help=f"The same of {whose} alone."
+            )
+            for end, whose in (("truth", "the ground truth"), ("x", "X"), ("y", "Y"))
+        ),
         objects_option,
         fps_option,
         grouped_option(

@@ -14,6 +14,10 @@ TEXTS: Final[RemedyTexts] = {
     Remedy.RATE: ("give --fps {value}", "FPS"),
     Remedy.FRAMES: ("give --frames {value}", "FIRST:LAST:STEP"),
     Remedy.FORMAT: ("give --format{of} {value}", "FORMAT"),
+    Remedy.BOXES: (
+        'give --boxes{of} {value} (in a session file boxes = "{value}")',
+        "corners",
+    ),
     Remedy.TABLE: (
         "convert the files to CSV with the header {value} (docs/formats.md)",
         "frame,x,y,w,h,score",

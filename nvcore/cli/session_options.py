@@ -32,6 +32,10 @@ OF_FILES: Final = (
     "classes",
     "frame_base",
     "box_base",
+    "boxes",
+    "boxes_truth",
+    "boxes_x",
+    "boxes_y",
 )
 """Flags that say how the files named by flags are read."""
 
@@ -77,12 +81,19 @@ def _from_flags(options: dict[str, Any], given: dict[str, Any], *, needs_y: bool
         raise click.UsageError(f"give a session file, or {expected}")
     format_of_all = options["format_"]
     common = source_options(options)
-    truth = Source(options["truth"], format=options["format_truth"] or format_of_all, **common)
+    boxes_of_all = common.pop("boxes")
+    truth = Source(
+        options["truth"],
+        format=options["format_truth"] or format_of_all,
+        boxes=options["boxes_truth"] or boxes_of_all,
+        **common,
+    )
     systems = [
         SystemSource(
             options[f"{letter}_paths"],
             format=options[f"format_{letter}"] or format_of_all,
             name=options[f"name_{letter}"],
+            boxes=options[f"boxes_{letter}"] or boxes_of_all,
             **common,
             **_corrections(options, letter),
         )
@@ -238,7 +249,7 @@ def source_options(options: dict[str, Any]) -> dict[str, Any]:
         for key in ("frame_base", "box_base")
     }
     names = None if classes is None else tuple(name.strip() for name in classes.split(","))
-    return {"classes": names, **bases}
+    return {"classes": names, "boxes": options["boxes"], **bases}
 
 
 def frames_option(text: str) -> str:

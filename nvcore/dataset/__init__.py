@@ -22,6 +22,7 @@ from nvcore.columns import (
 )
 from nvcore.dataset.estimates import EstimateRecord
 from nvcore.dataset.provenance import Provenance
+from nvcore.dataset.sources import ReadAs
 from nvcore.errors import InputError
 from nvcore.findings import Finding
 from nvcore.params import Params
@@ -61,7 +62,7 @@ class Dataset:
         One row per input file: subject (truth or system), file, sha256, format, conversion.
     left_out
         Rows that could not be placed (frame not listed, recording unknown, coordinates that are
-        no box), with subject, recording, frame, file, line and reason. Nothing is lost.
+        no box), with subject, recording, frame, file, line, reason and box. Nothing is lost.
     findings
         What was reported while the inputs were read.
     notes
@@ -82,6 +83,9 @@ class Dataset:
     labels
         What the column `label` of `boxes` counts: classes in the words of the objects ("70"), where
         boxes of several count.
+    read_as
+        How the files of each source were read, by ``truth`` or the system's name; empty for data
+        made in memory.
     """
 
     recordings: pd.DataFrame
@@ -98,6 +102,7 @@ class Dataset:
     provenance: Mapping[str, Provenance] = field(default_factory=dict, repr=False)
     estimate: EstimateRecord | None = None
     labels: tuple[str, ...] = ()
+    read_as: Mapping[str, ReadAs] = field(default_factory=dict, repr=False)
 
     @cached_property
     def frame_columns(self) -> FrameColumns:
@@ -314,6 +319,7 @@ class Dataset:
                 subjects.get(name, name): record.renamed(recordings)
                 for name, record in self.provenance.items()
             },
+            read_as={subjects.get(name, name): how for name, how in self.read_as.items()},
             fingerprint=hashlib.sha256(text.encode()).hexdigest(),
         )
 

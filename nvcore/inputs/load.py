@@ -21,6 +21,7 @@ from nvcore.errors import InputError
 from nvcore.findings import Step
 from nvcore.inputs.driver.joining import with_detectability
 from nvcore.inputs.files import digest, find_files, located, system_names
+from nvcore.inputs.laying_out import laid_out, sizes_given
 from nvcore.inputs.placing import LoadedSource, place_sources
 from nvcore.inputs.readers.base import Reading, ReadOptions, Role, joined_findings, warning
 from nvcore.inputs.readers.table import FORMAT as TABLE
@@ -126,6 +127,7 @@ def read_source(
     """
     files, file_format = find_files(source, folder or Path.cwd(), role)
     reading = file_format.read(files, read_options(source, role, size, truth, objects))
+    reading = laid_out(reading, source, {} if size is None else {"": size}, truth)
     check_names(reading)
     return replace(reading, findings=joined_findings(reading.findings))
 
@@ -174,6 +176,7 @@ def _read(
             files, file_format = [table_as_file(source.path[0])], TABLE
             reading = read_table(table, files[0], options)
             digests = [tables_fingerprint([table], list(map(str, table.columns)))]
+        reading = laid_out(reading, source, sizes_given(session), truth)
         check_names(reading)
     if truth is not None:
         reading = _same_single_recording(reading, truth)

@@ -13,6 +13,7 @@ import pandas as pd
 
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import Provenance, provenance_json
+from nvcore.dataset.sources import ReadAs
 from nvcore.dataset.tables import dataset_from_tables, what_is_stated
 from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.evaluated_frames import frames_there, own_frames, parse_frames
@@ -190,6 +191,10 @@ def place_sources(
             source.subject: source.provenance for source in loaded if source.provenance is not None
         },
         labels=labels,
+        read_as={
+            source.subject: ReadAs(source.reading.layout, source.reading.has_score_beside)
+            for source in loaded
+        },
         **({} if truth.attributes is None else {"attributes": truth.attributes}),
     )
 
@@ -235,7 +240,7 @@ def _placed(
     if len(lost):
         columns = {name: values[fault == 0] for name, values in columns.items()}
     left_out = (
-        boxes.iloc[lost][["recording", "frame"]]
+        boxes.iloc[lost][["recording", "frame", *"xywh"]]
         .astype({"recording": object})
         .assign(
             file=file[lost],
@@ -316,6 +321,8 @@ def _fingerprint(
         settings = {**asdict(source), "path": None, "format": item.format.name}
         settings |= {"threshold": None, "name": None}
         settings.pop("provenance", None)  # a path; what counts is the record
+        if source.boxes is None:  # as before there was a choice
+            del settings["boxes"]
         digest.update(f"{item.subject}\n{item.digests}\n{settings}\n".encode())
         if item.provenance is not None:
             digest.update(provenance_json(item.provenance))

@@ -11,7 +11,7 @@ from nvcore.inputs.facts import parse_size
 from nvcore.inputs.overriding import override_recordings
 from nvcore.inputs.session import Session
 
-_OF_SOURCE: Final = {Remedy.CLASSES: "classes", Remedy.FORMAT: "format"}
+_OF_SOURCE: Final = {Remedy.CLASSES: "classes", Remedy.FORMAT: "format", Remedy.BOXES: "boxes"}
 """Fields of `Source`."""
 _OF_ALL: Final = {Remedy.SIZE: "size", Remedy.RATE: "fps", Remedy.FRAMES: "frames"}
 """What `override_recordings` takes."""

@@ -17,6 +17,7 @@ from nvcore.inputs.facts import (
     check_rate,
     is_frame_range,
 )
+from nvcore.inputs.layouts import parse_layout
 from nvcore.params.traffic import parse_context
 from nvcore.settings import Settings, as_names, new_names
 
@@ -113,6 +114,9 @@ class Source:
         Name of a format; None: recognised by the content.
     classes, frame_base, box_base
         See `nvcore.inputs.readers.base.ReadOptions`.
+    boxes
+        What the four numbers of a box are, such as ``corners`` or ``centres-yx-shares``
+        (`nvcore.inputs.layouts`); None: as the format has it.
     """
 
     path: tuple[str, ...] | str
@@ -120,6 +124,7 @@ class Source:
     classes: tuple[str, ...] | None = None
     frame_base: int | None = None
     box_base: int | None = None
+    boxes: str | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "path", as_names(self.path))
@@ -132,6 +137,8 @@ class Source:
             raise SessionError("path: expected a file, folder or glob, found nothing")
         for text in self.path:
             check_path("path", text)
+        if self.boxes is not None:
+            object.__setattr__(self, "boxes", str(parse_layout(self.boxes)))
         if self.classes is not None and not (self.classes and all(self.classes)):
             raise SessionError("classes: expected names or numbers of classes, found nothing")
 

@@ -12,6 +12,7 @@ import streamlit as st
 
 from nvcore.errors import MediaError
 from nvcore.inputs.facts import FRAME_RANGE
+from nvcore.inputs.layouts import KINDS, UNITS, BoxLayout
 from nvcore.inputs.proposals import USUAL_INPUTS, UsualInputs
 from nvcore.inputs.readers import FORMATS
 from nvcore.inputs.readers.base import Role
@@ -28,6 +29,14 @@ MOST_CHECKS: Final = 256
 """Pictures that are remembered: a long video takes time to open."""
 MAX_SIZE_PX: Final = 100_000
 AUTOMATIC: Final = "by the content"
+AS_FORMAT: Final = "as the format has them"
+LAYOUTS: Final = {
+    str(layout): layout.text
+    for layout in (
+        *(BoxLayout(kind, yx, unit) for unit in UNITS for kind in KINDS for yx in (False, True)),
+        BoxLayout("centres", unit="shares", is_score_first=True),
+    )
+}
 FRAME_BASES: Final = {
     "as usual for the format": None,
     "the first frame is 0": 0,
@@ -213,6 +222,13 @@ def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str,
     box_base = st.selectbox(
         "Coordinates", list(BOX_BASES), key=f"box_base_{key}", on_change=changed
     )
+    boxes = st.selectbox(
+        "Numbers of a box",
+        ["", *LAYOUTS],
+        format_func=lambda name: f"{name}: {LAYOUTS[name]}" if name else AS_FORMAT,
+        key=f"boxes_{key}",
+        on_change=changed,
+    )
     classes = st.text_input(
         "Classes that count",
         key=f"classes_{key}",
@@ -225,6 +241,7 @@ def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str,
         "format": titles.get(title),
         "frame_base": FRAME_BASES[frame_base],
         "box_base": BOX_BASES[box_base],
+        "boxes": boxes or None,
         "classes": class_names or None,
     }
 

@@ -13,5 +13,6 @@ TEXTS: Final[RemedyTexts] = {
     Remedy.RATE: ("enter {value} as the frame rate", "frames per second"),
     Remedy.FRAMES: ("enter {value} as “Evaluated frames”", "first:last:step"),
     Remedy.FORMAT: (f"choose {{value}} as the format {_READING}", "another one"),
+    Remedy.BOXES: (f"choose “{{value}}” as “Numbers of a box” {_READING}", "corners"),
     Remedy.TABLE: ("convert the files to CSV with the header {value}", "frame,x,y,w,h,score"),
 }

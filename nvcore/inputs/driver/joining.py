@@ -144,7 +144,7 @@ def _joined(
         dataset,
         boxes=dataset.boxes.assign(**columns),
         inputs=pd.concat(inputs, ignore_index=True),
-        left_out=pd.concat(rows, ignore_index=True)[list(dataset.left_out)],
+        left_out=pd.concat(rows, ignore_index=True).reindex(columns=list(dataset.left_out)),
         findings=(
             *dataset.findings,
             *changed_input(DETECTABILITY, name, [estimates.digest], session.hashes),

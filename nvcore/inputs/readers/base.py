@@ -242,6 +242,10 @@ class Reading:
         Names of categories by their ids, where results in the same format have ids alone.
     left_out
         What of the files is not used, the most first; `conversion` says it in words.
+    layout
+        What the four numbers of a box were taken for, as `nvcore.inputs.layouts.BoxLayout` says it.
+    has_score_beside
+        Whether the score may stand before the four numbers as well as behind them.
     """
 
     boxes: pd.DataFrame
@@ -254,6 +258,8 @@ class Reading:
     labels: tuple[str, ...] = ()
     categories: Mapping[str, str] = field(default_factory=dict)
     left_out: tuple[LeftOut, ...] = ()
+    layout: str = "sizes"
+    has_score_beside: bool = False
 
 
 Read = Callable[[Sequence[SourceFile], ReadOptions], Reading]

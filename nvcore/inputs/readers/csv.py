@@ -161,6 +161,7 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
         attributes=joined_attributes(attributes),
         labels=labels,
         left_out=left_out,
+        layout="corners" if any("right" in source.header.place for source in inputs) else "sizes",
     )
 
 

@@ -108,6 +108,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         findings=choice.findings,
         labels=labels,
         left_out=choice.left_out,
+        layout="corners",
     )
 
 

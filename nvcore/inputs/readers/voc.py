@@ -130,6 +130,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         findings=tuple(findings),
         labels=labels,
         left_out=choice.left_out,
+        layout="corners",
     )
 
 

@@ -72,6 +72,8 @@ class _Fields:
     track: np.ndarray
     facts: tuple[str, ...]
     findings: tuple[Finding, ...]
+    is_score_first: bool = False
+    has_score_beside: bool = False
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
@@ -145,6 +147,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         findings=(*fields.findings, *choice.findings),
         labels=labels,
         left_out=choice.left_out,
+        layout="score-centres-shares" if fields.is_score_first else "centres-shares",
+        has_score_beside=fields.has_score_beside,
     )
 
 
@@ -237,12 +241,14 @@ def _identified(table: NumberTable, options: ReadOptions) -> _Fields:
     facts: list[str] = []
     findings: list[Finding] = []
     n_last = n_second = 0
+    has_score_beside = False
     if has_seventh.any():
         facts.append("confidence last but one, track id last")
     elif has_sixth.any() and _are_ids(sixth[has_sixth]):
         score, track = np.full(len(table), np.nan), sixth
         facts.append("last field = track id; no scores")
     elif has_sixth.any():
+        has_score_beside = True
         n_last = _n_outside([column[has_sixth] for column in box])
         shifted = [third, fourth, fifth, sixth]
         n_second = _n_outside([column[has_sixth] for column in shifted])
@@ -265,7 +271,15 @@ def _identified(table: NumberTable, options: ReadOptions) -> _Fields:
     ids = np.full(len(table), NO_TRACK, dtype=np.int64)
     has_track = ~np.isnan(track)
     ids[has_track] = whole_numbers(track[has_track], table.lines[has_track], "track id")
-    return _Fields(box, score, np.maximum(ids, NO_TRACK), tuple(facts), tuple(findings))
+    return _Fields(
+        box,
+        score,
+        np.maximum(ids, NO_TRACK),
+        tuple(facts),
+        tuple(findings),
+        is_score_first=n_second < n_last,
+        has_score_beside=has_score_beside,
+    )
 
 
 def _are_ids(values: np.ndarray) -> bool:

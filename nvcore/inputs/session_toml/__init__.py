@@ -27,6 +27,7 @@
     classes = ["person"]
     frame_base = 0
     box_base = 1
+    boxes = "corners"        what the four numbers of a box are, if not what the format says
 
     [[system]]               the first is X, the second Y, unless [compare] says otherwise
     name = "FIR"

@@ -96,6 +96,7 @@ def _source_table(source: Source) -> dict[str, Any]:
             "classes": None if source.classes is None else list(source.classes),
             "frame_base": source.frame_base,
             "box_base": source.box_base,
+            "boxes": source.boxes,
         }
     )
 

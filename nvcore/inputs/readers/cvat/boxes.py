@@ -92,6 +92,7 @@ def boxes_reading(
         attributes=attributes,
         labels=labels,
         left_out=choice.left_out,
+        layout="corners",
     )
 
 

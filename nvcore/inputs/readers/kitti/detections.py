@@ -117,6 +117,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         conversion=conversion_text([*facts, *assumed]),
         findings=findings,
         left_out=left_out,
+        layout="corners",
     )
 
 

@@ -51,6 +51,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         images=images.sort_values("image_id", ignore_index=True),
         findings=choice.findings,
         left_out=choice.left_out,
+        layout="corners",
     )
 
 

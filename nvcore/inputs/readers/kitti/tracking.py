@@ -61,6 +61,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         annotated=places.drop_duplicates(ignore_index=True),
         findings=choice.findings,
         left_out=choice.left_out,
+        layout="corners",
     )
 
 
