@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
-from pathlib import PurePath
+import unicodedata
+from contextlib import suppress
+from pathlib import Path, PurePath
 from typing import Final
 
 IMAGE_SUFFIXES: Final = frozenset({".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp"})
@@ -107,3 +109,32 @@ def binary_kind(content: bytes) -> str | None:
         if content.startswith(magic, offset):
             return kind
     return "a binary file" if b"\x00" in content[:_BYTES_CHECKED] else None
+
+
+def composed(name: str) -> str:
+    """The name as names are compared: a Mac stores an accent as a sign behind its letter.
+
+    Examples
+    --------
+    >>> composed("Nacht_fu\u0308nf") == "Nacht_f\u00fcnf"
+    True
+    """
+    return unicodedata.normalize("NFC", name)
+
+
+def as_stored(path: Path) -> Path:
+    """The path of the file or folder that has this name, with accents as they are stored.
+
+    The path itself where there is none.
+    """
+    with suppress(OSError, ValueError):  # a name that no file can have
+        if path.exists():
+            return path
+        stored = Path(path.anchor)
+        for part in path.parts[1 if path.anchor else 0 :]:
+            stored = stored / part
+            if not stored.exists():
+                siblings = {composed(file.name): file for file in stored.parent.iterdir()}
+                stored = siblings.get(composed(part), stored)
+        return stored
+    return path

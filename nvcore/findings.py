@@ -73,6 +73,10 @@ class Remedy(StrEnum):
     """Say what the four numbers of a box are; value: such as ``corners``."""
     TABLE = "table"
     """Convert the files to plain CSV with a header line."""
+    PICTURES = "pictures"
+    """Say where a recording's pictures are; value: a path; subject: the recording's name."""
+    FIRST_PICTURE = "first picture"
+    """Say which frame a recording's first picture shows; value: its number; subject: as above."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +90,8 @@ class Step:
     value
         What to give, as it is typed; empty: only the user knows it.
     subject
-        Whose files it is about: `TRUTH_NAME` or the name of a system; empty: all.
+        Whose files it is about: `TRUTH_NAME` or the name of a system; empty: all. Of pictures, the
+        name of the recording.
     """
 
     remedy: Remedy

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import os
 from collections.abc import Callable, Collection, Sequence
 from typing import Final
@@ -10,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.errors import InputError, MissingFactError
+from nvcore.file_kinds import as_stored
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import Reading, warning
 from nvcore.inputs.session import Session
@@ -69,12 +71,21 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
 def missing_pictures(session: Session, names: Sequence[str]) -> list[Finding]:
     """Pictures that the session names for a recording and that are not there."""
     entries = session.entries(list(names))
-    # os.path: Path.exists raises for names that no file can have
+
+    def is_missing(path: str | None) -> bool:
+        if path is None:
+            return False
+        place = session.folder / path
+        if glob.has_magic(place.name):
+            place = next((p for p in (place, place.parent) if os.path.exists(p)), place)  # noqa: PTH110
+        # os.path: Path.exists raises for names that no file can have
+        return not os.path.exists(as_stored(place))  # noqa: PTH110
+
     missing = [
         (name, path)
         for name, entry in entries.items()
         for path in (entry.pictures, entry.visible)
-        if path is not None and not os.path.exists(session.folder / path)  # noqa: PTH110
+        if path is not None and is_missing(path)
     ]
     if not missing:
         return []

@@ -9,12 +9,17 @@ from typing import Any, Final
 from nvcore.findings import TRUTH_NAME, Remedy, Step
 from nvcore.inputs.facts import parse_size
 from nvcore.inputs.overriding import override_recordings
-from nvcore.inputs.session import Session
+from nvcore.inputs.session import RecordingEntry, Session
 
 _OF_SOURCE: Final = {Remedy.CLASSES: "classes", Remedy.FORMAT: "format", Remedy.BOXES: "boxes"}
 """Fields of `Source`."""
 _OF_ALL: Final = {Remedy.SIZE: "size", Remedy.RATE: "fps", Remedy.FRAMES: "frames"}
 """What `override_recordings` takes."""
+_OF_RECORDING: Final[dict[Remedy, tuple[str, Any]]] = {
+    Remedy.PICTURES: ("pictures", str),
+    Remedy.FIRST_PICTURE: ("first_picture", int),
+}
+"""Fields of `RecordingEntry`."""
 
 
 def applied(session: Session, step: Step, systems: Sequence[str]) -> Session | None:
@@ -31,6 +36,12 @@ def applied(session: Session, step: Step, systems: Sequence[str]) -> Session | N
     if remedy in _OF_ALL:
         parse: Any = {Remedy.SIZE: parse_size, Remedy.RATE: float}.get(remedy, str)
         return override_recordings(session, **{_OF_ALL[remedy]: parse(value)})
+    if remedy in _OF_RECORDING:
+        name, parse = _OF_RECORDING[remedy]
+        entries = session.entries([step.subject])
+        entry = entries.get(step.subject, RecordingEntry(step.subject))
+        entries[step.subject] = replace(entry, **{name: parse(value)})
+        return replace(session, recordings=tuple(entries.values()))
     if remedy not in _OF_SOURCE:
         return None
     given: Any = tuple(value.split(",")) if remedy is Remedy.CLASSES else value

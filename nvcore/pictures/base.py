@@ -36,6 +36,10 @@ class PictureTrait(StrEnum):
     """The file holds nothing for the `count` pictures at `places`: each shows the one before."""
     OTHER_STREAMS = "other streams"
     """`count` further streams of pictures are in the file and are not shown, of these `names`."""
+    PASSED_OVER = "passed over"
+    """`count` files lie beside the pictures and are not taken for one of them, of these `names`."""
+    FURTHER_PAGES = "further pages"
+    """Each file holds `count` further pages, which are not shown, as the one of these `names`."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +89,7 @@ class Pictures(PictureReader, Protocol):
     width, height
         Size of the first picture, px.
     is_video
-        Whether they come from one video file.
+        Whether they come from one file in their order: a video, or a TIFF of many pages.
     numbers
         Frame number in the name of each picture, int64, shape (n,), all different; None for a
         video and where names have none.

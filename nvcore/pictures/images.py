@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 from copy import copy
+from fnmatch import fnmatchcase
 from pathlib import Path, PurePosixPath
 from threading import Lock
 from typing import Final
@@ -14,12 +14,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.errors import MediaError
-from nvcore.file_kinds import IMAGE_SUFFIXES
-from nvcore.inputs.readers.meaning.names import recording_and_frame_of
+from nvcore.file_kinds import IMAGE_SUFFIXES, composed
 from nvcore.pictures.archive import Archive
-from nvcore.pictures.base import Picture, PictureNote, RecentPictures, check_index
-from nvcore.pictures.header import image_size, tiff_pages
-from nvcore.wording import one_line
+from nvcore.pictures.base import (
+    Picture,
+    PictureNote,
+    PictureTrait,
+    RecentPictures,
+    check_index,
+)
+from nvcore.pictures.header import image_size, tiff_pages, with_first_page
+from nvcore.pictures.series import Series, is_stray, series_of
+from nvcore.wording import MOST_NAMED, one_line
 
 _MAX_BYTES: Final = 1 << 29
 _SHOWN_FOLDERS: Final = 5
@@ -30,25 +36,23 @@ _FAR: Final = 25
 class Images:
     """Pictures that are files of their own; see `nvcore.pictures.base.Pictures`."""
 
-    is_video = False
-
     def __init__(
         self,
         name: str,
-        names: Sequence[str],
-        read_bytes: Callable[[int], bytes],
+        series: Series,
+        read_bytes: Callable[[str], bytes],
         close: Callable[[], None],
     ):
-        """Take over files in their order.
+        """Take over files in their order; each page of a single TIFF is a picture.
 
         Parameters
         ----------
         name
             Of all of them together.
-        names
-            Path of each, for its frame number and for errors.
+        series
+            The files.
         read_bytes
-            Content of a file by its position.
+            Content of a file by its name in the series.
         close
             Called once, by `close`.
 
@@ -57,12 +61,26 @@ class Images:
         MediaError
             If the first picture cannot be read.
         """
-        self.name, self.n, self.note = name, len(names), ""
-        self.numbers = numbers_of(names)
+        self.name, self.numbers, self._names = name, series.numbers, series.names
         self.fps: float | None = None
         self.times_s: NDArray[np.floating] | None = None
+        self._read_bytes, self._close = read_bytes, close
+        first = series.names[0]
+        is_tiff = PurePosixPath(first).suffix.lower() in (".tif", ".tiff")
+        self._pages = tiff_pages(read_bytes(first)) if is_tiff else []
         self.notes: tuple[PictureNote, ...] = ()
-        self._names, self._read_bytes, self._close = names, read_bytes, close
+        if others := [PurePosixPath(other).name for other in series.passed_over]:
+            named = tuple(others[:MOST_NAMED])
+            self.notes += (PictureNote(PictureTrait.PASSED_OVER, len(others), names=named),)
+        if len(self._pages) > 1 < len(series.names):
+            n_further, named = len(self._pages) - 1, (PurePosixPath(first).name,)
+            self.notes += (PictureNote(PictureTrait.FURTHER_PAGES, n_further, names=named),)
+        if len(self._pages) > 1 == len(series.names):
+            self.numbers = None
+        else:
+            self._pages = []
+        self.n, self.is_video = len(self._pages) or len(series.names), bool(self._pages)
+        self.note = ""
         self._recent, self._lock = RecentPictures(), Lock()
         self.height, self.width = self.read(0).shape[:2]
 
@@ -73,11 +91,17 @@ class Images:
             picture = self._recent.get(index)
             if picture is not None:
                 return picture
-            name = one_line(PurePosixPath(self._names[index]).name)
-            return self._recent.put(index, decode_image(self._read_bytes(index), name))
+            path = self._names[0 if self._pages else index]
+            name, content = one_line(PurePosixPath(path).name), self._read_bytes(path)
+            if self._pages:
+                name = f"{name}, page {index + 1}"
+                content = with_first_page(content, self._pages[index])
+            return self._recent.put(index, decode_image(content, name))
 
-    def file_names(self, indices: Sequence[int]) -> list[str]:
+    def file_names(self, indices: Sequence[int]) -> list[str] | None:
         """See `Pictures.file_names`."""
+        if self._pages:
+            return None
         return [PurePosixPath(self._names[index]).name for index in indices]
 
     def another(self) -> Images:
@@ -151,79 +175,105 @@ def _as_uint16(picture: NDArray[np.generic]) -> NDArray[np.uint16]:
     return scaled.astype(np.uint16)
 
 
-def files_as_pictures(paths: Sequence[Path], name: str) -> Images:
+def files_as_pictures(paths: Sequence[Path], name: str, passed_over: Sequence[str] = ()) -> Images:
     """Given picture files, in natural order of their names.
 
+    Parameters
+    ----------
+    passed_over
+        Files that were found beside them.
+
     Raises
     ------
     MediaError
-        If there is none, or the first cannot be read.
+        If there is none, they are of several series, or the first cannot be read.
     """
-    ordered = sorted(paths, key=lambda path: natural_order(path.name))
-    if not ordered:
+    path_of = {path.name: path for path in paths}
+    if not path_of:
         raise MediaError("there are no pictures; expected PNG, JPEG, TIFF or BMP", file=name)
-    return Images(
-        name,
-        [path.name for path in ordered],
-        lambda index: file_bytes(ordered[index]),
-        lambda: None,
-    )
+    series = series_of([*path_of], name).beside(passed_over)
+    return Images(name, series, lambda file: file_bytes(path_of[file]), lambda: None)
 
 
-def folder_as_pictures(folder: Path, *, inside: str | None = None) -> Images:
+def folder_as_pictures(folder: Path, *, inside: str | None = None, pattern: str = "*") -> Images:
     """Pictures of a folder, or of its only subfolder that holds some; hidden ones are left out.
 
+    Parameters
+    ----------
+    inside
+        Which of its folders; ``.``: itself.
+    pattern
+        Of the names of files, as in a shell; others are left out.
+
     Raises
     ------
     MediaError
-        If there is none, or several subfolders hold some and `inside` names none of them.
+        If there is none, several subfolders hold some and `inside` names none of them, or they are
+        of several series.
     """
     try:
         relative = [
             path.relative_to(folder).as_posix()
-            for path in folder.rglob("*")
+            for path in (folder.iterdir() if inside == "." else folder.rglob("*"))
             if path.suffix.lower() in IMAGE_SUFFIXES and path.is_file()
         ]
     except OSError as error:
         raise MediaError(f"cannot be read ({error.strerror})", file=folder.name) from error
-    names = _one_folder(relative, folder.name, inside)
-    return files_as_pictures([folder / name for name in names], folder.name)
+    names, others = _one_folder(relative, folder.name, inside, pattern)
+    return files_as_pictures([folder / name for name in names], folder.name, others)
 
 
-def archive_as_pictures(path: Path, *, inside: str | None = None) -> Images:
+def archive_as_pictures(path: Path, *, inside: str | None = None, pattern: str = "*") -> Images:
     """Pictures of a ZIP archive, read without unpacking.
+
+    Parameters
+    ----------
+    inside, pattern
+        As in `folder_as_pictures`.
 
     Raises
     ------
     MediaError
-        If the archive is refused (`nvcore.pictures.archive`), holds no picture, or several folders
-        hold some and `inside` names none of them.
+        If the archive is refused (`nvcore.pictures.archive`), holds no picture, several folders
+        hold some and `inside` names none of them, or they are of several series.
     """
     archive = Archive(path)
     try:
         pictures = [
             name for name in archive.names if PurePosixPath(name).suffix.lower() in IMAGE_SUFFIXES
         ]
-        names = sorted(_one_folder(pictures, path.name, inside), key=natural_order)
-        return Images(path.name, names, lambda index: archive.read(names[index]), archive.close)
+        names, others = _one_folder(pictures, path.name, inside, pattern)
+        series = series_of(names, path.name).beside(others)
+        return Images(path.name, series, archive.read, archive.close)
     except MediaError:
         archive.close()
         raise
 
 
-def _one_folder(names: Sequence[str], where: str, inside: str | None) -> list[str]:
-    """Those of one folder: the one named, else the top one, else the only one."""
+def _one_folder(
+    names: Sequence[str], where: str, inside: str | None, pattern: str
+) -> tuple[list[str], list[str]]:
+    """Those of one folder: the one named, else the top one, else the only one; and strays above."""
     by_folder: dict[str, list[str]] = {}
+    wanted = composed(pattern)
     for name in names:
         path = PurePosixPath(name)
-        if not any(part.startswith(".") for part in path.parts):
+        is_hidden = any(part.startswith(".") for part in path.parts)
+        if not is_hidden and fnmatchcase(composed(path.name), wanted):
             by_folder.setdefault(str(path.parent), []).append(name)
+    strays: list[str] = []
     if inside is not None:
         by_folder = {inside: by_folder[inside]} if inside in by_folder else {}
     elif "." in by_folder:
-        by_folder = {".": by_folder["."]}
+        top = by_folder.pop(".")
+        if len(by_folder) == 1 and is_stray(len(top), len(*by_folder.values())):
+            strays = top  # a cover beside the folder of the pictures
+        else:
+            by_folder = {".": top}
     if not by_folder:
-        place_text = "" if inside is None else f" in {one_line(inside)!r}"
+        place_text = "" if inside in (None, ".") else f" in {one_line(inside)!r}"
+        if pattern != "*":
+            place_text += f" of the name {one_line(pattern)}"
         raise MediaError(f"holds no PNG, JPEG, TIFF or BMP{place_text}", file=where)
     if len(by_folder) > 1:
         folders = ", ".join(one_line(name) for name in sorted(by_folder)[:_SHOWN_FOLDERS])
@@ -233,7 +283,7 @@ def _one_folder(names: Sequence[str], where: str, inside: str | None) -> list[st
             "recording",
             file=where,
         )
-    return next(iter(by_folder.values()))
+    return next(iter(by_folder.values())), strays
 
 
 def file_bytes(path: Path) -> bytes:
@@ -251,28 +301,3 @@ def file_bytes(path: Path) -> bytes:
         return path.read_bytes()
     except OSError as error:
         raise MediaError(f"cannot be read ({error.strerror})", file=name) from error
-
-
-def natural_order(name: str) -> list[tuple[int, int, str]]:
-    """Sort key by which ``p9`` comes before ``p10``.
-
-    Examples
-    --------
-    >>> sorted(["p10.png", "p9.png", "p09.png"], key=natural_order)
-    ['p09.png', 'p9.png', 'p10.png']
-    """
-    parts = re.split(r"([0-9]+)", name)
-    keys = [
-        (1, len(part.lstrip("0")), part.lstrip("0")) if i % 2 else (0, 0, part)
-        for i, part in enumerate(parts)
-    ]
-    return [*keys, (0, 0, name)]
-
-
-def numbers_of(names: Sequence[str]) -> NDArray[np.int64] | None:
-    """Frame numbers at the end of file names; None if one has none or two are the same."""
-    places = [recording_and_frame_of(PurePosixPath(name).name) for name in names]
-    numbers = [place[1] for place in places if place is not None]
-    if len(numbers) < len(names) or len(set(numbers)) < len(numbers):
-        return None
-    return np.array(numbers, dtype=np.int64)

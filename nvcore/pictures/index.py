@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from enum import StrEnum
 from typing import Final
 
 import numpy as np
@@ -10,18 +12,129 @@ from numpy.typing import NDArray
 
 from nvcore.pictures.base import Pictures, PictureTrait
 from nvcore.pictures.timing import NOT_WHOLE
+from nvcore.wording import capitalised, count_text
 
-_BY_COUNT: Final = "picture i shows frame i, both counted from 0"
-_BY_TIME: Final = "the time of each picture tells its frame, as pictures are missing in the video"
-_BY_NAME: Final = "the number in a picture's name is the frame"
 NO_FRAMES: Final = np.empty(0, np.int64)
-USUAL: Final = tuple(f"{rule[0].upper()}{rule[1:]}." for rule in (_BY_COUNT, _BY_NAME))
-"""Notes of `picture_index` that say nothing but what anybody expects."""
 _SAME_SHAPE: Final = 0.02
 """By so much the scales across and down may differ: sides are whole numbers of pixels."""
-_SAME_RATE: Final = 0.005
 _ENOUGH: Final = 0.5
-"""Share of the frames, or of the pictures, from which on numbers in names are believed."""
+"""Share of the frames that numbers in names find, where they cover all frames but have gaps."""
+_NEARLY_ALL: Final = 0.95
+_SAME_RATE: Final = 0.005
+"""Share by which frame rates that are the same may differ: 29.97 is called 30."""
+_TIMES_FROM: Final = 10**9
+"""From here on numbers in names are rather times, which are not even."""
+
+
+class Rule(StrEnum):
+    """By what the picture of a frame is known."""
+
+    GIVEN = "given"
+    """The user says which frame the first picture shows."""
+    COUNT = "count"
+    """Picture i shows frame i."""
+    COUNT_FROM_ONE = "count from one"
+    """Picture i shows frame i + 1."""
+    TIME = "time"
+    """The time of each picture tells its frame, as the video misses some."""
+    NUMBER = "number"
+    """The number in the name is the frame."""
+    NUMBER_LESS_ONE = "number less one"
+    """The number in the name less one is the frame."""
+    ORDER = "order"
+    """There are as many pictures as listed frames: they show these in their order."""
+    ORDER_FROM_ZERO = "order from zero"
+    """Single pictures, whose names say nothing of the frames, show frame 0, 1, 2, ..."""
+    UNCLEAR = "unclear"
+    """None of these fits: no picture is shown rather than a wrong one."""
+
+
+_TEXTS: Final = {
+    Rule.COUNT: "picture i shows frame i, both counted from 0",
+    Rule.COUNT_FROM_ONE: "picture i, counted from 0, shows frame i + 1: the frames count from 1",
+    Rule.TIME: "the time of each picture tells its frame, as pictures are missing in the video",
+    Rule.NUMBER: "the number in a picture's name is the frame",
+    Rule.NUMBER_LESS_ONE: "the number in a picture's name, less one, is the frame (names that "
+    "count from 1)",
+    Rule.ORDER: "the pictures in their order show the listed frames",
+    Rule.ORDER_FROM_ZERO: "the pictures in their order show frame 0, 1, 2 and so on",
+    Rule.UNCLEAR: "which picture shows which frame is not clear, so that none is shown",
+}
+USUAL: Final = tuple(f"{capitalised(_TEXTS[rule])}." for rule in (Rule.COUNT, Rule.NUMBER))
+"""Notes of `picture_index` that say nothing but what anybody expects."""
+
+
+@dataclass(frozen=True)
+class FrameMap:
+    """Which picture shows which frame of a recording.
+
+    Attributes
+    ----------
+    index
+        Of the picture of each frame, -1 none; int64, shape (n_frames,).
+    rule
+        How that is known.
+    is_either
+        Whether the numbers in the names fit the frames as well less one as they are.
+    """
+
+    index: NDArray[np.int64]
+    rule: Rule
+    is_either: bool = False
+
+
+def map_frames(
+    frames: NDArray[np.int64],
+    pictures: Pictures,
+    first_picture: int | None = None,
+    *,
+    others: NDArray[np.int64] = NO_FRAMES,
+    fps: float | None = None,
+) -> FrameMap:
+    """The picture of every listed frame.
+
+    In this order: `first_picture`; a video's picture i shows frame i, or frame i + 1 where the last
+    listed frame is the number of pictures, or, where frames go beyond that number and the times say
+    that pictures are missing, the frame of its time; the number in a picture's name is the frame,
+    or the frame + 1 (names that count from 1), if every frame has a picture, or every picture a
+    frame, or pictures that cover the frames lack some; the pictures in their order show the frames,
+    if they are as many, or else frame 0, 1, 2, ... if no frame is beyond them, and either their
+    names have no numbers or the frames reach to their end. Where nothing fits, no frame has a
+    picture.
+
+    Parameters
+    ----------
+    frames
+        Frame numbers of a recording, ascending, shape (n,).
+    pictures
+        Its pictures.
+    first_picture
+        Number of the frame that the first picture shows; None: by the rules above.
+    others
+        Further frames of the recording, which are not listed: a selection of frames changes no
+        rule.
+    fps
+        Frame rate of the recording, 1/s; None: that of the video.
+    """
+    frames = np.asarray(frames, dtype=np.int64)
+    if first_picture is not None:
+        by_time = _by_time(frames - first_picture, pictures, fps)
+        index = frames - first_picture if by_time is None else by_time
+        return FrameMap(_within(index, pictures.n), Rule.GIVEN)
+    every = np.union1d(frames, others)
+    mapped = _of_names(every, pictures.numbers)
+    if mapped is None:
+        mapped = _of_count(every, pictures)
+        by_time = _by_time(every, pictures, fps) if mapped.rule is Rule.COUNT else None
+        is_whole = np.all((mapped.index >= 0) & (mapped.index < pictures.n))
+        shown = every if len(every) == pictures.n else frames
+        if by_time is not None:
+            mapped = FrameMap(by_time, Rule.TIME)
+        elif not (pictures.is_video and is_whole) and _is_in_order(shown, pictures):
+            is_shown = np.isin(every, shown)
+            mapped = FrameMap(np.where(is_shown, np.cumsum(is_shown) - 1, -1), Rule.ORDER)
+    index = mapped.index[np.searchsorted(every, frames)]
+    return FrameMap(_within(index, pictures.n), mapped.rule, mapped.is_either)
 
 
 def picture_index(
@@ -32,71 +145,137 @@ def picture_index(
     others: NDArray[np.int64] = NO_FRAMES,
     fps: float | None = None,
 ) -> tuple[NDArray[np.int64], str]:
-    """The picture of every listed frame, and in words by which rule.
-
-    In this order: `first_picture`; a video's picture i shows frame i, or frame i + 1 where the last
-    listed frame is the number of pictures, or, where frames go beyond that number and the times say
-    that pictures are missing, the frame of its time; the number in a picture's name is the frame,
-    or the frame + 1 (names that count from 1), if so every listed frame has a picture, or else at
-    least half of the frames or pictures find each other; the pictures in their order show the
-    listed frames if they are as many, or else frame 0, 1, 2, ...
+    """`map_frames` with its rule in words.
 
     Parameters
     ----------
-    frames
-        Frame numbers of a recording, shape (n,).
-    pictures
-        Its pictures.
-    first_picture
-        Number of the frame that the first picture shows; None: by the rules above.
-    others
-        Further frames of the recording, which are not listed: a selection of frames changes no
-        rule.
-    fps
-        Frame rate of the recording, 1/s; None: that of the video.
+    frames, pictures, first_picture, others, fps
+        As of `map_frames`.
 
     Returns
     -------
     tuple
         Index of the picture, -1 none, int64, shape (n,); and a note for the user.
     """
-    frames = np.asarray(frames, dtype=np.int64)
-    if first_picture is not None:
-        index = frames - first_picture
-        rule = f"the first picture shows frame {first_picture}, as given"
-        if pictures.is_video:
-            by_time = _by_time(frames - first_picture, pictures, fps)
-            index, rule = (index, rule) if by_time is None else (by_time, f"{rule}; {_BY_TIME}")
-    else:
-        every = np.union1d(frames, others)
-        if pictures.is_video:
-            index, rule = _of_video(every, pictures, fps)
-        elif pictures.numbers is not None:
-            index, rule = _by_number(every, pictures.numbers)
-        else:
-            index, rule = _by_order(every, pictures.n)
-        index = index[np.searchsorted(every, frames)]
-    index = np.where((index >= 0) & (index < pictures.n), index, -1)
-    n_without = int(np.count_nonzero(index < 0))
-    note = f"{rule[0].upper()}{rule[1:]}."
-    if n_without:
+    mapped = map_frames(frames, pictures, first_picture, others=others, fps=fps)
+    return mapped.index, map_note(mapped, frames, pictures, first_picture)
+
+
+def map_note(
+    mapped: FrameMap,
+    frames: NDArray[np.int64],
+    pictures: Pictures,
+    first_picture: int | None = None,
+) -> str:
+    """By which rule pictures show frames, and how many frames have none, as sentences."""
+    rule = (
+        f"the first picture shows frame {first_picture}, as given"
+        if mapped.rule is Rule.GIVEN
+        else _TEXTS[mapped.rule]
+    )
+    if mapped.is_either:
+        other = "less one" if mapped.rule is Rule.NUMBER else "the number itself"
+        rule += f" ({other} would do as well: if boxes lag behind, give the first frame)"
+    note = f"{capitalised(rule)}."
+    n_without = int(np.count_nonzero(mapped.index < 0))
+    if mapped.rule is Rule.UNCLEAR:
+        note += f" {capitalised(why_unclear(frames, pictures))}."
+    elif n_without:
         note += (
             f" {n_without} of {len(frames)} listed frames have no picture "
             f"({pictures.n} pictures in {pictures.name})."
         )
     if pictures.note:
         note += f" {pictures.name}: {pictures.note}."
-    return index, note
+    return note
 
 
-def _of_video(
-    frames: NDArray[np.int64], pictures: Pictures, fps: float | None
-) -> tuple[NDArray[np.int64], str]:
-    """Frames that count from 1 to the number of pictures are those of a video counted from 1."""
-    if len(frames) and frames.min() >= 1 and frames.max() == pictures.n:
-        return frames - 1, "picture i, counted from 0, shows frame i + 1: the frames count from 1"
-    by_time = _by_time(frames, pictures, fps)
-    return (frames.copy(), _BY_COUNT) if by_time is None else (by_time, _BY_TIME)
+def why_unclear(frames: NDArray[np.int64], pictures: Pictures) -> str:
+    """What of pictures and frames does not fit together, as a clause."""
+    there = (
+        f"there are {count_text(pictures.n, 'picture')} for {count_text(len(frames), 'frame')} "
+        f"({frames[0]} to {frames[-1]})"
+    )
+    if pictures.numbers is None:
+        return f"{there}, and the pictures' names have no numbers"
+    numbers = pictures.numbers
+    n_hits = np.count_nonzero(np.isin(frames, numbers))
+    return (
+        f"{there}, and the numbers in the pictures' names ({numbers.min()} to {numbers.max()}) "
+        f"are those of {n_hits:,} of these frames"
+    )
+
+
+def _within(index: NDArray[np.int64], n: int) -> NDArray[np.int64]:
+    return np.where((index >= 0) & (index < n), index, -1)
+
+
+def _of_names(frames: NDArray[np.int64], numbers: NDArray[np.int64] | None) -> FrameMap | None:
+    """The number in a name is the frame, or the frame + 1; None: neither fits."""
+    if numbers is None or not len(frames):
+        return None
+    as_named, less_one = _find(frames, numbers), _find(frames, numbers - 1)
+    n_as_named, n_less_one = np.count_nonzero(as_named >= 0), np.count_nonzero(less_one >= 0)
+    fits_as_named = _fits(frames, numbers, int(n_as_named))
+    fits_less_one = _fits(frames, numbers - 1, int(n_less_one))
+    # where both fit alike, frames from 0 and names from 1 are counted differently
+    is_either = bool(n_as_named == n_less_one and numbers.min() == 1)
+    is_counted = is_either and frames[0] == 0
+    if fits_less_one and (n_less_one > n_as_named or is_counted or not fits_as_named):
+        return FrameMap(less_one, Rule.NUMBER_LESS_ONE, is_either)
+    return FrameMap(as_named, Rule.NUMBER, is_either) if fits_as_named else None
+
+
+def _fits(frames: NDArray[np.int64], numbers: NDArray[np.int64], n_hits: int) -> bool:
+    """Whether numbers of pictures are those of frames, with gaps at the most."""
+    if n_hits in (len(frames), len(numbers)):
+        return n_hits > 0
+    first, last = numbers.min(), numbers.max()
+    if first <= frames[0] and frames[-1] <= last:
+        n_inside = np.count_nonzero((numbers >= frames[0]) & (numbers <= frames[-1]))
+        return n_hits >= max(_ENOUGH * len(frames), _NEARLY_ALL * n_inside)
+    step = int(np.median(np.diff(frames))) if len(frames) > 1 else 1
+    if first < frames[0] - step or last > frames[-1] + step or len(numbers) <= len(frames):
+        return False
+    n_inside = np.count_nonzero((frames >= first) & (frames <= last))
+    return n_hits >= max(1, _NEARLY_ALL * n_inside)
+
+
+def _is_in_order(frames: NDArray[np.int64], pictures: Pictures) -> bool:
+    """Whether as many pictures show these frames: their numbers have no gaps that frames lack.
+
+    A video shows every second frame, or fifth, and has no gaps.
+    """
+    numbers = pictures.numbers
+    if len(frames) != pictures.n or not len(frames):
+        return False
+    if pictures.is_video:
+        return _is_even(frames)
+    if numbers is None or _is_even(numbers) or numbers.max() >= _TIMES_FROM:
+        return True
+    steps, wanted = np.diff(numbers), np.diff(frames)
+    return bool(np.all(steps * wanted[0] == wanted * steps[0]))
+
+
+def _of_count(frames: NDArray[np.int64], pictures: Pictures) -> FrameMap:
+    """Picture i shows frame i, or i + 1 where the last frame is the number of pictures.
+
+    Single pictures do so if every frame then has one. Where their names have other numbers, the
+    frames have to reach to their end.
+    """
+    n = pictures.n
+    if len(frames) and frames[0] >= 1 and frames[-1] == n:
+        return FrameMap(frames - 1, Rule.COUNT_FROM_ONE)
+    if pictures.is_video:
+        return FrameMap(frames.copy(), Rule.COUNT)
+    numbers = pictures.numbers
+    is_whole = not len(frames) or (frames[0] >= 0 and frames[-1] < n)
+    if numbers is not None and len(frames):
+        is_other = not np.isin(frames, numbers).any() and _is_even(numbers)
+        is_whole = is_whole and is_other and frames[-1] >= _NEARLY_ALL * (n - 1)
+    if is_whole:
+        return FrameMap(frames.copy(), Rule.ORDER_FROM_ZERO)
+    return FrameMap(np.full(len(frames), -1, dtype=np.int64), Rule.UNCLEAR)
 
 
 def _by_time(
@@ -107,11 +286,13 @@ def _by_time(
     Frames that a video lacks are counted by whoever numbers frames by time, or as they were
     recorded; programs that count decoded pictures do not come to a number beyond these.
     """
-    rate, times = pictures.fps, pictures.times_s
+    times = pictures.times_s
+    if times is None or not any(note.trait is PictureTrait.GAP for note in pictures.notes):
+        return None
+    rate = pictures.fps
     if fps and not (rate and abs(fps / rate - 1) < _SAME_RATE):  # 30 is said of 29.97
         rate = fps
-    has_gap = any(note.trait is PictureTrait.GAP for note in pictures.notes)
-    if times is None or not rate or not has_gap or frames.max(initial=0) < pictures.n:
+    if not rate or frames.max(initial=0) < pictures.n:
         return None
     recorded = np.rint(times * rate).astype(np.int64)
     is_whole = (np.abs(times * rate - recorded) <= NOT_WHOLE).all()
@@ -121,31 +302,9 @@ def _by_time(
     return _find(frames - counts_from_one, recorded)
 
 
-def _by_number(
-    frames: NDArray[np.int64], numbers: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], str]:
-    """The number in a name is the frame, or the frame + 1; by order where too few match."""
-    as_named, one_based = _find(frames, numbers), _find(frames, numbers - 1)
-    n_as_named, n_one_based = np.count_nonzero(as_named >= 0), np.count_nonzero(one_based >= 0)
-    enough = _ENOUGH * min(len(frames), len(numbers))
-    n_best = max(n_as_named, n_one_based)
-    if n_best and n_best >= enough:
-        if n_as_named < n_one_based:
-            return one_based, (
-                "the number in a picture's name, less one, is the frame (names that count from 1)"
-            )
-        rule = _BY_NAME
-        if n_as_named == n_one_based:
-            rule += " (less one would do as well: if boxes lag behind, give the first frame)"
-        return as_named, rule
-    return _by_order(frames, len(numbers))
-
-
-def _by_order(frames: NDArray[np.int64], n: int) -> tuple[NDArray[np.int64], str]:
-    """As many pictures as listed frames show these; else they show 0, 1, 2 and so on."""
-    if len(frames) == n:
-        return np.arange(n), "the pictures in their order show the listed frames"
-    return frames.copy(), "the pictures in their order show frame 0, 1, 2 and so on"
+def _is_even(numbers: NDArray[np.int64]) -> bool:
+    steps = np.diff(numbers)
+    return bool(np.all(steps == steps[:1]))
 
 
 def _find(frames: NDArray[np.int64], numbers: NDArray[np.int64]) -> NDArray[np.int64]:

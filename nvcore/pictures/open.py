@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import glob
 import os
 from collections.abc import Sequence
 from pathlib import Path
 
 from nvcore.errors import MediaError
-from nvcore.file_kinds import binary_kind
+from nvcore.file_kinds import as_stored, binary_kind
 from nvcore.pictures.base import Pictures, first_bytes
 from nvcore.pictures.containers import video_format
 from nvcore.pictures.header import is_image
@@ -22,7 +23,8 @@ def open_pictures(path: Path | Sequence[Path], *, inside: str | None = None) -> 
     Parameters
     ----------
     path
-        A video, a folder of pictures, a ZIP archive of pictures, one picture, or several.
+        A video, a folder of pictures, a ZIP archive of pictures, one picture, or several; below a
+        folder or archive a pattern such as ``*.png`` of the names of those that are meant.
     inside
         Folder within the folder or archive; None: the top one, or the only one with pictures.
 
@@ -36,6 +38,7 @@ def open_pictures(path: Path | Sequence[Path], *, inside: str | None = None) -> 
         if len(paths) == 1:
             return open_pictures(paths[0], inside=inside)
         return files_as_pictures(paths, f"{len(paths)} pictures")
+    path = as_stored(path)
     name = one_line(path.name)
     try:
         is_folder, is_file = path.is_dir(), path.is_file()
@@ -44,8 +47,11 @@ def open_pictures(path: Path | Sequence[Path], *, inside: str | None = None) -> 
     if is_folder:
         return folder_as_pictures(path, inside=inside)
     if not is_file:
-        hint = "; patterns are not followed here, name the folder" if {*"*?["} & {*name} else ""
-        raise MediaError(f"there is no such file or folder of pictures{hint}", file=name)
+        if glob.has_magic(path.name) and path.parent.is_dir():
+            return folder_as_pictures(path.parent, inside=".", pattern=path.name)
+        if glob.has_magic(path.name) and path.parent.is_file():
+            return archive_as_pictures(path.parent, inside=inside, pattern=path.name)
+        raise MediaError("there is no such file or folder of pictures", file=name)
     content = first_bytes(path, 4096, name)
     if content.startswith((b"PK\3\4", b"PK\5\6")):
         return archive_as_pictures(path, inside=inside)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import glob
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path, PurePosixPath
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -12,9 +13,10 @@ import numpy as np
 from nvcore.columns import FrameColumns
 from nvcore.dataset import Dataset
 from nvcore.errors import MediaError
+from nvcore.findings import Step
 from nvcore.inputs.session import Session
 from nvcore.pictures.base import Pictures
-from nvcore.pictures.index import picture_index, size_note
+from nvcore.pictures.index import FrameMap, map_frames, map_note, size_note
 from nvcore.pictures.open import open_pictures
 from nvcore.wording import MOST_NAMED, listed, one_line
 
@@ -39,6 +41,10 @@ class RecordingPictures:
         Percentiles of the grey levels (`nvcore.pictures.stretch`).
     notes
         Which picture shows which frame, in words; without a source, why it cannot be opened.
+    frame_maps
+        The same as data, of those with a source.
+    steps
+        Ways on where pictures cannot be opened.
     maps
         (sx, sy, dx, dy) by recording: what is at (x, y) of the recording, px, is at
         (sx x + dx, sy y + dy) of its pictures.
@@ -48,6 +54,8 @@ class RecordingPictures:
     indices: Mapping[int, np.ndarray] = field(default_factory=dict)
     stretch: tuple[float, float] = STRETCH
     notes: Mapping[int, str] = field(default_factory=dict)
+    frame_maps: Mapping[int, FrameMap] = field(default_factory=dict)
+    steps: Mapping[int, tuple[Step, ...]] = field(default_factory=dict)
     maps: Mapping[int, tuple[float, float, float, float]] = field(default_factory=dict)
 
     def renumbered(self, number_of: Mapping[int, int]) -> RecordingPictures:
@@ -56,9 +64,12 @@ class RecordingPictures:
         def of_those(values: Mapping[int, Any]) -> dict[int, Any]:
             return {number_of[old]: value for old, value in values.items() if old in number_of}
 
-        by_number = (self.sources, self.indices, self.notes, self.maps)
-        sources, indices, notes, maps = map(of_those, by_number)
-        return RecordingPictures(sources, indices, self.stretch, notes, maps)
+        changed: dict[str, Any] = {
+            item.name: of_those(getattr(self, item.name))
+            for item in fields(self)
+            if item.name != "stretch"
+        }
+        return replace(self, **changed)
 
     def area_of(self, recording: int) -> tuple[float, float, float, float]:
         """Where its pictures lie: x, y, w, h, px of the recording."""
@@ -169,6 +180,8 @@ def session_pictures(
     indices: dict[int, np.ndarray] = {}
     notes: dict[int, str] = {}
     maps: dict[int, tuple[float, float, float, float]] = {}
+    frame_maps: dict[int, FrameMap] = {}
+    steps: dict[int, tuple[Step, ...]] = {}
     for number, name in enumerate(names):
         entry = entries.get(name)
         path = None if entry is None else getattr(entry, key)
@@ -179,13 +192,17 @@ def session_pictures(
             pictures = (opener or open_pictures)(session.folder / path)
         except MediaError as error:
             notes[number] = f"{path}: {error.message}"
+            folder = str(PurePosixPath(path).parent) if glob.has_magic(path) else path.rstrip("/")
+            steps[number] = tuple(
+                replace(step, value=f"{folder}/{step.value}", subject=name) for step in error.steps
+            )
             continue
         listed = frames.frame[frames.rows_of(number)]
         others = dataset.unlisted_frames(name)
-        fps = float(frames.fps[number])
-        indices[number], note = picture_index(
-            listed, pictures, entry.first_picture, others=others, fps=fps
-        )
+        first, fps = entry.first_picture, float(frames.fps[number])
+        mapped = map_frames(listed, pictures, first, others=others, fps=fps)
+        note = map_note(mapped, listed, pictures, first)
+        indices[number], frame_maps[number] = mapped.index, mapped
         other_size = ""
         size = float(frames.width[number]), float(frames.height[number])
         of_size = pictures.width / size[0], pictures.height / size[1], 0.0, 0.0
@@ -194,4 +211,6 @@ def session_pictures(
             other_size = size_note(pictures, *size)
         sources[number] = pictures
         notes[number] = " ".join(part for part in (note, other_size) if part)
-    return RecordingPictures(sources, indices, notes=notes, maps=maps)
+    return RecordingPictures(
+        sources, indices, notes=notes, frame_maps=frame_maps, steps=steps, maps=maps
+    )

@@ -14,8 +14,10 @@ from PIL import ExifTags, Image
 
 from nvcore.errors import MediaError
 from nvcore.pictures import is_below, open_pictures
+from nvcore.pictures.base import PictureNote, PictureTrait
 from nvcore.pictures.header import image_size
-from nvcore.pictures.images import decode_image, natural_order, numbers_of
+from nvcore.pictures.images import decode_image
+from nvcore.pictures.stretch import stretch
 
 GREY = (np.arange(48 * 64) % 251).astype(np.uint8).reshape(48, 64)
 
@@ -259,17 +261,6 @@ def test_an_empty_folder_a_missing_one_and_no_files_are_errors(tmp_path: Path):
         open_pictures([])
 
 
-def test_numbers_come_from_the_end_of_all_names_or_of_none():
-    assert numbers_of(["set06_V000_I00019.png", "b/000007.jpg"]).tolist() == [19, 7]
-    assert numbers_of(["000007.jpg", "last.jpg"]) is None
-    assert numbers_of(["a/1.png", "b/01.png"]) is None
-
-
-def test_natural_order_takes_numbers_of_any_length():
-    names = ["9" * 5000, "1" + "0" * 5000, "007", "8"]
-    assert sorted(names, key=natural_order) == ["007", "8", "9" * 5000, "1" + "0" * 5000]
-
-
 def test_a_link_out_of_the_folder_is_noticed(tmp_path: Path):
     inside, outside = tmp_path / "in", tmp_path / "out"
     write_picture(inside / "pictures" / "1.png", numbered(1))
@@ -330,3 +321,47 @@ def test_an_archive_without_pictures_or_with_a_bad_first_one_is_refused(tmp_path
 def test_a_picture_without_pixels_is_refused():
     with pytest.raises(MediaError, match="states a size of 0 x 5 px; it is damaged"):
         decode_image(png_that_claims(0, 5), "a.png")
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.float32])
+@pytest.mark.parametrize("is_packed", [False, True])
+def test_each_page_of_a_single_tiff_is_a_picture(tmp_path: Path, kind: type, is_packed: bool):
+    pages = [numbered(number).astype(kind) for number in range(9, 20)]
+    done, content = cv2.imencodemulti(".tif", pages)
+    assert done
+    path = tmp_path / "seq.tif"
+    path.write_bytes(bytes(content))
+    if is_packed:
+        path = write_zip(tmp_path / "seq.zip", {"seq.tif": bytes(content)})
+    pictures = open_pictures(path)
+    assert (pictures.n, pictures.numbers, pictures.file_names([3])) == (11, None, None)
+    spread = [stretch(pictures.read(index)) for index in (10, 0, 5)]
+    assert [number_in(picture) for picture in spread] == [19, 9, 14]
+
+
+def test_pages_of_another_size_are_previews_and_no_pictures(tmp_path: Path):
+    buffer = BytesIO()
+    small = [Image.new("L", (16, 12)), Image.new("L", (8, 6))]
+    Image.fromarray(numbered(5)).save(buffer, "tiff", save_all=True, append_images=small)
+    (tmp_path / "1.tif").write_bytes(buffer.getvalue())
+    pictures = open_pictures(tmp_path)
+    assert (pictures.n, number_in(pictures.read(0)), pictures.notes) == (1, 5, ())
+
+
+def test_of_files_of_many_pages_each_shows_its_first_and_that_is_told(tmp_path: Path):
+    for number in (1, 2):
+        done, content = cv2.imencodemulti(".tif", [numbered(number), numbered(99)])
+        assert done
+        (tmp_path / f"{number}.tif").write_bytes(bytes(content))
+    pictures = open_pictures(tmp_path)
+    assert [number_in(pictures.read(index)) for index in (0, 1)] == [1, 2]
+    assert pictures.notes == (PictureNote(PictureTrait.FURTHER_PAGES, 1, names=("1.tif",)),)
+
+
+def test_pages_that_go_round_end(tmp_path: Path):
+    content = bytearray(encoded(numbered(5), ".tif"))
+    start = int.from_bytes(content[4:8], "little")
+    end = start + 2 + 12 * int.from_bytes(content[start : start + 2], "little")
+    content[end : end + 4] = content[4:8]  # the page after the first one is the first one
+    (tmp_path / "1.tif").write_bytes(content)
+    assert open_pictures(tmp_path / "1.tif").n == 1

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pandas as pd
@@ -12,6 +15,7 @@ from picture_files import number_in, numbered, write_numbered_video, write_pictu
 
 import nvcore as nv
 from nvcore.pictures import Pictures, open_pictures, picture_index, size_note
+from nvcore.pictures.index import Rule, map_frames
 from nvcore.pictures.recordings import picture_names
 
 
@@ -129,6 +133,77 @@ def test_names_that_do_not_fit_give_way_to_the_order(tmp_path: Path, names: list
     assert index_of([0, 20, 40], pictures) == ([0, 1, 2], note)
     index, note = index_of([0, 2], pictures)
     assert (index, note) == ([0, 2], "The pictures in their order show frame 0, 1, 2 and so on.")
+
+
+@pytest.mark.parametrize(
+    ("frames", "numbers", "right"),
+    [
+        # every second frame was exported, and numbered anew
+        (range(0, 120, 2), range(1, 61), range(60)),
+        (range(0, 120, 2), range(60), range(60)),
+        (range(0, 300, 5), range(1, 61), range(60)),
+        # the frames count from 0, the pictures have the numbers of the whole drive
+        (range(60), range(30, 90), range(60)),
+        (range(60), range(5000, 5060), range(60)),
+        # pictures of the whole drive, of which a part is evaluated, and the other way round
+        (range(30, 60), range(100), range(30, 60)),
+        (range(100), range(30, 60), [*[-1] * 30, *range(30), *[-1] * 40]),
+        (range(19, 1019, 20), range(110), [19, 39, 59, 79, 99, *[-1] * 45]),
+        # pictures were lost here and there
+        (range(9), [0, 1, 3, 4, 5, 6, 7, 8, 9, 10], [0, 1, -1, 2, 3, 4, 5, 6, 7]),
+        (range(9), [1, 2, 4, 5, 6, 7, 8, 9, 10, 11], [0, 1, -1, 2, 3, 4, 5, 6, 7]),
+        # it cannot be told
+        (range(60), range(30, 100), [-1] * 60),
+        (range(0, 120, 2), range(1, 60), [-1] * 60),
+        (range(60), range(501, 1501), [-1] * 60),
+        (range(4), [1000, 1001, 1007, 1008], [-1] * 4),
+    ],
+)  # fmt: skip
+def test_every_frame_shows_its_own_picture_or_none(
+    frames: Sequence[int], numbers: Sequence[int], right: Sequence[int]
+):
+    index, rule = mapped(frames, numbers)
+    assert index == [*right]
+    assert (rule is Rule.UNCLEAR) == ({*right} == {-1})
+
+
+def mapped(frames: Sequence[int], numbers: Sequence[int]) -> tuple[list[int], Rule]:
+    pictures = cast(
+        Pictures, SimpleNamespace(n=len(numbers), numbers=np.array(numbers), is_video=False)
+    )
+    result = map_frames(np.array(frames), pictures)
+    return result.index.tolist(), result.rule
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_names_from_one_begin_with_the_first_frame_also_where_the_last_ones_are_missing(first: int):
+    index, rule = mapped(range(200), range(first, first + 100))
+    assert index == [*range(100), *[-1] * 100]
+    assert rule is (Rule.NUMBER_LESS_ONE if first else Rule.NUMBER)
+
+
+def test_what_does_not_fit_is_said_with_its_numbers(tmp_path: Path):
+    pictures = folder_of(tmp_path, [f"{n:03}" for n in range(30, 50)])
+    index, note = index_of([*range(40)], pictures)
+    assert index == [-1] * 40
+    assert note == (
+        "Which picture shows which frame is not clear, so that none is shown. There are 20 "
+        "pictures for 40 frames (0 to 39), and the numbers in the pictures' names (30 to 49) are "
+        "those of 10 of these frames."
+    )
+    nameless = folder_of(tmp_path / "b", ["a", "b"])
+    assert index_of([0, 5], nameless)[0] == [0, 1]
+    assert (
+        "2 pictures for 3 frames (0 to 5), and the pictures' names have no numbers."
+        in (index_of([0, 3, 5], nameless)[1])
+    )
+
+
+def test_a_video_of_every_second_frame_shows_the_listed_ones(tmp_path: Path):
+    video = open_pictures(write_numbered_video(tmp_path / "a.mp4", n=5))
+    assert index_of([0, 2, 4, 6, 8], video)[0] == [0, 1, 2, 3, 4]
+    assert index_of([100, 101, 102, 103, 104], video)[0] == [0, 1, 2, 3, 4]
+    assert index_of([0, 2, 4], video)[0] == [0, 2, 4]
 
 
 def test_a_recording_without_frames_has_no_pictures(tmp_path: Path):

@@ -7,6 +7,7 @@ from typing import Final
 from nvcore.findings import Remedy, RemedyTexts
 
 _READING: Final = "under “How to read”"
+_RECORDINGS: Final = "of the recording in the table “Recordings”"
 TEXTS: Final[RemedyTexts] = {
     Remedy.CLASSES: (f"enter {{value}} as “Classes that count” {_READING}", "the names"),
     Remedy.SIZE: ("enter {value} as the size of the pictures", "width and height"),
@@ -15,4 +16,6 @@ TEXTS: Final[RemedyTexts] = {
     Remedy.FORMAT: (f"choose {{value}} as the format {_READING}", "another one"),
     Remedy.BOXES: (f"choose “{{value}}” as “Numbers of a box” {_READING}", "corners"),
     Remedy.TABLE: ("convert the files to CSV with the header {value}", "frame,x,y,w,h,score"),
+    Remedy.PICTURES: (f"choose {{value}} as “Pictures” {_RECORDINGS}", "others"),
+    Remedy.FIRST_PICTURE: (f"enter {{value}} as “First picture” {_RECORDINGS}", "its frame"),
 }
