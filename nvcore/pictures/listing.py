@@ -116,9 +116,9 @@ def list_pictures(path: Path, container_format: str, name: str) -> PictureTable:
         is_avi = container_format == "avi"
         is_guess = is_avi and is_reordered and codec.name in ("h264", "hevc")
         others = tuple(
-            f"{other.codec_context.name if other.codec_context else 'unknown'} "
-            f"{other.width} x {other.height}"
+            f"{other.codec_context.name} {other.width} x {other.height}"
             for other in picture_streams(container)[1:]
+            if other.codec_context is not None
         )
     is_cut = packets.is_partial or is_cut_off(path, container_format)
     if container_format == "mov" and n_stated != packets.n_read:

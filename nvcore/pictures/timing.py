@@ -21,19 +21,19 @@ def usual_step(times: NDArray[np.int64]) -> float:
 
     The mean of the steps near the median: containers round each of them.
     """
-    steps = np.diff(times)
-    if not len(steps):
+    steps = np.sort(np.diff(times.astype(np.float64)))  # damaged files state times of 63 bit
+    median = steps[(len(steps) - 1) // 2] if len(steps) else 0
+    if median <= 0:
         return 0.0
-    median = np.median(steps)
     return float(steps[np.abs(steps - median) <= NOT_WHOLE * median].mean())
 
 
 def time_notes(times: NDArray[np.int64]) -> tuple[PictureNote, ...]:
     """Whether pictures are missing by the times, or the rate varies; not where times go back."""
-    step = usual_step(times)
-    if not step or (np.diff(times) <= 0).any():
+    step, steps = usual_step(times), np.diff(times.astype(np.float64))
+    if not step or (steps <= 0).any():
         return ()
-    passed = np.diff(times) / step
+    passed = steps / step
     whole = np.rint(passed)
     n_beside = int(np.count_nonzero((np.abs(passed - whole) > NOT_WHOLE) | (whole < 1)))
     if n_beside > _UNEVEN * len(passed):

@@ -22,6 +22,7 @@ from video_files import (
 from nvcore.errors import MediaError
 from nvcore.pictures import open_pictures
 from nvcore.pictures.base import PictureNote, PictureTrait
+from nvcore.pictures.timing import frame_rate, time_notes, usual_step
 from nvcore.pictures.video import Video
 
 CODINGS = {
@@ -194,3 +195,37 @@ def test_a_recording_that_was_not_closed_is_refused_with_what_may_help(tmp_path:
     path.write_bytes(content[: content.rindex(b"moov") - 4])
     with pytest.raises(MediaError, match=r"a\.mp4: has no table of contents .*untrunc.*Matroska"):
         open_pictures(path)
+
+
+@pytest.mark.parametrize(
+    ("times", "step", "traits"),
+    [
+        ([], 0, []),
+        ([7], 0, []),
+        ([0, 2, 4, 10], 2, [PictureTrait.GAP]),
+        ([0, 2, 12], 2, [PictureTrait.GAP]),
+        ([4, 2, 0], 0, []),
+        ([0, 4, 1, 8], 4, []),
+        ([-(2**63), 0, 2**63 - 1], 2**63, []),
+    ],
+)
+def test_the_commonest_step_is_told_of_any_times(times: list[int], step: float, traits: list):
+    array = np.array(times, np.int64)
+    assert usual_step(array) == step
+    assert [note.trait for note in time_notes(array)] == traits
+
+
+@pytest.mark.parametrize(
+    ("step_s", "stated", "rate"),
+    [
+        (0.05, 50 / 3, 20),
+        (0, 25, 25),
+        (0.03333, None, 30),
+        (0.03337, None, 30 / 1.001),
+        (0.03334, 29.99, 29.99),
+        (1 / 8.6, None, 8.6),
+        (0, None, None),
+    ],
+)
+def test_the_rate_is_that_of_the_step_where_the_stated_one_differs(step_s, stated, rate):
+    assert frame_rate(step_s, stated) == pytest.approx(rate)
