@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import click
 
+from nvcore.inputs.facts import FRAME_NAMES
 from nvcore.params import SETTINGS
 from nvcore.protocols import PROTOCOLS
 from nvcore.wording import listed, one_line
@@ -309,6 +310,14 @@ reading_options = (
         "vertical number first; -shares, -percent, -thousandths: of the picture, as in "
         "corners-yx-shares. Default: as the format has them.",
     ),
+    grouped_option(
+        READING,
+        "--frame-names",
+        type=click.Choice(FRAME_NAMES),
+        help="What names of pictures and large frame numbers are: numbers of frames; times; "
+        "nothing, and the pictures follow in their order; numbers of several scenes, each a "
+        "recording. Default: by what they look like.",
+    ),
 )
 """Flags that say how files are read."""
 
@@ -384,6 +393,14 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
     for letter in "xy":
         system = letter.upper()
         options += [
+            grouped_option(
+                CORRECTIONS,
+                f"--frame-step-{letter}",
+                type=float,
+                metavar="FACTOR",
+                help=f"By which {system}'s frame numbers are multiplied, where it counts at "
+                "another rate.",
+            ),
             grouped_option(
                 CORRECTIONS,
                 f"--offset-frames-{letter}",

@@ -13,6 +13,8 @@ TEXTS: Final[RemedyTexts] = {
     Remedy.SIZE: ("give --size {value}", "WIDTHxHEIGHT"),
     Remedy.RATE: ("give --fps {value}", "FPS"),
     Remedy.FRAMES: ("give --frames {value}", "FIRST:LAST:STEP"),
+    Remedy.FRAME_NAMES: ("give --frame-names {value}", "numbers|times|order|scenes"),
+    Remedy.FRAME_STEP: ("give --frame-step{of} {value}", "FACTOR"),
     Remedy.FORMAT: ("give --format{of} {value}", "FORMAT"),
     Remedy.BOXES: (
         'give --boxes{of} {value} (in a session file boxes = "{value}")',

@@ -36,6 +36,7 @@ OF_FILES: Final = (
     "boxes_truth",
     "boxes_x",
     "boxes_y",
+    "frame_names",
 )
 """Flags that say how the files named by flags are read."""
 
@@ -213,7 +214,7 @@ def _corrected(session: Session, options: dict[str, Any]) -> tuple[SystemSource,
 
 
 def _corrections(options: dict[str, Any], letter: str) -> dict[str, Any]:
-    names = ("offset_frames", "offset_px", "scale")
+    names = ("frame_step", "offset_frames", "offset_px", "scale")
     return {
         name: options[f"{name}_{letter}"]
         for name in names
@@ -249,7 +250,12 @@ def source_options(options: dict[str, Any]) -> dict[str, Any]:
         for key in ("frame_base", "box_base")
     }
     names = None if classes is None else tuple(name.strip() for name in classes.split(","))
-    return {"classes": names, "boxes": options["boxes"], **bases}
+    return {
+        "classes": names,
+        "boxes": options["boxes"],
+        "frame_names": options["frame_names"],
+        **bases,
+    }
 
 
 def frames_option(text: str) -> str:

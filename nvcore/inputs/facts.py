@@ -10,6 +10,9 @@ from typing import Final
 from nvcore.errors import InputError, SessionError
 from nvcore.settings import MAX_FPS, MIN_FPS
 
+FRAME_NAMES: Final = ("numbers", "times", "order", "scenes")
+"""How names of pictures and large frame numbers can be understood."""
+
 
 def check_positive(name: str, value: float | None) -> None:
     """Raise SessionError unless the value is None or a positive, finite number."""

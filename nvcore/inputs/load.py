@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from contextvars import copy_context
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -23,7 +23,15 @@ from nvcore.inputs.driver.joining import with_detectability
 from nvcore.inputs.files import digest, find_files, located, system_names
 from nvcore.inputs.laying_out import laid_out, sizes_given
 from nvcore.inputs.placing import LoadedSource, place_sources
-from nvcore.inputs.readers.base import Reading, ReadOptions, Role, joined_findings, warning
+from nvcore.inputs.readers.base import (
+    NamedPictures,
+    Reading,
+    ReadOptions,
+    Role,
+    joined_findings,
+    select_boxes,
+    warning,
+)
 from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.readers.table import read_table, table_as_file
 from nvcore.inputs.recordings import check_names
@@ -31,7 +39,10 @@ from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.progress import Progress, no_progress
 from nvcore.schema import DETECTABILITY
+from nvcore.wording import count_text
 from nvcore.wording.objects import PEDESTRIAN, Objects
+
+S = TypeVar("S", bound=Source)
 
 
 def load(
@@ -80,6 +91,7 @@ def load(
         system = _read(session, source, name, "detections", truth.reading, table)
         loaded.append(_with_provenance(_corrected(system, source), source, session.folder))
     progress(len(loaded) / n_steps, "placing boxes in frames")
+    session = _with_ways_taken(session, loaded)
     loaded = _named_by_session(session, loaded)
     chosen = session.choosing_from(_titles(session, loaded))
 
@@ -127,6 +139,7 @@ def read_source(
     """
     files, file_format = find_files(source, folder or Path.cwd(), role)
     reading = file_format.read(files, read_options(source, role, size, truth, objects))
+    reading = _with_named(reading)
     reading = laid_out(reading, source, {} if size is None else {"": size}, truth)
     check_names(reading)
     return replace(reading, findings=joined_findings(reading.findings))
@@ -147,6 +160,9 @@ def read_options(
         size=size,
         frame_base=source.frame_base,
         box_base=source.box_base,
+        frame_names=source.frame_names,
+        named=None if truth is None else truth.named,
+        boxes=None if truth is None else truth.boxes,
         recordings=() if truth is None else tuple(truth.recordings["name"]),
         images=None if truth is None else truth.images,
         categories={} if truth is None else truth.categories,
@@ -176,6 +192,7 @@ def _read(
             files, file_format = [table_as_file(source.path[0])], TABLE
             reading = read_table(table, files[0], options)
             digests = [tables_fingerprint([table], list(map(str, table.columns)))]
+        reading = _with_named(reading)
         reading = laid_out(reading, source, sizes_given(session), truth)
         check_names(reading)
     if truth is not None:
@@ -188,6 +205,38 @@ def _read(
         ),
     )
     return LoadedSource(subject, files, digests, file_format, reading)
+
+
+def _with_named(reading: Reading) -> Reading:
+    """The reading with what the names of its pictures tell: how they were understood, rates."""
+    named = reading.named
+    if named is None:
+        return reading
+    table = reading.recordings
+    by_times = table["name"].map(named.rates).astype(float)
+    facts = dict.fromkeys([*named.facts, reading.conversion])
+    return replace(
+        reading,
+        conversion="; ".join(filter(None, facts)),
+        recordings=table.assign(fps=table["fps"].fillna(by_times)),
+    )
+
+
+def _with_ways_taken(session: Session, loaded: Sequence[LoadedSource]) -> Session:
+    """The session with how names of pictures were understood, so that a rerun does the same."""
+
+    def stated(source: S, named: NamedPictures | None) -> S:
+        is_told = named is None or named.is_joined or named.how not in ("times", "order", "scenes")
+        if is_told or named is None or source.frame_names is not None:
+            return source
+        return replace(source, frame_names=named.how)
+
+    truth, *systems = (source.reading.named for source in loaded)
+    return replace(
+        session,
+        truth=stated(session.truth, truth),
+        systems=tuple(map(stated, session.systems, systems)),
+    )
 
 
 @contextmanager
@@ -267,6 +316,12 @@ def _renamed(reading: Reading, titles: Mapping[str, str]) -> Reading:
         boxes=renamed(reading.boxes),
         recordings=renamed(reading.recordings, "name"),
         images=renamed(reading.images),
+        named=reading.named
+        and replace(
+            reading.named,
+            table=renamed(reading.named.table),
+            rates={titles.get(name, name): rate for name, rate in reading.named.rates.items()},
+        ),
         annotated=renamed(reading.annotated),
     )
 
@@ -311,6 +366,9 @@ def _corrected(system: LoadedSource, source: SystemSource) -> LoadedSource:
         dx, dy = source.offset_px
         boxes = boxes.assign(x=boxes["x"] + dx, y=boxes["y"] + dy)
         facts.append(f"boxes moved by {dx:g}, {dy:g} px")
+    if source.frame_step != 1:
+        boxes, fact = _at_rate(boxes, source.frame_step)
+        facts.append(fact)
     if source.offset_frames:
         boxes = boxes.assign(frame=boxes["frame"] + source.offset_frames)
         facts.append(f"frame numbers moved by {source.offset_frames:+d}")
@@ -318,3 +376,23 @@ def _corrected(system: LoadedSource, source: SystemSource) -> LoadedSource:
         return system
     conversion = "; ".join([system.reading.conversion, *facts])
     return replace(system, reading=replace(system.reading, boxes=boxes, conversion=conversion))
+
+
+def _at_rate(boxes: pd.DataFrame, step: float) -> tuple[pd.DataFrame, str]:
+    """Boxes with frame numbers at another rate, and that in words.
+
+    Of several numbers that come to one frame only the nearest stays: the others are pictures
+    between the frames.
+    """
+    exact = boxes["frame"].to_numpy() * step
+    frame = np.floor(exact + 0.5).astype(np.int64)
+    away = pd.Series(np.abs(exact - frame), index=boxes.index)
+    groups = [boxes["recording"], pd.Series(frame, index=boxes.index)]
+    nearest = away.groupby(groups, observed=True).transform("min").to_numpy()
+    first = boxes["frame"].where(away <= nearest).groupby(groups, observed=True).transform("min")
+    is_nearest = boxes["frame"].to_numpy() == first.to_numpy()
+    fact = f"frame numbers multiplied by {step:g}"
+    if not is_nearest.all():
+        n_between = int(np.count_nonzero(~is_nearest))
+        fact += f", {count_text(n_between, 'box', 'boxes')} between the frames left out"
+    return select_boxes(boxes.assign(frame=frame), is_nearest), fact

@@ -320,6 +320,9 @@ def _fingerprint(
     for item, source in zip(loaded, sources, strict=True):
         settings = {**asdict(source), "path": None, "format": item.format.name}
         settings |= {"threshold": None, "name": None}
+        for name, usual in (("frame_names", None), ("frame_step", 1.0)):
+            if settings.get(name) == usual:
+                settings.pop(name, None)
         settings.pop("provenance", None)  # a path; what counts is the record
         if source.boxes is None:  # as before there was a choice
             del settings["boxes"]

@@ -11,7 +11,12 @@ from nvcore.inputs.facts import parse_size
 from nvcore.inputs.overriding import override_recordings
 from nvcore.inputs.session import RecordingEntry, Session
 
-_OF_SOURCE: Final = {Remedy.CLASSES: "classes", Remedy.FORMAT: "format", Remedy.BOXES: "boxes"}
+_OF_SOURCE: Final = {
+    Remedy.CLASSES: "classes",
+    Remedy.FORMAT: "format",
+    Remedy.BOXES: "boxes",
+    Remedy.FRAME_NAMES: "frame_names",
+}
 """Fields of `Source`."""
 _OF_ALL: Final = {Remedy.SIZE: "size", Remedy.RATE: "fps", Remedy.FRAMES: "frames"}
 """What `override_recordings` takes."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 from nvcore.errors import SessionError
 from nvcore.inputs.driver.session import DriverEntry, DriverTable, with_driver_paths
 from nvcore.inputs.facts import (
+    FRAME_NAMES,
     check_finite,
     check_path,
     check_positive,
@@ -112,7 +113,7 @@ class Source:
         Files, folders or globs; a single one may be given by itself.
     format
         Name of a format; None: recognised by the content.
-    classes, frame_base, box_base
+    classes, frame_base, box_base, frame_names
         See `nvcore.inputs.readers.base.ReadOptions`.
     boxes
         What the four numbers of a box are, such as ``corners`` or ``centres-yx-shares``
@@ -125,6 +126,7 @@ class Source:
     frame_base: int | None = None
     box_base: int | None = None
     boxes: str | None = None
+    frame_names: str | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "path", as_names(self.path))
@@ -133,6 +135,10 @@ class Source:
         for name in ("frame_base", "box_base"):
             if getattr(self, name) not in (None, 0, 1):
                 raise SessionError(f"{name}: expected 0 or 1, found {getattr(self, name)}")
+        if self.frame_names not in (None, *FRAME_NAMES):
+            raise SessionError(
+                f"frame_names: expected {', '.join(FRAME_NAMES)}; found {self.frame_names!r}"
+            )
         if not self.path or not all(self.path):
             raise SessionError("path: expected a file, folder or glob, found nothing")
         for text in self.path:
@@ -153,8 +159,10 @@ class SystemSource(Source):
         The system's name; None: taken from the path.
     threshold
         Score threshold; None: every detection counts.
+    frame_step
+        By which frame numbers are multiplied, where the system counts at another rate; rounded.
     offset_frames
-        Added to the frame numbers.
+        Added to the frame numbers, after that.
     offset_px
         Added to x and y, after scaling.
     scale
@@ -165,6 +173,7 @@ class SystemSource(Source):
 
     name: str | None = None
     threshold: float | None = None
+    frame_step: float = 1.0
     offset_frames: int = 0
     offset_px: tuple[float, float] = (0.0, 0.0)
     scale: tuple[float, float] = (1.0, 1.0)
@@ -183,6 +192,7 @@ class SystemSource(Source):
             raise SessionError(
                 f"offset_frames: expected at most {MAX_OFFSET_FRAMES}, found {self.offset_frames}"
             )
+        check_positive("frame_step", self.frame_step)
         for value in self.offset_px:
             check_finite("offset_px", value)
         for value in self.scale:

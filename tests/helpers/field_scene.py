@@ -7,7 +7,8 @@ Y has six false alarms where nobody is. Boxes of detections lie within two pixel
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -76,3 +77,55 @@ def found(result: Result) -> dict[str, Any]:
 
 RIGHT: Final = {"matched": (60, 102), "false_alarms": (0, 6), "encounters": (2, 3)}
 """What `found` gives where the files are read as their makers meant them."""
+
+
+def write_yolo(folder: Path, side: str, name_of: Callable[[int], str]) -> Path:
+    """Pedestrians of ``truth``, ``x`` or ``y`` as YOLO text, a file a frame, named by `name_of`."""
+    table = truth() if side == "truth" else detections(side)
+    table = table[table["name"] == PERSON]
+    folder.mkdir(parents=True, exist_ok=True)
+    width, height = SIZE
+    for frame in range(N_FRAMES):
+        lines = [
+            f"0 {(x + w / 2) / width:.6f} {(y + h / 2) / height:.6f} {w / width:.6f} "
+            f"{h / height:.6f}" + ("" if side == "truth" else f" {score:.3f}")
+            for x, y, w, h, score in table[table["frame"] == frame]
+            .reindex(columns=[*"xywh", "score"])
+            .itertuples(index=False)
+        ]
+        (folder / name_of(frame)).write_text("\n".join(lines))
+    return folder
+
+
+def coco_truth(name_of: Callable[[int], str], *, first_id: int = 1) -> dict[str, Any]:
+    """The truth as COCO: persons are category 1; ids of images count from `first_id`."""
+    ids = {PERSON: 1, "car": 2, "bicycle": 3}
+    rows = truth().itertuples(index=False)
+    size = dict(zip(("width", "height"), SIZE, strict=True))
+    return {
+        "images": [
+            {"id": frame + first_id, "file_name": name_of(frame), **size}
+            for frame in range(N_FRAMES)
+        ],
+        "annotations": [
+            {
+                "id": number,
+                "image_id": frame + first_id,
+                "category_id": ids[name],
+                "track_id": track,
+                "bbox": box,
+            }
+            for number, (frame, name, track, *box) in enumerate(rows, 1)
+        ],
+        "categories": [{"id": key, "name": name} for name, key in ids.items()],
+    }
+
+
+def coco_results(system: str, of_frame: Callable[[int], Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Detections of persons as COCO results; `of_frame` gives what they say of their picture."""
+    rows = detections(system).itertuples(index=False)
+    return [
+        {**of_frame(frame), "category_id": 1, "bbox": box, "score": score}
+        for frame, name, *box, score in rows
+        if name == PERSON
+    ]

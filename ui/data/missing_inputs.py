@@ -11,6 +11,7 @@ from typing import Any, Final
 import streamlit as st
 
 from nvcore.errors import MediaError
+from nvcore.inputs.facts import FRAME_NAMES as WAYS
 from nvcore.inputs.facts import FRAME_RANGE
 from nvcore.inputs.layouts import KINDS, UNITS, BoxLayout
 from nvcore.inputs.proposals import USUAL_INPUTS, UsualInputs
@@ -47,6 +48,13 @@ BOX_BASES: Final = {
     "the first pixel is 0": 0,
     "the first pixel is 1": 1,
 }
+
+
+FRAME_NAMES: Final = {
+    "by what they look like": None,
+    **{way: way for way in WAYS},
+}
+"""How names of pictures and large frame numbers are understood."""
 
 
 @dataclass(frozen=True)
@@ -229,6 +237,9 @@ def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str,
         key=f"boxes_{key}",
         on_change=changed,
     )
+    frame_names = st.selectbox(
+        "Names of pictures", list(FRAME_NAMES), key=f"frame_names_{key}", on_change=changed
+    )
     classes = st.text_input(
         "Classes that count",
         key=f"classes_{key}",
@@ -242,6 +253,7 @@ def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str,
         "frame_base": FRAME_BASES[frame_base],
         "box_base": BOX_BASES[box_base],
         "boxes": boxes or None,
+        "frame_names": FRAME_NAMES[frame_names],
         "classes": class_names or None,
     }
 

@@ -352,9 +352,12 @@ def _corrected(system: SystemSource, values: Mapping[str, float]) -> SystemSourc
     sx, sy = values.get("scale_x", both), values.get("scale_y", both)
     dx, dy = values.get("offset_x_px", 0.0), values.get("offset_y_px", 0.0)
     (scale_x, scale_y), (x, y) = system.scale, system.offset_px
+    step = values.get("frame_step", 1.0)
     return replace(
         system,
-        offset_frames=system.offset_frames + round(values.get("offset_frames", 0)),
+        frame_step=system.frame_step * step,
+        # numbers are multiplied before they are moved
+        offset_frames=round(system.offset_frames * step + values.get("offset_frames", 0)),
         scale=(scale_x * sx, scale_y * sy),
         # boxes are scaled before they are moved
         offset_px=(x * sx + dx, y * sy + dy),

@@ -13,6 +13,8 @@ TEXTS: Final[RemedyTexts] = {
     Remedy.SIZE: ("enter {value} as the size of the pictures", "width and height"),
     Remedy.RATE: ("enter {value} as the frame rate", "frames per second"),
     Remedy.FRAMES: ("enter {value} as “Evaluated frames”", "first:last:step"),
+    Remedy.FRAME_NAMES: (f"choose “{{value}}” as “Names of pictures” {_READING}", "another way"),
+    Remedy.FRAME_STEP: ("apply the factor {value} to the frame numbers", "that fits"),
     Remedy.FORMAT: (f"choose {{value}} as the format {_READING}", "another one"),
     Remedy.BOXES: (f"choose “{{value}}” as “Numbers of a box” {_READING}", "corners"),
     Remedy.TABLE: ("convert the files to CSV with the header {value}", "frame,x,y,w,h,score"),

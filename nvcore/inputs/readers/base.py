@@ -154,6 +154,54 @@ class Lines:
 
 
 @dataclass(frozen=True)
+class NamedPictures:
+    """The pictures of a list, each with its recording and frame.
+
+    Attributes
+    ----------
+    table
+        Columns recording, frame, name; one row per picture, in the order of the list.
+    how
+        How the names were understood: ``numbers``, ``times``, ``order`` or ``scenes``.
+    facts
+        The same in words, for the conversion text.
+    rates
+        Frames per second of recordings, where the names hold times.
+    strange
+        First name without a number, for which there is no table; -1: none.
+    is_joined
+        Whether pictures of the truth were found by name.
+    """
+
+    table: pd.DataFrame
+    how: str = ""
+    facts: tuple[str, ...] = ()
+    rates: Mapping[str, float] = field(default_factory=dict)
+    strange: int = -1
+    is_joined: bool = False
+
+    @property
+    def recording(self) -> np.ndarray:
+        """Recording of each picture; object, shape (n,)."""
+        return self.table["recording"].to_numpy(dtype=object)
+
+    @property
+    def frame(self) -> np.ndarray:
+        """Frame number of each picture, -1 where it is none of the truth's; int64, shape (n,)."""
+        return self.table["frame"].to_numpy(dtype=np.int64)
+
+    @property
+    def images(self) -> pd.DataFrame:
+        """`Reading.images`, numbered from 1 in the order of recording and frame.
+
+        So results of Caltech and KAIST number the images.
+        """
+        images = self.table.sort_values(["recording", "frame"], ignore_index=True)
+        images = images.assign(image_id=np.arange(1, len(images) + 1))
+        return images.rename(columns={"name": "file_name"})
+
+
+@dataclass(frozen=True)
 class ReadOptions:
     """What a reader may need to know beside the files.
 
@@ -179,6 +227,13 @@ class ReadOptions:
         The truth's image list (see `Reading.images`), for results that name images by id.
     categories
         The truth's names of categories by their ids, for results that have ids alone.
+    frame_names
+        How names of pictures and large numbers are understood: one of
+        `nvcore.inputs.facts.FRAME_NAMES`; None: by what they look like.
+    named
+        The truth's pictures by name, for systems whose pictures have the same names or times.
+    boxes
+        Those of the truth, for what only they can decide.
     """
 
     role: Role = "truth"
@@ -190,6 +245,9 @@ class ReadOptions:
     recordings: tuple[str, ...] = ()
     images: pd.DataFrame | None = None
     categories: Mapping[str, str] = field(default_factory=dict)
+    frame_names: str | None = None
+    named: NamedPictures | None = None
+    boxes: pd.DataFrame | None = None
 
 
 @dataclass(frozen=True)
@@ -246,6 +304,8 @@ class Reading:
         What the four numbers of a box were taken for, as `nvcore.inputs.layouts.BoxLayout` says it.
     has_score_beside
         Whether the score may stand before the four numbers as well as behind them.
+    named
+        The pictures by name, where the files name them.
     """
 
     boxes: pd.DataFrame
@@ -260,6 +320,7 @@ class Reading:
     left_out: tuple[LeftOut, ...] = ()
     layout: str = "sizes"
     has_score_beside: bool = False
+    named: NamedPictures | None = None
 
 
 Read = Callable[[Sequence[SourceFile], ReadOptions], Reading]

@@ -17,6 +17,7 @@ from nvcore.inputs.readers.base import (
     Format,
     LeftOut,
     Lines,
+    NamedPictures,
     Reading,
     ReadOptions,
     Role,
@@ -28,7 +29,6 @@ from nvcore.inputs.readers.base import (
     select_boxes,
     warning,
 )
-from nvcore.inputs.readers.coco.images import places_of_pictures
 from nvcore.inputs.readers.csv_columns import (
     MISSING,
     Header,
@@ -42,6 +42,12 @@ from nvcore.inputs.readers.meaning.categories import CategoryChoice, choose_cate
 from nvcore.inputs.readers.meaning.classes import classes_left_out
 from nvcore.inputs.readers.meaning.detectability import checked_detectability
 from nvcore.inputs.readers.meaning.distance import known_distances, odd_distances
+from nvcore.inputs.readers.meaning.frame_names import (
+    in_file,
+    joined_named,
+    places_of_pictures,
+    times_as_frames,
+)
 from nvcore.inputs.readers.meaning.labels import codes_of, labels_of
 from nvcore.inputs.readers.meaning.names import recordings_of
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers, odd_levels
@@ -122,12 +128,16 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
     ]
     names, facts = recordings_of([files[number].name for number in whole], options.recordings)
     recording_of_file = dict(zip(whole, names, strict=True))
-    tables, kinds, attributes = [], [], []
+    tables, kinds, attributes, names_of_pictures = [], [], [], []
     findings: list[Finding] = []
     facts = ["pixels as they are (0-based)", *facts]
     for number, source in enumerate(inputs):
         recording = recording_of_file.get(number)
-        boxes, kind, new_facts, oddities, texts = _read_one(source, number, recording, options)
+        with in_file(source.file):
+            boxes, kind, new_facts, oddities, texts, named = _read_one(
+                source, number, recording, options
+            )
+        names_of_pictures += [] if named is None else [named]
         findings += oddities
         tables.append(boxes)
         kinds.append(kind)
@@ -160,6 +170,7 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
         findings=tuple(findings),
         attributes=joined_attributes(attributes),
         labels=labels,
+        named=joined_named(names_of_pictures),
         left_out=left_out,
         layout="corners" if any("right" in source.header.place for source in inputs) else "sizes",
     )
@@ -179,8 +190,15 @@ def missing_columns(header: Header) -> str | None:
 
 def _read_one(
     source: NamedColumns, number: int, own: str | None, options: ReadOptions
-) -> tuple[pd.DataFrame, pd.Series | None, list[str], list[Finding], pd.DataFrame | None]:
-    """All boxes of a file, their classes, the conversion in words, what is odd, the attributes."""
+) -> tuple[
+    pd.DataFrame,
+    pd.Series | None,
+    list[str],
+    list[Finding],
+    pd.DataFrame | None,
+    NamedPictures | None,
+]:
+    """All boxes of a file, their classes, the conversion, what is odd, attributes, pictures."""
     header = source.header
     to_read = _columns_to_read(header, options.role)
     columns, line, has_decimal_comma = source.parse(to_read)
@@ -191,12 +209,18 @@ def _read_one(
     facts += ["decimal commas"] if has_decimal_comma else []
     recording: Any
     if "frame" in columns:
-        frame, frame_fact = _frames(columns["frame"].to_numpy(), lines, options.frame_base)
         recording = _named(columns["recording"], lines) if own is None else own
+        times = times_as_frames(columns["frame"].to_numpy(), recording, options)
+        if times is None:
+            frame, frame_fact = _frames(columns["frame"].to_numpy(), lines, options.frame_base)
+            named = None
+        else:
+            frame, named = times
+            frame_fact = ""
     else:
-        recording, frame = places_of_pictures(
+        recording, frame, named = places_of_pictures(
             columns["picture"],
-            options.recordings,
+            options,
             lambda row, name: lines.fault(
                 row,
                 "expected a frame number at the end of the picture's name, found "
@@ -250,7 +274,7 @@ def _read_one(
     if "attributes" in columns:
         facts.append("attributes as classes of encounters")
         attributes = attributes_of_boxes(boxes, columns["attributes"], MISSING)
-    return boxes, columns.get("class"), facts, findings, attributes
+    return boxes, columns.get("class"), facts, findings, attributes, named
 
 
 def _misspelt(source: NamedColumns, role: Role) -> list[Finding]:

@@ -24,8 +24,8 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.meaning.categories import concerns_objects, free_labels
 from nvcore.inputs.readers.meaning.classes import choose_classes
+from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.labels import labelled
-from nvcore.inputs.readers.meaning.names import listed_frames
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
 from nvcore.inputs.readers.meaning.sizes import recordings_with_sizes
 from nvcore.inputs.readers.parse.xml import Element, is_true, number, read_elements, root_of
@@ -66,7 +66,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     FormatError
         With file and line of what is not Pascal VOC.
     """
-    images = listed_frames(files, options)
+    named = listed_frames(files, options)
     objects = _Objects()
     # a loop over files, each of which is a picture
     for position, file in enumerate(files):
@@ -86,8 +86,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     boxes = lines.boxes(
         (x, y, w, h),
         keep=choice.keep,
-        recording=images["recording"].to_numpy()[lines.file],
-        frame=images["frame"].to_numpy()[lines.file],
+        recording=named.recording[lines.file],
+        frame=named.frame[lines.file],
         score=column["score"],
         ignore=(choice.ignore | (column["difficult"] == 1)) & is_truth,
         occlusion=levels_of_numbers(column["occluded"]),
@@ -104,7 +104,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     ]
     width, height = np.array(objects.sizes, dtype=float).reshape(-1, 2).T
     recordings, odd_sizes = recordings_with_sizes(
-        images.assign(width=width, height=height),
+        named.table.assign(width=width, height=height),
         options.role,
         lambda picture: (files[picture].name, ""),
     )
@@ -126,7 +126,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         boxes=boxes,
         recordings=recordings,
         conversion=conversion_text(facts),
-        images=images.sort_values("image_id", ignore_index=True),
+        images=named.images,
+        named=named,
         findings=tuple(findings),
         labels=labels,
         left_out=choice.left_out,

@@ -26,8 +26,8 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.meaning.categories import free_labels
 from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes
+from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.labels import labelled
-from nvcore.inputs.readers.meaning.names import listed_frames
 from nvcore.inputs.readers.parse.text import (
     Layout,
     NumberTable,
@@ -106,7 +106,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
             "expected one text file per picture, found none", file=files[0].name if files else None
         )
     names = _class_names(files, frames)
-    images = listed_frames(frames, options)
+    named = listed_frames(frames, options)
     table = stacked([read_numbers(frame, LAYOUT) for frame in frames])
     file = table.lines.file
     _check_shares(table)
@@ -121,8 +121,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     boxes = table.lines.boxes(
         ((x - w / 2) * width, (y - h / 2) * height, w * width, h * height),
         keep=choice.keep,
-        recording=images["recording"].to_numpy()[file],
-        frame=images["frame"].to_numpy()[file],
+        recording=named.recording[file],
+        frame=named.frame[file],
         score=fields.score,
         track=fields.track,
         ignore=choice.ignore,
@@ -141,9 +141,10 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     ]
     return Reading(
         boxes=boxes,
-        recordings=recordings_table(images["recording"], width=width, height=height),
+        recordings=recordings_table(named.recording, width=width, height=height),
         conversion=conversion_text(facts),
-        images=images.sort_values("image_id", ignore_index=True),
+        images=named.images,
+        named=named,
         findings=(*fields.findings, *choice.findings),
         labels=labels,
         left_out=choice.left_out,

@@ -28,12 +28,14 @@
     frame_base = 0
     box_base = 1
     boxes = "corners"        what the four numbers of a box are, if not what the format says
+    frame_names = "times"    how names of pictures are understood: numbers, times, order, scenes
 
     [[system]]               the first is X, the second Y, unless [compare] says otherwise
     name = "FIR"
     path = "fir.csv"
     threshold = 0.5
-    offset_frames = 0        added to the frame numbers
+    frame_step = 1           by which frame numbers are multiplied
+    offset_frames = 0        added to the frame numbers, after that
     offset_px = [0, 0]       added to x and y, after scaling
     scale = 1.0              by which coordinates are multiplied, or [x, y]
     provenance = "fir.json"  a record of how they were made (docs/detectors.md)

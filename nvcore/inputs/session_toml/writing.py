@@ -97,12 +97,15 @@ def _source_table(source: Source) -> dict[str, Any]:
             "frame_base": source.frame_base,
             "box_base": source.box_base,
             "boxes": source.boxes,
+            "frame_names": source.frame_names,
         }
     )
 
 
 def _corrections(system: SystemSource) -> dict[str, Any]:
     table: dict[str, Any] = {}
+    if system.frame_step != 1:
+        table["frame_step"] = system.frame_step
     if system.offset_frames:
         table["offset_frames"] = system.offset_frames
     if any(system.offset_px):

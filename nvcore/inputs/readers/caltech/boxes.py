@@ -16,7 +16,7 @@ from nvcore.inputs.readers.base import (
     recordings_table,
 )
 from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes, rule_for
-from nvcore.inputs.readers.meaning.names import listed_frames
+from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.occlusion import (
     PARTIAL_OCCLUSION,
     levels_of_numbers,
@@ -61,7 +61,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     FormatError
         With file and line of the first row that is not bbGt.
     """
-    images = listed_frames(files, options)
+    named = listed_frames(files, options)
     table = stacked([read_numbers(frame_file, LAYOUT) for frame_file in files])
     assert table.label is not None
     *box, flag, vl, vt, vw, vh, ignore, angle = table.columns
@@ -78,16 +78,17 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         boxes=table.lines.boxes(
             box,
             keep=choice.keep,
-            recording=images["recording"].to_numpy()[table.lines.file],
-            frame=images["frame"].to_numpy()[table.lines.file],
+            recording=named.recording[table.lines.file],
+            frame=named.frame[table.lines.file],
             ignore=choice.ignore | (np.nan_to_num(ignore) != 0),
             occlusion=_occlusion(flag, box, (vl, vt, vw, vh)),
         ),
-        recordings=recordings_table(images["recording"]),
+        recordings=recordings_table(named.recording),
         conversion="x, y, w, h in pixels kept as they are; frame numbers from the file names; "
         f"{choice.fact}; ignore flag kept; occlusion levels kept, Caltech's flag made a level by "
         f"the visible box (up to {PARTIAL_OCCLUSION:g} hidden = partial)",
-        images=images.sort_values("image_id", ignore_index=True),
+        images=named.images,
+        named=named,
         findings=(*choice.findings, *rotated),
         left_out=choice.left_out,
     )

@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
 
 import numpy as np
 import pandas as pd
 
-from nvcore.errors import FormatError
 from nvcore.findings import Finding
-from nvcore.inputs.readers.base import Lines, SourceFile, object_array, rows_finding, warning
+from nvcore.inputs.readers.base import (
+    Lines,
+    NamedPictures,
+    ReadOptions,
+    SourceFile,
+    rows_finding,
+    warning,
+)
+from nvcore.inputs.readers.meaning.frame_names import (
+    NO_NAMES,
+    in_file,
+    named_pictures,
+    times_as_frames,
+)
 from nvcore.inputs.readers.meaning.names import recording_and_frame_of, recording_of
 from nvcore.inputs.readers.parse.json import Records, first_other
 from nvcore.inputs.readers.parse.text import whole_numbers
@@ -20,7 +31,6 @@ from nvcore.inputs.readers.parse.text import whole_numbers
 NAME_KEYS = ("file_name", "im_name", "filename", "image_name", "image_filepath")
 FRAME_KEYS = ("frame_index", "frame_id", "frame_number", "frame")
 VIDEO_KEYS = ("video_id", "recording_id", "recordings_id")
-_FLIR = re.compile(r"(?:^|.*/)video-(?P<video>[^/]+?)-frame-(?P<frame>\d+)(?:[-.][^/]*)?$")
 
 
 @dataclass(frozen=True)
@@ -37,56 +47,18 @@ class ImageList:
         Where recordings and frame numbers come from, in words.
     findings
         Recoverable oddities.
+    named
+        The pictures by name.
     """
 
     table: pd.DataFrame
     recordings: pd.DataFrame
     conversion: str
     findings: tuple[Finding, ...]
+    named: NamedPictures
 
 
-def place_of_picture(name: str, known: tuple[str, ...] = ()) -> tuple[str, int] | None:
-    """Recording and frame number from a picture's name; None without a number.
-
-    Examples
-    --------
-    >>> place_of_picture("data/video-BzZs-frame-000123-Xk9.jpg")
-    ('BzZs', 123)
-    >>> place_of_picture("set06/V000/I00019")
-    ('set06/V000', 19)
-    """
-    name = name.replace("\\", "/")
-    flir = _FLIR.match(name)
-    if flir is not None:
-        return flir["video"], int(flir["frame"])
-    return recording_and_frame_of(name, known)
-
-
-def places_of_pictures(
-    pictures: pd.Series, known: tuple[str, ...], fault: Callable[[int, str], FormatError]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Recording and frame number of each row, from the name of its picture.
-
-    Parameters
-    ----------
-    pictures
-        Names of the pictures, text, shape (n,).
-    known
-        Recordings of the truth.
-    fault
-        First row and name without a number -> the error to be raised.
-    """
-    codes, names = pd.factorize(pictures)
-    places = [place_of_picture(str(name), known) for name in names]  # text: each name once
-    if None in places:
-        wrong = places.index(None)
-        raise fault(int(np.argmax(codes == wrong)), names[wrong])
-    recording = object_array([place[0] for place in places if place])
-    frame = np.array([place[1] for place in places if place], dtype=np.int64)
-    return recording[codes], frame[codes]
-
-
-def read_images(document: dict[str, object], file: SourceFile) -> ImageList:
+def read_images(document: dict[str, object], file: SourceFile, options: ReadOptions) -> ImageList:
     """The image list of a COCO document.
 
     Raises
@@ -98,7 +70,8 @@ def read_images(document: dict[str, object], file: SourceFile) -> ImageList:
     ids = image_ids(images)
     keep, findings = _first_of_each_id(images, ids)
     names = _names(images)
-    recording, frame, conversion, oddities = _places(images, names, document)
+    with in_file(file):
+        recording, frame, conversion, oddities, named = _places(images, names, document, options)
     table = pd.DataFrame(
         {
             "recording": pd.Series(recording, dtype=object),
@@ -118,11 +91,15 @@ def read_images(document: dict[str, object], file: SourceFile) -> ImageList:
             f"second has id {first['image_id']}); expected one image per frame"
         )
     recordings, sizes = _recordings(table, document, file)
+    renamed = zip(named.recording, recording, strict=True) if named.rates else ()
+    rates = {new: named.rates[old] for old, new in renamed if old in named.rates}
+    listed = table[["recording", "frame", "file_name"]].rename(columns={"file_name": "name"})
     return ImageList(
         table=table[["recording", "frame", "image_id", "file_name"]],
         recordings=recordings,
         conversion=conversion,
         findings=tuple(findings + oddities + sizes),
+        named=replace(named, table=listed, rates=rates, strange=-1),
     )
 
 
@@ -213,38 +190,48 @@ def _first_of_each_id(images: Records, ids: pd.Series) -> tuple[np.ndarray, list
 
 
 def _places(
-    images: Records, names: Sequence[str], document: dict[str, object]
-) -> tuple[Sequence[str], np.ndarray, str, list[Finding]]:
-    """Recording and frame number of every image, and in words where they come from."""
+    images: Records, names: Sequence[str], document: dict[str, object], options: ReadOptions
+) -> tuple[Sequence[str], np.ndarray, str, list[Finding], NamedPictures]:
+    """Recording and frame number of every image, in words where they come from, and its name."""
     file_recording = recording_of(images.file.name)
-    places = [place_of_picture(name) for name in names]  # text: one by one
-    by_name = [place for place in places if place is not None]
-    are_placed = len(by_name) == len(places)
+    named = NO_NAMES
+    if names and all(names) and options.frame_names != "order":
+        named = named_pictures(names, options)
+    are_placed = named.strange < 0
     folders = (_folders(names, file_recording), "recordings from the folders")
+    if options.role == "detections" and are_placed and named.is_joined:
+        return [*named.recording], named.frame, "pictures found in the truth by name", [], named
     videos = _videos(images, document)
     numbers = images.numbers(*FRAME_KEYS)
     recording: Sequence[str]
     if videos is not None:
         recording, source = videos, "recordings from the video of each image"
     elif are_placed:
-        recording = [_or_whole(place[0], file_recording) for place in by_name]
+        recording = [_or_whole(place, file_recording) for place in named.recording]
         source = "recordings from the file names"
     else:
         recording, source = folders
     if numbers is not None and len(numbers) and not np.isnan(numbers).any():
-        lines = Lines.of(images.file, np.arange(1, len(numbers) + 1))
-        frame = whole_numbers(numbers, lines, "frame number")
         if videos is None and _is_scattered(recording):
             recording, source = folders
-        return recording, frame, f"{source}, frame numbers from the images' fields", []
+        times = times_as_frames(numbers, recording, options)
+        if times is not None:
+            return recording, times[0], f"{source}, times from the images' fields", [], times[1]
+        lines = Lines.of(images.file, np.arange(1, len(numbers) + 1))
+        frame = whole_numbers(numbers, lines, "frame number")
+        text = f"{source}, frame numbers from the images' fields"
+        return recording, frame, text, [], replace(named, how="fields", facts=(), rates={})
     if are_placed and not _is_scattered(recording):
-        frame = np.array([place[1] for place in by_name], dtype=np.int64)
-        pictures = pd.DataFrame({"recording": recording, "frame": frame, "name": names})
+        pictures = pd.DataFrame({"recording": recording, "frame": named.frame, "name": names})
         if not pictures.drop_duplicates().duplicated(["recording", "frame"]).any():
-            return recording, frame, f"{source}, frame numbers from the file names", []
+            return recording, named.frame, f"{source}, frame numbers from the file names", [], named
     if videos is None:
         recording, source = folders
     frame = pd.Series(recording, dtype=object).groupby(recording).cumcount().to_numpy(np.int64)
+    text = f"{source}, frame numbers from the order of the list"
+    by_order = NamedPictures(named.table, "order")
+    if options.frame_names == "order":
+        return recording, frame, text, [], by_order
     finding = warning(
         "frames-by-order",
         len(images),
@@ -255,7 +242,7 @@ def _places(
         file=images.file.name,
         example=next(iter(names), ""),
     )
-    return recording, frame, f"{source}, frame numbers from the order of the list", [finding]
+    return recording, frame, text, [finding], by_order
 
 
 def _or_whole(recording: str, file_recording: str) -> str:

@@ -11,7 +11,7 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.json
 
-from nvcore.inputs.readers.base import SourceFile
+from nvcore.inputs.readers.base import ReadOptions, SourceFile
 from nvcore.inputs.readers.coco.images import NAME_KEYS, id_text, id_texts, image_ids, read_images
 from nvcore.inputs.readers.parse.json import Records, read_json
 from nvcore.inputs.readers.parse.text import read_bytes
@@ -46,7 +46,9 @@ class ResultColumns:
         return len(self.box)
 
 
-def read_columns(file: SourceFile) -> tuple[ResultColumns, pd.DataFrame | None]:
+def read_columns(
+    file: SourceFile, options: ReadOptions
+) -> tuple[ResultColumns, pd.DataFrame | None]:
     """The results of a file, and its own image list if it has one.
 
     Raises
@@ -55,7 +57,7 @@ def read_columns(file: SourceFile) -> tuple[ResultColumns, pd.DataFrame | None]:
         With the first record that is no COCO result.
     """
     columns = _fast(file)
-    return (columns, None) if columns is not None else _careful(file)
+    return (columns, None) if columns is not None else _careful(file, options)
 
 
 def _fast(file: SourceFile) -> ResultColumns | None:
@@ -101,14 +103,15 @@ def _fast(file: SourceFile) -> ResultColumns | None:
         for name in table.column_names
         if name != "bbox" and not table[name].null_count
     }
-    if gaps or not is_whole or not {"image_id", "image_filepath"} & columns.keys():
+    picture = next((columns[name] for name in NAME_KEYS if name in columns), None)
+    if gaps or not is_whole or (picture is None and "image_id" not in columns):
         return None
     return ResultColumns(
         box=numbers.to_numpy().reshape(-1, 4),
         score=columns["score"].to_numpy() if "score" in columns else None,
         category=columns.get("category_id"),
         image_id=columns.get("image_id"),
-        picture=columns.get("image_filepath"),
+        picture=picture,
         track=columns.get("track_id"),
     )
 
@@ -122,7 +125,7 @@ def _schema(first: object) -> pa.Schema | None:
         "score": (int, float),
         "category_id": (int,),
         "image_id": (int, str),
-        "image_filepath": (str,),
+        **dict.fromkeys(NAME_KEYS, (str,)),
         "track_id": (int, str),
     }
     kinds = {list: pa.list_(pa.float64()), int: pa.int64(), str: pa.string()}
@@ -137,14 +140,14 @@ def _schema(first: object) -> pa.Schema | None:
     return pa.schema(fields)
 
 
-def _careful(file: SourceFile) -> tuple[ResultColumns, pd.DataFrame | None]:
+def _careful(file: SourceFile, options: ReadOptions) -> tuple[ResultColumns, pd.DataFrame | None]:
     """The records one by one, and the file's own image list if it has one."""
     document = read_json(file)
     own, key = None, ""
     if isinstance(document, dict):
         key = "annotations"
         if document.get("images"):
-            own = read_images(document, file).table
+            own = read_images(document, file, options).table
         document = document.get(key)
     records = Records(document, file, "result", key)
     category = records.values("category_id")

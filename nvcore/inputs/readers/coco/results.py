@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 import pandas as pd
+from pandas.api.types import is_integer_dtype
 
 from nvcore.errors import MissingFactError
 from nvcore.findings import Finding, Severity
@@ -25,14 +28,21 @@ from nvcore.inputs.readers.base import (
     warning,
 )
 from nvcore.inputs.readers.coco.images import (
+    NAME_KEYS,
     id_text,
-    places_of_pictures,
     places_of_rows,
     rows_by_id,
 )
 from nvcore.inputs.readers.coco.result_columns import ResultColumns, read_columns
+from nvcore.inputs.readers.meaning.frame_names import (
+    in_file,
+    places_of_pictures,
+    rows_by_name,
+    rows_by_text,
+)
 from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.names import recording_of
+from nvcore.inputs.readers.meaning.plain_names import plain_names
 from nvcore.inputs.readers.meaning.tracks import TEXT_IDS, track_numbers
 from nvcore.wording.objects import PEDESTRIAN
 
@@ -40,7 +50,9 @@ PERSON = "1"
 """Category id of persons in COCO, KAIST, Teledyne FLIR and NightOwls."""
 
 _FIELDS = re.compile(r'"bbox"\s*:')
-_IMAGE = re.compile(r'"(?:image_id|image_filepath)"\s*:')
+_IMAGE = re.compile(rf'"(?:image_id|{"|".join(NAME_KEYS)})"\s*:')
+MOST_COMPARED: Final = 1000
+"""Results that are held against the truth's boxes where ids can be understood in two ways."""
 _WRAPPED = re.compile(r'"annotations"\s*:\s*\[')
 
 
@@ -72,7 +84,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     facts = ["boxes as they are (0-based)"]
     findings: list[Finding] = []
     for number, file in enumerate(files):
-        columns, own = read_columns(file)
+        columns, own = read_columns(file, options)
         images = options.images if own is None else own
         boxes, new_facts, oddities, kind = _boxes(columns, file, number, images, options)
         tables.append(boxes)
@@ -104,15 +116,13 @@ def _boxes(
         empty = np.empty(0, dtype=object)
         return reading_boxes(0), ["an empty list: nothing was detected"], [], empty
     is_wanted, facts, findings = _categories(columns.category, file, options, n_rows)
-    if columns.image_id is not None:
-        recording, frame, is_known = _places_by_id(columns.image_id, file, images)
-        facts.append("recording and frame from the image list by image_id")
-        names = columns.image_id
-    else:
-        assert columns.picture is not None
-        recording, frame, is_known = _places_by_name(columns.picture, file, images, options)
-        facts.append("recording and frame from image_filepath")
-        names = columns.picture
+    with in_file(file):
+        places = _places(columns, is_wanted, file, images, options)
+    recording, frame, is_known = places.recording, places.frame, places.is_known
+    facts.append(places.fact)
+    findings += places.findings
+    names = columns.image_id if columns.picture is None else columns.picture
+    assert names is not None
     findings += rows_finding(
         ~is_known,
         "unknown-image",
@@ -199,10 +209,75 @@ def _categories(
     return keep.to_numpy(dtype=bool), [fact], []
 
 
+@dataclass(frozen=True)
+class _Places:
+    """Recording, frame and whether it is known, of every result; and how it was found."""
+
+    recording: np.ndarray
+    frame: np.ndarray
+    is_known: np.ndarray
+    fact: str
+    findings: tuple[Finding, ...] = ()
+
+
+def _places(
+    columns: ResultColumns,
+    is_wanted: np.ndarray,
+    file: SourceFile,
+    images: pd.DataFrame | None,
+    options: ReadOptions,
+) -> _Places:
+    """Where the results are: by the names of their pictures, else by image_id."""
+    ids, pictures = columns.image_id, columns.picture
+    by_id = None if ids is None else _places_by_id(ids, file, images, options)
+    if pictures is not None:
+        by_name = _places_by_name(pictures, file, images, options)
+        if by_id is None or not by_name.is_known.all():
+            return by_name if by_id is None or by_name.is_known.any() else by_id
+        given = pd.Series([]) if ids is None else ids
+        differs = by_id.is_known & (
+            (by_id.recording != by_name.recording) | (by_id.frame != by_name.frame)
+        )
+        return replace(
+            by_name,
+            findings=tuple(
+                rows_finding(
+                    differs,
+                    "image-id-contradicted",
+                    "The image_id of results is that of another picture in the truth than their "
+                    "file name: the name was taken.",
+                    "Nothing to do if the names are right.",
+                    role="detections",
+                    place=lambda row: (
+                        file.name,
+                        f"result {row + 1}, {pictures.iloc[row]}, image_id {given.iloc[row]}",
+                    ),
+                    severity=Severity.NOTE,
+                )
+            ),
+        )
+    assert ids is not None
+    assert by_id is not None
+    by_stem = _places_by_stem(ids, images)
+    n_by_id, n_by_stem = int(by_id.is_known.sum()), int(by_stem.is_known.sum())
+    if n_by_stem == 0 or n_by_stem < n_by_id:
+        return by_id
+    is_same = (by_id.recording == by_stem.recording) & (by_id.frame == by_stem.frame)
+    if n_by_stem == n_by_id and not is_same.all() and options.boxes is not None:
+        # both ways are open to every result: the boxes tell which is meant
+        fits = [_fit(columns.box, places, is_wanted, options.boxes) for places in (by_id, by_stem)]
+        if fits[1] > fits[0]:
+            return replace(by_stem, fact=f"{by_stem.fact}, as the boxes fit so")
+        return by_id
+    return by_stem if n_by_stem > n_by_id else by_id
+
+
 def _places_by_id(
-    ids: pd.Series, file: SourceFile, images: pd.DataFrame | None
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Recording, frame and whether it is known, of every result."""
+    ids: pd.Series, file: SourceFile, images: pd.DataFrame | None, options: ReadOptions
+) -> _Places:
+    """By the image list; text that is no id of it is the name of a picture."""
+    if images is None and options.named is not None and not is_integer_dtype(ids.dtype):
+        return _places_by_name(ids, file, images, options)
     if images is None:
         raise MissingFactError(
             "results name their images by id, and only the truth says which frame an id is; give "
@@ -218,46 +293,66 @@ def _places_by_id(
                 "image ids stand for different images in the truth's files; expected results in "
                 "one file per recording, named by it"
             )
-    return places_of_rows(images, rows_by_id(ids, images["image_id"]))
+    places = places_of_rows(images, rows_by_id(ids, images["image_id"]))
+    return _Places(*places, "recording and frame from the image list by image_id")
+
+
+def _places_by_stem(ids: pd.Series, images: pd.DataFrame | None) -> _Places:
+    """By names of pictures that an image_id holds: 12 or "000012" for 000012.jpg."""
+    codes, texts = pd.factorize(ids.map(id_text))
+    row = np.full(len(texts), -1)
+    if images is not None and "file_name" in images:
+        listed = images["file_name"].tolist()
+        row = rows_by_name([*texts], listed)[0]
+        if (row < 0).all():
+            stems = [name.rpartition("/")[2] for name in plain_names(listed)[0]]
+            numbers = [str(int(stem)) if stem.isdecimal() else "" for stem in stems]
+            row = rows_by_text([*texts], numbers)
+    else:
+        images = pd.DataFrame()
+    places = places_of_rows(images, row[codes])
+    return _Places(*places, "recording and frame from the image list by image_id = file name")
+
+
+def _fit(box: np.ndarray, places: _Places, rows: np.ndarray, truth: pd.DataFrame) -> float:
+    """Mean IoU of results with the truth's best box of their frame, 0..1; of some of them."""
+    rows = np.flatnonzero(rows & places.is_known)
+    rows = rows[:: max(1, len(rows) // MOST_COMPARED)]
+    here = pd.DataFrame(box[rows], columns=["x", "y", "w", "h"])
+    here = here.assign(recording=places.recording[rows], frame=places.frame[rows], row=rows)
+    there = truth[["recording", "frame", *"xywh"]].astype({"recording": object})
+    pairs = here.merge(there, on=["recording", "frame"], suffixes=("", "_truth"))
+    if pairs.empty:
+        return 0.0
+    across, down = (
+        np.minimum(pairs[at] + pairs[size], pairs[f"{at}_truth"] + pairs[f"{size}_truth"])
+        - np.maximum(pairs[at], pairs[f"{at}_truth"])
+        for at, size in (("x", "w"), ("y", "h"))
+    )
+    common = np.maximum(across, 0) * np.maximum(down, 0)
+    union = pairs["w"] * pairs["h"] + pairs["w_truth"] * pairs["h_truth"] - common
+    best = (common / union).groupby(pairs["row"]).max()
+    return float(best.sum() / max(1, len(rows)))
 
 
 def _places_by_name(
     pictures: pd.Series, file: SourceFile, images: pd.DataFrame | None, options: ReadOptions
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """As `_places_by_id`, from file names: those of the image list, or parsed."""
+) -> _Places:
+    """By file names: those of the image list, or parsed."""
+    fact = "recording and frame from the pictures' names"
     if images is not None and "file_name" in images:
         codes, names = pd.factorize(pictures)
-        row = _rows_by_name(names, images["file_name"])
+        row = rows_by_name([*map(str, names)], images["file_name"].tolist())[0]
         if np.any(row >= 0):
-            return places_of_rows(images, row[codes])
-    recording, frame = places_of_pictures(
+            return _Places(*places_of_rows(images, row[codes]), fact)
+    recording, frame, _ = places_of_pictures(
         pictures,
-        options.recordings,
+        options,
         lambda _row, name: file.fault(
             f"expected a frame number at the end of the file name, found {name!r}"
         ),
     )
-    return recording, frame, np.ones(len(frame), dtype=bool)
-
-
-def _rows_by_name(names: Iterable[str], listed: Iterable[str]) -> np.ndarray:
-    """Row of the list that has each name, whole or, where that is clear, without its folders."""
-    by_path = _rows_by_text(names, listed)
-    by_name = _rows_by_text(map(_short, names), map(_short, listed))
-    return np.where(by_path >= 0, by_path, by_name)
-
-
-def _rows_by_text(names: Iterable[str], listed: Iterable[str]) -> np.ndarray:
-    """Row of the list that has each text; -1 where none or several have it."""
-    index = pd.Index(list(listed))
-    rows = np.flatnonzero(~index.duplicated(keep=False))
-    place = index[rows].get_indexer(pd.Index(list(names)))
-    return np.append(rows, -1)[place]
-
-
-def _short(name: str) -> str:
-    """File name without folders."""
-    return name.replace("\\", "/").rsplit("/", 1)[-1]
+    return _Places(recording, frame, np.ones(len(frame), dtype=bool), fact)
 
 
 FORMAT = Format("coco-results", "COCO results", ("detections",), (".json",), recognise, read)

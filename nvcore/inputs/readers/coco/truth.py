@@ -42,6 +42,7 @@ from nvcore.inputs.readers.meaning.categories import CategoryChoice, choose_cate
 from nvcore.inputs.readers.meaning.classes import classes_left_out
 from nvcore.inputs.readers.meaning.detectability import checked_detectability
 from nvcore.inputs.readers.meaning.distance import known_distances, odd_distances
+from nvcore.inputs.readers.meaning.frame_names import joined_named
 from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.occlusion import (
     levels_of_numbers,
@@ -72,7 +73,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     FormatError
         With file and record of the first thing that is not COCO, or is not clear.
     """
-    tables, images, recordings, attributes, kinds = [], [], [], [], []
+    tables, images, recordings, attributes, kinds, named = [], [], [], [], [], []
     left_out: Counter[Any] = Counter()
     categories: dict[str, str] = {}
     facts: list[str] = ["boxes as they are (0-based)"]
@@ -84,7 +85,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
                 "expected a JSON object with images, annotations and categories, found "
                 f"{short_json(document)}; a list of results is no ground truth"
             )
-        listed = read_images(document, file)
+        listed = read_images(document, file, options)
         names = _categories(document, file)
         boxes, new_facts, oddities, texts, kind = _read_annotations(
             document, file, number, listed, names, options, left_out
@@ -96,6 +97,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         attributes.append(texts)
         recordings.append(listed.recordings)
         images.append(listed.table)
+        named.append(listed.named)
         facts += [listed.conversion, *new_facts]
         findings += [*listed.findings, *oddities]
     facts.append("evaluated frames from the image list")
@@ -110,6 +112,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         attributes=joined_attributes(attributes),
         labels=labels,
         categories=categories,
+        named=joined_named(named),
         left_out=classes_left_out(left_out),
     )
 

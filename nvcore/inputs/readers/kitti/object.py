@@ -15,7 +15,7 @@ from nvcore.inputs.readers.base import (
     recordings_table,
 )
 from nvcore.inputs.readers.kitti.label import FIELDS, label_boxes
-from nvcore.inputs.readers.meaning.names import listed_frames
+from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.parse.text import Layout, read_numbers, stacked
 
 LAYOUT = Layout((15, 16), FIELDS, delimiter=" ", label_at=0)
@@ -41,14 +41,15 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     FormatError
         With file and line of the first row that is not KITTI object.
     """
-    images = listed_frames(files, options)
+    named = listed_frames(files, options)
     table = stacked([read_numbers(file, LAYOUT) for file in files])
-    boxes, choice, facts = label_boxes(table, images.iloc[table.lines.file], options)
+    boxes, choice, facts = label_boxes(table, named.table.iloc[table.lines.file], options)
     return Reading(
         boxes=boxes,
-        recordings=recordings_table(images["recording"]),
+        recordings=recordings_table(named.recording),
         conversion=conversion_text(["frame numbers from the file names", *facts]),
-        images=images.sort_values("image_id", ignore_index=True),
+        images=named.images,
+        named=named,
         findings=choice.findings,
         left_out=choice.left_out,
         layout="corners",

@@ -6,66 +6,10 @@ import re
 from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import PurePosixPath
-
-import numpy as np
-import pandas as pd
+from typing import Final
 
 from nvcore.errors import InputError
 from nvcore.file_kinds import unpacked_name
-from nvcore.inputs.readers.base import ReadOptions, SourceFile
-
-
-def listed_frames(files: Sequence[SourceFile], options: ReadOptions) -> pd.DataFrame:
-    """Recording and frame of each file, from its name; files without boxes are frames, too.
-
-    Returns
-    -------
-    DataFrame
-        Columns recording, frame, image_id; one row per file, in the order of the files. The
-        image_id is the 1-based position in the order of recording and frame, which is how results
-        of Caltech and KAIST number the images.
-
-    Raises
-    ------
-    InputError
-        If a file name has no frame number, or two files are of one frame.
-    """
-    recordings, frames = [], []
-    # a loop over files, each of which has a name of its own
-    for file in files:
-        place = recording_and_frame_of(file.name, options.recordings)
-        if place is None:
-            raise InputError(
-                "expected one file per frame with the frame number at the end of its name, as in "
-                "I00019.txt or 000019.txt; found no number: rename the file or leave it out",
-                file=file.name,
-            )
-        recordings.append(place[0])
-        frames.append(place[1])
-    # one known recording and one read: the same one, whatever the folders are called
-    if len(options.recordings) == 1 and len(set(recordings)) == 1:
-        recordings = list(options.recordings) * len(recordings)
-    table = pd.DataFrame(
-        {
-            "recording": np.array(recordings, dtype=object),
-            "frame": np.array(frames, dtype=np.int64),
-        }
-    )
-    double = table.duplicated(["recording", "frame"]).to_numpy()
-    if double.any():
-        second = int(np.argmax(double))
-        recording, frame = recordings[second], frames[second]
-        first = next(i for i in range(second) if (recordings[i], frames[i]) == (recording, frame))
-        raise InputError(
-            f"is frame {frame} of recording {recording!r}, as is {files[first].name}; expected "
-            "one file per frame: name the files or their folders by the recordings",
-            file=files[second].name,
-        )
-    order = table.sort_values(["recording", "frame"]).index
-    image_id = np.empty(len(table), dtype=np.int64)
-    image_id[order] = np.arange(1, len(table) + 1)
-    return table.assign(image_id=image_id)
-
 
 NEUTRAL = {
     *("gt", "truth", "det", "dets", "detections", "results", "result", "res"),
@@ -76,6 +20,8 @@ _FRAME = re.compile(
     r"^(?P<prefix>.*?)(?:(?<![A-Za-z])(?:I|img|image|im|frame|f)[_\-. ]?)?(?P<digits>[0-9]+)$",
     re.IGNORECASE,
 )
+ONLY: Final = "recording"
+"""Name of a recording that nothing names."""
 _MAX_DIGITS = 15
 """Frame numbers are exact in every table up to here; a longer number is no frame number."""
 
@@ -191,13 +137,25 @@ def recording_and_frame_of(name: str, known: tuple[str, ...] = ()) -> tuple[str,
     ('set06/V000', 19)
     """
     path = PurePosixPath(unpacked_name(name))
-    match = _FRAME.match(path.stem)
+    return place_of_stem(path.parts[:-1], path.stem, known)
+
+
+def place_of_stem(
+    folders: Sequence[str], stem: str, known: tuple[str, ...] = ()
+) -> tuple[str, int] | None:
+    """As `recording_and_frame_of`, from the folders and the name without its ending."""
+    match = _FRAME.match(stem)
     if match is None or len(match["digits"].lstrip("0")) > _MAX_DIGITS:
         return None
-    prefix = match["prefix"].rstrip("_-. ")
-    every = (*path.parts[:-1], prefix) if prefix else path.parts[:-1]
+    return recording_before(folders, match["prefix"], known), int(match["digits"])
+
+
+def recording_before(folders: Sequence[str], prefix: str, known: tuple[str, ...] = ()) -> str:
+    """The recording that folders and what stands before a frame's number or time name."""
+    prefix = prefix.rstrip("_-. ")
+    every = (*folders, prefix) if prefix else tuple(folders)
     recording = known_recording(every, known)
     if recording is None:
-        parts = [*(part for part in path.parts[:-1] if part.lower() not in NEUTRAL), prefix]
+        parts = [*(part for part in folders if part.lower() not in NEUTRAL), prefix]
         recording = "/".join(part for part in parts if part not in ("", "/", ".", ".."))
-    return recording or "recording", int(match["digits"])
+    return recording or ONLY

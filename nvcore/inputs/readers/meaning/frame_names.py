@@ -1,0 +1,468 @@
+"""Recording and frame of every picture in a list, by its name: a number, a time, or the order."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from nvcore.errors import FormatError, InputError
+from nvcore.findings import Remedy, Step
+from nvcore.inputs.readers.base import NamedPictures, ReadOptions, SourceFile, object_array
+from nvcore.inputs.readers.meaning.names import place_of_stem, recording_before
+from nvcore.inputs.readers.meaning.picture_times import (
+    LEAST_TIME,
+    NamedTimes,
+    frames_by_times,
+    nearest_frames,
+    rate_of,
+    times_in,
+    times_of_numbers,
+)
+from nvcore.inputs.readers.meaning.plain_names import common_beginning, plain_names
+from nvcore.wording import count_text
+
+NO_NAMES: Final = NamedPictures(
+    pd.DataFrame({"recording": [], "frame": [], "name": []}).astype({"frame": np.int64}), strange=0
+)
+"""Pictures without names."""
+MIN_JOINED: Final = 0.5
+"""Share of a system's pictures from which on names that are the truth's are no chance."""
+LONG_GAP: Final = 1000
+"""Numbers without a picture, inside a list of pictures, that divide recordings ..."""
+LONG_GAP_STEPS: Final = 50
+"""... if they are so many usual steps, too: a list may hold every hundredth picture."""
+
+
+def listed_frames(files: Sequence[SourceFile], options: ReadOptions) -> NamedPictures:
+    """Recording and frame of each file, from its name; files without boxes are frames, too.
+
+    Raises
+    ------
+    InputError
+        If a file name has no frame number, two files are of one frame, or the names can be
+        understood in several ways.
+    """
+    named = named_pictures([file.name for file in files], options)
+    if named.strange >= 0:
+        raise InputError(
+            "expected one file per frame with the frame number at the end of its name, as in "
+            "I00019.txt or 000019.txt; found no number: rename the file or leave it out",
+            file=files[named.strange].name,
+            steps=(Step(Remedy.FRAME_NAMES, "order"),),
+        )
+    table = named.table
+    # one known recording and one read: the same one, whatever the folders are called
+    if len(options.recordings) == 1 and len(set(named.recording)) == 1:
+        table = table.assign(recording=options.recordings[0])
+        named = replace(named, table=table)
+    double = table.duplicated(["recording", "frame"]).to_numpy() & (table["frame"] >= 0).to_numpy()
+    if double.any():
+        second = int(np.argmax(double))
+        recording, frame = table[["recording", "frame"]].iloc[second]
+        is_same = (table["recording"] == recording) & (table["frame"] == frame)
+        raise InputError(
+            f"is frame {frame} of recording {recording!r}, as is "
+            f"{files[int(np.argmax(is_same))].name}; expected one file per frame: name the files "
+            "or their folders by the recordings",
+            file=files[second].name,
+        )
+    return named
+
+
+def named_pictures(names: Sequence[str], options: ReadOptions) -> NamedPictures:
+    """Recording and frame of each picture of a list, from their names.
+
+    What tools add to names is taken off first. Names of the truth's pictures are frames of the
+    truth; others end in a number, which is the frame, or in a time, from which it follows.
+
+    Raises
+    ------
+    InputError
+        If the names can be understood in several ways, and `ReadOptions.frame_names` does not say
+        which is meant.
+    """
+    named = _by_themselves(names, options)
+    if options.named is None or options.role == "truth":
+        return named
+    return _joined(named, names, options.named, options)
+
+
+@contextmanager
+def in_file(file: SourceFile) -> Iterator[None]:
+    """Within it, errors about names of pictures say which file holds them."""
+    try:
+        yield
+    except InputError as error:
+        if error.file == file.name:
+            raise
+        raise file.fault(error.message, steps=error.steps) from error
+
+
+def places_of_pictures(
+    pictures: pd.Series, options: ReadOptions, fault: Callable[[int, str], FormatError]
+) -> tuple[np.ndarray, np.ndarray, NamedPictures]:
+    """Recording and frame number of each row, from the name of its picture.
+
+    Parameters
+    ----------
+    pictures
+        Names of the pictures, text, shape (n,).
+    fault
+        First row and name without a number -> the error to be raised.
+    """
+    codes, names = pd.factorize(pictures)
+    named = named_pictures([*map(str, names)], options)
+    if named.strange >= 0:
+        raise fault(int(np.argmax(codes == named.strange)), names[named.strange])
+    return named.recording[codes], named.frame[codes], named
+
+
+def times_as_frames(
+    values: np.ndarray, recording: object, options: ReadOptions
+) -> tuple[np.ndarray, NamedPictures] | None:
+    """Frames of a column of frame numbers that holds times; None where it holds frame numbers.
+
+    Parameters
+    ----------
+    values
+        float64 or int64, shape (n,).
+    recording
+        Of all rows, or of each.
+
+    Raises
+    ------
+    InputError
+        If they are too large for frame numbers and no times of a camera.
+    """
+    if options.frame_names == "numbers" or not len(values) or not values.min() >= LEAST_TIME:
+        return None
+    rows = pd.DataFrame({"recording": recording, "value": values})
+    codes = rows.groupby(["recording", "value"], sort=False, observed=True).ngroup().to_numpy()
+    unique = rows.iloc[np.unique(codes, return_index=True)[1]]
+    recordings = unique["recording"].astype(str).tolist()
+    numbers = unique["value"].to_numpy()
+    times = times_of_numbers(numbers, recordings)
+    names = [f"{number:.6f}".rstrip("0").rstrip(".") for number in numbers.tolist()]
+    if times is None:
+        raise _unclear(names[0], "in the column of frame numbers")
+    named = _by_times(recordings, names, times, options)
+    if options.named is not None and options.role == "detections":
+        named = _joined(named, names, options.named, options, times=times)
+    return named.frame[codes], named
+
+
+def _by_themselves(names: Sequence[str], options: ReadOptions) -> NamedPictures:
+    """The pictures of a list by its names alone; `strange` where one has no number."""
+    plain, ending = plain_names(names)
+    parts = [(name.split("/")[:-1], name.rpartition("/")[2]) for name in plain]
+    stems = [stem for _, stem in parts]
+    facts = (f"the common ending {ending} of the names taken off",) if ending else ()
+    how, known = options.frame_names, options.recordings
+    if how == "order":
+        return replace(_by_order(names, parts, known), facts=facts)
+    times = times_in(stems) if how in (None, "times") and stems else None
+    if times is not None:
+        recordings = [
+            recording_before(tuple(folders), prefix, known)
+            for (folders, _), prefix in zip(parts, times.prefix, strict=True)
+        ]
+        named = _by_times(recordings, names, times, options)
+        return replace(named, facts=(*facts, *named.facts))
+    if how == "times":
+        raise InputError(
+            "expected names that end in a time, such as 1598000000123 or 20230612_101112_123",
+            file=names[0] if names else None,
+        )
+    places = [place_of_stem(tuple(folders), stem, known) for folders, stem in parts]  # text
+    if None in places:
+        return replace(NO_NAMES, strange=places.index(None))
+    placed = [place for place in places if place is not None]
+    table = _table((recording for recording, _ in placed), [frame for _, frame in placed], names)
+    named = NamedPictures(table, "numbers", facts)
+    is_large = named.frame >= LEAST_TIME
+    if how is None and is_large.mean() > 0.5:
+        raise _unclear(names[int(np.argmax(named.frame))], "in the names")
+    return named if options.role == "detections" else _by_scenes(named, stems, how)
+
+
+def _unclear(name: str, where: str) -> InputError:
+    return InputError(
+        f"the number {where} is too large for a frame number, and a camera's times, nearly even, "
+        f"would be between 0.05 and 300 a second: found {name}",
+        steps=(Step(Remedy.FRAME_NAMES, "order"), Step(Remedy.FRAME_NAMES, "numbers")),
+    )
+
+
+def _by_order(
+    names: Sequence[str], parts: Sequence[tuple[list[str], str]], known: tuple[str, ...]
+) -> NamedPictures:
+    """Pictures numbered 0, 1, 2, ... in the natural order of the names of each folder."""
+    recordings = [recording_before(tuple(folders), "", known) for folders, _ in parts]
+    order = sorted(range(len(names)), key=lambda row: (recordings[row], _natural(names[row])))
+    frame = np.empty(len(names), np.int64)
+    table = _table(recordings, np.zeros(len(names), np.int64), names)
+    frame[order] = table.iloc[order].groupby("recording").cumcount().to_numpy()
+    return NamedPictures(table.assign(frame=frame), "order")
+
+
+def _natural(name: str) -> list[tuple[int, str]]:
+    return [
+        (int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", name)
+    ]
+
+
+def _by_times(
+    recordings: Sequence[str], names: Sequence[str], times: NamedTimes, options: ReadOptions
+) -> NamedPictures:
+    """Pictures numbered by their times, recording by recording.
+
+    Raises
+    ------
+    InputError
+        If they are not nearly even.
+    """
+    table = _table(recordings, np.zeros(len(names), np.int64), names)
+    frame, rates, n_missing = np.zeros(len(names), np.int64), {}, 0
+    for recording, rows in _rows_of(table).items():
+        unique, codes = np.unique(times.ns[rows], return_inverse=True)
+        numbers, period, is_even = frames_by_times(unique)
+        if not is_even and options.frame_names is None:
+            raise InputError(
+                f"the numbers of recording {recording!r} are too large for frame numbers, but "
+                f"times ({times.unit}) that are not nearly even: found {names[rows[0]]}",
+                steps=(Step(Remedy.FRAME_NAMES, "times"), Step(Remedy.FRAME_NAMES, "order")),
+            )
+        frame[rows] = numbers[codes]
+        n_missing += int(numbers[-1]) + 1 - len(numbers)
+        if not np.isnan(period):
+            rates[str(recording)] = rate_of(period)
+    fact = f"numbers taken as times ({times.unit}), frames numbered by them from 0"
+    if rates:
+        low, high = min(rates.values()), max(rates.values())
+        fact += f", at {low:g} a second" if low == high else f", at {low:g} to {high:g} a second"
+    if n_missing:
+        fact += f", gaps in the times kept as {count_text(n_missing, 'missing frame')}"
+    return NamedPictures(table.assign(frame=frame), "times", (fact,), rates)
+
+
+def _by_scenes(named: NamedPictures, stems: Sequence[str], how: str | None) -> NamedPictures:
+    """The pictures with recordings divided where their numbers leave a long gap.
+
+    Raises
+    ------
+    InputError
+        If that is not certain: neither asked for, nor do the first digits number the scenes.
+    """
+    if how == "numbers":
+        return named
+    table, digits = named.table, [re.search(r"\d*$", stem)[0] for stem in stems]  # type: ignore[index]
+    scene = np.full(len(table), "", dtype=object)
+    for recording, rows in _rows_of(table).items():
+        order = rows[np.argsort(named.frame[rows], kind="stable")]
+        steps = np.diff(named.frame[order])
+        if not len(steps):
+            continue
+        is_gap = steps > max(LONG_GAP, LONG_GAP_STEPS * float(np.median(steps)))
+        if not is_gap.any():
+            continue
+        part = np.concatenate([[0], np.cumsum(is_gap)])
+        width = _scene_digits([digits[row] for row in order], part)
+        if width:
+            scene[order] = [digits[row][:width] for row in order]
+            frame = table["frame"].to_numpy(copy=True)
+            frame[order] = [int(digits[row][width:]) for row in order]
+            table = table.assign(frame=frame)
+        elif how == "scenes":
+            scene[order] = (part + 1).astype(str)
+        else:
+            at = int(np.argmax(is_gap))
+            before, after = (table["name"].iloc[order[row]] for row in (at, at + 1))
+            raise InputError(
+                f"recording {recording!r} has a gap of {steps[at]:,} numbers, between the pictures "
+                f"{before} and {after}: it cannot be told whether these are several recordings or "
+                "parts of one",
+                steps=(Step(Remedy.FRAME_NAMES, "scenes"), Step(Remedy.FRAME_NAMES, "numbers")),
+            )
+    is_part = scene != ""
+    if not is_part.any():
+        return named
+    whole = table["recording"].to_numpy(dtype=object)
+    names = np.where(is_part, _scene_names(whole, scene), whole)
+    n_parts = len(set(names[is_part]))
+    fact = f"{n_parts} recordings told apart by gaps in the numbers of the pictures"
+    return replace(
+        named,
+        table=table.assign(recording=names),
+        how="scenes",
+        facts=(*named.facts, fact),
+    )
+
+
+def _scene_names(recording: np.ndarray, scene: np.ndarray) -> np.ndarray:
+    return object_array([f"{name}_{part}" for name, part in zip(recording, scene, strict=True)])
+
+
+def _scene_digits(digits: Sequence[str], part: np.ndarray) -> int:
+    """How many first digits number the scene, so that each part's frames begin anew; 0: none do.
+
+    Parameters
+    ----------
+    digits
+        Digits at the end of the names, in the order of their numbers.
+    part
+        Number of the part of each, between long gaps.
+    """
+    n_digits = {len(text) for text in digits}
+    if len(n_digits) != 1:
+        return 0
+    for width in range(1, min(4, n_digits.pop() - 2)):
+        heads = pd.Series([text[:width] for text in digits])
+        first = pd.Series([int(text[width:]) for text in digits]).groupby(heads).min()
+        same = pd.DataFrame({"head": heads, "part": part}).drop_duplicates()
+        if len(same) == heads.nunique() == part[-1] + 1 and (first <= 1).all():
+            return width
+    return 0
+
+
+def _joined(
+    named: NamedPictures,
+    names: Sequence[str],
+    truth: NamedPictures,
+    options: ReadOptions,
+    *,
+    times: NamedTimes | None = None,
+) -> NamedPictures:
+    """A system's pictures as frames of the truth, where their names or times are the truth's."""
+    theirs = truth.table
+    row, way = rows_by_name(names, theirs["name"].tolist())
+    is_joined = row >= 0
+    if is_joined.mean() < MIN_JOINED:
+        is_joined[:] = False
+    recording, frame = np.full(len(names), "", dtype=object), np.full(len(names), -1, np.int64)
+    recording[is_joined] = theirs["recording"].to_numpy(dtype=object)[row[is_joined]]
+    frame[is_joined] = truth.frame[row[is_joined]]
+    facts = [*named.facts] if not is_joined.all() else [way]
+    rest = ~is_joined
+    if rest.any() and named.strange >= 0 and not is_joined.any():
+        return named
+    if rest.any() and named.strange < 0:
+        if named.how == "times" and truth.how == "times":
+            frame_by_time = _by_their_times(named, names, truth, times)
+            recording[rest], frame[rest] = frame_by_time[0][rest], frame_by_time[1][rest]
+            facts.append("times held against those of the truth, up to half a period apart")
+        elif named.how == truth.how or not is_joined.any():
+            _check_times(named, truth, options)
+            recording[rest], frame[rest] = named.recording[rest], named.frame[rest]
+    unknown = rest & (recording == "")
+    if unknown.any():
+        recording[unknown] = theirs["recording"].iloc[0]
+        facts.append(f"{int(unknown.sum())} of {len(names)} pictures are none of the truth's")
+    joined = NamedPictures(_table(recording, frame, names), truth.how, tuple(facts))
+    is_same = named.strange < 0 and not named.rates and joined.table.equals(named.table)
+    return replace(named if is_same else joined, is_joined=bool(is_joined.any()))
+
+
+def _check_times(named: NamedPictures, truth: NamedPictures, options: ReadOptions) -> None:
+    """Refuse times where the truth's pictures have none: when the truth begins is not known."""
+    if named.how == "times" and truth.how != "times" and options.frame_names is None:
+        raise InputError(
+            "the pictures are numbered by times, and those of the truth are not: which picture is "
+            f"which cannot be told; found {named.table['name'].iloc[0]}, and in the truth "
+            f"{truth.table['name'].iloc[0]}",
+            steps=(Step(Remedy.FRAME_NAMES, "order"), Step(Remedy.FRAME_NAMES, "times")),
+        )
+
+
+def _by_their_times(
+    named: NamedPictures, names: Sequence[str], truth: NamedPictures, times: NamedTimes | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Recording and frame of each picture by the truth's times."""
+    theirs = truth.table
+    their_times = times_in(_stems(theirs["name"].tolist()))
+    own_times = times or times_in(_stems(names))
+    if their_times is None or own_times is None:
+        return named.recording, named.frame
+    recording, frame = named.recording.copy(), np.full(len(names), -1, np.int64)
+    of_truth = _rows_of(theirs)
+    of_system = _rows_of(named.table)
+    if len(of_truth) == len(of_system) == 1:
+        recording[:] = next(iter(of_truth))
+        of_system = {next(iter(of_truth)): np.arange(len(names))}
+    for name, rows in of_system.items():  # a loop over recordings
+        if name not in of_truth:
+            continue
+        there = of_truth[name]
+        their_ns, first = np.unique(their_times.ns[there], return_index=True)
+        unique, codes = np.unique(own_times.ns[rows], return_inverse=True)
+        period = frames_by_times(their_ns)[1]
+        frame[rows] = nearest_frames(unique, their_ns, truth.frame[there][first], period)[codes]
+    return recording, frame
+
+
+def _stems(names: Sequence[str]) -> list[str]:
+    return [name.rpartition("/")[2] for name in plain_names(names)[0]]
+
+
+def rows_by_name(names: Sequence[str], listed: Sequence[str]) -> tuple[np.ndarray, str]:
+    """The truth's picture of each name, -1 none; and in words how they were compared."""
+    ours, theirs = plain_names(names)[0], plain_names(listed)[0]
+    best, way = rows_by_text(ours, theirs), "pictures found in the truth by their names"
+    stems = [[name.rpartition("/")[2] for name in plain] for plain in (ours, theirs)]
+    begins = [common_beginning(of_side) for of_side in stems]
+    without = [
+        [stem.removeprefix(begin) for stem in of_side]
+        for of_side, begin in zip(stems, begins, strict=True)
+    ]
+    begun = ", ".join(repr(begin) for begin in begins if begin)
+    cut = f"pictures found in the truth by their names without the common beginnings {begun}"
+    for sides, said in ((stems, way), ((without[0], stems[1]), cut), (without, cut)):
+        if (best >= 0).all():
+            break
+        row = rows_by_text(*sides)
+        row = np.where(best >= 0, best, row) if sides is stems else row
+        if (row >= 0).sum() > (best >= 0).sum():
+            best, way = row, said
+    return best, way
+
+
+def rows_by_text(names: Sequence[str], listed: Sequence[str]) -> np.ndarray:
+    """Row of the list that has each text; -1 where none or several have it."""
+    index = pd.Index(list(listed))
+    rows = np.flatnonzero(~index.duplicated(keep=False))
+    place = index[rows].get_indexer(pd.Index(list(names)))
+    return np.append(rows, -1)[place]
+
+
+def _rows_of(table: pd.DataFrame) -> dict[str, np.ndarray]:
+    """Rows of each recording, in the order in which they come."""
+    groups = table.groupby("recording", sort=False).indices
+    return {str(name): np.asarray(rows) for name, rows in groups.items()}
+
+
+def _table(
+    recordings: Iterable[str], frames: Sequence[int] | np.ndarray, names: Iterable[str]
+) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "recording": object_array(recordings),
+            "frame": np.array(frames, dtype=np.int64),
+            "name": object_array(names),
+        }
+    )
+
+
+def joined_named(parts: Sequence[NamedPictures]) -> NamedPictures | None:
+    """Pictures of several files as one list; None where there is no list."""
+    if not parts:
+        return None
+    rates: Mapping[str, float] = {name: rate for part in parts for name, rate in part.rates.items()}
+    table = pd.concat([part.table for part in parts], ignore_index=True)
+    ways = {part.how for part in parts}
+    facts = tuple(dict.fromkeys(fact for part in parts for fact in part.facts))
+    return NamedPictures(table, ways.pop() if len(ways) == 1 else "", facts, rates)

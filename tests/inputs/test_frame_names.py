@@ -1,0 +1,213 @@
+"""Pictures are found by what their names say: numbers, times, scenes, and what tools add."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from field_scene import (
+    FPS,
+    RIGHT,
+    SIZE,
+    coco_results,
+    coco_truth,
+    detections,
+    found,
+    truth,
+    write_yolo,
+)
+
+import nvcore as nv
+from nvcore.errors import InputError
+from nvcore.findings import Remedy
+from nvcore.inputs.load import load
+from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.inputs.session_toml import read_session, write_session
+
+HASH = "0123456789abcdef0123456789abcdef"
+
+
+def compared(
+    tmp_path: Path, names: dict[str, str], *, fps: float | None = FPS, **way: str
+) -> tuple[dict[str, object], nv.Dataset]:
+    session = Session(
+        folder=tmp_path,
+        truth=Source(names["truth"], **way),
+        systems=tuple(SystemSource(names[side], name=side, **way) for side in "xy"),
+        size=SIZE,
+        fps=fps,
+    )
+    dataset = load(session)
+    return found(nv.compare(dataset)), dataset
+
+
+def as_yolo(tmp_path: Path, **name_of: Callable[[int], str]) -> dict[str, str]:
+    """Folders of truth, x and y; `name_of` of one side, or of `every`."""
+    for side in ("truth", "x", "y"):
+        write_yolo(tmp_path / side, side, name_of.get(side, name_of["every"]))
+    return {side: side for side in ("truth", "x", "y")}
+
+
+def as_json(tmp_path: Path, truth_document: object, of_frame: Callable[[int], dict]) -> dict:
+    (tmp_path / "truth.json").write_text(json.dumps(truth_document))
+    for side in "xy":
+        (tmp_path / f"{side}.json").write_text(json.dumps(coco_results(side, of_frame)))
+    return {side: f"{side}.json" for side in ("truth", "x", "y")}
+
+
+JITTER = np.random.default_rng(4).integers(-6, 7, 40)
+
+
+def at_ms(frame: int) -> int:
+    return 1_598_000_000_123 + 100 * frame + int(JITTER[frame])
+
+
+NAMES = {
+    "milliseconds": lambda i: f"{at_ms(i)}.txt",
+    "nanoseconds": lambda i: f"cam_{at_ms(i)}123456.txt",
+    "seconds with a point": lambda i: f"{at_ms(i) / 1000:.3f}.txt",
+    "seconds and nanoseconds": lambda i: f"{at_ms(i) // 1000}_{at_ms(i) % 1000 * 10**6}.txt",
+    "nanoseconds since boot": lambda i: f"{at_ms(i) - 1_597_999_000_000}000000.txt",
+    "date and time": lambda i: f"20230612_10111{i // 10}_{i % 10}00.txt",
+    "Roboflow": lambda i: f"drive_mp4-{i:04d}_jpg.rf.{HASH}.txt",
+    "Roboflow, short": lambda i: f"drive_mp4-{i:04d}.rf.k3JdLs9xQ2.txt",
+    "camera": lambda i: f"set09_V000_I{i:05d}_lwir.txt",
+    "unknown ending": lambda i: f"{i:06d}.left_eye.txt",
+    "ending with a number": lambda i: f"drive_{i:06d}_cam2.txt",
+    "Cityscapes": lambda i: f"ulm_000000_{i:06d}_leftImg8bit.txt",
+    "Label Studio": lambda i: f"{i * 2654435761 % 2**32:08x}-frame_{i:04d}.txt",
+}
+
+
+@pytest.mark.parametrize("name_of", NAMES.values(), ids=NAMES)
+def test_names_as_tools_write_them_give_the_right_frames(tmp_path, name_of):
+    numbers, dataset = compared(tmp_path, as_yolo(tmp_path, every=name_of))
+    assert numbers == RIGHT
+    assert dataset.frame_columns.frame.tolist() == list(range(40))
+
+
+@pytest.mark.parametrize(
+    ("of_truth", "of_systems"),
+    [
+        (lambda i: f"{i:06d}_gtFine.txt", lambda i: f"{i:06d}_leftImg8bit.txt"),
+        (lambda i: f"drive_mp4-{i:04d}_jpg.rf.{HASH}.txt", lambda i: f"drive-{i:04d}.txt"),
+        (lambda i: f"I{i:05d}.txt", lambda i: f"I{i:05d}_lwir.txt"),
+        (lambda i: f"{at_ms(i)}.txt", lambda i: f"pred_{at_ms(i)}.txt"),
+        # another sensor: some milliseconds later
+        (lambda i: f"{at_ms(i)}.txt", lambda i: f"{at_ms(i) + 23}.txt"),
+    ],
+    ids=["Cityscapes", "Roboflow", "camera", "common beginning", "other times"],
+)
+def test_pictures_of_truth_and_systems_meet_although_their_names_differ(
+    tmp_path, of_truth, of_systems
+):
+    names = as_yolo(tmp_path, truth=of_truth, every=of_systems)
+    assert compared(tmp_path, names)[0] == RIGHT
+
+
+def test_times_give_the_frame_rate_and_are_said(tmp_path):
+    _, dataset = compared(tmp_path, as_yolo(tmp_path, every=NAMES["milliseconds"]), fps=None)
+    assert dataset.recordings["fps"].tolist() == [10]
+    assert "numbers taken as times (milliseconds)" in dataset.inputs["conversion"][0]
+
+
+def test_another_rate_than_that_of_the_times_is_reported(tmp_path):
+    _, dataset = compared(tmp_path, as_yolo(tmp_path, every=NAMES["milliseconds"]), fps=25)
+    assert "contradicted-fact" in [finding.code for finding in dataset.findings]
+
+
+def test_missing_pictures_leave_gaps_in_the_frame_numbers(tmp_path):
+    names = as_yolo(tmp_path, every=NAMES["milliseconds"])
+    for frame in (7, 8, 20):
+        (tmp_path / "truth" / NAMES["milliseconds"](frame)).unlink()
+    _, dataset = compared(tmp_path, names)
+    assert dataset.frame_columns.frame.tolist() == sorted({*range(40)} - {7, 8, 20})
+    assert "3 missing frames" in dataset.inputs["conversion"][0]
+
+
+def test_large_numbers_that_are_no_times_of_a_camera_are_asked_about(tmp_path):
+    rng = np.random.default_rng(1)
+    numbers = np.sort(rng.integers(10**12, 10**12 + 10**7, 40))
+    names = as_yolo(tmp_path, every=lambda i: f"{numbers[i]}.txt")
+    with pytest.raises(InputError, match="not nearly even") as error:
+        compared(tmp_path, names)
+    assert [step.remedy for step in error.value.steps] == [Remedy.FRAME_NAMES] * 2
+    assert compared(tmp_path, names, frame_names="order")[0] == RIGHT
+
+
+def test_times_in_a_column_of_frame_numbers_are_numbered(tmp_path):
+    for side in ("truth", "x", "y"):
+        table = truth() if side == "truth" else detections(side)
+        table = table[table["name"] == "person"].assign(frame=table["frame"].map(at_ms))
+        table.drop(columns="name").to_csv(tmp_path / f"{side}.csv", index=False)
+    names = {side: f"{side}.csv" for side in ("truth", "x", "y")}
+    numbers, dataset = compared(tmp_path, names, fps=None)
+    assert numbers == RIGHT
+    assert dataset.recordings["fps"].tolist() == [10]
+
+
+@pytest.mark.parametrize(
+    "of_frame",
+    [
+        lambda i: {"image_id": f"drive_{i:06d}"},
+        lambda i: {"image_id": f"drive_{i:06d}.jpg"},
+        # as Ultralytics does, whose number is that of another picture
+        lambda i: {"image_id": i, "file_name": f"drive_{i:06d}.jpg"},
+        lambda i: {"file_name": f"drive_{i:06d}.png"},
+    ],
+    ids=["stem", "file name", "contradicted id", "file name alone"],
+)
+def test_results_find_their_picture_by_its_name(tmp_path, of_frame):
+    document = coco_truth(lambda i: f"images/drive_{i:06d}.jpg")
+    names = as_json(tmp_path, document, of_frame)
+    assert compared(tmp_path, names)[0] == RIGHT
+
+
+@pytest.mark.parametrize("first_id", [1, 5, 1000])
+def test_an_image_id_that_is_the_number_in_a_name_is_told_from_an_id(tmp_path, first_id):
+    document = coco_truth(lambda i: f"{i:06d}.jpg", first_id=first_id)
+    by_name = as_json(tmp_path, document, lambda i: {"image_id": i})
+    assert compared(tmp_path, by_name)[0] == RIGHT
+    by_id = as_json(tmp_path, document, lambda i: {"image_id": i + first_id})
+    assert compared(tmp_path, by_id)[0] == RIGHT
+
+
+def test_where_both_ways_are_open_to_every_result_the_boxes_decide(tmp_path):
+    names = [f"{(7 * i + 3) % 40:06d}.jpg" for i in range(40)]
+    document = coco_truth(lambda i: names[i], first_id=0)
+    by_id = as_json(tmp_path, document, lambda i: {"image_id": i})
+    right = compared(tmp_path, by_id)[0]["matched"]
+    by_name = as_json(tmp_path, document, lambda i: {"image_id": int(names[i][:6])})
+    numbers, dataset = compared(tmp_path, by_name)
+    assert numbers["matched"] == right == (60, 102)
+    assert "as the boxes fit so" in dataset.inputs["conversion"][1]
+
+
+def test_a_contradicted_image_id_is_said(tmp_path):
+    document = coco_truth(lambda i: f"drive_{i:06d}.jpg", first_id=0)
+    names = as_json(
+        tmp_path, document, lambda i: {"image_id": i // 2, "file_name": f"drive_{i:06d}.jpg"}
+    )
+    numbers, dataset = compared(tmp_path, names)
+    assert numbers == RIGHT
+    assert "image-id-contradicted" in [finding.code for finding in dataset.findings]
+
+
+def test_the_session_file_states_how_the_names_were_understood(tmp_path):
+    _, dataset = compared(tmp_path, as_yolo(tmp_path, every=NAMES["milliseconds"]))
+    session = dataset.settings
+    assert session.truth.frame_names == "times"
+    text = write_session(session, version="0", fingerprint=dataset.fingerprint)
+    (tmp_path / "session.toml").write_text(text)
+    again = load(read_session(tmp_path / "session.toml"))
+    assert again.fingerprint == dataset.fingerprint
+    assert again.frame_columns.frame.tolist() == list(range(40))
+
+
+def test_a_way_that_does_not_exist_is_refused():
+    with pytest.raises(InputError, match="frame_names: expected numbers, times, order, scenes"):
+        replace(Source("truth"), frame_names="dates")
