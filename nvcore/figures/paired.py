@@ -102,6 +102,8 @@ def recordings_plot(
         n_x, n_y = int((gain[defined] > 0).sum()), int((gain[defined] < 0).sum())
         extent += f"; X is better in {n_x:,}, Y in {n_y:,}"
         extent += "; the better X, the higher up" if has_all else ""  # no room for both
+    if low - margin > 0:
+        extent += f"; axis from {low - margin:.2g}"
     return draw(
         traces,
         theme,

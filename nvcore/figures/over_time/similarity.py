@@ -227,7 +227,7 @@ def similarity_plot(
         traces,
         theme,
         title=f"Similarity over time, {name}",
-        subtitle=_subtitle(result, span, counts),
+        subtitle=_subtitle(result, span, counts) + (f"; axis from {floor:g}" if floor else ""),
         height=HEIGHT_PX[layout],
         barmode="overlay",
         hoverdistance=-1,
