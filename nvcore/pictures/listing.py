@@ -29,6 +29,8 @@ _WIDE_GAP: Final = 1.5
 """Times the usual step from which on a step is a gap."""
 _PACKED: Final = re.compile(rb"DivX\d+(Build|b)\d+p")
 """In MPEG-4 of two pictures a packet: their order and times are not those of the packets."""
+_UNCODED_BYTES: Final = 19
+"""Most that a picture of MPEG-4 has which is not coded."""
 
 
 @dataclass(frozen=True)
@@ -75,8 +77,9 @@ class _Packets:
         Key pictures; pictures that are decoded but not shown, as an edit list says.
     have_times
         Whether the pictures shown have presentation times, all different.
-    is_packed
-        Whether packets hold pictures of others.
+    is_packed, may_be_uncoded
+        Whether packets hold pictures of others; whether some may only say that the picture before
+        is to be shown again.
     is_partial
         Whether the file ends early.
     n_read, n_second_fields
@@ -89,6 +92,7 @@ class _Packets:
     is_hidden: NDArray[np.bool_]
     have_times: bool
     is_packed: bool
+    may_be_uncoded: bool
     is_partial: bool
     n_read: int
     n_second_fields: int
@@ -128,6 +132,8 @@ def list_pictures(path: Path, container_format: str, name: str) -> PictureTable:
     is_sure = packets.have_times and not packets.is_packed and not is_guess
     if is_sure:
         is_shown = _is_shown(packets)
+        if packets.may_be_uncoded:
+            is_shown &= np.isin(packets.shown_at, _decoded_times(path, container_format, name))
         n_listed = int(np.count_nonzero(is_shown))
         if is_cut or not (is_avi or n_stated):  # else all is there, and a gap is no loss
             is_shown &= packets.shown_at < _end_of_certainty(packets, is_shown, is_cut=is_cut)
@@ -137,7 +143,7 @@ def list_pictures(path: Path, container_format: str, name: str) -> PictureTable:
     else:
         n_listed = len(packets.shown_at)
         if not is_guess or time_notes(packets.decoded_at):
-            n_listed = _n_decoded(path, container_format, name)
+            n_listed = len(_decoded_times(path, container_format, name))
         # among the last ones of a cut file a lost one may be missing
         times = np.arange(n_listed - REORDERED if is_cut else n_listed)
     if not len(times):
@@ -171,7 +177,7 @@ def _read_packets(container: Any, stream: Any) -> _Packets:
     codec = stream.codec_context
     fields = FieldPairs(codec.extradata or b"") if codec.name == "h264" else None
     is_packed = codec.name == "mpeg4" and bool(_PACKED.search(codec.extradata or b""))
-    n_read, n_second_fields, is_partial = 0, 0, False
+    n_read, n_second_fields, is_partial, may_be_uncoded = 0, 0, False, False
     rows: list[tuple[int | None, int | None, bool, bool]] = []
     partial: list[bool] = []
     try:
@@ -185,7 +191,11 @@ def _read_packets(container: Any, stream: Any) -> _Packets:
                 n_second_fields += 1
                 partial[-1] |= packet.is_corrupt
                 continue
-            rows.append((packet.pts, packet.dts, packet.is_keyframe, packet.is_discard))
+            may_be_uncoded |= codec.name == "mpeg4" and packet.size <= _UNCODED_BYTES
+            is_hidden = packet.is_discard
+            if codec.name == "vp8":  # some pictures only help to decode others, as this bit says
+                is_hidden = is_hidden or not memoryview(packet)[0] & 16
+            rows.append((packet.pts, packet.dts, packet.is_keyframe, is_hidden))
             partial.append(packet.is_corrupt)
     except av.error.FFmpegError:
         is_partial = True
@@ -202,6 +212,7 @@ def _read_packets(container: Any, stream: Any) -> _Packets:
         np.array([row[3] for row in rows], bool),
         have_times,
         is_packed,
+        may_be_uncoded,
         is_partial,
         n_read,
         n_second_fields,
@@ -272,11 +283,11 @@ def _n_packets(path: Path, container_format: str, name: str) -> int:
         return sum(packet.size > 0 for packet in container.demux(stream))
 
 
-def _n_decoded(path: Path, container_format: str, name: str) -> int:
-    """Pictures that the decoder gives."""
+def _decoded_times(path: Path, container_format: str, name: str) -> list[int]:
+    """Presentation times of the pictures that the decoder gives, -1: it says none."""
     container, stream = open_container(path, container_format, name)
     with container:
-        return sum(1 for _ in decoded(container, stream))
+        return [-1 if frame.pts is None else frame.pts for frame in decoded(container, stream)]
 
 
 def decoded(container: Any, stream: Any) -> Iterator[Any]:

@@ -25,6 +25,22 @@ def remux(
     return to
 
 
+def hiding(path: Path, to: Path, number: int) -> Path:
+    """The VP8 video whose picture of this number is decoded and not shown."""
+    with av.open(str(path)) as old, av.open(str(to), "w") as new:
+        stream = new.add_stream_from_template(old.streams.video[0])
+        for at, packet in enumerate(old.demux(old.streams.video[0])):
+            if packet.dts is None:
+                continue
+            content = bytearray(bytes(packet))
+            content[0] &= ~16 if at == number else ~0
+            copy = av.Packet(bytes(content))
+            copy.pts, copy.dts, copy.is_keyframe = packet.pts, packet.dts, packet.is_keyframe
+            copy.time_base, copy.stream = packet.time_base, stream
+            new.mux(copy)
+    return to
+
+
 def cut_without_reencoding(path: Path, to: Path, first: int) -> Path:
     """Shown from picture `first` on; those needed to decode it are in the file, hidden."""
     with av.open(str(path)) as video:
@@ -95,9 +111,19 @@ def with_empty_chunks(path: Path, empty: Collection[int]) -> Path:
     )
 
 
+UNCODED = bytes.fromhex("000001b6504f")
+"""A picture of MPEG-4 (times in 20ths) that says: show the one before again."""
+
+
+def with_uncoded_pictures(path: Path, uncoded: Collection[int]) -> Path:
+    """The MPEG-4 AVI as an encoder writes it that drops these pictures."""
+    return rewrite_chunks(
+        path, lambda chunks: [UNCODED if n in uncoded else chunk for n, chunk in enumerate(chunks)]
+    )
+
+
 def with_packed_pictures(path: Path) -> Path:
     """The MPEG-4 AVI as XviD writes it: a B-picture lies in the chunk of what it refers to."""
-    skipped = bytes.fromhex("000001b6504f")  # nothing is coded
 
     def pack(chunks: list[bytes]) -> list[bytes]:
         packed: list[bytes] = []
@@ -105,7 +131,7 @@ def with_packed_pictures(path: Path) -> Path:
             at = chunk.index(b"\0\0\1\xb6")
             if chunk[at + 4] >> 6 == 2:  # a B-picture
                 packed[-1] += chunk
-                packed.append(skipped)
+                packed.append(UNCODED)
             else:
                 user = b"\0\0\1\xb2DivX503b1393p" if not packed else b""
                 packed.append(chunk[:at] + user + chunk[at:])

@@ -14,14 +14,17 @@ from video_files import (
     cut_without_reencoding,
     edited,
     field_pictures,
+    hiding,
     remux,
     with_empty_chunks,
     with_packed_pictures,
+    with_uncoded_pictures,
 )
 
 from nvcore.errors import MediaError
 from nvcore.pictures import open_pictures
 from nvcore.pictures.base import PictureNote, PictureTrait
+from nvcore.pictures.h264 import FieldPairs
 from nvcore.pictures.timing import frame_rate, time_notes, usual_step
 from nvcore.pictures.video import Video
 
@@ -134,6 +137,23 @@ def test_an_empty_chunk_of_an_avi_repeats_the_picture_before(tmp_path: Path, emp
     assert video.note == ""
 
 
+def test_a_picture_of_mpeg4_that_is_not_coded_repeats_the_one_before(tmp_path: Path):
+    path = write_numbered_video(tmp_path / "a.avi", "mpeg4", g="1", bf="0")
+    video = Video(with_uncoded_pictures(path, {20, 21, 40}))
+    right = [{20: 19, 21: 19, 40: 39}.get(number, number) for number in range(100)]
+    assert numbers_of(video) == right
+    places = (20, 21, 40)
+    assert video.notes == (PictureNote(PictureTrait.REPEATED, 3, 100, places),)
+
+
+@pytest.mark.parametrize("ending", ["webm", "mkv"])
+def test_a_picture_that_only_helps_to_decode_others_is_not_counted(tmp_path: Path, ending: str):
+    path = write_numbered_video(tmp_path / f"a.{ending}", "libvpx", g="25")
+    path = hiding(path, tmp_path / f"b.{ending}", 30)
+    right = [number for number in range(100) if number != 30]
+    assert numbers_of(Video(path)) == played(path) == captured(path) == right
+
+
 def test_h264_in_an_avi_with_empty_chunks_is_counted_by_decoding(tmp_path: Path):
     path = write_numbered_video(tmp_path / "a.avi", g="12", bf="2")
     path = with_empty_chunks(path, {40, 50})
@@ -229,3 +249,29 @@ def test_the_commonest_step_is_told_of_any_times(times: list[int], step: float, 
 )
 def test_the_rate_is_that_of_the_step_where_the_stated_one_differs(step_s, stated, rate):
     assert frame_rate(step_s, stated) == pytest.approx(rate)
+
+
+def test_damaged_headers_of_h264_end_in_some_answer():
+    generator = np.random.default_rng(5)
+    head = bytes.fromhex("014d001effe10007674d001eda111201000468ce3880")
+    for _ in range(300):
+        content = bytearray(head + generator.bytes(60))
+        for place in generator.integers(0, len(content), 8):
+            content[place] = generator.integers(256)
+        for extradata in (bytes(content), b"\0\0\1" + bytes(content[8:]), b""):
+            fields = FieldPairs(extradata)
+            assert fields.may_occur in (True, False)
+            assert fields.is_second(bytes(content)) in (True, False)
+
+
+def test_a_field_of_another_frame_or_of_the_same_lines_completes_none():
+    def packet(number: int, bits: str) -> bytes:
+        digits = f"100010001{number:04b}{bits}".ljust(40, "1")  # a slice up to its parity
+        return b"\0\0\1\x61" + int(digits, 2).to_bytes(5)
+
+    top, bottom, frame = "10", "11", "0"
+    fields = FieldPairs(bytes.fromhex("000001674d001eda111200000168ce3880"))
+    order = [(1, top), (1, bottom), (2, bottom), (2, top), (3, top), (4, bottom), (4, frame)]
+    order += [(4, top), (5, top), (5, top), (5, bottom), (5, top)]
+    seconds = [fields.is_second(packet(number, bits)) for number, bits in order]
+    assert seconds == [False, True, False, True, *[False] * 6, True, False]
