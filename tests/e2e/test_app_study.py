@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 import study_pictures
-from app_server import ROOT, serve
+from app_server import ROOT, held_port, serve
 from app_visit import Visit
 from playwright.sync_api import BrowserContext, expect
 from study_visit import (
@@ -23,6 +23,8 @@ from study_visit import (
     shorten,
     start,
 )
+
+from nvcore.studies.detectability.store import DetectabilityStore
 
 N_PICTURES = 6  # so that every participant has three runs of two pictures
 TIMES = (0, 0.1, 0.2, 0.3, 0.4, 0.5)
@@ -130,6 +132,40 @@ def test_a_run_that_is_stopped_goes_on_with_what_was_not_answered(visit, links):
     with one.page.expect_response(kept(2, "answer")):
         one.page.get_by_role("button", name="Not seen").click()
     expect(one.page.locator('.nv-study[data-run^="3 of"]')).to_have_count(1)
+
+
+def test_answers_outlive_a_restart_of_the_app_and_no_picture_is_shown_again(
+    person: BrowserContext, app: str, links, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    file = tmp_path / "studies.sqlite"
+    monkeypatch.setenv("NVCORE_STUDIES", str(file))
+    with held_port() as port:
+        with serve(ROOT / "app.py", port=port) as address:
+            conductor = Visit(person, address)
+            conductor.go("study")
+            choose_folder(conductor, "dusk")
+            shorten(conductor, TIMES)
+            study, _ = start(conductor)
+            conductor.close()
+            one = Visit(person, address)
+            one.go(study)
+            code = join(one)
+            practise(one)
+            begins(one, "Begin run 1 of 3")
+            expect(phase(one, "answer")).to_have_count(1)
+            with one.page.expect_response(kept(2, "shown")):
+                one.page.keyboard.press("n")
+            expect(phase(one, "answer")).to_have_count(1)
+        one.page.keyboard.press("n")
+        expect(one.page.get_by_text("trying again. Leave this page open").first).to_be_visible()
+        with serve(ROOT / "app.py", port=port):
+            expect(one.page.locator('.nv-study[data-run^="3 of"]')).to_have_count(1)
+            one.page.reload()
+            expect(one.heading("Run 2 of 3")).to_be_visible()
+            one.close()
+    store = DetectabilityStore(file)
+    answers = store.answers(store.study(study.partition("=")[2]))[code]
+    assert {place: n_shown for place, (_, n_shown) in answers.items()} == {1: 1, 2: 1}
 
 
 def check_trials(rows: list[dict[str, str]], code: str) -> None:

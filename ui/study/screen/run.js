@@ -70,7 +70,7 @@ class Screen {
 
   update(data, tell) {
     this.tell = tell;
-    outbox.open(data.url, data.whose, () => this.retry());
+    outbox.open(data.url, data.whose, (isGone) => this.retry(isGone));
     if (this.isOn) {
       this.next = data; // the page was drawn again, maybe by an app that has started anew
       return;
@@ -81,7 +81,9 @@ class Screen {
     this.load();
   }
 
-  retry() {
+  // A page whose app has started anew is connected again, but not drawn again by itself.
+  retry(isGone) {
+    if (isGone) this.tell("kept", this.data.run);
     if (this.phase === "sending") this.message.textContent = this.text.textContent = TEXTS.unreached;
   }
 

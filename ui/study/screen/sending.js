@@ -2,6 +2,7 @@
 // is sent again until it has, also after the page was loaded again, or the app has started anew.
 
 const AGAIN_MS = 1000;
+const DRAWN_AGAIN = 10; // tries at an address that is gone, until the page is to be drawn again
 const NEVER = [400, 413]; // no other try makes these better
 const STORED = "nvcore_study_unsent";
 
@@ -29,7 +30,7 @@ class Outbox {
     this.left = []; // what is sent of it
     this.answered = new Set(); // trials, since the page was loaded
     this.last = Promise.resolve();
-    this.onRetry = () => {};
+    this.onRetry = () => {}; // told whether the address is gone
   }
 
   // What this participant sends goes there from now on.
@@ -67,6 +68,7 @@ class Outbox {
   async put(letter) {
     const { whose, place, kind, content } = letter;
     const body = JSON.stringify({ ...content, whose });
+    let nGone = 0;
     while (this.whose === whose) {
       const address = `${this.url}/${place}/${kind}`; // another one when the app has started anew
       const answer = await fetch(address, { method: "PUT", body, keepalive: true }).catch(() => null);
@@ -77,7 +79,7 @@ class Outbox {
         if (kind === "answer") this.answered.add(`${whose} ${place}`);
         return;
       }
-      this.onRetry();
+      this.onRetry(answer?.status === 404 && nGone++ % DRAWN_AGAIN === 0);
       await new Promise((done) => setTimeout(done, AGAIN_MS));
     }
   }
