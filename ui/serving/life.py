@@ -11,6 +11,7 @@ from types import FrameType
 from typing import Any
 
 from ui.serving.answers import keep_deleting_ended
+from ui.serving.connections import guard_connections
 from ui.serving.preparing import begin_to_prepare
 from ui.session import ending, folders
 
@@ -51,6 +52,7 @@ async def lifespan(_app: Any) -> AsyncIterator[None]:
     """
     ending.close_sessions_on(asyncio.get_running_loop())
     hear_of_the_end()
+    guard_connections()
     begin_to_prepare()
     deleting = asyncio.create_task(keep_deleting_ended())
     try:

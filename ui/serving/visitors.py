@@ -7,12 +7,14 @@ only (``server.maxUploadSize``). Pictures go through a route of ours, which has 
 from __future__ import annotations
 
 import asyncio
+import logging
 import os
 import re
 import secrets
 import time
 from collections import Counter
 from http import HTTPStatus
+from ipaddress import IPv6Address, ip_address
 from typing import Final
 
 from starlette.datastructures import Headers
@@ -37,14 +39,23 @@ TRY_AGAIN_LATER: Final = 1013
 STREAM: Final = "/_stcore/stream"
 METRICS: Final = "/_stcore/metrics"
 UPLOAD: Final = re.compile(r"/_stcore/upload_file/(?P<session>[^/]+)/[^/]+$")
+OF_ADDRESS: Final = 64
+"""Leading bits of an address of IPv6 that are one network's: who has one has all below it."""
+_LOG = logging.getLogger("nvcore.ui")
 
 
 class VisitorLimits:
-    """Counts the open connections and the bytes on their way; refuses what is too much."""
+    """Counts the open connections and the bytes on their way; refuses what is too much.
+
+    The address of a visitor behind a proxy is the one that the proxy tells, where it is trusted:
+    uvicorn trusts this machine and ``FORWARDED_ALLOW_IPS``.
+    """
 
     def __init__(self, app: ASGIApp, limits: Limits):
         self.app, self.limits = app, limits
         self._n_visitors = 0
+        self._of_address: Counter[str] = Counter()
+        self._has_warned = False
         self._on_the_way: Counter[str] = Counter()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -67,15 +78,40 @@ class VisitorLimits:
         await self.app(scope, receive, send)
 
     async def _visit(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if self._n_visitors >= self.limits.max_visitors:
+        if self._full(scope):
             await receive()
             await send({"type": "websocket.close", "code": TRY_AGAIN_LATER})
             return
+        address = _address(scope)
         self._n_visitors += 1
+        self._of_address[address] += 1
         try:
             await self.app(scope, receive, send)
         finally:
             self._n_visitors -= 1
+            self._of_address[address] -= 1
+            if not self._of_address[address]:
+                del self._of_address[address]
+
+    def _full(self, scope: Scope) -> str:
+        """Why there is no room for another tab, in words; empty: there is."""
+        most, most_of_address = self.limits.max_visitors, self.limits.max_visitors_of_address
+        if self._n_visitors >= most:
+            return f"This server takes {most} visitors at a time. Try again later."
+        address = _address(scope)
+        if not address or self._of_address[address] < most_of_address:
+            return ""
+        if not self._has_warned:
+            self._has_warned = True
+            _LOG.warning(
+                "One address has %d tabs open, all that it may (NVCORE_MAX_VISITORS_OF_ADDRESS). "
+                "Where it is a proxy's, FORWARDED_ALLOW_IPS has to name it.",
+                most_of_address,
+            )
+        return (
+            f"This server takes {most_of_address} tabs of one address at a time. Close one, or try "
+            "again later."
+        )
 
     async def _upload(self, session: str, scope: Scope, receive: Receive, send: Send) -> None:
         stated = Headers(scope=scope).get("content-length", "")
@@ -105,13 +141,24 @@ class VisitorLimits:
         """Why this is not answered; None: it is."""
         if path.endswith(METRICS) and not _may_read_metrics(Headers(scope=scope)):
             return text_answer(HTTPStatus.NOT_FOUND, "not found")
-        most = self.limits.max_visitors
-        if self._n_visitors >= most and "text/html" in Headers(scope=scope).get("accept", ""):
-            return text_answer(
-                HTTPStatus.SERVICE_UNAVAILABLE,
-                f"This server takes {most} visitors at a time. Try again later.",
-            )
+        if "text/html" in Headers(scope=scope).get("accept", "") and (why := self._full(scope)):
+            return text_answer(HTTPStatus.SERVICE_UNAVAILABLE, why)
         return None
+
+
+def _address(scope: Scope) -> str:
+    """The network address of a client, as far as it is one client's; empty: this machine's."""
+    try:
+        address = ip_address((scope.get("client") or [""])[0])
+    except ValueError:  # a proxy that tells something else
+        return ""
+    if isinstance(address, IPv6Address):
+        address = address.ipv4_mapped or address
+    if address.is_loopback:
+        return ""
+    if isinstance(address, IPv6Address):
+        return str(int(address) >> (address.max_prefixlen - OF_ADDRESS))
+    return str(address)
 
 
 async def _receive_until(receive: Receive, until: float) -> Message:

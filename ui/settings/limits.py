@@ -21,6 +21,8 @@ class Limits:
     ----------
     max_visitors
         Browser tabs at a time.
+    max_visitors_of_address
+        Those of one address of the network.
     max_upload_mb
         Annotation files of one tab, MiB: they are held in memory until they are opened.
     max_uploads_mb
@@ -36,6 +38,7 @@ class Limits:
     """
 
     max_visitors: int = 50
+    max_visitors_of_address: int = 20
     max_upload_mb: int = 512
     max_uploads_mb: int = 2048
     max_disk_mb: int = 65536
