@@ -10,8 +10,10 @@ from typing import Final, NamedTuple
 
 _SLICES: Final = (1, 5)
 _SEQUENCE: Final = 7
-_HEADER_BYTES: Final = 40
+_HEADER_BYTES: Final = 24
 """Of a slice: enough for what comes before the field's parity."""
+LOOKED_AT: Final = 4096
+"""Bytes of a packet in which the first slice begins."""
 _WITH_CHROMA: Final = frozenset({44, 83, 86, 100, 110, 118, 122, 128, 134, 135, 138, 139, 144, 244})
 """Profiles whose headers state how colours are sampled."""
 
@@ -21,7 +23,7 @@ class _Bits:
 
     def __init__(self, content: bytes):
         content = content.replace(b"\0\0\3", b"\0\0")  # an encoder breaks up runs of zeros so
-        self._digits = "".join(f"{byte:08b}" for byte in content)
+        self._digits = f"{int.from_bytes(content):0{8 * len(content)}b}"
         self._at = 0
 
     def fixed(self, n_bits: int) -> int:

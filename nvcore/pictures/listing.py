@@ -21,7 +21,7 @@ from nvcore.pictures.containers import (
     open_container,
     picture_streams,
 )
-from nvcore.pictures.h264 import FieldPairs
+from nvcore.pictures.h264 import LOOKED_AT, FieldPairs
 from nvcore.pictures.mp4 import MOST_SAMPLES
 from nvcore.pictures.timing import frame_rate, time_notes, usual_step
 
@@ -76,7 +76,8 @@ class _Packets:
     is_key, is_hidden
         Key pictures; pictures that are decoded but not shown, as an edit list says.
     have_times
-        Whether the pictures shown have presentation times, all different.
+        Whether the pictures shown have presentation times, all different, and are near the order
+        of these.
     is_packed, may_be_uncoded
         Whether packets hold pictures of others; whether some may only say that the picture before
         is to be shown again.
@@ -125,7 +126,7 @@ def list_pictures(path: Path, container_format: str, name: str) -> PictureTable:
             if other.codec_context is not None
         )
     is_cut = packets.is_partial or is_cut_off(path, container_format)
-    if container_format == "mov" and n_stated != packets.n_read:
+    if container_format == "mov" and n_stated not in (0, packets.n_read):
         # an edit list shows samples twice or leaves them out: they are in the file all the same
         is_cut = is_cut or _n_packets(path, container_format, name) < n_stated
     keys = seeks = np.empty(0, np.int64)
@@ -174,27 +175,31 @@ def list_pictures(path: Path, container_format: str, name: str) -> PictureTable:
 
 def _read_packets(container: Any, stream: Any) -> _Packets:
     """As far as the file can be read; of the two fields of a frame only the first."""
-    codec = stream.codec_context
-    fields = FieldPairs(codec.extradata or b"") if codec.name == "h264" else None
-    is_packed = codec.name == "mpeg4" and bool(_PACKED.search(codec.extradata or b""))
+    extradata, coding = stream.codec_context.extradata or b"", stream.codec_context.name
+    fields = FieldPairs(extradata) if coding == "h264" else None
+    if fields is not None and not fields.may_occur:
+        fields = None
+    is_mpeg4, is_vp8 = coding == "mpeg4", coding == "vp8"
+    is_packed = is_mpeg4 and bool(_PACKED.search(extradata))
     n_read, n_second_fields, is_partial, may_be_uncoded = 0, 0, False, False
     rows: list[tuple[int | None, int | None, bool, bool]] = []
     partial: list[bool] = []
     try:
         for packet in container.demux(stream):  # a step per picture: the demuxer's way
-            if not packet.size:
+            size = packet.size
+            if not size:
                 continue
             n_read += 1
-            if codec.name == "mpeg4" and n_read == 1:
-                is_packed = is_packed or bool(_PACKED.search(bytes(packet)))
-            if fields is not None and fields.may_occur and fields.is_second(bytes(packet)) and rows:
+            is_hidden = packet.is_discard
+            if is_mpeg4:
+                is_packed = is_packed or (n_read == 1 and bool(_PACKED.search(bytes(packet))))
+                may_be_uncoded |= size <= _UNCODED_BYTES
+            elif is_vp8:  # some pictures only help to decode others, as this bit says
+                is_hidden = is_hidden or not memoryview(packet)[0] & 16
+            elif fields is not None and fields.is_second(bytes(memoryview(packet)[:LOOKED_AT])):
                 n_second_fields += 1
                 partial[-1] |= packet.is_corrupt
                 continue
-            may_be_uncoded |= codec.name == "mpeg4" and packet.size <= _UNCODED_BYTES
-            is_hidden = packet.is_discard
-            if codec.name == "vp8":  # some pictures only help to decode others, as this bit says
-                is_hidden = is_hidden or not memoryview(packet)[0] & 16
             rows.append((packet.pts, packet.dts, packet.is_keyframe, is_hidden))
             partial.append(packet.is_corrupt)
     except av.error.FFmpegError:
@@ -205,6 +210,9 @@ def _read_packets(container: Any, stream: Any) -> _Packets:
         n_read -= 1
     shown = [pts for pts, _, _, is_hidden in rows if not is_hidden]
     have_times = None not in shown and len(set(shown)) == len(shown)
+    if have_times:  # joined files may begin again with earlier times
+        order = np.argsort(np.array(shown, np.int64))
+        have_times = bool((np.abs(order - np.arange(len(order))) <= REORDERED).all())
     return _Packets(
         np.array([n if row[0] is None else row[0] for n, row in enumerate(rows)], np.int64),
         np.array([n if row[1] is None else row[1] for n, row in enumerate(rows)], np.int64),

@@ -185,6 +185,18 @@ def test_a_rate_that_varies_is_noted(tmp_path: Path):
     assert (note.trait, note.total) == (PictureTrait.UNEVEN, 49)
 
 
+@pytest.mark.parametrize("second", [1000, 20, 0, -500])
+def test_joined_files_are_shown_one_after_the_other(tmp_path: Path, second: int):
+    parts = b""
+    for start in (500, 500 + second):
+        times = [*range(start, start + 50)]
+        part = write_numbered_video(tmp_path / "part.ts", n=50, times=times, g="25", bf="2")
+        parts += part.read_bytes()
+    path = tmp_path / "a.ts"
+    path.write_bytes(parts)
+    assert numbers_of(Video(path)) == played(path) == captured(path) == [*range(50)] * 2
+
+
 def two_streams(path: Path, default: int) -> Path:
     with av.open(str(path), "w") as output:
         streams = []
