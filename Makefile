@@ -12,7 +12,7 @@
 #            (make bench BENCH=--quick: a minute, nothing written)
 # make mutants  small mistakes put into the library: which do the tests not notice?
 #            (half an hour; the table goes to docs/quality.md by hand)
-# make fuzz  inputs made to break the program: readers, archives, media, sessions, uploads, rules
+# make fuzz  inputs made to break the program: readers, archives, media, models, tables, uploads
 #            (ten minutes; make fuzz FUZZ_SECONDS=60 TARGETS="media routes")
 
 PYTHON ?= python3

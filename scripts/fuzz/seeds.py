@@ -11,12 +11,13 @@ import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import av
 import cv2
 import numpy as np
 import pyarrow as pa
+import pyarrow.parquet as pq
 
 from nvcore.inputs.readers import FORMATS
 
@@ -70,6 +71,24 @@ def comparisons(between: bytes) -> Iterator[bytes]:
     yield between.join((mot, "\n".join(detections).encode(), b"1,-1,10,10,5,5,0.5\n"))
     plain = b"frame,x,y,w,h,id,score,ignore\n1,300,200,30,80,1,,0\n2,301,200,30,80,1,,1\n"
     yield between.join((plain, b"frame,x,y,w,h,score\n1,300,200,30,80,0.9\n", b""))
+
+
+def parquet_files() -> Iterator[bytes]:
+    """Of few rows: in groups, with texts by dictionary and by what they begin with, with nulls."""
+    boxes = {"frame": [1, 2, 2], "x": [1.5, 2.0, None], "y": [0, 1, 2], "w": [9] * 3, "h": [20] * 3}
+    names = {"recording": ["a", "b", "b"], "id": ["p1", None, "7"]}
+    flags = {"score": [0.5, None, 1.0], "ignore": [True, False, None], "class": ["person"] * 3}
+    table = pa.table(boxes | names | flags)
+    ways: Sequence[dict[str, Any]] = (
+        {},
+        {"compression": "none", "use_dictionary": False, "write_statistics": False},
+        {"compression": "zstd", "row_group_size": 1, "data_page_version": "2.0"},
+        {"use_dictionary": False, "column_encoding": {"recording": "DELTA_BYTE_ARRAY"}},
+    )
+    for way in ways:
+        content = io.BytesIO()
+        pq.write_table(table, content, **way)
+        yield content.getvalue()
 
 
 def archives() -> Iterator[bytes]:

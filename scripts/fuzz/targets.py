@@ -28,7 +28,7 @@ from nvcore.inputs.facts import is_frame_range
 from nvcore.inputs.files import find_files
 from nvcore.inputs.load import load, read_options
 from nvcore.inputs.readers import FORMATS
-from nvcore.inputs.readers.base import Reading, SourceFile
+from nvcore.inputs.readers.base import Reading, ReadOptions, SourceFile
 from nvcore.inputs.recordings_file import read_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session, write_session
@@ -42,7 +42,8 @@ from nvcore.report.rules import read_rules
 from nvcore.report.terminal import render_findings
 from nvcore.schema import READING_DTYPES
 from nvcore.wording.objects import PEDESTRIAN
-from scripts.fuzz import seeds
+from scripts.fuzz import models, seeds, tables
+from scripts.fuzz.tables import written
 
 NAMES: Final = (
     "truth.csv",
@@ -103,10 +104,10 @@ def annotations(content: bytes, folder: Path) -> None:
     role = "detections" if bits & 1 else "truth"
     first, *others = content[3:].split(PARTS)[:4]
     path = Path(NAMES[name % len(NAMES)])
-    _write(folder / path, first)
+    written(folder, str(path), first)
     for index, other in enumerate(others, 2):
         beside = path.parent.parent / "seqinfo.ini" if path.name == "gt.txt" else None
-        _write(folder / (beside or path.with_stem(f"{path.stem}{index}")), other)
+        written(folder, str(beside or path.with_stem(f"{path.stem}{index}")), other)
     source = Source(
         (str(path) if len(others) == 0 or path.name == "gt.txt" else f"{path.parent}/*",),
         format=None if chosen is None else chosen.name,
@@ -147,7 +148,7 @@ def comparison(content: bytes, folder: Path) -> None:
     if len(parts) < 2:
         return
     for name, part in zip(("truth.txt", "x.txt", "y.txt"), parts, strict=False):
-        _write(folder / name, part)
+        written(folder, name, part)
     systems = tuple(
         SystemSource((f"{name}.txt",), name=name, threshold=threshold)
         for name, threshold, _ in zip("xy", (None, 0.5), parts[1:], strict=False)
@@ -166,10 +167,17 @@ def comparison(content: bytes, folder: Path) -> None:
                     measure.of(result, system)
 
 
+def parquet_files(content: bytes, folder: Path) -> None:
+    """A Parquet file, as truth and as detections."""
+    path = written(folder, "a.parquet", content)
+    form = next(form for form in FORMATS if form.name == "parquet")
+    for role in form.roles:
+        _check_reading(form.read([SourceFile(path, path.name)], ReadOptions(role=role)), 1)
+
+
 def archives(content: bytes, folder: Path) -> None:
     """An archive: checked, read, unpacked below a folder and nowhere else."""
-    path = folder / "packed.zip"
-    _write(path, content)
+    path = written(folder, "packed.zip", content)
     with Archive(path, SMALL) as archive:
         sizes = [len(archive.read(name)) for name in archive.names]
         assert sum(sizes) <= SMALL.total_bytes, "more than the limit"
@@ -184,8 +192,7 @@ def archives(content: bytes, folder: Path) -> None:
 
 def packed(content: bytes, folder: Path) -> None:
     """A packed file of annotations: unpacked, and read."""
-    path = folder / "truth.csv.gz"
-    _write(path, content)
+    path = written(folder, "truth.csv.gz", content)
     with SourceFile(path, path.name).open() as stream:
         n_bytes = 0
         while chunk := stream.read(1 << 16):
@@ -200,8 +207,7 @@ def packed(content: bytes, folder: Path) -> None:
 
 def media(content: bytes, folder: Path) -> None:
     """A picture, video or archive of pictures: its header, its first pictures and its last."""
-    path = folder / "pictures.bin"
-    _write(path, content)
+    path = written(folder, "pictures.bin", content)
     pictures = open_pictures(path)
     try:
         for index in {0, 1, pictures.n // 2, pictures.n - 1}:
@@ -218,17 +224,16 @@ def sessions(content: bytes, folder: Path) -> None:
 
     Few of the inputs are TOML: what makes it none is left out, line by line.
     """
-    path = folder / "session.toml"
-    _write(path, content)
+    path = written(folder, "session.toml", content)
     try:
         session = read_session(path)
     except SessionError as error:
         if not isinstance(error.__cause__, tomllib.TOMLDecodeError):
             raise
-        _write(path, without_bad_lines(content))
+        path.write_bytes(without_bad_lines(content))
         session = read_session(path)
     text = write_session(session, version="0", fingerprint="0")
-    _write(path, text.encode())
+    path.write_bytes(text.encode())
     again = read_session(path)
     assert write_session(again, version="0", fingerprint="0") == text, "the text has changed"
     assert str(again.params) == str(session.params), "settings have changed"
@@ -253,8 +258,7 @@ def without_bad_lines(content: bytes) -> bytes:
 
 def recordings(content: bytes, folder: Path) -> None:
     """A table of recordings."""
-    path = folder / "recordings.csv"
-    _write(path, content)
+    path = written(folder, "recordings.csv", content)
     for name, (line, entry) in read_recordings_file(path, "recordings.csv").items():
         assert name == entry.name, "another name"
         assert line > 1, "no line"
@@ -262,16 +266,15 @@ def recordings(content: bytes, folder: Path) -> None:
 
 def provenance(content: bytes, folder: Path) -> None:
     """A record of how detections were made."""
-    path = folder / "provenance.json"
-    _write(path, content)
+    path = written(folder, "provenance.json", content)
     text = provenance_json(read_provenance(path, "provenance.json"))
-    _write(path, text)
+    path.write_bytes(text)
     assert provenance_json(read_provenance(path, "again")) == text, "another record"
 
 
 def frame_lists(content: bytes, folder: Path) -> None:
     """Evaluated frames: a range, or a file of numbers."""
-    _write(folder / "frames.txt", content)
+    written(folder, "frames.txt", content)
     text = content.decode("utf-8", "replace")
     own = np.arange(10, 15)
     frames = parse_frames(text if is_frame_range(text) else "frames.txt", folder, own)
@@ -368,11 +371,6 @@ async def _status(app: Any, scope: dict[str, Any], body: bytes) -> int:
     return statuses[0]
 
 
-def _write(path: Path, content: bytes) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(content)
-
-
 def tidy() -> None:
     """What an input may leave behind; called now and then."""
     gc.collect()
@@ -389,6 +387,29 @@ TARGETS: Final = {
     "provenance": Target(provenance, seeds.provenance, 0.25),
     "frames": Target(frame_lists, seeds.frame_lists, 0.25),
     "rules": Target(rules, seeds.rules, 0.25),
+    "parquet": Target(parquet_files, seeds.parquet_files, 1.0),
+    "detectors": Target(
+        models.detector_models,
+        lambda: models.changes("detectors"),
+        1.0,
+        1024,
+        "nvcore.detectors.icf.model_file",
+    ),
+    "estimators": Target(models.estimators, lambda: models.changes("driver"), 1.0, 1024),
+    "light": Target(tables.light, tables.light_seeds, 0.5),
+    "gaze": Target(tables.gaze, tables.gaze_seeds, 0.25),
+    "estimates": Target(tables.estimates, tables.estimates_seeds, 0.5),
+    "trials": Target(
+        lambda content, folder: tables.trials(content, folder, PARTS),
+        lambda: tables.trials_seeds(PARTS),
+        1.0,
+    ),
+    "boxes": Target(tables.study_boxes, tables.study_boxes_seeds, 0.5),
+    "ratings": Target(tables.ratings, tables.ratings_seeds, 0.5),
+    "answers": Target(
+        tables.answers, tables.answers_seeds, 0.25, 2000, "ui.session.studies.on_screen"
+    ),
+    "names": Target(tables.picture_names, tables.picture_names_seeds, 0.5, 2048),
     "routes": Target(routes, seeds.requests, 1.0, module="ui.session.routes"),
 }
 """By name, as for the command line."""

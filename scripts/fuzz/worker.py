@@ -11,7 +11,6 @@ import hashlib
 import importlib
 import json
 import os
-import pkgutil
 import resource
 import shutil
 import sys
@@ -24,8 +23,6 @@ from typing import Any, Final
 
 import atheris
 
-from nvcore.metrics import kernels
-
 TIMEOUT_S: Final = 10
 """For one input."""
 MEMORY_MB: Final = 1500
@@ -33,17 +30,19 @@ MEMORY_MB: Final = 1500
 NOTES_S: Final = 1.0
 """Seconds between two notes of the counts."""
 
-# compiled loops are imported before: what compiles them does not know the calls that follow lines
-for module in pkgutil.walk_packages(kernels.__path__, f"{kernels.__name__}."):
-    importlib.import_module(module.name)
-with atheris.instrument_imports(include=["nvcore", "ui", "tomllib", "zipfile"]):
+ROOT: Final = Path(__file__).resolve().parents[2]
+COMPILED: Final = [
+    ".".join(path.relative_to(ROOT).with_suffix("").parts)
+    for path in ROOT.glob("nvcore/**/*.py")
+    if "kernels" in path.with_suffix("").parts
+]
+"""Modules of loops: what compiles them does not know the calls that follow lines."""
+with atheris.instrument_imports(include=["nvcore", "ui", "tomllib", "zipfile"], exclude=COMPILED):
     from nvcore.errors import NvcoreError
     from scripts.fuzz.targets import TARGETS, tidy
 
     if TARGETS[sys.argv[1]].module:
         importlib.import_module(TARGETS[sys.argv[1]].module)
-
-ROOT: Final = Path(__file__).resolve().parents[2]
 
 
 class Trial:
@@ -65,8 +64,9 @@ class Trial:
         try:
             self.target.run(content, self.folder)
             self.counts["read"] += 1
-        except NvcoreError:
+        except NvcoreError as error:
             self.counts["refused"] += 1
+            self._check_text(content, error)
         except Exception as error:  # noqa: BLE001  # what is looked for
             self.counts["faults"] += 1
             self._keep(content, error)
@@ -77,6 +77,14 @@ class Trial:
         if now - self.noted > NOTES_S:
             self.noted = now
             self.note()
+
+    def _check_text(self, content: bytes, error: NvcoreError) -> None:
+        """What is said can be shown: half a character of two cannot."""
+        try:
+            str(error).encode()
+        except UnicodeEncodeError as fault:
+            self.counts["faults"] += 1
+            self._keep(content, fault.with_traceback(error.__traceback__))
 
     def note(self) -> None:
         """Write the counts down: a process that ends early says nothing more."""

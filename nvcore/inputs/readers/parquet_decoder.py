@@ -100,6 +100,7 @@ class Table:
                 budget.take(chunk.indices.nbytes)
             else:
                 budget.take(chunk.nbytes)
+                chunk.dictionary.validate(full=True)  # that it is UTF-8, which nobody else looks at
                 lengths = pc.binary_length(chunk.dictionary)
                 longest = pc.max(lengths).as_py() or 0
                 if longest > longest_text:

@@ -341,3 +341,10 @@ def test_a_comparison_with_such_a_file_ends_as_with_other_bad_input(tmp_path: Pa
     run = nvcore("compare", *given)
     assert run.exit_code == 2
     assert "damaged.parquet: expected a whole Parquet table" in run.stderr
+
+
+def test_texts_that_are_no_utf_8_are_refused(tmp_path: Path):
+    whole = table(tmp_path, recording=["pedestrian", "pedestrian"])
+    content = whole.path.read_bytes().replace(b"pedestrian", b"p\xe9destrian"[:10])
+    file = source(tmp_path, content, "a.parquet")
+    assert "a.parquet: expected a whole Parquet table, found a fault: " in refusal(file)

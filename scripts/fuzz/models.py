@@ -1,0 +1,138 @@
+"""Targets for files that are made of members, which are changed before they are packed anew.
+
+An input is a list of changes to the sample's model, a line each. A line of its JSON names the
+value, and has JSON, or none, to stand there; a line of an array has a place and bytes in
+hexadecimal digits, after ``=`` to stand there, after ``+`` or ``-`` to be put in, or taken out:
+
+    /settings/overlap [0.5]
+    leaves 128=00000000000000f0
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import zipfile
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from nvcore.driver.estimators import model_file as driver_file
+from nvcore.output.arrays import pack
+from nvcore.report.driver import render_estimator
+
+_OF_JSON: Final = re.compile(rb"(/\S+) (.*)", re.DOTALL)
+_OF_ARRAY: Final = re.compile(rb"(\w+) (\d{1,6})([=+-])((?:[0-9a-f]{2})*)")
+_MOST_CHANGES: Final = 12
+
+
+def detector_models(content: bytes, _folder: Path) -> None:
+    """A changed detector: read, written as it was read, run on a small picture."""
+    from nvcore.detectors.icf import IcfDetector
+    from nvcore.detectors.icf.model_file import from_bytes, to_bytes
+
+    model = from_bytes(changed(content, "detectors"), "model.npz")
+    written = to_bytes(model)
+    assert to_bytes(from_bytes(written, "again.npz")) == written, "another model"
+    boxes = IcfDetector(model).detect(_picture())
+    assert np.isfinite(boxes.score).all(), "scores that are no numbers"
+
+
+def estimators(content: bytes, _folder: Path) -> None:
+    """A changed estimator: read, written as it was read, asked for estimates."""
+    estimator = driver_file.from_bytes(changed(content, "driver"), "model.npz")
+    written = driver_file.to_bytes(estimator)
+    again = driver_file.from_bytes(written, "again.npz")
+    assert driver_file.to_bytes(again) == written, "another estimator"
+    render_estimator(estimator)
+    features = np.linspace(0.0, 300.0, 80).reshape(10, 8)
+    for interpolate in (False, True):
+        estimates = estimator.estimate(features, np.arange(10.0), interpolate=interpolate)
+        assert np.isfinite(estimates.detectability).all(), "estimates that are no numbers"
+
+
+def changed(content: bytes, room: str) -> bytes:
+    """The sample's model of this room, changed and packed anew."""
+    members = dict(_sample_members(room))
+    about = json.loads(members["about"])
+    texts: list[bytes] = []
+    for line in content.split(b"\n")[:_MOST_CHANGES]:
+        if match := _OF_JSON.fullmatch(line):
+            holder, key = _place(about, match[1].decode("ascii", "replace").split("/")[1:])
+            if holder is not None:
+                holder[key] = f"changed {len(texts)}"
+                texts.append(match[2])
+        elif (match := _OF_ARRAY.fullmatch(line)) and match[1].decode() in members:
+            name, start, new = match[1].decode(), int(match[2]), bytes.fromhex(match[4].decode())
+            member = members[name]
+            start %= len(member) + 1
+            end = start if match[3] == b"+" else start + max(len(new), 1)
+            members[name] = member[:start] + (b"" if match[3] == b"-" else new) + member[end:]
+    text = json.dumps(about).encode()
+    for number, new in enumerate(texts):
+        text = text.replace(f'"changed {number}"'.encode(), new, 1)
+    members["about"] = pack({"about": np.frombuffer(text, np.uint8)})
+    with zipfile.ZipFile(io.BytesIO(members["about"])) as archive:
+        members["about"] = archive.read("about.npy")
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, member in members.items():
+            archive.writestr(f"{name}.npy", member)
+    return packed.getvalue()
+
+
+def changes(room: str) -> Iterator[bytes]:
+    """Each value of the JSON as it is and as a list, each array with bytes in three places."""
+    yield b""
+    members = _sample_members(room)
+    for path, value in _values(json.loads(members["about"])):
+        text = json.dumps(value)  # what is long has values that come by themselves
+        if len(text) < 400:
+            yield f"{path} {text}".encode()
+            yield f"{path} [{text}]\n{path} {text}".encode()  # read: the later one stands
+    for name, member in members.items():
+        if name != "about":
+            same = (f"{start}={member[start : start + 8].hex()}" for start in (10, 60, 128))
+            yield "\n".join(f"{name} {part}" for part in same).encode()
+
+
+@cache
+def _sample_members(room: str) -> dict[str, bytes]:
+    """JSON and arrays, as files, of the sample's model."""
+    path = Path(driver_file.__file__).parents[2] / room / "models" / "sample.npz"
+    with zipfile.ZipFile(path) as archive:
+        members = {name.removesuffix(".npy"): archive.read(name) for name in archive.namelist()}
+    stored = np.lib.format.read_array(io.BytesIO(members["about"]), allow_pickle=False)
+    return members | {"about": stored.tobytes()}
+
+
+def _place(about: Any, path: list[str]) -> tuple[Any, Any]:
+    """What holds the value of a path, and its key there; None: there is none."""
+    holder: Any = None
+    key: Any = None
+    part: Any = about
+    for name in path:
+        holder, key = part, name
+        if isinstance(part, list) and name.isdecimal() and int(name[:6]) < len(part):
+            key = int(name[:6])
+        elif not isinstance(part, dict):
+            return None, None
+        part = part.get(name) if isinstance(part, dict) else part[key]
+    return holder, key
+
+
+def _values(part: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Every value of JSON by its path."""
+    for key, value in part.items() if isinstance(part, dict) else enumerate(part):
+        yield f"{path}/{key}", value
+        if isinstance(value, dict | list):
+            yield from _values(value, f"{path}/{key}")
+
+
+@cache
+def _picture() -> np.ndarray:
+    return np.random.default_rng(0).integers(0, 255, (48, 64), dtype=np.uint8)
