@@ -17,7 +17,7 @@ from nvcore.driver.trials.table import training_table
 from nvcore.inputs.driver.reading import read_detectability
 from nvcore.inputs.driver.trials import TRIAL_COLUMNS
 from nvcore.inputs.readers.base import ReadOptions, SourceFile
-from nvcore.inputs.readers.meaning.names import listed_frames
+from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.pictures.open import open_pictures
 from nvcore.studies.detectability.pictures import read_pictures
 from nvcore.studies.ratings.agreement import measure_agreement, rank_ratings
@@ -97,32 +97,36 @@ def ratings(content: bytes, _folder: Path) -> None:
 
 def answers(content: bytes, _folder: Path) -> None:
     """What a participant's browser sends as an answer."""
-    from ui.session.studies.on_screen import answer_of
+    from ui.session.studies.on_screen import answer_of, sent_by_browser
 
-    answer = answer_of(content, "a screen")
+    answer = answer_of(sent_by_browser(content), "a screen")
     assert math.isfinite(answer.measured_s + answer.shown_s), "no number"
     assert math.isnan(answer.touch_x) == math.isnan(answer.touch_y), "half a touch"
     assert "a screen" in answer.device, "another screen"
     assert len(answer.device) <= 200, "more text than is stored"
 
 
-def picture_names(content: bytes, folder: Path) -> None:
-    """Names of files: their frames as annotations have them, and a folder of such pictures."""
+def names_of_frames(content: bytes, folder: Path) -> None:
+    """Names of files, a line each: recording and frame of each, as annotations have them."""
     names = content.decode("utf-8", "replace").splitlines()[:_MOST_NAMES]
-    inside = folder / "pictures"
-    inside.mkdir()
-    for name in names:
+    table = listed_frames([SourceFile(folder, name) for name in names], ReadOptions()).table
+    frames = table[table["frame"] >= 0]
+    assert len(table) == len(names), "names that are lost"
+    assert not frames.duplicated(["recording", "frame"]).any(), "a frame twice"
+
+
+def names_of_pictures(content: bytes, folder: Path) -> None:
+    """Names of pictures, a line each: a folder of such files."""
+    for name in content.decode("utf-8", "replace").splitlines()[:_MOST_NAMES]:
         path = PurePosixPath(name.replace("\0", ""))
         if path.name not in ("", "..") and len(path.name.encode()) < 200:
-            (inside / path.name).write_bytes(PICTURE)
-    pictures = open_pictures(inside)
+            written(folder, path.name, PICTURE)
+    pictures = open_pictures(folder)
     try:
         assert pictures.numbers is None or len(pictures.numbers) == pictures.n, "a number each"
         assert pictures.read(pictures.n - 1).shape == (4, 6), "another picture"
     finally:
         pictures.close()
-    table = listed_frames([SourceFile(inside, name) for name in names], ReadOptions())
-    assert not table.duplicated(["recording", "frame"]).any(), "a frame twice"
 
 
 def light_seeds() -> Iterator[bytes]:
@@ -193,10 +197,12 @@ def answers_seeds() -> Iterator[bytes]:
     yield b'{"measured_s": 3, "shown_s": 0.2, "touch": null, "is_answered": false}'
 
 
-def picture_names_seeds() -> Iterator[bytes]:
+def names_seeds() -> Iterator[bytes]:
     """As cameras, datasets and annotation tools call them."""
     yield b"000001.png\n000002.png\n000003.jpg\n"
     yield b"set06/V000/I00019.jpg\nset06/V000/I00020.jpg\n"
     yield b"img_0120.png\nframe-7.png\nseq/im 8.png\n"
     yield b"drive_1_frame12.jpg\ndrive_1_frame13.jpg\n"
-    yield b"img_0120 (1).png\n7_jpg.rf.0a1b2c.jpg\n1691234567890123_lwir.png\ncalib.png\n"
+    yield b"7_jpg.rf.0a1b2c.jpg\n8_jpg.rf.0a1b2d.jpg\n9_jpg.rf.0a1b2e.jpg\n"
+    yield b"1691234567890123_lwir.png\n1691234567990123_lwir.png\n1691234568090123_lwir.png\n"
+    yield b"img_0120.png\nimg_0120 (1).png\nimg_0121.png\ncalib.png\n"

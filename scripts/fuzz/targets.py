@@ -409,7 +409,8 @@ TARGETS: Final = {
     "answers": Target(
         tables.answers, tables.answers_seeds, 0.25, 2000, "ui.session.studies.on_screen"
     ),
-    "names": Target(tables.picture_names, tables.picture_names_seeds, 0.5, 2048),
+    "names": Target(tables.names_of_frames, tables.names_seeds, 0.5, 2048),
+    "folders": Target(tables.names_of_pictures, tables.names_seeds, 0.5, 2048),
     "routes": Target(routes, seeds.requests, 1.0, module="ui.session.routes"),
 }
 """By name, as for the command line."""

@@ -67,6 +67,12 @@ class Table:
         table = pa.concat_tables(groups or [schema.empty_table().select(numbers)])
         columns = {name: table.column(name) for name in numbers}
         columns |= {name: self._texts(name, budget, limits["text"]) for name in texts}
+        for name, column in columns.items():
+            if len(column) != len(columns[names[0]]):  # each has pages of its own
+                raise ValueError(
+                    f"column {_short(name)} has {len(column):,} rows, column {_short(names[0])} "
+                    f"{len(columns[names[0]]):,}"
+                )
         return {place: columns[name] for place, name in zip(places, names, strict=True)}
 
     def _check(self, places: Sequence[int], budget: _Budget) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import tracemalloc
 from collections.abc import Iterator
+from contextlib import suppress
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -348,3 +349,19 @@ def test_texts_that_are_no_utf_8_are_refused(tmp_path: Path):
     content = whole.path.read_bytes().replace(b"pedestrian", b"p\xe9destrian"[:10])
     file = source(tmp_path, content, "a.parquet")
     assert "a.parquet: expected a whole Parquet table, found a fault: " in refusal(file)
+
+
+def test_columns_of_different_lengths_are_refused(tmp_path: Path):
+    columns = pa.table(BOX | {"recording": ["a", "b"], "id": ["p", None]})
+    way: dict[str, Any] = {"use_dictionary": False, "write_statistics": False}
+    pq.write_table(columns, tmp_path / "a.parquet", compression="none", **way)
+    content = (tmp_path / "a.parquet").read_bytes()
+    said = set()
+    for place in range(4, content.index(b"schema")):  # among them a page's count of rows
+        if content[place] == 0:
+            file = source(tmp_path, content[:place] + b"\x02" + content[place + 1 :], "a.parquet")
+            with suppress(FormatError):
+                parquet.read([file], ReadOptions())
+                continue
+            said.add(refusal(file))
+    assert any("fault: column recording has 0 rows, column frame 2" in text for text in said)
