@@ -9,11 +9,13 @@ processes begin with the main module of their parent, which in Streamlit is the 
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import resource
 import signal
 import socket
 import sys
+import traceback
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -21,11 +23,15 @@ import nvcore.inputs.load
 import nvcore.pictures.open  # noqa: F401  # loaded for the forked processes
 import ui.confined.driver  # noqa: F401  # likewise: half a second
 from nvcore.errors import NvcoreError
-from ui.confined.transfer import send_answer
+from ui.confined.transfer import Fault, send_answer
 from ui.settings.limits import MEBI
 
 ENDS_FIRST = "900"
 """Of 1000: several large pictures at a time may fill the machine, though none fills its process."""
+
+CV_NO_MEMORY = -4
+"""``code`` of OpenCV's error."""
+MOST_TEXT = 300
 
 
 def main(control: socket.socket) -> None:
@@ -67,6 +73,14 @@ def answer_calls(theirs: Connection) -> None:
             answer = (False, error)
         except MemoryError:
             answer = (False, MemoryError())
+        except Exception as error:  # noqa: BLE001  # a fault of ours, told as such
+            is_no_memory = getattr(error, "errno", 0) == errno.ENOMEM or (
+                getattr(error, "code", 0) == CV_NO_MEMORY
+            )
+            if not is_no_memory:
+                traceback.print_exc()
+            text = traceback.format_exception_only(error)[-1].strip()
+            answer = (False, MemoryError() if is_no_memory else Fault(text[:MOST_TEXT]))
         send_answer(theirs, answer)
         del function, arguments, answer
 

@@ -14,13 +14,21 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any, Final, TypeVar, cast
 
-from nvcore.errors import InputError
-from ui.confined.transfer import receive_answer
+from nvcore.errors import InputError, NvcoreError
+from ui.confined.transfer import Fault, receive_answer
 
 T = TypeVar("T")
 
 MOST_JOBS: Final = 2
 """Calls at a time, each in a process of its own; others wait."""
+NEEDED: Final = frozenset(
+    (
+        *("PATH", "HOME", "XDG_CACHE_HOME", "TMPDIR", "TEMP", "TMP", "LANG", "LANGUAGE", "TZ"),
+        *("LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "COVERAGE_PROCESS_START"),
+    )
+)
+NEEDED_STARTS: Final = ("LC_", "PYTHON", "NUMBA_", "OMP_", "OPENBLAS_", "MKL_", "OPENCV_")
+"""Variables that the processes are given, and starts of such."""
 
 _jobs = threading.BoundedSemaphore(MOST_JOBS)
 
@@ -75,7 +83,7 @@ class Process:
         NvcoreError
             What the function raises.
         InputError
-            If it takes more than it may, or ends without an answer.
+            If it takes more than it may, raises anything else, or ends without an answer.
         """
         try:
             self._ours.send((function, arguments))
@@ -87,9 +95,14 @@ class Process:
         is_fine, value = answer
         if is_fine:
             return cast(T, value)
-        if value is not None and not isinstance(value, MemoryError):
+        if isinstance(value, NvcoreError):
             raise value
         self.end()
+        if isinstance(value, Fault):
+            raise InputError(
+                f"{what} ended in a fault of the program ({value.text}); the traceback is in the "
+                "server's log"
+            )
         budget = f"{self._allowance.seconds:g} s"
         if is_ready:
             budget = f"{self._allowance.memory_mb} MB of memory"
@@ -176,12 +189,21 @@ class _Nursery:
                     pass_fds=[number],
                     process_group=0,  # with its own processes it ends after the server, at once
                     env={
-                        **os.environ,
+                        **_needed_environment(),
                         "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
                         "OPENBLAS_NUM_THREADS": "1",
                     },
                 )
         return self._control
+
+
+def _needed_environment() -> dict[str, str]:
+    """What decoders need of the environment: whoever breaks out of one finds no secret in it."""
+    return {
+        name: value
+        for name, value in os.environ.items()
+        if name in NEEDED or name.startswith(NEEDED_STARTS)
+    }
 
 
 _nursery = _Nursery()

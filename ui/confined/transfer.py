@@ -8,6 +8,7 @@ from __future__ import annotations
 import mmap
 import os
 import pickle
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from multiprocessing.reduction import recv_handle, send_handle
 from typing import Any, Final
@@ -18,6 +19,13 @@ LEAST_OF_ALL: Final = 1 << 18
 """... if all together have so many: a picture of 640x480 in colour takes half the time."""
 ALIGNED: Final = 64
 """Bytes that each array starts at a multiple of."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """An exception that is no word to a user: its name and text."""
+
+    text: str
 
 
 def send_answer(connection: Connection, answer: object) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import subprocess
 import sys
@@ -21,7 +22,7 @@ from nvcore.errors import InputError, MediaError, MissingFactError
 from nvcore.inputs.load import load
 from ui.confined import process as confined
 from ui.confined.pictures import PictureProcess
-from ui.confined.process import Allowance, Process, call
+from ui.confined.process import Allowance, Process, SteadyProcess, call
 
 OOM_SCORE = Path("/proc/self/oom_score_adj")
 ENOUGH = Allowance(memory_mb=1000, seconds=300)
@@ -100,6 +101,51 @@ def test_too_much_time_and_a_fault_are_errors_in_words():
         call(time.sleep, 1000, allowance=Allowance(1000, 0.1), what="waiting")
     with pytest.raises(InputError, match="reading took too much memory, or ended in a fault"):
         call(end, allowance=ENOUGH, what="reading")
+
+
+def mistake() -> None:
+    raise TypeError("'>' not supported")
+
+
+def no_room() -> None:
+    raise OSError(errno.ENOMEM, "cannot map")
+
+
+def test_a_fault_of_the_program_is_told_as_such():
+    process = SteadyProcess(ENOUGH)
+    try:
+        with pytest.raises(
+            InputError, match=r"ended in a fault of the program \(TypeError: '>' not"
+        ):
+            process.call(mistake, what="reading")
+        assert process.call(process_id, what="asking") != os.getpid()
+    finally:
+        process.close()
+
+
+def test_memory_that_the_system_refuses_is_told_as_such():
+    with pytest.raises(InputError, match="reading took more than 1000 MB of memory"):
+        call(no_room, allowance=ENOUGH, what="reading")
+
+
+def test_decoders_are_given_no_secret_of_the_servers():
+    script = (
+        "import subprocess\nfrom ui.confined.process import *\n"
+        "print(call(subprocess.getoutput, 'env', allowance=Allowance(1000, 300), what='asking'))"
+    )
+    secrets = {"NVCORE_METRICS_TOKEN": "a", "NVCORE_LOGIN": "/b", "AWS_SECRET_ACCESS_KEY": "c"}
+    known = {"NUMBA_CACHE_DIR": "/tmp/d", "LC_ALL": "C.UTF-8", "TMPDIR": "/tmp"}
+    lines = subprocess.run(
+        [sys.executable, "-c", script],
+        cwd=ROOT,
+        env={**os.environ, **secrets, **known},
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout.splitlines()
+    names = {line.partition("=")[0] for line in lines}
+    assert {*known, "PATH", "PYTHONPATH"} <= names
+    assert not set(secrets) & names
 
 
 def test_a_process_that_cannot_be_started_is_an_error_in_words(monkeypatch: pytest.MonkeyPatch):
