@@ -29,6 +29,7 @@ from nvcore.auditing.layouts import audit_layouts, find_layouts
 from nvcore.auditing.offsets import find_offsets
 from nvcore.auditing.overlaps import above_threshold
 from nvcore.auditing.perspective import audit_foot_spread
+from nvcore.auditing.rates import find_rate
 from nvcore.auditing.recordings import (
     audit_fps,
     audit_frame_list,
@@ -128,7 +129,8 @@ def audit_system(
     findings = [*audit_threshold(system, threshold, flag=f"--threshold-{letter}")]
     if not {name, TRUTH_NAME} & find_layouts(dataset).keys():  # else all of them would be wrong
         counting = above_threshold(system.boxes, threshold)
-        findings += find_offsets(system, counting, letter=letter)
+        # an offset would fit a few frames only, and hide the rate
+        findings += find_rate(system, counting) or find_offsets(system, counting, letter=letter)
     return _worded(dataset, findings)
 
 
