@@ -166,7 +166,9 @@ def list_pictures(path: Path, container_format: str, name: str) -> PictureTable:
     elif is_guess:
         notes += time_notes(packets.decoded_at)
     if is_cut:
-        n_total = max(0, n_stated - packets.n_read + n_listed) if n_stated else 0
+        n_total = n_stated
+        if n_stated and is_sure and not is_avi:  # those never shown are stated, too
+            n_total = max(0, n_stated - packets.n_read + n_listed)
         notes.insert(0, PictureNote(PictureTrait.CUT, len(shown), n_total))
     if others:
         notes.append(PictureNote(PictureTrait.OTHER_STREAMS, len(others), names=others))

@@ -137,6 +137,19 @@ def test_an_empty_chunk_of_an_avi_repeats_the_picture_before(tmp_path: Path, emp
     assert video.note == ""
 
 
+def test_a_cut_avi_repeats_pictures_as_far_as_it_goes(tmp_path: Path):
+    path = write_numbered_video(tmp_path / "a.avi", "mpeg4", g="1", bf="0")
+    path = with_uncoded_pictures(path, {20, 21, 40})
+    path.write_bytes(path.read_bytes()[: path.stat().st_size * 8 // 10])
+    video = Video(path)
+    right = [{20: 19, 21: 19, 40: 39}.get(number, number) for number in range(video.n)]
+    assert 50 < video.n < 100
+    assert numbers_of(video) == right
+    cut, repeated = video.notes
+    assert (cut.trait, cut.count, cut.total) == (PictureTrait.CUT, video.n, 100)
+    assert (repeated.trait, repeated.places) == (PictureTrait.REPEATED, (20, 21, 40))
+
+
 def test_a_picture_of_mpeg4_that_is_not_coded_repeats_the_one_before(tmp_path: Path):
     path = write_numbered_video(tmp_path / "a.avi", "mpeg4", g="1", bf="0")
     video = Video(with_uncoded_pictures(path, {20, 21, 40}))
