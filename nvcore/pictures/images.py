@@ -29,6 +29,8 @@ from nvcore.wording import MOST_NAMED, one_line
 
 _MAX_BYTES: Final = 1 << 29
 _SHOWN_FOLDERS: Final = 5
+_DARK_AND_BRIGHT: Final = (0.5, 99.8)
+"""Percentiles: where the contrast is stretched, a border of these values does not weaken it."""
 _FAR: Final = 25
 """The sun in a picture of a night in kelvin is nearer than that, 0 for a masked border is not."""
 
@@ -152,15 +154,14 @@ def decode_image(content: bytes, name: str) -> Picture:
 def _as_uint16(picture: NDArray[np.generic]) -> NDArray[np.uint16]:
     """The values from the least to the greatest as 0..65535.
 
-    What is no number becomes 0. So that a masked border or a single wrong pixel does not take the
-    contrast of all others, values further from the quartiles than `_FAR` times their distance are
-    cut off.
+    So that a masked border or a single wrong pixel does not take the contrast of all others, what
+    is no number becomes one of the darkest values, as do those that are lower than the quartiles by
+    more than `_FAR` times their distance; those as far above become one of the brightest.
     """
     values = picture.astype(np.float64)
-    is_finite = np.isfinite(values)
-    if not is_finite.any():
+    near = values[np.isfinite(values)]
+    if not len(near):
         return np.zeros(picture.shape, np.uint16)
-    near = values[is_finite]
     for shares in ((25, 75), (5, 95), (0.5, 99.5)):  # the quartiles of a plain background are one
         lower, upper = np.percentile(near, shares)
         if upper > lower:
@@ -170,7 +171,8 @@ def _as_uint16(picture: NDArray[np.generic]) -> NDArray[np.uint16]:
     low, high = float(near.min()), float(near.max())
     if not low < high:
         return np.zeros(picture.shape, np.uint16)
-    values = np.where(np.isnan(values), low, values).clip(low, high)
+    dark, bright = np.percentile(near, _DARK_AND_BRIGHT)
+    values = np.where(values > high, bright, np.where(values >= low, values, dark))
     scaled: NDArray[np.float64] = (values - low) / (high - low) * 65535
     return scaled.astype(np.uint16)
 
