@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 TRUTH_NAME: Final = "truth"
 """`Finding.subject` of the ground truth."""
 
+OF_PICTURES: Final = "pictures-"
+"""How the codes of findings begin that concern pictures alone: no measure depends on these."""
+
 
 class Severity(StrEnum):
     """How bad a finding is: an error makes measures wrong, a warning may, a note does not."""

@@ -21,9 +21,10 @@ from nvcore.api.inputs import (
     with_params,
 )
 from nvcore.auditing import audit as audit_dataset
+from nvcore.auditing import picture_findings
 from nvcore.dataset import Dataset
 from nvcore.errors import ParameterError
-from nvcore.findings import Finding
+from nvcore.findings import Finding, worst_first
 from nvcore.inputs.conversion import Conversion
 from nvcore.inputs.conversion import convert as convert_input
 from nvcore.inputs.pipes import pipes_kept
@@ -106,7 +107,7 @@ def audit(
     objects: str | Sequence[str] | None = None,
     **params: float | str | None,
 ) -> tuple[Finding, ...]:
-    """What is wrong or suspicious in the inputs, worst first; nothing is scored.
+    """What is wrong or suspicious in the inputs and pictures, worst first; nothing is scored.
 
     Parameters
     ----------
@@ -129,7 +130,8 @@ def audit(
     facts |= {"objects": objects}
     inputs = {"truth": truth, "x": x, "y": y, **facts}
     dataset = _dataset(source, inputs, name_x, name_y, None)
-    return audit_dataset(with_params(dataset, params))
+    dataset = with_params(dataset, params)
+    return worst_first([*audit_dataset(dataset), *picture_findings(dataset)])
 
 
 def _dataset(
@@ -207,7 +209,7 @@ def gate(result: Comparison, rules: Iterable[str], *, strict: bool = False) -> G
     parsed, problems = read_rules(numbered, measure_names())
     if problems:
         raise ParameterError("\n".join(problems))
-    outcomes, _ = run_gate(parsed, result.result, result.findings, strict=strict)
+    outcomes, _ = run_gate(parsed, result.result, result.input_findings, strict=strict)
     return GateOutcome(tuple(outcomes))
 
 

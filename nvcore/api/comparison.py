@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from nvcore.auditing import audit
+from nvcore.auditing import audit, picture_findings
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, ParameterError
@@ -23,7 +23,7 @@ from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.planning import DEFAULT_KEY, POWER, Side, StudyPlan, plan_study
 from nvcore.evidence.table import evidence_table
 from nvcore.extras import needs
-from nvcore.findings import Finding
+from nvcore.findings import Finding, worst_first
 from nvcore.inputs.session import Session
 from nvcore.measures import MeasureTable
 from nvcore.metrics.driver import DriverView
@@ -177,8 +177,8 @@ class Comparison:
 
     @cached_property
     def findings(self) -> tuple[Finding, ...]:
-        """What the audit found in the inputs, worst first."""
-        return audit(self.dataset, self.params, x=self.x.name, y=self.y.name)
+        """What the audit found in the inputs and the session's pictures, worst first."""
+        return worst_first([*self.input_findings, *picture_findings(self.dataset)])
 
     @cached_property
     def figures(self) -> Figures:
@@ -298,6 +298,11 @@ class Comparison:
         )
 
     @cached_property
+    def input_findings(self) -> tuple[Finding, ...]:
+        """Those of `findings` on which numbers may depend: all but those on pictures."""
+        return audit(self.dataset, self.params, x=self.x.name, y=self.y.name)
+
+    @cached_property
     def _evidence(self) -> pd.DataFrame:
         return evidence_table(self.result, self.protocol)
 
@@ -308,7 +313,7 @@ class Comparison:
     @cached_property
     def _verdict(self) -> Verdict:
         return verdict(
-            *(self.result, self.findings),
+            *(self.result, self.input_findings),
             evidence=self._evidence,
             companions=self._companions,
             plan=self._plan,
@@ -325,7 +330,7 @@ class Comparison:
 
     def __str__(self) -> str:
         return render_scorecard(
-            *(self.result, self.findings, self.protocol),
+            *(self.result, self.input_findings, self.protocol),
             evidence=self._evidence,
             companions=self._companions,
             plan=self._plan,

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -40,8 +42,13 @@ from nvcore.auditing.rows import audit_left_out
 from nvcore.auditing.scores import audit_scores, audit_threshold
 from nvcore.auditing.training import audit_provenance
 from nvcore.dataset import Dataset
-from nvcore.findings import TRUTH_NAME, Finding, worst_first
+from nvcore.errors import MissingExtraError
+from nvcore.findings import OF_PICTURES, TRUTH_NAME, Finding, Severity, worst_first
+from nvcore.inputs.session import Session
 from nvcore.params import Params
+
+if TYPE_CHECKING:
+    from nvcore.pictures import RecordingPictures
 
 
 def audit(
@@ -171,6 +178,41 @@ def _worded(dataset: Dataset, findings: Iterable[Finding]) -> tuple[Finding, ...
 def audit_view(dataset: Dataset, params: Params) -> tuple[Finding, ...]:
     """The part of `audit` about the drive as the camera saw it; at once, whatever setting moved."""
     return (*audit_foot_spread(dataset, params), *audit_closing_speed(dataset, params))
+
+
+@contextmanager
+def opened_pictures(
+    dataset: Dataset,
+) -> Iterator[tuple[RecordingPictures | None, tuple[Finding, ...]]]:
+    """Within it, the pictures that the dataset's session names are open; with the findings on them.
+
+    None are open if it names none, or the extra ``report`` is not installed, which is a note.
+    """
+    session = dataset.settings
+    has_some = isinstance(session, Session) and any(entry.pictures for entry in session.recordings)
+    if not isinstance(session, Session) or not has_some:
+        yield None, ()
+        return
+    try:
+        from nvcore.auditing.pictures import audit_pictures
+        from nvcore.pictures.recordings import session_pictures
+    except MissingExtraError as error:
+        message = f"Which picture shows which frame was not looked at: {error}."
+        code = f"{OF_PICTURES}not-opened"
+        advice = "There is nothing to do for the numbers: no measure depends on pictures."
+        yield None, (Finding(Severity.NOTE, code, TRUTH_NAME, 1, message, advice),)
+        return
+    opened = session_pictures(session, dataset)
+    try:
+        yield opened, audit_pictures(dataset, opened)
+    finally:
+        opened.close()
+
+
+def picture_findings(dataset: Dataset) -> tuple[Finding, ...]:
+    """What is wrong or in doubt of the pictures that the session names; they are opened for it."""
+    with opened_pictures(dataset) as (_, findings):
+        return findings
 
 
 def _audit_boxes(source: BoxSource) -> list[Finding]:

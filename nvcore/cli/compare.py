@@ -90,8 +90,9 @@ def compare(
     printed first. Exit code 0: fine, 1: the audit found errors (with --strict: or warnings), 2: bad
     input.
     """
-    from nvcore.auditing import audit
+    from nvcore.auditing import audit, picture_findings
     from nvcore.comparison import compare
+    from nvcore.findings import worst_first
     from nvcore.inputs.load import load
     from nvcore.report.files import REPORT_FILES, summary_json, write_report
     from nvcore.report.terminal import render_findings, render_inputs, render_scorecard
@@ -101,12 +102,14 @@ def compare(
         raise click.UsageError(f"{flag} is about the files that --out writes; give --out DIR, too")
     session = session_from(options, needs_y=True)
     _protect_inputs(session, options["session_file"], out, REPORT_FILES)
-    n_steps = 6 + len(session.systems) + (11 if out is not None else 0)
+    n_steps = 7 + len(session.systems) + (11 if out is not None else 0)
     with errors_of(session), TerminalProgress(n_steps) as steps:
         dataset = load(session, progress=steps)
         session = as_loaded(session, dataset)
         steps.begin("auditing the inputs")
         findings = audit(dataset)
+        steps.begin("looking at the pictures")
+        findings = worst_first([*findings, *picture_findings(dataset)])
         steps.begin("analysing")
         result = compare(dataset)
         steps.begin("what fusion would do")
@@ -179,26 +182,38 @@ def check(out: Path | None, strict: bool, **options: Any) -> None:
 
     Exit code 0: no errors, 1: errors (with --strict: or warnings), 2: bad input.
     """
-    from nvcore.auditing import audit
+    from nvcore.auditing import audit, opened_pictures
+    from nvcore.findings import worst_first
     from nvcore.inputs.load import load
     from nvcore.report.files import AUDIT_FILES, write_audit
-    from nvcore.report.terminal import render_dataset, render_findings, render_horizons
+    from nvcore.report.terminal import (
+        render_dataset,
+        render_findings,
+        render_horizons,
+        render_pictures,
+    )
+    from nvcore.tables.pictures import pictures_table
 
     session = session_from(options, needs_y=False)
     _protect_inputs(session, options["session_file"], out, AUDIT_FILES)
     with (
         errors_of(session),
-        TerminalProgress(4 + len(session.systems)) as steps,
+        TerminalProgress(5 + len(session.systems)) as steps,
     ):
         dataset = load(session, progress=steps)
         steps.begin("auditing the inputs")
         findings = audit(dataset)
+        steps.begin("looking at the pictures")
+        with opened_pictures(dataset) as (opened, of_pictures):
+            findings = worst_first([*findings, *of_pictures])
+            pictures = "" if opened is None else render_pictures(pictures_table(dataset, opened))
         if out is not None:
             write_audit(out, dataset, findings)
     path = shown_paths(session.folder, session.sources, dataset.systems)
     click.echo(render_dataset(_for_terminal(dataset, path)))
-    if horizons := render_horizons(dataset):
-        click.echo(horizons)
+    for text in (pictures, render_horizons(dataset)):
+        if text:
+            click.echo(text)
     click.echo("\n" + render_findings(findings_shown(findings, path, dataset.compared())))
     if out is not None:
         click.echo(one_line(f"written to {out}"), err=True)

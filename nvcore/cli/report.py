@@ -86,6 +86,8 @@ def report(
     hashes of the inputs; it needs neither network nor this program, and browsers print it to PDF.
     Exit code 0: fine, 1: the audit found errors (with --strict: or warnings), 2: bad input.
     """
+    from nvcore.auditing import opened_pictures
+    from nvcore.findings import worst_first
     from nvcore.report.protect_inputs import files_read, refuse_to_replace
     from nvcore.report.terminal import render_findings
 
@@ -98,12 +100,15 @@ def report(
     progress = step_lines()
     with errors_of(session):
         result, findings = compare_session(session, progress=progress)
-        write_html_report(
-            *(result, as_loaded(session, result.dataset), findings, out),
-            stability=stability,
-            inscription=Inscription(title, author, question, date),
-            progress=progress,
-        )
+        with opened_pictures(result.dataset) as (pictures, of_pictures):
+            findings = worst_first([*findings, *of_pictures])
+            write_html_report(
+                *(result, as_loaded(session, result.dataset), findings, out),
+                pictures=pictures,
+                stability=stability,
+                inscription=Inscription(title, author, question, date),
+                progress=progress,
+            )
     path = shown_paths(session.folder, session.sources, result.dataset.systems)
     click.echo(render_findings(findings_shown(findings, path, result.dataset.compared())))
     click.echo(one_line(f"written to {out}"), err=True)

@@ -70,24 +70,23 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
     return findings
 
 
+def is_missing(session: Session, path: str) -> bool:
+    """Whether there is nothing at a path that a session names, and no folder with such names."""
+    place = session.folder / path
+    # os.path: Path.exists raises for names that no file can have
+    if glob.has_magic(place.name) and not os.path.exists(place):  # noqa: PTH110
+        place = place.parent
+    return not os.path.exists(as_stored(place))  # noqa: PTH110
+
+
 def missing_pictures(session: Session, names: Sequence[str]) -> list[Finding]:
     """Pictures that the session names for a recording and that are not there."""
     entries = session.entries(list(names))
-
-    def is_missing(path: str | None) -> bool:
-        if path is None:
-            return False
-        place = session.folder / path
-        if glob.has_magic(place.name):
-            place = next((p for p in (place, place.parent) if os.path.exists(p)), place)  # noqa: PTH110
-        # os.path: Path.exists raises for names that no file can have
-        return not os.path.exists(as_stored(place))  # noqa: PTH110
-
     missing = [
         (name, path)
         for name, entry in entries.items()
         for path in (entry.pictures, entry.visible)
-        if path is not None and is_missing(path)
+        if path is not None and is_missing(session, path)
     ]
     if not missing:
         return []

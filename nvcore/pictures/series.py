@@ -186,9 +186,8 @@ def _ask(groups: Sequence[_Group], where: str) -> None:
         for group, pattern in zip(groups, patterns, strict=True)
     ]
     raise MediaError(
-        f"holds several pictures for the same frame numbers ({listed(texts)}): which of them the "
-        "recording consists of is not clear. Put one kind into a folder of its own, or name it by "
-        f"such a pattern below the folder: {one_line(where)}/{one_line(patterns[0])}",
+        f"holds several pictures for the same frame numbers ({listed(texts)}), and which are meant "
+        f"is not clear: name one kind, such as {one_line(where)}/{one_line(patterns[0])}",
         file=where,
         steps=tuple(Step(Remedy.PICTURES, pattern) for pattern in patterns),
     )

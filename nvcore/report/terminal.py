@@ -41,8 +41,8 @@ from nvcore.wording import count_text, number, one_line, shortened
 
 SHORT_ROWS = "* means little here: most encounters are one frame long"
 """What the mark in the scorecard says."""
-MOST_HORIZONS = 40
-"""Estimated horizons that are printed; a table has all of them."""
+MOST_RECORDINGS = 40
+"""Recordings whose pictures or estimated horizons are printed."""
 NAME_WIDTH = 16
 """Longest name of a system in the head of a column; the full name is above the table."""
 
@@ -126,6 +126,25 @@ def render_dataset(dataset: Dataset) -> str:
     return _text([*lines, *dataset.notes])
 
 
+def render_pictures(table: pd.DataFrame) -> str:
+    """Which picture shows which frame, a line for each recording; empty: none has pictures."""
+    lines = []
+    for row in table.head(MOST_RECORDINGS).to_dict("records"):
+        first, *others = (
+            f"frame {row[f'{which}_frame']} shows {row[f'{which}_picture']}"
+            for which in ("first", "middle", "last")
+        )
+        without = f"; {row['n_without']:,} of {row['n_frames']:,} frames have none"
+        lines.append(
+            f"  {row['recording']} ({row['pictures']}): {first}, {', '.join(others)}"
+            f"{without if row['n_without'] else ''}"
+        )
+    if not lines:
+        return ""
+    more = len(table) - len(lines)
+    return _text(["pictures:", *lines, *([f"  and of {more:,} more recordings"] if more else [])])
+
+
 def render_horizons(dataset: Dataset) -> str:
     """Where the horizon seems to be in recordings that do not state it; empty: nothing to say."""
     is_open = dataset.recordings["horizon"].isna()
@@ -138,12 +157,12 @@ def render_horizons(dataset: Dataset) -> str:
     ]
     if not horizons:
         return ""
-    more = len(horizons) - MOST_HORIZONS
+    more = len(horizons) - MOST_RECORDINGS
     return _text(
         [
             "horizon, which is not stated, as box heights and foot rows tell (give it as horizon "
             "in the session file; --out writes a table that --recordings reads):",
-            *(f"  {text}" for text in horizons[:MOST_HORIZONS]),
+            *(f"  {text}" for text in horizons[:MOST_RECORDINGS]),
             *([f"  and of {more:,} more, in the table that --out writes"] if more > 0 else []),
         ]
     )

@@ -189,6 +189,7 @@ class Workspace(Caching):
         self.pictures: Mapping[int, Pictures] = {}
         self.picture_rows: Mapping[int, np.ndarray] = {}
         self.picture_notes: Mapping[int, str] = {}
+        self.own_pictures = RecordingPictures()
         self.visible = RecordingPictures()
         self._all_pictures = RecordingPictures()
         self._all_visible = RecordingPictures()
@@ -282,7 +283,7 @@ class Workspace(Caching):
         number_of = {int(row): number for number, row in enumerate(opened.rows)}
         pictures = self._all_pictures.renumbered(number_of)
         self.pictures, self.picture_rows = pictures.sources, pictures.indices
-        self.picture_notes = pictures.notes
+        self.picture_notes, self.own_pictures = pictures.notes, pictures
         self.visible = self._all_visible.renumbered(number_of)
         self._n_changes += 1
 
@@ -291,6 +292,7 @@ class Workspace(Caching):
         opened = (*self._all_pictures.sources.values(), *self._all_visible.sources.values())
         sources = {id(source): source for source in opened}
         self._all_pictures = self._all_visible = self.visible = RecordingPictures()
+        self.own_pictures = RecordingPictures()
         self.pictures, self.picture_rows, self.picture_notes = {}, {}, {}
         self._n_changes += 1
         for source in sources.values():

@@ -21,7 +21,6 @@ from nvcore.pictures.recordings import RecordingPictures, session_pictures
 from nvcore.progress import Progress, no_progress
 from nvcore.report.html.content import Content, report_content
 from nvcore.report.html.cover import Inscription
-from nvcore.report.html.frames import decisive_moments
 from nvcore.report.html.page import render_page
 from nvcore.settings import Settings
 
@@ -51,8 +50,7 @@ def write_html_report(
     findings
         Of the audit of the same inputs.
     pictures
-        Pictures that are open already; None: the session's pictures that the report shows are
-        opened, and closed again.
+        Pictures that are open already; None: those of the session are opened, and closed again.
     stability
         Whether to compute the stability maps; None: for up to 20,000 frames.
     inscription
@@ -67,7 +65,7 @@ def write_html_report(
     """
     opened = None
     if pictures is None and isinstance(session, Session):
-        opened = _needed_pictures(result, session)
+        opened = session_pictures(session, result.dataset)
     try:
         content = report_content(
             result,
@@ -84,13 +82,6 @@ def write_html_report(
     page = render(content).encode()
     progress(1.0, "done")
     write_whole(path, page)
-
-
-def _needed_pictures(result: Result, session: Session) -> RecordingPictures:
-    """Pictures of the recordings that the report shows: opening a video takes time."""
-    recording = result.dataset.frame_columns.recording
-    recordings = {int(recording[moment.row]) for moment in decisive_moments(result)}
-    return session_pictures(session, result.dataset, recordings)
 
 
 def render(content: Content) -> str:

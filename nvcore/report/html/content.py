@@ -45,6 +45,7 @@ from nvcore.report.html.wording import worded, worded_sections
 from nvcore.report.words import n_frames_text
 from nvcore.stability.map import MAPS
 from nvcore.tables.classes import has_classes
+from nvcore.tables.pictures import pictures_table
 from nvcore.wording import UNDEFINED, one_line
 
 CAUTION = {
@@ -149,7 +150,7 @@ def report_content(
         frames_section(photos, troubles, theme),
         only_one_section(result),
         audit_section(findings),
-        inputs_section(result),
+        inputs_section(result, pictures_table(result.dataset, pictures)),
         parameters_section(result),
         Section(
             "reading",

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
+import pandas as pd
 
 from nvcore import __version__
 from nvcore.comparison import Result
@@ -50,13 +51,21 @@ def audit_section(findings: Sequence[Finding]) -> Section:
     return Section("audit", "Audit of the inputs", words.AUDIT, (listing,))
 
 
-def inputs_section(result: Result) -> Section:
-    """Files with hashes and conversions, recordings, and what was left out."""
+def inputs_section(result: Result, pictures: pd.DataFrame) -> Section:
+    """Files with hashes and conversions, recordings, pictures, and what was left out.
+
+    Parameters
+    ----------
+    pictures
+        As `nvcore.tables.pictures.pictures_table` gives them.
+    """
     dataset = result.dataset
     blocks: list[Block] = []
     if len(dataset.inputs):
         blocks += _files(result)
     blocks.append(_recordings(result))
+    if len(pictures):
+        blocks.append(_pictures(pictures))
     if dataset.notes:
         blocks.append(Sentences(tuple(f"{capitalised(note)}." for note in dataset.notes)))
     n_linked = len(result.tracks.linked_recordings)
@@ -156,6 +165,20 @@ def _recordings(result: Result) -> Table:
         head = (*head, "Driver's view")
         rows = [(*row, view or UNDEFINED) for row, view in zip(rows, views, strict=True)]
     return table("Recordings", head, rows, right=range(1, 7))
+
+
+def _pictures(pictures: pd.DataFrame) -> Table:
+    rows = [
+        (
+            row["recording"],
+            row["pictures"],
+            *(f"{row[f'{w}_frame']}: {row[f'{w}_picture']}" for w in ("first", "middle", "last")),
+            f"{row['n_without']:,} of {row['n_frames']:,}",
+        )
+        for row in pictures.to_dict("records")
+    ]
+    head = ("Recording", "Pictures", "First frame", "Middle frame", "Last frame", "Without")
+    return table("Which picture shows which frame", head, rows, right=(5,), most=MOST_FILES)
 
 
 def _driver_views(dataset: Dataset) -> list[str]:

@@ -8,7 +8,7 @@ from typing import Final
 
 import streamlit as st
 
-from nvcore.findings import TRUTH_NAME, Finding, Severity, steps_text, worst_first
+from nvcore.findings import OF_PICTURES, TRUTH_NAME, Finding, Severity, steps_text, worst_first
 from nvcore.inputs.remedies import applied
 from ui.data.audit import entries
 from ui.data.opening import try_to_open
@@ -69,10 +69,13 @@ def draw() -> None:
 def _counts(findings: Sequence[Finding]) -> str:
     """How many there are of each severity, and what that means for the numbers."""
     words = []
+    of_numbers = [one for one in findings if not one.code.startswith(OF_PICTURES)]
     for severity, (singular, plural) in KINDS.items():
-        n = sum(finding.severity is severity for finding in findings)
+        n = sum(finding.severity is severity for finding in of_numbers)
         if n:
             words.append(f"{n} {singular if n == 1 else plural}")
+    if n := len(findings) - len(of_numbers):
+        words.append(f"{n} of pictures, on which no number depends")
     return ", ".join(words)
 
 

@@ -7,6 +7,7 @@ from functools import partial
 import streamlit as st
 
 from nvcore.auditing import audit_inputs, audit_pair, audit_system, audit_view, role_of
+from nvcore.auditing.pictures import audit_pictures
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, worst_first
 from nvcore.params import Params
@@ -16,11 +17,16 @@ from ui.session.results.comparison import Cached
 
 
 def input_findings() -> tuple[Finding, ...]:
-    """The findings about the open inputs, worst first."""
+    """The findings about the open inputs and their pictures, worst first."""
+    dataset, space = state.opened().dataset, state.workspace()
     with st.spinner("Auditing the inputs"):
-        return findings_kept_by(
-            state.cached, state.opened().dataset, state.params(), *state.systems()
-        )
+        findings = findings_kept_by(state.cached, dataset, state.params(), *state.systems())
+    of_pictures = space.cached(
+        "audit_pictures",
+        space.pictures_version,
+        lambda: audit_pictures(dataset, space.own_pictures),
+    )
+    return worst_first([*findings, *of_pictures])
 
 
 def known_findings() -> tuple[Finding, ...] | None:

@@ -1,0 +1,253 @@
+"""Which picture shows which frame: what of that is wrong, in doubt, or good to know.
+
+No measure depends on pictures. Their codes begin with `nvcore.findings.OF_PICTURES`. The import
+needs the extra ``report``.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from nvcore.dataset import Dataset
+from nvcore.findings import (
+    OF_PICTURES,
+    TRUTH_NAME,
+    Cases,
+    Finding,
+    Remedy,
+    Severity,
+    Step,
+    worst_first,
+)
+from nvcore.inputs.recordings import is_missing
+from nvcore.inputs.session import Session
+from nvcore.pictures.base import PictureNote, PictureTrait
+from nvcore.pictures.index import Rule, is_of_other_shape, why_unclear
+from nvcore.pictures.recordings import RecordingPictures
+from nvcore.wording import count_text, listed, one_line
+
+_MOST_STEPS: Final = 4
+_MOST: Final = 0.5
+"""Share of a recording's frames without a picture from which on that is an error."""
+_NO_NUMBERS: Final = "No measure depends on pictures."
+_LOOK: Final = "Look at a frame with quick movement, whether boxes and pedestrians lie together."
+
+_TRAITS: Final[dict[PictureTrait, tuple[Severity, str, str, str]]] = {
+    PictureTrait.CUT: (
+        Severity.WARNING,
+        "picture{of_total} can be read: the file is damaged or cut off",
+        "pictures{of_total} can be read: the file is damaged or cut off",
+        "Copy or convert it again, best from the original. The frames that can be read are shown.",
+    ),
+    PictureTrait.GAP: (
+        Severity.WARNING,
+        "picture is missing in the video by its times, before picture {place}",
+        "pictures are missing in the video by its times, first before picture {place}",
+        "Frames are found by their times where their numbers go so far; else picture i shows frame "
+        f"i, as in programs that decode the video. {_LOOK}",
+    ),
+    PictureTrait.UNEVEN: (
+        Severity.WARNING,
+        "step{of_total} between the times of pictures is another than usual: the rate varies",
+        "steps{of_total} between the times of pictures are others than usual: the rate varies",
+        "Picture i shows frame i. If the frames were numbered by time, convert the video to a "
+        f"constant rate. {_LOOK}",
+    ),
+    PictureTrait.REPEATED: (
+        Severity.NOTE,
+        "picture of the video is the one before it once more, picture {place}",
+        "pictures of the video are the one before them once more, first picture {place}",
+        "Each counts as a picture, as in other programs.",
+    ),
+    PictureTrait.OTHER_STREAMS: (
+        Severity.NOTE,
+        "more stream of pictures is in the file and is not shown ({names})",
+        "more streams of pictures are in the file and are not shown ({names})",
+        "If it is another camera's, check that the first stream is the one meant.",
+    ),
+    PictureTrait.PASSED_OVER: (
+        Severity.NOTE,
+        "file beside the pictures is not of their series and is passed over ({names})",
+        "files beside the pictures are not of their series and are passed over ({names})",
+        "There is nothing to do, unless a frame of the recording is among them.",
+    ),
+    PictureTrait.FURTHER_PAGES: (
+        Severity.NOTE,
+        "more page is in each file and is not shown (as in {names})",
+        "more pages are in each file and are not shown (as in {names})",
+        "If they are other frames, save each page as a file.",
+    ),
+}
+"""How bad it is, what is said of one and of several (`PictureNote.count`), and what to do."""
+
+
+@dataclass(frozen=True)
+class _Case:
+    """What is to be said of the pictures of one recording."""
+
+    severity: Severity
+    kind: str
+    recording: str
+    text: str
+    advice: str
+    file: str = ""
+    rows: tuple[int, ...] | np.ndarray = ()
+    steps: tuple[Step, ...] = ()
+
+
+def audit_pictures(dataset: Dataset, opened: RecordingPictures) -> tuple[Finding, ...]:
+    """Findings on the pictures of all recordings, worst first; nothing is decoded.
+
+    Several recordings with the same trouble are one finding.
+    """
+    alike: dict[tuple[Severity, str], list[_Case]] = defaultdict(list)
+    for case in _cases(dataset, opened):
+        alike[case.severity, case.kind].append(case)
+    return worst_first(_finding(cases) for cases in alike.values())
+
+
+def _finding(cases: list[_Case]) -> Finding:
+    first, n_more = cases[0], len(cases) - 1
+    more = f" So it is with {count_text(n_more, 'more recording')}." if n_more else ""
+    rows = np.concatenate([np.asarray(case.rows, dtype=np.int64) for case in cases])
+    steps = [step for case in cases for step in case.steps]
+    return Finding(
+        first.severity,
+        f"{OF_PICTURES}{first.kind}",
+        TRUTH_NAME,
+        len(rows) or len(cases),
+        f"Pictures of {one_line(first.recording)}: {first.text}.{more}",
+        first.advice,
+        file=first.file,
+        example=f"recording {first.recording}",
+        cases=Cases("frames", rows) if len(rows) else None,
+        steps=tuple(steps[:_MOST_STEPS]),
+    )
+
+
+def _cases(dataset: Dataset, opened: RecordingPictures) -> Iterator[_Case]:
+    names = [str(name) for name in dataset.recordings["name"]]
+    session = dataset.settings
+    entries = session.entries(names) if isinstance(session, Session) else {}
+    for number, name in enumerate(names):  # a loop over recordings: at most hundreds
+        if number in opened.sources:
+            yield from _of_frames(dataset, opened, number, name)
+            for note in opened.sources[number].notes:
+                yield _of_note(note, name, opened.sources[number].name)
+        elif number in opened.notes:
+            path = entries[name].pictures if name in entries else None
+            # those that are not there are a finding of the inputs
+            if path is None or not isinstance(session, Session) or not is_missing(session, path):
+                yield _Case(
+                    Severity.ERROR,
+                    "unreadable",
+                    name,
+                    f"they cannot be opened. {one_line(opened.notes[number]).rstrip('.')}",
+                    f"Boxes are drawn on a blank until they can. {_NO_NUMBERS}",
+                    file=path or "",
+                    steps=opened.steps.get(number, ()),
+                )
+
+
+def _of_note(note: PictureNote, recording: str, file: str) -> _Case:
+    severity, one, many, advice = _TRAITS[note.trait]
+    named = listed([*map(one_line, note.names)])
+    if note.count > len(note.names) > 0 and note.trait is not PictureTrait.FURTHER_PAGES:
+        named += f" and {note.count - len(note.names):,} more"
+    text = count_text(note.count, one, many).format(
+        of_total=f" of {note.total:,}" if note.total else "",
+        place=note.places[0] if note.places else "",
+        names=named,
+    )
+    kind = note.trait.value.replace(" ", "-")
+    return _Case(severity, kind, recording, text, advice, file=file)
+
+
+def _of_frames(
+    dataset: Dataset, opened: RecordingPictures, number: int, name: str
+) -> Iterator[_Case]:
+    """What is to be said of the pictures that the frames of one recording have."""
+    frames, source = dataset.frame_columns, opened.sources[number]
+    listed_frames = frames.frame[frames.rows_of(number)]
+    mapped, file = opened.frame_maps.get(number), source.name
+    without = np.flatnonzero(opened.indices[number] < 0)
+    rows = frames.first[number] + without
+    first_picture = (Step(Remedy.FIRST_PICTURE, subject=name),)
+    if mapped is not None and mapped.rule is Rule.UNCLEAR:
+        yield _Case(
+            Severity.ERROR,
+            "unclear",
+            name,
+            f"which of them shows which frame is not clear, and none is shown. "
+            f"{why_unclear(listed_frames, source)}",
+            "Name the pictures by the numbers of their frames, or say which frame the first one "
+            f"shows. {_NO_NUMBERS}",
+            file=file,
+            rows=rows,
+            steps=first_picture,
+        )
+    elif len(without):
+        is_most = len(without) >= _MOST * len(listed_frames)
+        yield _Case(
+            Severity.ERROR if is_most else Severity.WARNING,
+            "missing",
+            name,
+            f"{len(without):,} of {len(listed_frames):,} evaluated frames have none, first frame "
+            f"{listed_frames[without[0]]}; there are {count_text(source.n, 'picture')}",
+            "Check that these are the pictures of this recording, and all of them: exported at "
+            f"another rate, they count otherwise than the frames. {_NO_NUMBERS}",
+            file=file,
+            rows=rows,
+            steps=first_picture if is_most else (),
+        )
+    if mapped is not None and mapped.rule in (Rule.ORDER, Rule.ORDER_FROM_ZERO):
+        are_numbered = source.numbers is not None
+        shown = (
+            f"as many as evaluated frames, {source.n:,}, they show these in their order"
+            if mapped.rule is Rule.ORDER
+            else "in their order they show frame 0, 1, 2 and so on"
+        )
+        why = (
+            f"the numbers in their names are not those of the frames ({listed_frames[0]} to "
+            f"{listed_frames[-1]})"
+            if are_numbered
+            else "no numbers of frames are in their names"
+        )
+        is_sure = mapped.rule is Rule.ORDER or not are_numbered
+        yield _Case(
+            Severity.NOTE if is_sure else Severity.WARNING,
+            "in-order",
+            name,
+            shown if source.is_video else f"{shown}, as {why}",
+            _LOOK,
+            file=file,
+            steps=() if is_sure else first_picture,
+        )
+    if mapped is not None and mapped.is_either:
+        other = "less one" if mapped.rule is Rule.NUMBER else "as they are"
+        yield _Case(
+            Severity.NOTE,
+            "either",
+            name,
+            f"the numbers in their names would fit the frames {other} as well",
+            _LOOK,
+            file=file,
+            steps=first_picture,
+        )
+    width, height = float(frames.width[number]), float(frames.height[number])
+    if is_of_other_shape(source, width, height):
+        yield _Case(
+            Severity.WARNING,
+            "other-shape",
+            name,
+            f"they are {source.width} x {source.height} px, of another shape than the recording's "
+            f"{width:g} x {height:g} px",
+            "Boxes are drawn scaled. Check that pictures and recording belong together, and the "
+            "size given.",
+            file=file,
+        )
