@@ -20,6 +20,7 @@ from field_scene import (
     truth,
     write_yolo,
 )
+from inputs import nvcore
 
 import nvcore as nv
 from nvcore.errors import InputError
@@ -211,3 +212,63 @@ def test_the_session_file_states_how_the_names_were_understood(tmp_path):
 def test_a_way_that_does_not_exist_is_refused():
     with pytest.raises(InputError, match="frame_names: expected numbers, times, order, scenes"):
         replace(Source("truth"), frame_names="dates")
+
+
+def two_parts(first: Callable[[int], str], second: Callable[[int], str]) -> Callable[[int], str]:
+    return lambda frame: first(frame) if frame < 20 else second(frame - 20)
+
+
+LLVIP = two_parts(lambda i: f"01{i + 1:04d}.txt", lambda i: f"02{i + 1:04d}.txt")
+TWO_VIDEOS = two_parts(
+    lambda i: f"night_mp4-{i:04d}_jpg.rf.{HASH}.txt", lambda i: f"day_mp4-{i:04d}_jpg.rf.{HASH}.txt"
+)
+LONG_GAP = two_parts(lambda i: f"img_{i:06d}.txt", lambda i: f"img_{i + 5000:06d}.txt")
+
+
+@pytest.mark.parametrize(
+    ("name_of", "recordings"),
+    [(LLVIP, ["01", "02"]), (TWO_VIDEOS, ["day", "night"])],
+    ids=["LLVIP", "two videos"],
+)
+def test_scenes_of_one_list_are_recordings_of_their_own(tmp_path, name_of, recordings):
+    numbers, dataset = compared(tmp_path, as_yolo(tmp_path, every=name_of))
+    assert numbers["matched"] == RIGHT["matched"]
+    assert sorted(dataset.recordings["name"]) == recordings
+    # three pedestrians, each in both halves: none is linked across
+    assert len(nv.compare(dataset).encounters) == 6
+
+
+def test_scenes_in_a_coco_list_are_recordings_of_their_own(tmp_path):
+    document = coco_truth(lambda i: LLVIP(i).replace(".txt", ".jpg"))
+    numbers, dataset = compared(
+        tmp_path, as_json(tmp_path, document, lambda i: {"image_id": i + 1})
+    )
+    assert numbers["matched"] == RIGHT["matched"]
+    assert dataset.recordings["name"].tolist() == ["01", "02"]
+
+
+def test_a_long_gap_in_a_list_of_pictures_is_asked_about(tmp_path):
+    names = as_yolo(tmp_path, every=LONG_GAP)
+    with pytest.raises(InputError, match="a gap of 4,981 numbers") as error:
+        compared(tmp_path, names)
+    assert [step.value for step in error.value.steps] == ["scenes", "numbers"]
+    numbers, dataset = compared(tmp_path, names, frame_names="scenes")
+    assert numbers["matched"] == RIGHT["matched"]
+    assert dataset.recordings["name"].tolist() == ["scene_1", "scene_2"]
+    one = compared(tmp_path, names, frame_names="numbers")[1]
+    assert one.frame_columns.frame.tolist() == [*range(20), *range(5000, 5020)]
+
+
+def test_the_command_line_asks_with_exit_code_2_and_the_flag(tmp_path):
+    names = as_yolo(tmp_path, every=LONG_GAP)
+    paths = [part for side in names for part in (f"--{side}", str(tmp_path / side))]
+    facts = ["--size", "640x480", "--fps", "10"]
+    run = nvcore("check", *paths, *facts)
+    assert run.exit_code == 2
+    assert "Give --frame-names scenes, or give --frame-names numbers." in run.stderr
+    assert nvcore("check", *paths, *facts, "--frame-names", "scenes").exit_code == 0
+
+
+def test_a_list_of_every_thousandth_picture_has_no_gap(tmp_path):
+    _, dataset = compared(tmp_path, as_yolo(tmp_path, every=lambda i: f"{i * 1500:06d}.txt"))
+    assert len(dataset.recordings) == 1

@@ -92,6 +92,13 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     FormatError
         With file and line of the first row that is not YOLO text.
     """
+    frames = [file for file in files if not _is_extra(file.name)]
+    position = np.array([i for i, file in enumerate(files) if not _is_extra(file.name)], np.int64)
+    if not frames:
+        raise InputError(
+            "expected one text file per picture, found none", file=files[0].name if files else None
+        )
+    named = listed_frames(frames, options)
     if options.size is None:
         raise MissingFactError(
             "YOLO text holds shares of the picture's width and height: give the size of the "
@@ -99,14 +106,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
             file=files[0].name if files else None,
             facts=("size",),
         )
-    frames = [file for file in files if not _is_extra(file.name)]
-    position = np.array([i for i, file in enumerate(files) if not _is_extra(file.name)], np.int64)
-    if not frames:
-        raise InputError(
-            "expected one text file per picture, found none", file=files[0].name if files else None
-        )
     names = _class_names(files, frames)
-    named = listed_frames(frames, options)
     table = stacked([read_numbers(frame, LAYOUT) for frame in frames])
     file = table.lines.file
     _check_shares(table)

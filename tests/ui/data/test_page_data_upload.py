@@ -27,6 +27,7 @@ from data_page import (
     sizes_of,
     space_of,
 )
+from field_scene import write_yolo
 from inputs import drive, mot_layout
 from streamlit.testing.v1 import AppTest
 
@@ -353,3 +354,21 @@ def test_a_list_of_frames_is_of_one_recording_and_no_ground_truth(tmp_path: Path
     send(page, "upload_truth", ("frames.txt", b"0\n3\n9\n"))
     checked(page.run())
     assert "it belongs in the field “Evaluated frames”" in texts(page)
+
+
+def test_a_gap_in_a_list_of_pictures_is_asked_about_at_its_field(tmp_path: Path):
+    def files(side: str) -> list[tuple[str, bytes]]:
+        folder = write_yolo(
+            tmp_path / side, side, lambda i: f"img_{i + (5000 if i >= 20 else 0):06d}.txt"
+        )
+        return [(file.name, file.read_bytes()) for file in sorted(folder.iterdir())]
+
+    page = opened()
+    send(page, "upload_truth", *files("truth"))
+    send(page, "upload_system_0", *files("x"))
+    checked(page.run())
+    (said,) = [error.value for error in page.error if "a gap of" in error.value]
+    assert "Choose “scenes” as “Names of pictures” under “How to read”" in said
+    (field,) = [box for box in page.selectbox if box.key == "frame_names_upload_truth"]
+    checked(field.set_value("scenes").run())
+    assert not page.error

@@ -14,7 +14,7 @@ import pandas as pd
 from nvcore.errors import FormatError, InputError
 from nvcore.findings import Remedy, Step
 from nvcore.inputs.readers.base import NamedPictures, ReadOptions, SourceFile, object_array
-from nvcore.inputs.readers.meaning.names import place_of_stem, recording_before
+from nvcore.inputs.readers.meaning.names import ONLY, place_of_stem, recording_before
 from nvcore.inputs.readers.meaning.picture_times import (
     LEAST_TIME,
     NamedTimes,
@@ -279,7 +279,7 @@ def _by_scenes(named: NamedPictures, stems: Sequence[str], how: str | None) -> N
             frame[order] = [int(digits[row][width:]) for row in order]
             table = table.assign(frame=frame)
         elif how == "scenes":
-            scene[order] = (part + 1).astype(str)
+            scene[order] = [f"scene_{number + 1}" for number in part]
         else:
             at = int(np.argmax(is_gap))
             before, after = (table["name"].iloc[order[row]] for row in (at, at + 1))
@@ -293,7 +293,10 @@ def _by_scenes(named: NamedPictures, stems: Sequence[str], how: str | None) -> N
     if not is_part.any():
         return named
     whole = table["recording"].to_numpy(dtype=object)
-    names = np.where(is_part, _scene_names(whole, scene), whole)
+    parts = [
+        f"{name}_{part}".removeprefix(f"{ONLY}_") for name, part in zip(whole, scene, strict=True)
+    ]
+    names = np.where(is_part, object_array(parts), whole)
     n_parts = len(set(names[is_part]))
     fact = f"{n_parts} recordings told apart by gaps in the numbers of the pictures"
     return replace(
@@ -302,10 +305,6 @@ def _by_scenes(named: NamedPictures, stems: Sequence[str], how: str | None) -> N
         how="scenes",
         facts=(*named.facts, fact),
     )
-
-
-def _scene_names(recording: np.ndarray, scene: np.ndarray) -> np.ndarray:
-    return object_array([f"{name}_{part}" for name, part in zip(recording, scene, strict=True)])
 
 
 def _scene_digits(digits: Sequence[str], part: np.ndarray) -> int:
@@ -325,7 +324,8 @@ def _scene_digits(digits: Sequence[str], part: np.ndarray) -> int:
         heads = pd.Series([text[:width] for text in digits])
         first = pd.Series([int(text[width:]) for text in digits]).groupby(heads).min()
         same = pd.DataFrame({"head": heads, "part": part}).drop_duplicates()
-        if len(same) == heads.nunique() == part[-1] + 1 and (first <= 1).all():
+        # pictures from 0 and from 5000 on may as well be parts of one recording
+        if len(same) == heads.nunique() == part[-1] + 1 and (first <= 1).all() and int(heads[0]):
             return width
     return 0
 
