@@ -14,6 +14,7 @@ from typing import Final
 
 from nvcore.errors import InputError
 from nvcore.file_kinds import PACKED_ENDINGS, suffix_of, unpacked_name
+from nvcore.inputs.patterns import matching
 from nvcore.inputs.readers import NOTHING, detect_format, format_named, holds_nothing
 from nvcore.inputs.readers.base import Format, Role, SourceFile
 from nvcore.inputs.readers.meaning.names import NEUTRAL
@@ -130,9 +131,7 @@ def _expand(text: str, folder: Path, role: Role, declared: Format | None) -> lis
     if is_other:
         raise InputError("is a device or a socket; expected a file or a folder", file=text)
     if glob.has_magic(text):
-        # Path.glob takes no absolute pattern
-        names = glob.glob(text, root_dir=folder, recursive=True)  # noqa: PTH207
-        matches = [folder / name for name in sorted(names)]
+        matches = [folder / name for name in matching(text, folder)]
         files = [SourceFile(match, _shown(match)) for match in matches if match.is_file()]
         if files:
             return files

@@ -13,7 +13,7 @@ from contextvars import ContextVar
 from io import BufferedReader
 from pathlib import Path
 from threading import Lock
-from typing import Final
+from typing import Any, Final
 
 from nvcore.errors import InputError
 
@@ -40,7 +40,13 @@ class _PipeContents:
             return self._paths[identity]
 
     def _read(self, pipe: Path) -> Path:
-        content = tempfile.NamedTemporaryFile(prefix="nvcore-pipe-")  # noqa: SIM115  # closed later
+        # without a name, where it can be opened by its number: a process that is killed leaves none
+        has_numbers = Path("/proc/self/fd").is_dir()
+        content: Any = (
+            tempfile.TemporaryFile()  # noqa: SIM115  # closed later
+            if has_numbers
+            else tempfile.NamedTemporaryFile(prefix="nvcore-pipe-")  # noqa: SIM115  # likewise
+        )
         self._files.enter_context(content)
         n_bytes = 0
         with pipe.open("rb") as stream:
@@ -53,7 +59,7 @@ class _PipeContents:
                     )
                 content.write(part)
         content.flush()
-        return Path(content.name)
+        return Path(f"/proc/self/fd/{content.fileno()}" if has_numbers else content.name)
 
 
 _contents: ContextVar[_PipeContents | None] = ContextVar("pipes", default=None)

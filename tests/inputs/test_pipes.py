@@ -116,6 +116,19 @@ def test_python_reads_a_pipe_anew_at_each_call(tmp_path: Path):
     assert not [*Path(tempfile.gettempdir()).glob("nvcore-pipe-*")]
 
 
+@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="needs files without names")
+def test_what_came_through_a_pipe_is_gone_with_the_process_however_it_ends(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    (tmp_path / "temporary").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+    with piped(tmp_path / "pipe", b"content") as pipe, pipes.pipes_kept():
+        for _ in range(2):
+            with pipes.open_stored(pipe) as stream:
+                assert stream.read() == b"content"
+        assert [*(tmp_path / "temporary").iterdir()] == []  # a process that is killed leaves none
+
+
 def test_what_comes_through_a_pipe_is_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(pipes, "MAX_PIPE_BYTES", 1000)
     with (

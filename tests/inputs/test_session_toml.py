@@ -366,3 +366,14 @@ def test_a_table_of_recordings_that_is_not_named_is_refused(tmp_path: Path, text
 def test_a_published_point_that_cannot_be_is_refused(tmp_path: Path, values: str, message: str):
     with pytest.raises(SessionError, match=re.escape(message)):
         read(tmp_path, *MINIMAL, f'[[published]]\nname = "report"\n{values}')
+
+
+def test_a_session_of_thousands_of_systems_or_a_key_of_as_many_parts_is_refused(tmp_path: Path):
+    path = tmp_path / "session.toml"
+    system = '[[system]]\nname = "a"\npath = "a.csv"\n'
+    path.write_text('[truth]\npath = "t.csv"\n' + system * 1001)
+    with pytest.raises(SessionError, match="system: expected at most 1,000"):
+        read_session(path)
+    path.write_text(".".join("a" * 200_000) + " = 1\n")
+    with pytest.raises(SessionError, match="a line with more than 20,000 dots"):
+        read_session(path)

@@ -23,6 +23,7 @@ from nvcore.findings import Finding
 from nvcore.inputs.driver.session import DriverTable, without_driver_paths
 from nvcore.inputs.facts import FRAME_RANGE, is_frame_range
 from nvcore.inputs.files import NAME_PARTS
+from nvcore.inputs.patterns import matching
 from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session, Source, SystemSource
 from nvcore.params import Params
 from nvcore.pictures.open import is_below
@@ -242,8 +243,7 @@ def check_confined(session: Session, root: Path) -> None:
             start = Path(*_before_magic(path.parts))
             # checked first: matching a pattern outside would already reveal files
             is_inside = Path(os.path.realpath(start)).is_relative_to(real_root) and all(
-                is_below(session.folder / name, root)
-                for name in glob.glob(text, root_dir=session.folder, recursive=True)  # noqa: PTH207
+                is_below(session.folder / name, root) for name in matching(text, session.folder)
             )
         else:
             is_inside = is_below(path, root)

@@ -38,6 +38,9 @@ from nvcore.wording.objects import PEDESTRIAN, objects_from
 _T = TypeVar("_T")
 
 MAX_BYTES: Final = 16 << 20
+MOST_SYSTEMS: Final = 1000
+_MOST_DOTS: Final = 20_000
+"""In a line: each part of a key takes as long as there are parts before it."""
 """With the hashes of a hundred thousand inputs."""
 _TABLES: Final = frozenset(
     {
@@ -92,7 +95,10 @@ def read_session(path: str | Path, *, needs_system: bool = True) -> Session:
     try:
         if path.stat().st_size > MAX_BYTES:
             raise SessionError(f"is larger than {MAX_BYTES >> 20} MiB", file=path)
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        if any(line.count(".") > _MOST_DOTS for line in text.splitlines()):
+            raise SessionError(f"has a line with more than {_MOST_DOTS:,} dots", file=path)
+        content = tomllib.loads(text)
         _check_integers(content)
     except OSError as error:
         raise SessionError(f"cannot be opened ({error.strerror})", file=path) from error
@@ -128,6 +134,8 @@ class _Decoder:
 
     def session(self, content: dict[str, Any], needs_system: bool) -> Session:
         self.check_keys(content, _TABLES, "the session")
+        if len(self.tables(content, "system")) > MOST_SYSTEMS:
+            raise self.fail(f"system: expected at most {MOST_SYSTEMS:,}")
         if "truth" not in content or (needs_system and not self.tables(content, "system")):
             raise self.fail("expected a [truth] table and at least one [[system]]")
         truth = self.source(Source, self.table(content, "truth"), "[truth]")
