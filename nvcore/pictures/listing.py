@@ -99,8 +99,15 @@ class _Packets:
     n_second_fields: int
 
 
-def list_pictures(path: Path, container_format: str, name: str) -> PictureTable:
+def list_pictures(
+    path: Path, container_format: str, name: str, *, must_decode: bool = False
+) -> PictureTable:
     """The pictures of a file; it is decoded only where its packets may not be its pictures.
+
+    Parameters
+    ----------
+    must_decode
+        Whether to list only what the decoder gives.
 
     Raises
     ------
@@ -133,7 +140,7 @@ def list_pictures(path: Path, container_format: str, name: str) -> PictureTable:
     is_sure = packets.have_times and not packets.is_packed and not is_guess
     if is_sure:
         is_shown = _is_shown(packets)
-        if packets.may_be_uncoded:
+        if must_decode or packets.may_be_uncoded:
             is_shown &= np.isin(packets.shown_at, _decoded_times(path, container_format, name))
         n_listed = int(np.count_nonzero(is_shown))
         if is_cut or not (is_avi or n_stated):  # else all is there, and a gap is no loss

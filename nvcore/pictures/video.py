@@ -56,11 +56,10 @@ class Video:
             if self._format == "mov":
                 check_samples(path, self.name)
             self._table = list_pictures(path, self._format, self.name)
-            self._by_count = not self._table.is_sure
-            self._n = len(self._table.times)
-            self.n, self.fps = len(self._table.shown), self._table.fps
-            self.times_s, self.notes = self._table.times_s, self._table.notes
             first = self._find(0)
+            if first is None and self._format in ("mpegts", "mpeg"):  # it may begin in the middle
+                self._table = list_pictures(path, self._format, self.name, must_decode=True)
+                first = self._find(0)
         except (av.error.FFmpegError, OSError) as error:
             raise MediaError(DAMAGED, file=self.name) from error
         finally:
@@ -68,6 +67,8 @@ class Video:
         if first is None:
             raise MediaError(f"its first picture cannot be decoded: it {DAMAGED}", file=self.name)
         self.height, self.width = first.shape[:2]
+        self.n, self.fps = len(self._table.shown), self._table.fps
+        self.times_s, self.notes = self._table.times_s, self._table.notes
         self.note = ""
         if self.notes and self.notes[0].trait is PictureTrait.CUT:
             stated = f" of {self.notes[0].total}" if self.notes[0].total else ""
@@ -137,19 +138,19 @@ class Video:
         key = int(np.searchsorted(self._table.keys, index, side="right")) - 1
         key_at = int(self._table.keys[key]) if key >= 0 else 0
         if self._container is not None and (
-            key_at <= self._at < index or (self._by_count and self._at < index)
+            key_at <= self._at < index or (not self._table.is_sure and self._at < index)
         ):
             picture, _ = self._forward(index, self._at)
             if picture is not None:
                 return picture
         # key pictures further and further back, where a seek lands too late; at last the start
-        for number in [key - back for back in (0, 1, 3) if key - back > 0 and not self._by_count]:
+        for number in [key - back for back in (0, 1, 3) if key - back > 0 and self._table.is_sure]:
             self._seek(int(self._table.key_seeks[number]))
             picture, was_reached = self._forward(index, int(self._table.keys[number]))
             if was_reached:
                 return picture
         self._seek(None)
-        return self._forward(index, self._n)[0]
+        return self._forward(index, len(self._table.times))[0]
 
     def _seek(self, time: int | None) -> None:
         """Go to a key picture; None: to the start of the file."""
@@ -181,16 +182,18 @@ class Video:
             if n_beyond > REORDERED:  # a decoder may give a few pictures out of order
                 return None, True
         self._let_go()
-        return None, True
+        # pictures of other times than listed: a seek in MPEG may shift them all
+        return None, not is_first
 
     def _position(self, frame: Any) -> int | None:
         """Which picture this is; None: none of those listed."""
-        if self._by_count:
-            return self._at + 1 if self._at + 1 < self._n else None
+        times = self._table.times
+        if not self._table.is_sure:
+            return self._at + 1 if self._at + 1 < len(times) else None
         if frame.pts is None:
             return None
-        position = int(np.searchsorted(self._table.times, frame.pts))
-        return position if position < self._n and self._table.times[position] == frame.pts else None
+        position = int(np.searchsorted(times, frame.pts))
+        return position if position < len(times) and times[position] == frame.pts else None
 
     def _to_array(self, frame: Any) -> Picture:
         name = frame.format.name

@@ -112,6 +112,16 @@ def test_two_fields_are_one_picture(tmp_path: Path, ending: str, packets: str):
     assert (video.fps, video.notes) == (25, ())
 
 
+@pytest.mark.parametrize("share", [0.2, 0.6])
+def test_a_stream_that_begins_in_the_middle_shows_what_can_be_decoded(tmp_path: Path, share: float):
+    path = field_pictures(tmp_path / "a.ts")
+    content = path.read_bytes()
+    path.write_bytes(content[188 * int(len(content) * share / 188) :])
+    numbers = numbers_of(Video(path))
+    assert numbers == [*range(24 - len(numbers), 24)]
+    assert abs(len(numbers) - 24 * (1 - share)) < 2
+
+
 @pytest.mark.parametrize("ending", ["avi", "mkv", "mp4"])
 def test_packed_pictures_are_shown_in_their_order(tmp_path: Path, ending: str):
     path = write_numbered_video(tmp_path / "a.avi", "mpeg4", g="12", bf="1")
