@@ -8,7 +8,7 @@ from starlette.middleware import Middleware
 
 from ui.access.login import login
 from ui.serving.gate import Gate, OwnPages
-from ui.serving.headers import SecureHeaders
+from ui.serving.headers import KnownPages, SecureHeaders
 from ui.serving.life import lifespan
 from ui.serving.starting import check_start
 from ui.serving.styles import OwnStyles
@@ -16,6 +16,7 @@ from ui.serving.visitors import VisitorLimits
 from ui.session.routes import ROUTES
 from ui.settings.limits import limits_of_environment
 from ui.shell.messages import error_banner
+from ui.shell.pages import SECTIONS
 
 # What the imports have left stays: looking through it each time that Python collects garbage would
 # take a fifth of a second.
@@ -33,6 +34,7 @@ app = st.App(
         Middleware(OwnPages),
         Middleware(Gate),
         Middleware(VisitorLimits, limits=limits_of_environment()),
+        Middleware(KnownPages, pages=[name for pages in SECTIONS.values() for name in pages]),
         Middleware(OwnStyles),
     ],
     lifespan=lifespan,

@@ -177,7 +177,8 @@ def _worded(dataset: Dataset, findings: Iterable[Finding]) -> tuple[Finding, ...
 
 def audit_view(dataset: Dataset, params: Params) -> tuple[Finding, ...]:
     """The part of `audit` about the drive as the camera saw it; at once, whatever setting moved."""
-    return (*audit_foot_spread(dataset, params), *audit_closing_speed(dataset, params))
+    findings = [*audit_foot_spread(dataset, params), *audit_closing_speed(dataset, params)]
+    return _worded(dataset, findings)
 
 
 @contextmanager

@@ -9,7 +9,6 @@ from nvcore.dataset.provenance import About
 from nvcore.detectors.base import Detector
 from nvcore.detectors.facts import model_settings, run_settings
 from nvcore.detectors.icf import IcfDetector, IcfModel
-from nvcore.detectors.icf.channels import channel_sets
 from nvcore.detectors.icf.settings import OF_A_RUN
 from nvcore.detectors.registry import DETECTORS
 from nvcore.detectors.settings import SettingFacts, value_text
@@ -61,13 +60,9 @@ def render_about(detector: Detector, name: str) -> str:
         f"fingerprint: {about.fingerprint}",
         f"trained on: {trained_on.removeprefix('trained on ')}",
     ]
-    values = dict(about.settings)
     if isinstance(detector, IcfDetector):
         lines += _of_model(detector.model)
-        values["channels"] = " ".join(
-            channel_sets(detector.model.settings, detector.model.is_colour)
-        )
-    return "\n".join([*lines, *_settings(about, values)])
+    return "\n".join([*lines, *_settings(about, dict(about.settings))])
 
 
 def _of_model(model: IcfModel) -> list[str]:

@@ -129,6 +129,11 @@ def render_training(training: Training) -> str:
         *_errors(errors),
         *_choices(estimator),
         *describe_learning(errors),
+        *(
+            ["features and settings were chosen by a quick search"]
+            if estimator.origin.search
+            else []
+        ),
         f"trained in {duration_text(training.seconds)}",
     ]
     return "\n".join(lines)

@@ -149,7 +149,7 @@ def render_horizons(dataset: Dataset) -> str:
     """Where the horizon seems to be in recordings that do not state it; empty: nothing to say."""
     is_open = dataset.recordings["horizon"].isna()
     horizons = [
-        f"{name}: {horizon.text}"
+        f"{name}: {dataset.words(horizon.text)}"
         for name, horizon, is_asked in zip(
             dataset.recordings["name"], estimate_horizons(dataset), is_open, strict=True
         )

@@ -12,6 +12,7 @@ from nvcore.auditing import audit
 from nvcore.auditing.closing import audit_closing_speed, closing_speeds
 from nvcore.dataset import Dataset
 from nvcore.params import Params
+from nvcore.wording.objects import objects_from
 
 M_PER_FRAME = 10 / 36
 """At ten frames a second, 10 km/h."""
@@ -64,6 +65,13 @@ def test_both_speeds_are_named_with_their_recordings():
     assert "In 1 recording pedestrians come nearer" in finding.message
     assert finding.message.endswith("distances): r0 at 4 km/h (50 km/h assumed).")
     assert finding in audit(made)
+
+
+def test_speeds_are_told_in_the_words_of_the_objects():
+    made = dataset(nearing(4, 4, 4))
+    of_animals = replace(made, settings=replace(made.settings, objects=objects_from("animal")))
+    (message,) = (found.message for found in audit(of_animals) if found.code == "closing-speed")
+    assert "In 1 recording animals come nearer" in message
 
 
 @pytest.mark.parametrize(("speed_kmh", "n"), [(7.9, 0), (8.1, 1), (2.1, 0), (1.9, 1)])

@@ -16,7 +16,7 @@ from places import SAMPLE
 from nvcore.detectors import run as run_module
 from nvcore.detectors.base import Detector
 from nvcore.detectors.icf import IcfSettings
-from nvcore.detectors.registry import SAMPLE_MODEL
+from nvcore.detectors.registry import SAMPLE_MODEL, open_detector
 from nvcore.driver.estimators.model_file import SAMPLE_ESTIMATOR
 
 QUICK = ("--detector", "hog:daimler", "--set", "scale_step=1.3")
@@ -218,6 +218,8 @@ def test_a_model_of_grey_pictures_says_so():
     ran = nvcore("models", "icf:sample")
     assert "\npictures: grey\n" in ran.stdout
     assert "\n  channels = grey magnitude orientations\n" in ran.stdout
+    about = open_detector("icf:sample").about  # which the record of a run holds
+    assert about.settings["channels"] == "grey magnitude orientations"
 
 
 def test_an_estimator_is_described_and_no_detector(tmp_path: Path):

@@ -46,6 +46,7 @@ def test_from_trials_to_a_model(files: tuple[Path, Path], tmp_path: Path):
     estimator = read_estimator(out)
     assert estimator.name == "driver"
     assert estimator.origin.n_subjects == 6
+    assert "\nfeatures and settings were chosen by a quick search\n" in ran.stdout
     described = nvcore("models", out).stdout
     assert "its estimates are learnt by a quick search" in described
 

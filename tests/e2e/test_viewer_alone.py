@@ -71,6 +71,14 @@ def test_who_is_missed_by_whom_is_told_in_words(page):
     sync_api.expect(said).to_contain_text("X misses 1, Y misses 0, false alarms X 1, Y 1")
 
 
+def test_who_is_not_detected_but_too_far_to_count_stands_beside_who_is_missed(page):
+    press(page, "n")
+    assert settled(page, scene.MISSED_BY_X.start) == str(scene.MISSED_BY_X.start)
+    counts = page.locator(".viewer .counts")
+    for text in ("1 near missed, 1 far, 1 false", "0 near missed, 1 far, 1 false"):
+        sync_api.expect(counts.filter(has_text=text)).to_have_count(1)
+
+
 def test_a_frame_whose_picture_is_late_is_told_in_words_when_it_is_there(page):
     waiting: list[sync_api.Route] = []
     late = re.compile(rf"/frame/0/{scene.MISSED_BY_X.start}\.jpg")

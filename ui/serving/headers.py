@@ -6,6 +6,8 @@ import base64
 import hashlib
 import os
 import re
+from collections.abc import Collection
+from http import HTTPStatus
 from pathlib import Path
 from typing import Final
 
@@ -13,6 +15,9 @@ import streamlit
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from ui.settings.start import base_path
+
+HTML: Final = "text/html"
 FRAMED_BY: Final = "NVCORE_FRAME_ANCESTORS"
 """Sites that may show the app in a frame, as in a content security policy; default: itself."""
 
@@ -75,3 +80,33 @@ class SecureHeaders:
             await send(message)
 
         await self.app(scope, receive, send_with_headers)
+
+
+class KnownPages:
+    """Tells programs that an address leads to no page: Streamlit answers any with its page and 200.
+
+    Parameters
+    ----------
+    pages
+        Names of the pages in addresses.
+    """
+
+    OTHERS: Final = ("_stcore", "app", "auth", "component", "media", "static")
+    """Starts of addresses below which files and answers are, not pages."""
+
+    def __init__(self, app: ASGIApp, pages: Collection[str]):
+        self.app, self._pages, self._base = app, {"", "index.html", *pages}, base_path()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """ASGI."""
+        name = str(scope.get("path", "")).removeprefix(self._base).strip("/")
+        is_known = name in self._pages or name.partition("/")[0] in self.OTHERS
+
+        async def send_with_status(message: Message) -> None:
+            if message["type"] == "http.response.start" and message["status"] == HTTPStatus.OK:
+                is_page = MutableHeaders(scope=message).get("content-type", "").startswith(HTML)
+                message["status"] = HTTPStatus.NOT_FOUND if is_page else HTTPStatus.OK
+            await send(message)
+
+        is_asked = scope["type"] == "http" and not is_known
+        await self.app(scope, receive, send_with_status if is_asked else send)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from nvcore.detectors.base import About, Detections
 from nvcore.detectors.icf.cascade import floors
-from nvcore.detectors.icf.channels import Bytes, check_picture, integral_images
+from nvcore.detectors.icf.channels import Bytes, channel_sets, check_picture, integral_images
 from nvcore.detectors.icf.features import corner_offsets, has_differences
 from nvcore.detectors.icf.kernels.pictures import scan
 from nvcore.detectors.icf.model import IcfModel
@@ -73,11 +73,13 @@ class IcfDetector:
 
     def __init__(self, model: IcfModel) -> None:
         self.model = model
+        # of a model of grey pictures, grey levels in place of the colours of its settings
+        channels = channel_sets(model.settings, model.is_colour)
         self.about = About(
             kind=KIND,
             name=model.name,
             labels=model.labels,
-            settings=model.settings.in_words(),
+            settings=model.settings.in_words() | {"channels": " ".join(channels)},
             fingerprint=fingerprint(model),
             trained_on=model.trained_on,
         )

@@ -105,7 +105,8 @@ class IcfModel:
         Raises
         ------
         ParameterError
-            If one is not a setting of a run (`OF_A_RUN`), or its value is not possible.
+            If one is not a setting of a run (`OF_A_RUN`), or its value is not possible: a model of
+            grey pictures has no red places.
         """
         known, odd = listed(sorted(OF_A_RUN)), sorted(set(changes) - OF_A_RUN)
         fixed = [name for name in odd if hasattr(self.settings, name)]
@@ -116,4 +117,9 @@ class IcfModel:
         if odd:
             hint = did_you_mean(odd[0], sorted(OF_A_RUN), f"of a run there are {known}")
             raise ParameterError(f"there is no setting {odd[0]!r}; {hint}")
+        if changes.get("proposals") == "red" and not self.is_colour:
+            raise ParameterError(
+                "proposals: red is of pictures in colour, and the model was trained on grey ones; "
+                "expected none"
+            )
         return replace(self, settings=replace(self.settings, **changes))

@@ -16,6 +16,7 @@ from nvcore.detectors.icf.regions import (
     learn_band,
     places,
 )
+from nvcore.errors import ParameterError
 
 TRIANGLE = (0.0, 0.0, 1.0, 0.0, 0.0, 1.0)
 
@@ -74,6 +75,13 @@ def test_proposals_leave_only_windows_with_red(drawn, model):
     n = [sum(m.n_windows for m in d.score_maps(picture)) for d in (detector, red)]
     assert 0 < n[1] < 0.6 * n[0]
     assert len(red.detect(picture)) >= 2
+
+
+def test_a_model_of_grey_pictures_refuses_proposals_by_colour(model):
+    grey = IcfDetector(replace(model, is_colour=False))
+    with pytest.raises(ParameterError, match="proposals: red is of pictures in colour"):
+        grey.run_with(proposals="red")
+    assert grey.run_with(proposals="none").about == grey.about
 
 
 def test_a_grey_picture_has_no_proposals(settings):

@@ -25,7 +25,9 @@ function showCounts(parts, counts) {
   };
   for (const system of ["x", "y"]) {
     const missed = counts[`missed_${system}`];
-    set(parts[system], `${missed} near missed, ${counts[`false_${system}`]} false`);
+    const far = counts[`far_${system}`];
+    const texts = [`${missed} near missed`, ...(far ? [`${far} far`] : [])];
+    set(parts[system], [...texts, `${counts[`false_${system}`]} false`].join(", "));
     parts[system].classList.toggle("misses", missed > 0);
   }
   set(parts.truth, `${counts.truth}, ${counts.relevant} near enough`);

@@ -94,7 +94,7 @@ class BoxStore {
     try {
       const url = `${this.address}/${number}?v=${encodeURIComponent(version)}`;
       const answer = await fetch(url, { credentials: "same-origin" });
-      // an unknown address is answered with the app's own page and status 200
+      // an unknown address is answered with the app's own page
       const isPage = (answer.headers.get("content-type") ?? "").startsWith("text/html");
       if (isPage) throw new Error(SESSION_ENDED);
       if (!answer.ok) throw new Error(await refusal(answer, SESSION_ENDED));

@@ -92,22 +92,28 @@ function truthStyle(state, palette) {
 // Which of the two systems miss this truth box: "", "x", "y" or "xy".
 function missedBy(state) {
   if (state & TRUTH_STATE.ignore || !(state & TRUTH_STATE.relevant)) return "";
+  return unmatchedBy(state);
+}
+
+function unmatchedBy(state) {
   return (state & TRUTH_STATE.matched_x ? "" : "x") + (state & TRUTH_STATE.matched_y ? "" : "y");
 }
 
 // One row's counts for the legend above the picture.
 function countStates(found) {
-  const counts = { truth: 0, relevant: 0, missed_x: 0, missed_y: 0, false_x: 0, false_y: 0 };
+  const counts = {
+    truth: 0, relevant: 0, missed_x: 0, missed_y: 0, far_x: 0, far_y: 0, false_x: 0, false_y: 0,
+  };
   if (!found) return counts;
   const { boxes } = found;
   for (let i = found.start; i < found.stop; i += 1) {
     const state = boxes.state[i];
     if (boxes.source[i] === SOURCE.truth) {
-      const missed = missedBy(state);
-      if (!(state & TRUTH_STATE.ignore)) counts.truth += 1;
-      if (!(state & TRUTH_STATE.ignore) && state & TRUTH_STATE.relevant) counts.relevant += 1;
-      if (missed.includes("x")) counts.missed_x += 1;
-      if (missed.includes("y")) counts.missed_y += 1;
+      if (state & TRUTH_STATE.ignore) continue;
+      const isRelevant = state & TRUTH_STATE.relevant;
+      counts.truth += 1;
+      if (isRelevant) counts.relevant += 1;
+      for (const system of unmatchedBy(state)) counts[`${isRelevant ? "missed" : "far"}_${system}`] += 1;
     } else if (state === DETECTION_STATE.false_alarm) {
       if (boxes.source[i] === SOURCE.x) counts.false_x += 1;
       else counts.false_y += 1;
