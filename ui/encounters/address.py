@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, TypeVar
 
-from ui.encounters.filters import CATEGORIES, CLASSES, Filters
+from ui.encounters.filters import CATEGORIES, CLASSES, OPEN, Filters
 from ui.encounters.order import Order, order_of
 
 ENCOUNTER: Final = "encounter"
@@ -113,15 +113,19 @@ def _unescaped(part: str) -> str:
 
 
 def _range_text(span: tuple[float, float] | None) -> str:
-    return "" if span is None else f"{span[0]:g}:{span[1]:g}"
+    """An open end is left out: what it is follows from what is listed."""
+    return (
+        "" if span is None else ":".join(f"{end:g}" if math.isfinite(end) else "" for end in span)
+    )
 
 
 def _range(text: str) -> tuple[float, float] | None:
     low, _, high = text.partition(":")
-    ends = _number(low), _number(high)
-    if ends[0] is None or ends[1] is None or ends[0] > ends[1]:
+    least = _number(low) if low else OPEN[0]
+    most = _number(high) if high else OPEN[1]
+    if least is None or most is None or least > most or ":" not in text:
         return None
-    return ends[0], ends[1]
+    return least, most
 
 
 def _least(text: str) -> float | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -38,6 +39,8 @@ SIGHTS: Final = tuple(SIGHT_CHOICES)
 LISTS: Final = ("category", "class_x", "class_y", "recording", "class", "driver")
 """Names of the filters that are lists, and of those that are ranges."""
 RANGES: Final = ("position", "height", "pose")
+OPEN: Final = (-math.inf, math.inf)
+"""The ends of a range that nobody has set: they are those of what is listed, whatever that is."""
 MOST_WORDS: Final = 80
 """Characters of the filters in words; all of them are in the widgets."""
 
@@ -45,6 +48,8 @@ MOST_WORDS: Final = 80
 @dataclass(frozen=True)
 class Filters:
     """Which encounters to keep, by columns of ``encounters.csv``; empty or None: all.
+
+    A range may be open at one end, which is infinite then.
 
     Attributes
     ----------
@@ -158,7 +163,7 @@ def in_words(filters: Filters) -> list[str]:
         if chosen
     ]
     words += [
-        f"{name} {span[0]:g} to {span[1]:g}{unit}"
+        f"{name} {_range_words(span)}{unit}"
         for name, span, unit in (
             ("position", filters.position, ""),
             ("height", filters.height_px, " px"),
@@ -169,6 +174,13 @@ def in_words(filters: Filters) -> list[str]:
     if filters.least_severity_s > 0:
         words.append(f"severity from {filters.least_severity_s:.2f} s")
     return words
+
+
+def _range_words(span: tuple[float, float]) -> str:
+    low, high = span
+    if math.isinf(low):
+        return f"up to {high:g}"
+    return f"from {low:g}" if math.isinf(high) else f"{low:g} to {high:g}"
 
 
 def take(filters: Filters) -> None:
@@ -184,9 +196,9 @@ def take(filters: Filters) -> None:
         RANGES, (filters.position, filters.height_px, filters.pose_z), strict=True
     ):
         if span is not None:
-            st.session_state[key(name)] = span
+            st.session_state[_set_key(name)] = span
     if filters.least_severity_s > 0:
-        st.session_state[key("severity")] = filters.least_severity_s
+        st.session_state[_set_key("severity")] = (filters.least_severity_s,)
 
 
 def set_classes(x: str | None, y: str | None) -> None:
@@ -201,8 +213,8 @@ def clear_filters() -> None:
     """List all encounters. For callbacks."""
     for name in LISTS:
         st.session_state[key(name)] = []
-    for name in (*RANGES, "severity"):
-        st.session_state.pop(key(name), None)
+    for name in (*LISTS, *RANGES, "severity"):
+        st.session_state.pop(_set_key(name), None)
 
 
 def _draw_widgets(encounters: pd.DataFrame, possible: Sequence[str]) -> Filters:
@@ -236,9 +248,7 @@ def _draw_widgets(encounters: pd.DataFrame, possible: Sequence[str]) -> Filters:
         for column, letter in ((left, "x"), (middle, "y"))
     )
     names = state.recording_names()
-    chosen = st.session_state.get(key("recording"), [])
-    if not {*chosen} <= {*names}:  # tags leave other recordings than those that were chosen
-        st.session_state[key("recording")] = [name for name in chosen if name in names]
+    _choose_among("recording", names)
     recordings = right.multiselect(
         "Recording",
         names,
@@ -278,9 +288,7 @@ def _draw_widgets(encounters: pd.DataFrame, possible: Sequence[str]) -> Filters:
             ", and what the boxes show: crossing, in the road, in a group, a child (see the "
             "documentation, Metrics)"
         )
-    chosen = st.session_state.get(key("class"), [])
-    if not {*chosen} <= {*names}:
-        st.session_state[key("class")] = [name for name in chosen if name in names]
+    _choose_among("class", names)
     left, right = place.columns(2)
     classes = left.multiselect(
         state.words("Class of pedestrian"),
@@ -328,25 +336,27 @@ def _least_severity(place: st.delta_generator.DeltaGenerator, encounters: pd.Dat
     largest = np.nanmax(
         encounters[["severity_s_x", "severity_s_y"]].to_numpy(dtype=float), initial=0.0
     )
-    if not largest:
-        return 0.0
-    high = float(np.floor(largest / SEVERITY_STEP_S) + 1) * SEVERITY_STEP_S
-    _keep_within("severity", 0.0, round(high, 6))
-    severity_s: float = place.slider(
-        "Least severity (s)",
-        0.0,
-        round(high, 6),
-        0.0,
-        SEVERITY_STEP_S,
-        "%.2f",
-        key=key("severity"),
-        persist_state="session",
-        help=state.words(
-            "Lists the encounters in which the failure of X or of Y weighs at least so much: "
-            "seconds of a pedestrian missed straight ahead and near. 0 lists all."
-        ),
-    )
-    return severity_s
+    if largest:
+        high = round(float(np.floor(largest / SEVERITY_STEP_S) + 1) * SEVERITY_STEP_S, 6)
+        (start,) = _give("severity", (0.0,), (0.0, high))
+        place.slider(
+            "Least severity (s)",
+            0.0,
+            high,
+            start,
+            SEVERITY_STEP_S,
+            "%.2f",
+            key=key("severity"),
+            on_change=_set,
+            args=("severity", (start,), (0.0,), (0.0,)),
+            persist_state="session",
+            help=state.words(
+                "Lists the encounters in which the failure of X or of Y weighs at least so much: "
+                "seconds of a pedestrian missed straight ahead and near. 0 lists all."
+            ),
+        )
+    (severity_s,) = st.session_state.get(_set_key("severity"), (0.0,))
+    return float(severity_s)
 
 
 def _range(
@@ -357,26 +367,74 @@ def _range(
     step: float,
     text: str,
 ) -> tuple[float, float] | None:
-    """A slider with two handles; None while both stand at the ends."""
+    """A slider with two handles; None while neither cuts anything off."""
     values = values[np.isfinite(values)]
     if not len(values):
         return None
     low = float(np.round(np.floor(values.min() / step) * step, 6))
     high = float(np.round(max(np.ceil(values.max() / step) * step, low + step), 6))
     form = "%.0f" if step >= 1 else "%.2f" if step < 0.1 else "%.1f"
-    _keep_within(name, low, high)
-    ends: tuple[float, float] = place.slider(
-        label, low, high, (low, high), step, form, key=key(name), help=text, persist_state="session"
+    start = _give(name, OPEN, (low, high))
+    place.slider(
+        label,
+        low,
+        high,
+        list(start),
+        step,
+        form,
+        key=key(name),
+        on_change=_set,
+        args=(name, start, (low, high), OPEN),
+        help=text,
+        persist_state="session",
     )
-    return None if ends == (low, high) else ends
+    least, most = st.session_state.get(_set_key(name), OPEN)
+    span = (least if least > low else -math.inf, most if most < high else math.inf)
+    return None if span == OPEN else span
 
 
-def _keep_within(name: str, low: float, high: float) -> None:
-    """Move a slider's value to its ends where a link, or another setting, leaves it outside."""
-    value = st.session_state.get(key(name))
-    if value is None:
-        return
-    ends = value if isinstance(value, tuple) else (value,)
-    inside = tuple(min(max(end, low), high) for end in ends)
-    if inside != ends:
-        st.session_state[key(name)] = inside if isinstance(value, tuple) else inside[0]
+def _set_key(name: str) -> str:
+    """Where that of a filter is kept which was set, but may be outside of what is listed."""
+    return f"{key(name)}_set"
+
+
+def _give(name: str, unset: tuple[float, ...], limits: tuple[float, float]) -> tuple[float, ...]:
+    """Give a slider what was set, within its limits: these follow tags and other settings."""
+    low, high = limits
+    wanted = st.session_state.get(_set_key(name), unset)
+    inside = tuple(min(max(end, low), high) for end in wanted)
+    value = inside if len(inside) > 1 else inside[0]
+    if st.session_state.get(key(name), value) != value:
+        st.session_state[key(name)] = value
+    return inside
+
+
+def _set(
+    name: str, before: tuple[float, ...], ends: tuple[float, ...], unset: tuple[float, ...]
+) -> None:
+    """Keep what a slider was set to; a handle at its end, or left alone, sets nothing. A callback.
+
+    Parameters
+    ----------
+    before
+        Where the handles were.
+    ends
+        Where they set nothing.
+    """
+    value = st.session_state[key(name)]
+    handles = value if isinstance(value, tuple) else (value,)
+    wanted = st.session_state.get(_set_key(name), unset)
+    st.session_state[_set_key(name)] = tuple(
+        old if now == was else (free if now == end else now)
+        for old, now, was, end, free in zip(wanted, handles, before, ends, unset, strict=True)
+    )
+
+
+def _choose_among(name: str, names: Sequence[str]) -> None:
+    """Show of what was chosen from a list what there is; the rest is chosen again with it."""
+    chosen = st.session_state.get(key(name), [])
+    waiting = st.session_state.get(_set_key(name), [])
+    if not {*chosen} <= {*names} or not {*waiting}.isdisjoint(names):
+        wanted = [*chosen, *waiting]
+        st.session_state[key(name)] = [one for one in names if one in wanted]
+        st.session_state[_set_key(name)] = [one for one in wanted if one not in names]

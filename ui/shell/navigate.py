@@ -15,7 +15,8 @@ PAGES: Final = state.ROOT / "pages"
 def open_frame(recording_index: int, row_in_recording: int) -> NoReturn:
     """Show a frame on the Timeline page; a list that was walked through there is closed."""
     review.end()
-    state.go_to(recording_index, row_in_recording)
+    # written on the way, the frame would be a place of its own in the browser's history
+    state.go_to(recording_index, row_in_recording, writes=False)
     open_page("timeline")
 
 

@@ -104,7 +104,7 @@ def current() -> Review | None:
 
 def begin(finding: Finding, at: int) -> bool:
     """Walk through a list from this entry on; False: its frame is not evaluated."""
-    return _show(Review(finding, at, list_key(finding)))
+    return _show(Review(finding, at, list_key(finding)), writes=False)  # another page follows
 
 
 def go_to(at: int) -> None:
@@ -119,12 +119,12 @@ def end() -> None:
     st.session_state.pop(_REVIEW, None)
 
 
-def _show(review: Review) -> bool:
+def _show(review: Review, *, writes: bool = True) -> bool:
     """Look at an entry: its frame becomes the current one, if it is evaluated."""
     st.session_state[_REVIEW] = review
     seen = st.session_state.setdefault(_SEEN, {})
     seen[review.key] = seen_of(review.key) | {review.at}
     row = review.frame_row
     if row != NO_ROW:
-        state.go_to(*state.place_of(row))
+        state.go_to(*state.place_of(row), writes=writes)
     return row != NO_ROW

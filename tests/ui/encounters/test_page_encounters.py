@@ -11,7 +11,7 @@ import small_estimator
 from streamlit.testing.v1 import AppTest
 
 import pages
-from pages import alone, begin_with, checked, press, session, texts
+from pages import alone, begin_with, checked, press, session, shown, texts
 from ui.encounters import details, figures, table
 from ui.encounters.address import Choice, from_address, to_address
 from ui.encounters.filters import Filters
@@ -97,6 +97,28 @@ def test_encounters_can_be_chosen_by_miss_class_and_recording():
     rows = listed(checked(page.run()))
     assert set(rows["miss_class_y"]) == {"late"}
     assert set(rows["recording"]) == {"urban_crossing"}
+
+
+def test_tags_set_no_filter_and_take_back_none():
+    page = checked(pages.opened("encounters"))
+
+    def with_tags(*tags: str) -> str:
+        checked(shown(page, "multiselect", "tags_chosen").set_value(list(tags)).run())
+        return texts(page)
+
+    assert "**12** of 12 encounters" in with_tags("rural")
+    assert {"height", "pose", "position"}.isdisjoint(page.query_params)
+    assert "**46** of 46 encounters" in with_tags()
+    height = widget(page, "slider", "Largest height (px)")
+    checked(height.set_value((60.0, height.max)).run())
+    widget(page, "multiselect", "Recording").set_value(["rural_road", "urban_crossing"])
+    before = listed(checked(page.run()))
+    assert page.query_params["height"] == "60:"
+    with_tags("rural")
+    assert set(listed(page)["recording"]) == {"rural_road"}
+    assert listed(page)["peak_height"].min() >= 60
+    with_tags()
+    assert listed(page).equals(before)
 
 
 def test_encounters_of_a_least_severity_can_be_listed():

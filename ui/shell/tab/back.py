@@ -13,12 +13,14 @@ from streamlit.runtime.scriptrunner import get_script_run_ctx
 
 from ui.session import state
 from ui.session.address import read_place
+from ui.shell.pages import START
 
 _SCRIPT: Final = """
 const PLACES = ["recording", "encounter", "doc"];
 const ALWAYS = "recording"; // of every address that is written
 const LEAVING_MS = 3000;
 const MAY_END = ["encounter"]; // none is open: no place of its own
+const START = new RegExp("/START$"); // the page that is open without a name, too
 export default function () {
   if (window.nvcoreHistory) return;
   window.nvcoreHistory = true;
@@ -33,7 +35,7 @@ export default function () {
   window.history.pushState = (state, title, url) => {
     const here = new URL(window.location.href);
     const next = new URL(url ?? here, here);
-    const isSamePage = next.pathname === here.pathname;
+    const isSamePage = next.pathname.replace(START, "/") === here.pathname.replace(START, "/");
     // a page that a button leaves is emptied first, and written for the next page: it keeps its
     // address to come back to
     if (isSamePage && here.searchParams.has(ALWAYS) && next.search === "") {
@@ -59,7 +61,7 @@ export default function () {
   };
 }
 """
-_COMPONENT = st.components.v2.component("nvcore_history", js=_SCRIPT)
+_COMPONENT = st.components.v2.component("nvcore_history", js=_SCRIPT.replace("/START", f"/{START}"))
 
 
 def draw() -> None:
