@@ -6,8 +6,8 @@ and the dashboard show a single list, worst first.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Final, Literal
 
@@ -78,6 +78,8 @@ class Remedy(StrEnum):
     """Say in which format the files are; value: its name."""
     BOXES = "boxes"
     """Say what the four numbers of a box are; value: such as ``corners``."""
+    ACCEPT = "accept"
+    """Say that an error is meant; value: the code of the finding."""
     TABLE = "table"
     """Convert the files to plain CSV with a header line."""
     PICTURES = "pictures"
@@ -149,6 +151,16 @@ class Finding:
     suggestion: tuple[tuple[str, float], ...] = ()
     cases: Cases | None = field(default=None, compare=False, repr=False)
     steps: tuple[Step, ...] = ()
+
+
+def accepted(findings: Iterable[Finding], codes: Collection[str]) -> list[Finding]:
+    """The findings, errors of these codes as warnings: the user says that they are meant."""
+    return [
+        replace(finding, severity=Severity.WARNING, steps=(), advice="This is meant, as given.")
+        if finding.severity is Severity.ERROR and finding.code in codes
+        else finding
+        for finding in findings
+    ]
 
 
 def worst_first(findings: Iterable[Finding]) -> tuple[Finding, ...]:

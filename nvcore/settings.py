@@ -36,6 +36,8 @@ class Settings:
         texts call them.
     published
         Operating points of others, drawn beside the curves.
+    accept
+        Codes of errors of the audit that are meant: they are warnings.
     """
 
     x: str | None = None
@@ -46,6 +48,7 @@ class Settings:
     only: tuple[str, ...] = ()
     objects: Objects = PEDESTRIAN
     published: tuple[PublishedPoint, ...] = ()
+    accept: tuple[str, ...] = ()
 
     def renamed(
         self,

@@ -14,7 +14,6 @@ from nvcore.auditing.agreement import (
     audit_same_systems,
     find_disagreement,
     find_loose,
-    match_pair,
 )
 from nvcore.auditing.boxes import audit_doubles, audit_geometry, audit_tracks
 from nvcore.auditing.cases import BoxSource, system_source, truth_source
@@ -28,6 +27,7 @@ from nvcore.auditing.comparability import (
 from nvcore.auditing.coverage import audit_system_coverage, audit_truth_coverage
 from nvcore.auditing.detectability import audit_detectability
 from nvcore.auditing.layouts import audit_layouts, find_layouts
+from nvcore.auditing.no_match import audit_no_match
 from nvcore.auditing.offsets import find_offsets
 from nvcore.auditing.overlaps import above_threshold
 from nvcore.auditing.perspective import audit_foot_spread
@@ -43,8 +43,16 @@ from nvcore.auditing.scores import audit_scores, audit_threshold
 from nvcore.auditing.training import audit_provenance
 from nvcore.dataset import Dataset
 from nvcore.errors import MissingExtraError
-from nvcore.findings import OF_PICTURES, TRUTH_NAME, Finding, Severity, worst_first
+from nvcore.findings import (
+    OF_PICTURES,
+    TRUTH_NAME,
+    Finding,
+    Severity,
+    accepted,
+    worst_first,
+)
 from nvcore.inputs.session import Session
+from nvcore.metrics.matching import match_system
 from nvcore.params import Params
 
 if TYPE_CHECKING:
@@ -101,7 +109,7 @@ def audit(
         findings += audit_system(dataset, system, threshold, letter=letter)
     findings += audit_pair(dataset, params, x=x, y=y)
     findings += audit_view(dataset, params)
-    return worst_first(findings)
+    return worst_first(accepted(findings, dataset.settings.accept))
 
 
 def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
@@ -147,18 +155,26 @@ def audit_pair(
     """The part of `audit` that depends on both systems, their matching and proximity."""
     names = _compared(dataset, x, y)
     findings = [*audit_encounter_lengths(dataset, params), *audit_borrowing(dataset, params)]
-    if len(names) < 2 or names[0] == names[1]:
-        return _worded(dataset, findings)
-    system_x, system_y = (system_source(dataset, name) for name in names)
-    thresholds = params.threshold_x, params.threshold_y
+    systems = [system_source(dataset, name) for name in dict.fromkeys(names)]
+    thresholds = (params.threshold_x, params.threshold_y)[: len(systems)]
     counting = tuple(
         above_threshold(system.boxes, threshold)
-        for system, threshold in zip((system_x, system_y), thresholds, strict=True)
+        for system, threshold in zip(systems, thresholds, strict=True)
     )
+    of_each = [
+        match_system(dataset, system.name, threshold, params)
+        for system, threshold in zip(systems, thresholds, strict=True)
+    ]
+    nobody = audit_no_match(dataset, systems, counting, of_each)
+    findings += nobody
+    if len(systems) < 2:
+        return _worded(dataset, findings)
+    system_x, system_y = systems
+    matches = of_each[0], of_each[1]
     findings += audit_same_systems(system_x, system_y, counting)
-    matches = match_pair(dataset, system_x, system_y, params)
     findings += audit_weighting(truth_source(dataset), system_x, system_y, matches, params)
-    if np.any(~dataset.truth.ignore):
+    # where nobody is matched, all boxes would seem to be drawn elsewhere
+    if np.any(~dataset.truth.ignore) and not nobody:
         for system, matched in zip((system_x, system_y), matches, strict=True):
             findings += find_loose(system, matched, params)
         findings += find_disagreement(dataset, system_x, system_y, matches)

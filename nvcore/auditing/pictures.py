@@ -22,6 +22,7 @@ from nvcore.findings import (
     Remedy,
     Severity,
     Step,
+    accepted,
     worst_first,
 )
 from nvcore.inputs.recordings import is_missing
@@ -108,7 +109,8 @@ def audit_pictures(dataset: Dataset, opened: RecordingPictures) -> tuple[Finding
     alike: dict[tuple[Severity, str], list[_Case]] = defaultdict(list)
     for case in _cases(dataset, opened):
         alike[case.severity, case.kind].append(case)
-    return worst_first(_finding(cases) for cases in alike.values())
+    findings = map(_finding, alike.values())
+    return worst_first(accepted(findings, dataset.settings.accept))
 
 
 def _finding(cases: list[_Case]) -> Finding:

@@ -389,6 +389,14 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
         ),
         tag_option("Compare only"),
         only_option("Compare only"),
+        grouped_option(
+            OUTPUT,
+            "--accept",
+            multiple=True,
+            metavar="CODE",
+            help="An error of the audit that is meant, such as no-match: it is a warning; may be "
+            "given again.",
+        ),
     ]
     for letter in "xy":
         system = letter.upper()

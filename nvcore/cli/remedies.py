@@ -20,6 +20,7 @@ TEXTS: Final[RemedyTexts] = {
         'give --boxes{of} {value} (in a session file boxes = "{value}")',
         "corners",
     ),
+    Remedy.ACCEPT: ("if this is meant, give --accept {value}", "CODE"),
     Remedy.TABLE: (
         "convert the files to CSV with the header {value} (docs/formats.md)",
         "frame,x,y,w,h,score",

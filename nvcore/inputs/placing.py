@@ -192,7 +192,9 @@ def place_sources(
         },
         labels=labels,
         read_as={
-            source.subject: ReadAs(source.reading.layout, source.reading.has_score_beside)
+            source.subject: ReadAs(
+                source.reading.layout, source.reading.has_score_beside, source.reading.left_out
+            )
             for source in loaded
         },
         **({} if truth.attributes is None else {"attributes": truth.attributes}),

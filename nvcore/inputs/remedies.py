@@ -47,6 +47,8 @@ def applied(session: Session, step: Step, systems: Sequence[str]) -> Session | N
         entry = entries.get(step.subject, RecordingEntry(step.subject))
         entries[step.subject] = replace(entry, **{name: parse(value)})
         return replace(session, recordings=tuple(entries.values()))
+    if remedy is Remedy.ACCEPT:
+        return replace(session, accept=tuple(dict.fromkeys([*session.accept, value])))
     if remedy not in _OF_SOURCE:
         return None
     given: Any = tuple(value.split(",")) if remedy is Remedy.CLASSES else value

@@ -222,7 +222,7 @@ class Session(Settings):
         checked when it is loaded.
     pipes
         Paths that were pipes when the session was written: what came through them is gone.
-    x, y, params, protocol, only_tags, only, objects, published
+    x, y, params, protocol, only_tags, only, objects, published, accept
         See `nvcore.settings.Settings`.
     """
 
@@ -239,7 +239,7 @@ class Session(Settings):
     pipes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        for name in ("only_tags", "only"):
+        for name in ("only_tags", "only", "accept"):
             object.__setattr__(self, name, as_names(getattr(self, name)))
         check_rate(self.fps)
         check_path("frames", self.frames)

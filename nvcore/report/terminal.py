@@ -123,6 +123,8 @@ def render_dataset(dataset: Dataset) -> str:
         first, n_files = row["first_file"], row["n_files"]
         files = first if n_files == 1 else f"{n_files} files, {first} ..."
         lines.append(f"{row['subject']}: {files} ({row['format']}; {row['conversion']})")
+        if row["left_out"]:
+            lines.append(f"  left out: {row['left_out']}")
     return _text([*lines, *dataset.notes])
 
 

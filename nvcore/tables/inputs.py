@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.dataset import Dataset
+from nvcore.dataset.sources import ReadAs, left_out_text
 from nvcore.findings import Cases, Finding
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.metrics.proximity.horizon import estimate_horizons
@@ -26,7 +27,8 @@ def inputs_table(dataset: Dataset) -> pd.DataFrame:
     -------
     One row per source, in the order of ``boxes.source``: the truth, then the systems. Columns:
     subject ("truth" or the system's name), first_file (its name), n_files, format, conversion (in
-    words), n_boxes (placed boxes, those to be ignored too). No rows for data made in memory.
+    words), left_out (what of the files is not used, in words), n_boxes (placed boxes, those to be
+    ignored too). No rows for data made in memory.
     """
     source, subjects = pd.factorize(dataset.inputs["subject"])
     first = dataset.inputs.drop_duplicates("subject", ignore_index=True)
@@ -38,6 +40,10 @@ def inputs_table(dataset: Dataset) -> pd.DataFrame:
             "n_files": np.bincount(source, minlength=len(subjects)),
             "format": first["format"],
             "conversion": first["conversion"],
+            "left_out": [
+                left_out_text(dataset.read_as.get(subject, ReadAs()).left_out)
+                for subject in first["subject"]
+            ],
             "n_boxes": n_boxes[: len(subjects)],
         }
     )

@@ -4,48 +4,20 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-from field_scene import FPS, PERSON, RIGHT, SIZE, detections, found, truth
+from field_files import session_of, written
+from field_scene import PERSON, RIGHT, SIZE, detections, found, truth
 
 from nvcore.auditing import audit
 from nvcore.comparison import compare
 from nvcore.findings import Finding, Severity
-from nvcore.inputs.layouts import BoxLayout, parse_layout
+from nvcore.inputs.layouts import BoxLayout
 from nvcore.inputs.load import load
 from nvcore.inputs.remedies import applied
 from nvcore.inputs.session import Session, Source, SystemSource
-
-
-def written(folder: Path, name: str, table: pd.DataFrame, layout: str) -> str:
-    """The pedestrians of a table as CSV without names for the numbers' meaning; its file."""
-    table = table[table["name"] == PERSON]
-    whole = tuple(np.full(len(table), float(side)) for side in SIZE * 2)
-    box = tuple(table[column].to_numpy(float) for column in "xywh")
-    numbers = parse_layout(layout).numbers(box, np.zeros(len(table)), whole)
-    columns = {"frame": table["frame"], **dict(zip("xywh", numbers, strict=False))}
-    others = {name: table[name] for name in ("track", "score") if name in table}
-    pd.DataFrame({**columns, **others}).to_csv(folder / f"{name}.csv", index=False)
-    return f"{name}.csv"
-
-
-def session_of(folder: Path, **layouts: str) -> Session:
-    """The scene, its sources written in these layouts and read as left, top, width, height."""
-    tables = {"truth": truth(), "x": detections("x"), "y": detections("y")}
-    files = {
-        name: written(folder, name, table, layouts.get(name, "sizes"))
-        for name, table in tables.items()
-    }
-    return Session(
-        folder=folder,
-        truth=Source(files["truth"]),
-        systems=tuple(SystemSource(files[name], name=name) for name in "xy"),
-        size=SIZE,
-        fps=FPS,
-    )
 
 
 def layout_findings(session: Session) -> list[Finding]:

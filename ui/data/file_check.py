@@ -13,6 +13,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.auditing.recordings import kitti_sizes
+from nvcore.dataset.sources import left_out_text
 from nvcore.errors import MissingFactError, NvcoreError
 from nvcore.inputs.readers.base import Reading, Role
 from nvcore.inputs.session import Source
@@ -229,6 +230,8 @@ def draw_file_check(check: FileCheck | None, truth: FileCheck | None = None) -> 
         st.error(plain(check.trouble), icon=":material/error:")
     elif check.summary:
         st.caption(f"Read as {plain(check.summary)}.")
+        if check.reading is not None and (left_out := left_out_text(check.reading.left_out)):
+            st.caption(f"Left out: {plain(left_out)}.")
     if check.doubt:
         st.warning(plain(check.doubt), icon=":material/swap_vert:")
     firsts = (check.first_frame, None if truth is None else truth.first_frame)

@@ -17,7 +17,7 @@ from ui.session import state
 from ui.session.opening import relative_path
 from ui.session.workspace import Workspace
 from ui.shell.messages import without_paths
-from ui.widgets.text import plain
+from ui.widgets.text import UNDEFINED, plain
 
 _OLD_NAME: Final = re.compile(
     r"\b(the (?:only|truth's only) recording),? (?:'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\")"
@@ -84,6 +84,7 @@ def _inputs(dataset: Dataset) -> pd.DataFrame:
                 "Files": f"{plain(without_paths(source['first_file']))}{more}",
                 "Format": plain(source["format"]),
                 "Boxes": f"{source['n_boxes']:,}{'' if number else ignored}",
+                "Left out": plain(source["left_out"] or UNDEFINED),
                 "Read as": plain(_without_old_name(source["conversion"])),
             }
         )

@@ -17,6 +17,7 @@ TEXTS: Final[RemedyTexts] = {
     Remedy.FRAME_STEP: ("apply the factor {value} to the frame numbers", "that fits"),
     Remedy.FORMAT: (f"choose {{value}} as the format {_READING}", "another one"),
     Remedy.BOXES: (f"choose “{{value}}” as “Numbers of a box” {_READING}", "corners"),
+    Remedy.ACCEPT: ("if this is meant ({value}), click “This is meant”", "its code"),
     Remedy.TABLE: ("convert the files to CSV with the header {value}", "frame,x,y,w,h,score"),
     Remedy.PICTURES: (f"choose {{value}} as “Pictures” {_RECORDINGS}", "others"),
     Remedy.FIRST_PICTURE: (f"enter {{value}} as “First picture” {_RECORDINGS}", "its frame"),

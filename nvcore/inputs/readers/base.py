@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 from pandas.api.types import union_categoricals
 
+from nvcore.dataset.sources import LeftOut as LeftOut
 from nvcore.errors import FormatError, InputError
 from nvcore.file_kinds import PACKED_HEAD_BYTES, packed_by
 from nvcore.findings import Finding, Severity, Step
@@ -248,25 +249,6 @@ class ReadOptions:
     frame_names: str | None = None
     named: NamedPictures | None = None
     boxes: pd.DataFrame | None = None
-
-
-@dataclass(frozen=True)
-class LeftOut:
-    """Something in the files that a reading does not use.
-
-    Attributes
-    ----------
-    kind
-        ``class``: boxes of a class; ``box``: what is no box; ``picture``: files or pictures.
-    name
-        The class as the files call it; of others what they are ("polygon", "empty bbox").
-    count
-        How many boxes, objects or pictures.
-    """
-
-    kind: Literal["class", "box", "picture"]
-    name: str
-    count: int
 
 
 @dataclass(frozen=True)

@@ -47,6 +47,7 @@
     recordings = ["urban_01"] only these, by title or name, of those with the tags
     objects = "speed sign"   what the boxes are of, if not pedestrians; of kinds that the program
                              does not know singular and plural: ["child", "children"]
+    accept = ["no-match"]    errors of the audit that are meant, by their codes: warnings
 
     [parameters]             any of nvcore.params.Params
 

@@ -64,6 +64,7 @@ _COMPARE: Final = {
     "tags": tuple[str, ...],
     "recordings": tuple[str, ...],
     "objects": tuple[str, ...],
+    "accept": tuple[str, ...],
 }
 _RECORDINGS: Final = {"path": str}
 _WORDS: Final = {

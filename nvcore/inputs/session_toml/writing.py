@@ -43,6 +43,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
                 "tags": list(session.only_tags) or None,
                 "recordings": list(session.only) or None,
                 "objects": session.objects.given(),
+                "accept": list(session.accept) or None,
             }
         ),
         "parameters": _given(session.params.stated(has_detectability=False)),

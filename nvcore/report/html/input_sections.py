@@ -98,6 +98,7 @@ def _files(result: Result) -> list[Block]:
             _role(result, row["subject"]),
             row["format"],
             row["conversion"],
+            row["left_out"] or UNDEFINED,
             f"{row['n_files']:,}",
             f"{row['n_boxes']:,}",
             hashes[row["subject"]],
@@ -109,13 +110,14 @@ def _files(result: Result) -> list[Block]:
         "Role",
         "Format",
         "Conversion",
+        "Left out",
         "Files",
         "Boxes",
         "SHA-256 of its files' hashes",
     )
     files = dataset.inputs[["subject", "file", "sha256"]].to_numpy().tolist()
     return [
-        table("Sources", head, sources, right=(4, 5)),
+        table("Sources", head, sources, right=(5, 6)),
         table("Files", ("Source", "File", "SHA-256"), files, most=MOST_FILES),
         Sentences((f"Fingerprint of all: {dataset.fingerprint}",)),
     ]

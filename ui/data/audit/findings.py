@@ -8,7 +8,15 @@ from typing import Final
 
 import streamlit as st
 
-from nvcore.findings import OF_PICTURES, TRUTH_NAME, Finding, Severity, steps_text, worst_first
+from nvcore.findings import (
+    OF_PICTURES,
+    TRUTH_NAME,
+    Finding,
+    Remedy,
+    Severity,
+    steps_text,
+    worst_first,
+)
 from nvcore.inputs.remedies import applied
 from ui.data.audit import entries
 from ui.data.opening import try_to_open
@@ -107,8 +115,9 @@ def _draw_steps(finding: Finding, number: int) -> None:
     with st.container(horizontal=True):
         for step in finding.steps:
             session = applied(opened.session, step, opened.dataset.systems)
+            what = f"Apply: {plain(step.value)}"
             if session is not None and button(
-                f"Apply: {plain(step.value)}",
+                "This is meant" if step.remedy is Remedy.ACCEPT else what,
                 key=f"step_{number}_{hash(step)}",
                 icon=":material/build:",
                 help=plain(steps_text([step], TEXTS)),

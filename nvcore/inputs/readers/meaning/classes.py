@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 import pandas as pd
 
+from nvcore.dataset.sources import left_out_text
 from nvcore.errors import InputError
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import LeftOut, Lines, ReadOptions
@@ -170,7 +171,7 @@ def choose_classes(
     return ClassChoice(
         keep=keep,
         ignore=is_neutral,
-        fact=f"{fact}; others {left_out_text(left_out) or 'left out'}",
+        fact=f"{fact}; others left out{': ' * bool(left_out)}{left_out_text(left_out)}",
         findings=tuple(findings),
         left_out=left_out,
     )
@@ -180,11 +181,3 @@ def classes_left_out(counts: Mapping[str, int]) -> tuple[LeftOut, ...]:
     """Classes of which nothing is used, the most boxes first, from how many boxes each has."""
     by_count = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
     return tuple(LeftOut("class", str(name), int(n)) for name, n in by_count if n)
-
-
-def left_out_text(left_out: Sequence[LeftOut]) -> str:
-    """What is left out with its numbers, in words; empty for nothing."""
-    texts = [f"{item.name} ({item.count})" for item in left_out[:_MAX_NAMED]]
-    if further := left_out[_MAX_NAMED:]:
-        texts.append(f"{len(further)} more labels ({sum(item.count for item in further)})")
-    return f"left out: {', '.join(texts)}" if texts else ""

@@ -1,0 +1,116 @@
+"""Systems that match nobody: an error that says what was tried, unless it is meant."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from field_files import session_of, written
+from field_scene import PERSON, detections, truth
+from inputs import nvcore
+
+from nvcore.auditing import audit
+from nvcore.findings import Finding, Remedy, Severity, Step
+from nvcore.inputs.load import load
+from nvcore.inputs.remedies import applied
+from nvcore.inputs.session import Session, Source
+from nvcore.inputs.session_toml import read_session, write_session
+from nvcore.params import Params
+
+
+def blind(folder, *names: str) -> Session:
+    """The scene, these systems with their boxes above everybody's heads."""
+    session = session_of(folder)
+    rng = np.random.default_rng(0)
+    for name in names:
+        table = detections(name)
+        table = table.assign(x=rng.uniform(0, 600, len(table)), y=2.0, h=40.0)
+        written(folder, name, table, "sizes")
+    return session
+
+
+def no_match(session: Session, params: Params | None = None) -> list[Finding]:
+    return [finding for finding in audit(load(session), params) if finding.code == "no-match"]
+
+
+def test_two_systems_that_match_nobody_are_an_error_that_says_what_was_tried(tmp_path):
+    (finding,) = no_match(blind(tmp_path, "x", "y"))
+    assert (finding.severity, finding.subject, finding.count) == (Severity.ERROR, "truth", 110)
+    tried = ["as they are", "moved by up to 5 frames", "meanings of a box", "another size"]
+    places = [finding.message.index(f"{what}") for what in tried]
+    assert places == sorted(places)
+    assert "as they are 0 and 0" in finding.message
+    assert Step(Remedy.ACCEPT, "no-match") in finding.steps
+
+
+def test_one_blind_system_of_two_is_a_warning(tmp_path):
+    (finding,) = no_match(blind(tmp_path, "x"))
+    assert (finding.severity, finding.subject) == (Severity.WARNING, "x")
+    assert Remedy.ACCEPT not in [step.remedy for step in finding.steps]
+
+
+def test_one_blind_system_alone_is_an_error(tmp_path):
+    session = blind(tmp_path, "x")
+    (finding,) = no_match(replace(session, systems=session.systems[:1]))
+    assert (finding.severity, finding.subject) == (Severity.ERROR, "x")
+
+
+def test_systems_that_match_somebody_are_not_mentioned(tmp_path):
+    assert no_match(session_of(tmp_path)) == []
+
+
+def test_a_system_that_detects_in_few_frames_is_not_mentioned(tmp_path):
+    session = blind(tmp_path, "x", "y")
+    for name in "xy":
+        table = pd.read_csv(tmp_path / f"{name}.csv").query("frame < 10")
+        table.to_csv(tmp_path / f"{name}.csv", index=False)
+    assert no_match(session) == []
+
+
+def test_a_rule_of_matching_that_nobody_can_meet_is_told_from_wrong_files(tmp_path):
+    (finding,) = no_match(session_of(tmp_path), Params(iou=1.0))
+    assert "as they are 64 and 102." in finding.message
+    assert (finding.severity, finding.steps) == (Severity.WARNING, ())
+
+
+def test_what_the_numbers_of_a_box_would_give_is_said(tmp_path):
+    (finding,) = no_match(session_of(tmp_path, x="corners", y="corners"))
+    assert "meanings of a box's numbers 64 and 102" in finding.message
+    assert "error about the numbers" in finding.advice
+
+
+def test_classes_that_were_left_out_are_the_first_cause_and_have_a_way_on(tmp_path):
+    session = session_of(tmp_path)
+    people = truth().assign(name=lambda t: t["name"].where(t["name"] != PERSON, "dummy"))
+    people = people.assign(name=people["name"].where(people["name"] != "bicycle", PERSON))
+    people.rename(columns={"name": "class"}).to_csv(tmp_path / "truth.csv", index=False)
+    (finding,) = no_match(replace(session, truth=Source("truth.csv")))
+    assert "Left out as other classes: truth dummy (110), car (80)." in finding.message
+    assert finding.message.index("dummy") < finding.message.index("as they are")
+    assert Step(Remedy.CLASSES, "", "truth") in finding.steps
+
+
+def test_what_is_meant_is_a_warning(tmp_path):
+    session = blind(tmp_path, "x", "y")
+    (finding,) = no_match(session)
+    meant = applied(session, finding.steps[-1], ["x", "y"])
+    assert meant is not None
+    assert [finding.severity for finding in no_match(meant)] == [Severity.WARNING]
+
+
+def test_a_session_file_keeps_what_is_meant(tmp_path):
+    session = replace(blind(tmp_path, "x", "y"), accept=("no-match",))
+    file = tmp_path / "session.toml"
+    file.write_text(write_session(session, version="1", fingerprint=""))
+    assert read_session(file).accept == ("no-match",)
+
+
+@pytest.mark.parametrize(("more", "code"), [((), 1), (("--accept", "no-match"), 0)])
+def test_the_exit_code_is_1_unless_it_is_meant(tmp_path, more, code):
+    blind(tmp_path, "x", "y")
+    files = [f"--{name}={tmp_path / name}.csv" for name in ("truth", "x", "y")]
+    result = nvcore("compare", *files, "--size", "640x480", "--fps", 10, *more)
+    assert result.exit_code == code
+    assert ("--accept no-match" in result.output) == (not more)
