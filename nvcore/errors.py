@@ -80,6 +80,10 @@ class FormatError(InputError):
     """The content of a file is not what its format says."""
 
 
+class UnnamedClassesError(FormatError):
+    """The files number several classes, and nothing says which of them count."""
+
+
 class UnknownFormatError(InputError):
     """No reader recognises the file, or no reader has the given name."""
 

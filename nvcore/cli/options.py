@@ -369,8 +369,12 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
         *reading_options,
         *(
             grouped_option(
-                READING, f"--boxes-{end}", metavar="LAYOUT", help=f"The same of {whose} alone."
+                READING,
+                f"--{kind}-{end}",
+                metavar=metavar,
+                help=f"The same of {whose} alone.",
             )
+            for kind, metavar in (("classes", "NAMES"), ("boxes", "LAYOUT"))
             for end, whose in (("truth", "the ground truth"), ("x", "X"), ("y", "Y"))
         ),
         objects_option,

@@ -36,8 +36,12 @@ TEXTS: Final[RemedyTexts] = {
 }
 
 
+ENDS: Final = {end: end for end in ("-truth", "-x", "-y")}
+"""Subjects of steps that are the ends of flags already; see `nvcore.cli.steps.errors_of`."""
+
+
 def error_text(error: NvcoreError, marks: Mapping[str, str] | None = None) -> str:
     """The error with its ways on; `marks` as in `steps_text`."""
     steps = error.steps if isinstance(error, InputError) else ()
-    ways = steps_text(steps, TEXTS, marks)
+    ways = steps_text(steps, TEXTS, ENDS | dict(marks or {}))
     return f"{str(error).rstrip('.')}. {ways}" if ways else str(error)

@@ -30,6 +30,9 @@ OF_FILES: Final = (
     "format_x",
     "format_y",
     "classes",
+    "classes_truth",
+    "classes_x",
+    "classes_y",
     "frame_base",
     "box_base",
     "boxes",
@@ -81,21 +84,17 @@ def _from_flags(options: dict[str, Any], given: dict[str, Any], *, needs_y: bool
         )
         raise click.UsageError(f"give a session file, or {expected}")
     format_of_all = options["format_"]
-    common = source_options(options)
-    boxes_of_all = common.pop("boxes")
     truth = Source(
         options["truth"],
         format=options["format_truth"] or format_of_all,
-        boxes=options["boxes_truth"] or boxes_of_all,
-        **common,
+        **source_options(options, "truth"),
     )
     systems = [
         SystemSource(
             options[f"{letter}_paths"],
             format=options[f"format_{letter}"] or format_of_all,
             name=options[f"name_{letter}"],
-            boxes=options[f"boxes_{letter}"] or boxes_of_all,
-            **common,
+            **source_options(options, letter),
             **_corrections(options, letter),
         )
         for letter in "xy"
@@ -243,9 +242,11 @@ def objects_from_option(options: dict[str, Any]) -> Objects | None:
         raise click.BadParameter(str(error), param_hint="--objects") from error
 
 
-def source_options(options: dict[str, Any]) -> dict[str, Any]:
-    """Fields of `Source` that the flags give."""
-    classes = options["classes"]
+def source_options(options: dict[str, Any], side: str = "") -> dict[str, Any]:
+    """Fields of `Source` that the flags give, those of one side before those of all."""
+    classes, boxes = (
+        options.get(f"{name}_{side}") or options[name] for name in ("classes", "boxes")
+    )
     bases = {
         key: None if options[key] is None else int(options[key])
         for key in ("frame_base", "box_base")
@@ -253,7 +254,7 @@ def source_options(options: dict[str, Any]) -> dict[str, Any]:
     names = None if classes is None else tuple(name.strip() for name in classes.split(","))
     return {
         "classes": names,
-        "boxes": options["boxes"],
+        "boxes": boxes,
         "frame_names": options["frame_names"],
         **bases,
     }

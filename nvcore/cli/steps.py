@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nvcore.cli.options import PART_NAMES
-from nvcore.cli.remedies import TEXTS
+from nvcore.cli.remedies import ENDS, TEXTS
 from nvcore.errors import InputError, MissingFactError
 from nvcore.findings import TRUTH_NAME, steps_text
 from nvcore.inputs.session import Session, Source
@@ -69,7 +69,10 @@ def as_loaded(session: Session, dataset: Dataset) -> Session:
 
 @contextmanager
 def errors_of(session: Session) -> Iterator[None]:
-    """Within it, errors name files as `pasteable_errors` says, and propose what is missing."""
+    """Within it, errors name files as `pasteable_errors` says, flags as those of their source.
+
+    What is missing is proposed.
+    """
     with pasteable_errors(session.folder, session.sources):
         try:
             yield
@@ -83,6 +86,20 @@ def errors_of(session: Session) -> Iterator[None]:
                 line=error.line,
                 steps=error.steps,
             ) from error
+        except InputError as error:
+            from nvcore.inputs.files import system_names
+
+            names = [
+                source.name or by_path
+                for source, by_path in zip(
+                    session.systems, system_names(session.systems, ()), strict=True
+                )
+            ]
+            ends = dict(zip([TRUTH_NAME, *names], ENDS, strict=False))
+            error.steps = tuple(
+                replace(step, subject=ends.get(step.subject, "")) for step in error.steps
+            )
+            raise
 
 
 def _proposal(session: Session, facts: Iterable[str]) -> str:

@@ -17,7 +17,7 @@ import pandas as pd
 from nvcore.dataset import Dataset, refuse_doubles
 from nvcore.dataset.provenance import read_provenance
 from nvcore.dataset.tables import tables_fingerprint
-from nvcore.errors import InputError
+from nvcore.errors import InputError, UnnamedClassesError
 from nvcore.findings import Step
 from nvcore.inputs.driver.joining import with_detectability
 from nvcore.inputs.files import digest, find_files, located, system_names
@@ -32,6 +32,7 @@ from nvcore.inputs.readers.base import (
     select_boxes,
     warning,
 )
+from nvcore.inputs.readers.meaning.class_files import class_names_beside
 from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.readers.table import read_table, table_as_file
 from nvcore.inputs.recordings import check_names
@@ -77,7 +78,14 @@ def load(
     n_steps = 2 + len(session.systems)
     progress(0.0, "reading the ground truth")
     tables = tables or {}
-    truth = _read(session, session.truth, "truth", "truth", None, tables.get(session.truth))
+    truth_table = tables.get(session.truth)
+    try:
+        truth = _read(session, session.truth, "truth", "truth", None, truth_table)
+    except UnnamedClassesError:
+        named = _names_of_systems(session)
+        if not named:
+            raise
+        truth = _read(session, session.truth, "truth", "truth", None, truth_table, named)
     names = truth.reading.recordings["name"].tolist()
     loaded = [truth]
     reserved = [] if session.driver.detectability is None else [DETECTABILITY]
@@ -166,6 +174,7 @@ def read_options(
         recordings=() if truth is None else tuple(truth.recordings["name"]),
         images=None if truth is None else truth.images,
         categories={} if truth is None else truth.categories,
+        numbering="coco" if truth is None else truth.numbering,
     )
 
 
@@ -176,10 +185,16 @@ def _read(
     role: Role,
     truth: Reading | None,
     table: pd.DataFrame | None,
+    named: Mapping[str, str] | None = None,
 ) -> LoadedSource:
-    """A source read, from its files or from the table that replaces them."""
+    """A source read, from its files or from the table that replaces them.
+
+    `named` are names of the truth's classes by their numbers, which its files lack.
+    """
     size = session.common_size or _common_size(truth)
     options = read_options(source, role, size, truth, session.objects)
+    if named:
+        options = replace(options, categories=named, numbering="list")
     with _about(subject):
         if table is None:
             files, file_format = find_files(source, session.folder, role)
@@ -237,6 +252,18 @@ def _with_ways_taken(session: Session, loaded: Sequence[LoadedSource]) -> Sessio
         truth=stated(session.truth, truth),
         systems=tuple(map(stated, session.systems, systems)),
     )
+
+
+def _names_of_systems(session: Session) -> Mapping[str, str]:
+    """Names of classes by number that lie beside the systems' files; none where two differ."""
+    found: list[Mapping[str, str]] = []
+    for source in session.systems:
+        try:
+            names = class_names_beside(find_files(source, session.folder, "detections")[0]).names
+        except InputError:  # reported when the system is read
+            continue
+        found += [names] if names else []
+    return found[0] if found and all(names == found[0] for names in found) else {}
 
 
 @contextmanager

@@ -36,6 +36,9 @@ class Objects:
         without what joins words.
     lookalikes
         Names of classes that could be taken for them: neither right nor wrong to detect.
+    kinds, manners
+        Words that name some of them, by themselves ("child") or beside a name of the class
+        ("walking"): such classes are lookalikes, too, unless the user says that they count.
     is_numbered
         Whether a number and what surrounds it in a class is passed over: "speed limit (50km/h)".
     is_on_road
@@ -52,6 +55,8 @@ class Objects:
     plural: str
     classes: frozenset[str] = field(default=frozenset(), repr=False)
     lookalikes: frozenset[str] = field(default=NEUTRAL, repr=False)
+    kinds: frozenset[str] = field(default=frozenset(), repr=False)
+    manners: frozenset[str] = field(default=frozenset(), repr=False)
     is_numbered: bool = field(default=False, repr=False)
     is_on_road: bool = field(default=True, repr=False)
 
@@ -94,7 +99,22 @@ class Objects:
 
     def is_lookalike(self, label: str) -> bool:
         """Whether the class of this name could be taken for one that counts."""
-        return plain_class(label) in self.lookalikes
+        return plain_class(label) in self.lookalikes or self.is_kind(label)
+
+    def is_kind(self, label: str) -> bool:
+        """Whether the class of this name is some of them, and not called as all are.
+
+        Examples
+        --------
+        >>> [*map(PEDESTRIAN.is_kind, ["child", "human.pedestrian.police_officer", "person"])]
+        [True, True, False]
+        """
+        words = re.findall(r"[a-z]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", label.strip()).lower())
+        kind = "".join(word for word in words if word not in self.classes)
+        is_called_so = len(kind) < len("".join(words))
+        if not kind:
+            return is_called_so and plain_class(label) not in self.classes | self.lookalikes
+        return kind in self.kinds or (is_called_so and kind in self.manners)
 
     def concerns(self, label: str) -> bool:
         """Whether boxes of this class are counted or ignored."""
@@ -168,6 +188,22 @@ PEDESTRIAN: Final = Objects(
     "pedestrian",
     "pedestrians",
     classes=frozenset({"person", "persons", "pedestrian", "pedestrians", "ped", "human"}),
+    kinds=frozenset(
+        {
+            *("child", "children", "kid", "kids", "boy", "girl", "baby", "toddler", "teenager"),
+            *("adult", "adults", "man", "men", "woman", "women", "male", "female", "elderly"),
+            *("worker", "workers", "constructionworker", "roadworker", "policeman", "firefighter"),
+            *("policeofficer", "officer", "soldier", "wheelchair", "wheelchairuser", "stroller"),
+            *("personalmobility", "skater", "skateboarder", "runner", "jogger"),
+        }
+    ),
+    manners=frozenset(
+        {
+            *("sitting", "standing", "walking", "running", "lying", "bending", "crouching"),
+            *("static", "other", "police", "inwheelchair", "onwheelchair", "withwheelchair"),
+            *("withstroller", "pushingstroller", "withbicycle", "withbike", "withdog"),
+        }
+    ),
     lookalikes=NEUTRAL
     | {
         *("people", "person?", "personfa", "group", "persongroup", "crowd"),

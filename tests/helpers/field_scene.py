@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
@@ -79,27 +80,39 @@ RIGHT: Final = {"matched": (60, 102), "false_alarms": (0, 6), "encounters": (2, 
 """What `found` gives where the files are read as their makers meant them."""
 
 
-def write_yolo(folder: Path, side: str, name_of: Callable[[int], str]) -> Path:
-    """Pedestrians of ``truth``, ``x`` or ``y`` as YOLO text, a file a frame, named by `name_of`."""
+def write_yolo(
+    folder: Path,
+    side: str,
+    name_of: Callable[[int], str],
+    ids: Mapping[str, int] = MappingProxyType({PERSON: 0}),
+) -> Path:
+    """Boxes of ``truth``, ``x`` or ``y`` as YOLO text, a file a frame, named by `name_of`.
+
+    Those of the classes in `ids`, by which they are numbered.
+    """
     table = truth() if side == "truth" else detections(side)
-    table = table[table["name"] == PERSON]
+    table = table[table["name"].isin([*ids])]
     folder.mkdir(parents=True, exist_ok=True)
     width, height = SIZE
     for frame in range(N_FRAMES):
         lines = [
-            f"0 {(x + w / 2) / width:.6f} {(y + h / 2) / height:.6f} {w / width:.6f} "
+            f"{ids[name]} {(x + w / 2) / width:.6f} {(y + h / 2) / height:.6f} {w / width:.6f} "
             f"{h / height:.6f}" + ("" if side == "truth" else f" {score:.3f}")
-            for x, y, w, h, score in table[table["frame"] == frame]
-            .reindex(columns=[*"xywh", "score"])
+            for name, x, y, w, h, score in table[table["frame"] == frame]
+            .reindex(columns=["name", *"xywh", "score"])
             .itertuples(index=False)
         ]
         (folder / name_of(frame)).write_text("\n".join(lines))
     return folder
 
 
-def coco_truth(name_of: Callable[[int], str], *, first_id: int = 1) -> dict[str, Any]:
-    """The truth as COCO: persons are category 1; ids of images count from `first_id`."""
-    ids = {PERSON: 1, "car": 2, "bicycle": 3}
+_COCO_IDS: Final = MappingProxyType({PERSON: 1, "car": 2, "bicycle": 3})
+
+
+def coco_truth(
+    name_of: Callable[[int], str], *, first_id: int = 1, ids: Mapping[str, int] = _COCO_IDS
+) -> dict[str, Any]:
+    """The truth as COCO, with these category ids; ids of images count from `first_id`."""
     rows = truth().itertuples(index=False)
     size = dict(zip(("width", "height"), SIZE, strict=True))
     return {
@@ -121,11 +134,18 @@ def coco_truth(name_of: Callable[[int], str], *, first_id: int = 1) -> dict[str,
     }
 
 
-def coco_results(system: str, of_frame: Callable[[int], Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Detections of persons as COCO results; `of_frame` gives what they say of their picture."""
+def coco_results(
+    system: str,
+    of_frame: Callable[[int], Mapping[str, Any]],
+    ids: Mapping[str, int] = MappingProxyType({PERSON: 1}),
+) -> list[dict[str, Any]]:
+    """Detections as COCO results; `of_frame` gives what they say of their picture.
+
+    Those of the classes in `ids`, by which they are numbered.
+    """
     rows = detections(system).itertuples(index=False)
     return [
-        {**of_frame(frame), "category_id": 1, "bbox": box, "score": score}
+        {**of_frame(frame), "category_id": ids[name], "bbox": box, "score": score}
         for frame, name, *box, score in rows
-        if name == PERSON
+        if name in ids
     ]

@@ -28,9 +28,11 @@ from nvcore.inputs.readers.gtsdb import FORMAT as GTSDB
 from nvcore.inputs.readers.kitti.detections import FORMAT as KITTI_DETECTIONS
 from nvcore.inputs.readers.kitti.object import FORMAT as KITTI_OBJECT
 from nvcore.inputs.readers.kitti.tracking import FORMAT as KITTI_TRACKING
+from nvcore.inputs.readers.meaning.class_files import is_class_file
 from nvcore.inputs.readers.mot import FORMAT as MOT
 from nvcore.inputs.readers.parquet import FORMAT as PARQUET
 from nvcore.inputs.readers.parse.unknown import describe_foreign
+from nvcore.inputs.readers.visdrone import FORMAT as VISDRONE
 from nvcore.inputs.readers.voc import FORMAT as VOC
 from nvcore.inputs.readers.yolo import FORMAT as YOLO
 
@@ -48,6 +50,7 @@ FORMATS: Final[tuple[Format, ...]] = (
     KITTI_OBJECT,
     KITTI_DETECTIONS,
     KAIST_RESULTS,
+    VISDRONE,
     MOT,
     YOLO,
 )
@@ -116,7 +119,9 @@ def detect_format(files: Sequence[SourceFile], role: Role) -> Format:
     InputError
         If a file cannot be opened.
     """
-    for file in files[:MAX_LOOKS]:
+    # names of classes beside the labels say nothing of these
+    by_use = sorted(files[:MAX_LOOKS], key=lambda file: is_class_file(file.name))
+    for file in by_use:
         content = _head(file)
         head = content.decode("utf-8-sig", errors="replace")
         if not head.strip():

@@ -24,6 +24,8 @@ from nvcore.schema import READING_DTYPES, conform
 from nvcore.wording.objects import PEDESTRIAN, Objects
 
 Role = Literal["truth", "detections"]
+Numbering = Literal["coco", "list", "mot"]
+"""How files number classes: by COCO's ids, by places in a list of names from 0, as MOT's truth."""
 BOTH_ROLES: Final[tuple[Role, ...]] = ("truth", "detections")
 _CHUNK: Final = 1 << 20
 
@@ -226,8 +228,9 @@ class ReadOptions:
         Names of the recordings of the ground truth, for readers of detections.
     images
         The truth's image list (see `Reading.images`), for results that name images by id.
-    categories
-        The truth's names of categories by their ids, for results that have ids alone.
+    categories, numbering
+        Names of classes by their numbers in the files of the other side, and which numbers those
+        are; for files that have no names of their own. Use `names_for`.
     frame_names
         How names of pictures and large numbers are understood: one of
         `nvcore.inputs.facts.FRAME_NAMES`; None: by what they look like.
@@ -246,9 +249,17 @@ class ReadOptions:
     recordings: tuple[str, ...] = ()
     images: pd.DataFrame | None = None
     categories: Mapping[str, str] = field(default_factory=dict)
+    numbering: Numbering = "coco"
     frame_names: str | None = None
     named: NamedPictures | None = None
     boxes: pd.DataFrame | None = None
+
+    def names_for(self, numbering: Numbering) -> Mapping[str, str]:
+        """The other side's names of classes, if it numbers them so; else none.
+
+        Numbers of one kind say nothing about those of another: COCO's begin anywhere.
+        """
+        return self.categories if self.numbering == numbering else {}
 
 
 @dataclass(frozen=True)
@@ -278,8 +289,9 @@ class Reading:
     labels
         What the column `label` of `boxes` counts: classes in the words of the objects ("70"), of
         the boxes that are not ignored.
-    categories
-        Names of categories by their ids, where results in the same format have ids alone.
+    categories, numbering
+        Names of classes by their numbers, and which numbers those are, for files of the other side
+        that number classes in the same way and have no names.
     left_out
         What of the files is not used, the most first; `conversion` says it in words.
     layout
@@ -299,6 +311,7 @@ class Reading:
     attributes: pd.DataFrame | None = None
     labels: tuple[str, ...] = ()
     categories: Mapping[str, str] = field(default_factory=dict)
+    numbering: Numbering = "coco"
     left_out: tuple[LeftOut, ...] = ()
     layout: str = "sizes"
     has_score_beside: bool = False

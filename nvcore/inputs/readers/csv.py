@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
@@ -11,11 +11,10 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from nvcore.findings import Finding
+from nvcore.findings import Finding, Remedy, Step
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
     Format,
-    LeftOut,
     Lines,
     NamedPictures,
     Reading,
@@ -38,8 +37,12 @@ from nvcore.inputs.readers.csv_columns import (
     read_header,
 )
 from nvcore.inputs.readers.meaning.attributes import attributes_of_boxes, joined_attributes
-from nvcore.inputs.readers.meaning.categories import CategoryChoice, choose_categories
-from nvcore.inputs.readers.meaning.classes import classes_left_out
+from nvcore.inputs.readers.meaning.categories import (
+    CategoryChoice,
+    ClassNames,
+    choose_categories,
+    names_of_numbers,
+)
 from nvcore.inputs.readers.meaning.detectability import checked_detectability
 from nvcore.inputs.readers.meaning.distance import known_distances, odd_distances
 from nvcore.inputs.readers.meaning.frame_names import (
@@ -144,18 +147,22 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
         attributes.append(texts)
         facts += new_facts
     annotated = None
-    choice, left_out = _classes(kinds, files, options)
+    stated, choice, name_of = _classes(kinds, files, options)
     labels: tuple[str, ...] = ()
     if choice is not None:
-        label_of = labels_of(choice.counted, options.objects)
+        findings += choice.findings
+        of_name = labels_of((name_of.get(key, key) for key in choice.counted), options.objects)
+        label_of = {
+            key: of_name[name]
+            for key in choice.counted
+            if (name := name_of.get(key, key)) in of_name
+        }
         labels = tuple(dict.fromkeys(label_of.values()))
         all_boxes = concat_boxes(tables)
         annotated = annotated_frames(all_boxes["recording"], all_boxes["frame"].to_numpy())
         facts.append(choice.conversion)
         tables = [
-            boxes
-            if kind is None
-            else _sorted_by_class(boxes.assign(label=codes_of(kind, label_of)), kind, choice)
+            boxes if kind is None else _sorted_by_class(boxes, kind.key, choice, label_of)
             for boxes, kind in zip(tables, kinds, strict=True)
         ]
     recordings: list[str] = []
@@ -171,7 +178,9 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
         attributes=joined_attributes(attributes),
         labels=labels,
         named=joined_named(names_of_pictures),
-        left_out=left_out,
+        categories=stated,
+        numbering="list",
+        left_out=() if choice is None else choice.left_out,
         layout="corners" if any("right" in source.header.place for source in inputs) else "sizes",
     )
 
@@ -192,7 +201,7 @@ def _read_one(
     source: NamedColumns, number: int, own: str | None, options: ReadOptions
 ) -> tuple[
     pd.DataFrame,
-    pd.Series | None,
+    _Classes | None,
     list[str],
     list[Finding],
     pd.DataFrame | None,
@@ -274,7 +283,7 @@ def _read_one(
     if "attributes" in columns:
         facts.append("attributes as classes of encounters")
         attributes = attributes_of_boxes(boxes, columns["attributes"], MISSING)
-    return boxes, columns.get("class"), facts, findings, attributes, named
+    return boxes, _classes_of(columns), facts, findings, attributes, named
 
 
 def _misspelt(source: NamedColumns, role: Role) -> list[Finding]:
@@ -293,32 +302,92 @@ def _misspelt(source: NamedColumns, role: Role) -> list[Finding]:
     ]
 
 
-def _classes(
-    kinds: Sequence[pd.Series | None], files: Sequence[SourceFile], options: ReadOptions
-) -> tuple[CategoryChoice | None, tuple[LeftOut, ...]]:
-    """The choice of classes over all files, and what it leaves out; None: files have no classes.
+@dataclass(frozen=True)
+class _Classes:
+    """Classes of the rows of a file.
 
-    Those of a single class are about that one.
+    Attributes
+    ----------
+    key
+        Of each row: the name of its class, or its number.
+    names
+        The names that the file gives the numbers, in a column of its own; else empty.
+    """
+
+    key: pd.Series
+    names: Mapping[str, str]
+
+
+def _classes_of(columns: pd.DataFrame) -> _Classes | None:
+    """The classes of a file; numbers are written in one way ("0.0" is 0)."""
+    if "class" not in columns:
+        return None
+    key = pd.Series(names_as_categories(columns["class"], len(columns)))
+    texts = [str(text) for text in key.cat.categories]
+    plain = [text.removesuffix(".0") for text in texts]
+    if not all(map(str.isdecimal, plain)):
+        return _Classes(key, {})
+    if len({*plain}) == len(plain):
+        key = key.cat.rename_categories(dict(zip(texts, plain, strict=True)))
+    names: dict[str, str] = {}
+    if "class_name" in columns:
+        pairs = pd.DataFrame({"key": key, "name": columns["class_name"]}).drop_duplicates()
+        if pairs["key"].is_unique:  # else it names something else
+            names = dict(zip(pairs["key"].astype(str), pairs["name"].astype(str), strict=True))
+    return _Classes(key, names)
+
+
+def _classes(
+    kinds: Sequence[_Classes | None], files: Sequence[SourceFile], options: ReadOptions
+) -> tuple[Mapping[str, str], CategoryChoice | None, Mapping[str, str]]:
+    """Names that the files state, the choice of classes over all of them, and names by key.
+
+    No choice where the files have no classes; those of a single class are about that one.
     """
     counts: Counter[Any] = Counter()
+    stated: dict[str, str] = {}
     for kind in kinds:
-        counts.update({} if kind is None else kind.value_counts().to_dict())
+        if kind is not None:
+            counts.update(kind.key.value_counts().to_dict())
+            stated |= kind.names
     first = next((file for file, kind in zip(files, kinds, strict=True) if kind is not None), None)
     if first is None:
-        return None, ()
-    names = {str(name): str(name) for name in counts}
-    is_lookalike = options.objects.is_lookalike
-    if options.classes is None and len(names) <= 1 and not any(map(is_lookalike, names)):
-        conversion = f"class {''.join(names)} throughout: counted"
-        return CategoryChoice(tuple(names), (), (), conversion), ()
-    choice = choose_categories(names, options, file=first.name)
-    return choice, classes_left_out({name: counts[name] for name in choice.left_out})
+        return {}, None, {}
+    if all(map(str.isdecimal, counts)):
+        named = names_of_numbers(counts, ClassNames(stated), options, "list")
+    else:
+        named = ClassNames({key: key for key in counts})
+        only = next(iter(counts))
+        concerned = options.objects.is_lookalike(only) and not options.objects.is_kind(only)
+        if options.classes is None and len(counts) == 1 and not concerned:
+            findings = [
+                warning(
+                    "single-class",
+                    counts[only],
+                    f"All boxes are of the class {only}, and all count.",
+                    options.objects.words("Check that they are pedestrians."),
+                    role=options.role,
+                    file=first.name,
+                    steps=(Step(Remedy.CLASSES, only),),
+                )
+            ]
+            is_odd = not options.objects.concerns(only)
+            choice = CategoryChoice(
+                (only,),
+                conversion=f"class {only} throughout: counted",
+                findings=tuple(findings) if is_odd else (),
+            )
+            return {}, choice, named.names
+    return stated, choose_categories(counts, named, options, file=first.name), named.names
 
 
-def _sorted_by_class(boxes: pd.DataFrame, kind: pd.Series, choice: CategoryChoice) -> pd.DataFrame:
-    """Boxes without those of other classes; lookalikes are ignore regions."""
-    ignore = boxes["ignore"].to_numpy() | kind.isin(choice.ignored).to_numpy()
-    return select_boxes(boxes.assign(ignore=ignore), ~kind.isin(choice.left_out).to_numpy())
+def _sorted_by_class(
+    boxes: pd.DataFrame, key: pd.Series, choice: CategoryChoice, label_of: Mapping[str, str]
+) -> pd.DataFrame:
+    """Boxes without those of other classes, with their labels; lookalikes are ignore regions."""
+    ignore = boxes["ignore"].to_numpy() | key.isin(choice.ignored).to_numpy()
+    boxes = boxes.assign(ignore=ignore, label=codes_of(key, label_of))
+    return select_boxes(boxes, ~key.isin(choice.others).to_numpy())
 
 
 def _columns_to_read(header: Header, role: Role) -> list[str]:

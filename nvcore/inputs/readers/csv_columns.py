@@ -54,7 +54,11 @@ SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
         *("image_path", "image_file", "image", "file", "picture"),
     ),
     "attributes": ("attributes", "attribute"),
-    "class": ("class", "class_name", "class_id", "category", "category_id", "label", "type"),
+    "class": (
+        *("class", "class_id", "category", "category_id", "label", "label_id", "type", "cls"),
+        *("class_name", "category_name", "label_name", "class_label"),
+    ),
+    "class_name": ("class_name", "category_name", "label_name", "class_label", "name"),
 }
 """Names that a column may have, the plainest first; case and punctuation do not matter."""
 
@@ -123,6 +127,8 @@ def header_of(names: Sequence[str], delimiter: str = ",") -> Header:
         places = [plain.index(name) for name in synonyms if name in plain]
         if places:
             place[column] = places[0]
+    if place.get("class_name") in (None, place.get("class")) or "class" not in place:
+        place.pop("class_name", None)  # of a class, beside its number
     return Header(tuple(names), delimiter, place)
 
 

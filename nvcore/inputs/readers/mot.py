@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
 
+from nvcore.dataset.sources import left_out_text
 from nvcore.errors import InputError
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
     Format,
+    LeftOut,
     Reading,
     ReadOptions,
     Role,
@@ -22,13 +26,24 @@ from nvcore.inputs.readers.base import (
     image_list,
     recordings_table,
 )
+from nvcore.inputs.readers.meaning.categories import (
+    ClassNames,
+    choose_categories,
+    names_of_numbers,
+)
+from nvcore.inputs.readers.meaning.class_files import is_class_file, names_in
+from nvcore.inputs.readers.meaning.classes import classes_left_out
 from nvcore.inputs.readers.meaning.names import recordings_of
-from nvcore.inputs.readers.meaning.occlusion import levels_of_visible_share
+from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers, levels_of_visible_share
 from nvcore.inputs.readers.meaning.seqinfo import sequence_info
 from nvcore.inputs.readers.parse.text import Layout, NumberTable, read_numbers, whole_numbers
+from nvcore.inputs.readers.visdrone import NAMES as VISDRONE
+from nvcore.inputs.readers.visdrone import are_visdrones
 from nvcore.schema import NO_TRACK
 
 LAYOUT = Layout((7, 8, 9, 10), "frame,id,left,top,width,height,conf,...", whole=(0, 1))
+BLANKS = replace(LAYOUT, delimiter=" ")
+"""As trackers write it that join numbers by blanks or tabs."""
 CLASSES = {
     1: "pedestrian",
     2: "person_on_vehicle",
@@ -44,22 +59,29 @@ CLASSES = {
     12: "reflection",
     13: "crowd",
 }
+LABELS = "labels.txt"
+HEAD_BYTES = 4096
+"""Bytes that are read to see what separates the numbers."""
 DISTRACTORS = frozenset({2, 7, 8, 12, 13})
 """Classes that look like pedestrians: detecting them is neither right nor wrong."""
 
 
 def recognise(name: str, head: str, role: Role) -> bool:
-    """Whether the text has 7 to 10 comma-separated numbers a line, whole frame and id."""
+    """Whether the text has 7 to 10 numbers a line, between commas or blanks; whole frame and id."""
     del name, role
-    return LAYOUT.fits(head)
+    return LAYOUT.fits(head) or BLANKS.fits(head)
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     """Read MOTChallenge files, one per recording.
 
     Frames, ids and pixels are 1-based in the files; frames keep their numbers, pixels become
-    0-based. In truth, column 7 = 0 and distractor classes become ignore regions, other classes
-    are left out. In results, a score column of nothing but -1 means that there are no scores.
+    0-based (VisDrone's are, and so are those of results on it). In truth, column 7 = 0 and
+    distractor classes become ignore regions, other classes are left out. In results, a score
+    column of nothing but -1 means that there are no scores.
+
+    Classes are those of MOTChallenge, of a ``labels.txt`` beside the file (CVAT), or VisDrone's;
+    of results those of the truth.
 
     Raises
     ------
@@ -68,29 +90,32 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     FormatError
         With file and line of the first row that is not MOTChallenge.
     """
+    files = [file for file in files if not is_class_file(file.name)] or files
     infos = [sequence_info(file) for file in files]
     names, assumed = recordings_of(
         [file.name for file in files],
         options.recordings,
         stated=[info.name for info in infos],
     )
-    tables: list[pd.DataFrame] = []
+    contents = [
+        _read_one(file, number, name, options)
+        for number, (file, name) in enumerate(zip(files, names, strict=True))
+    ]
+    facts = ["frame numbers kept (1-based)"]
     annotated: list[pd.DataFrame] = []
-    findings: list[Finding] = []
-    facts = ["pixels from 1-based to 0-based", "frame numbers kept (1-based)"]
-    for number, (file, name) in enumerate(zip(files, names, strict=True)):
-        boxes, every_frame, new_facts, problems = _read_one(file, number, name, options)
+    left_out: Counter[str] = Counter()
+    for name, content in zip(names, contents, strict=True):
         if options.role == "truth":
-            annotated.append(annotated_frames(name, every_frame))
-        tables.append(boxes)
-        facts += new_facts
-        findings += problems
+            annotated.append(annotated_frames(name, content.frame))
+        facts += content.facts
+        left_out.update({item.name: item.count for item in content.left_out})
+    categories = next((content.names for content in contents if content.names), {})
     images = None
     if options.role == "truth" and all(info.n_frames is not None for info in infos):
         images = image_list(names, [np.arange(1, (info.n_frames or 0) + 1) for info in infos])
         facts.append("evaluated frames 1..seqLength from seqinfo.ini")
     return Reading(
-        boxes=concat_boxes(tables),
+        boxes=concat_boxes([content.boxes for content in contents]),
         recordings=recordings_table(
             names,
             width=[info.width for info in infos],
@@ -100,16 +125,43 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         conversion=conversion_text([*facts, *assumed]),
         images=images,
         annotated=pd.concat(annotated, ignore_index=True) if annotated else None,
-        findings=tuple(findings),
+        findings=tuple(finding for content in contents for finding in content.findings),
+        categories=categories,
+        numbering="mot",
+        left_out=classes_left_out(left_out),
     )
 
 
-def _read_one(
-    file: SourceFile, number: int, name: str, options: ReadOptions
-) -> tuple[pd.DataFrame, np.ndarray, list[str], list[Finding]]:
-    """Boxes of a file, the frames of all its rows, the conversion in words, and what is odd."""
-    table = read_numbers(file, LAYOUT)
-    frame, track, left, top, width, height, conf = table.columns[:7]
+@dataclass(frozen=True)
+class _Content:
+    """A file: its boxes, the frames of all rows, and what is said of them."""
+
+    boxes: pd.DataFrame
+    frame: np.ndarray
+    facts: list[str]
+    findings: list[Finding]
+    names: Mapping[str, str]
+    left_out: tuple[LeftOut, ...]
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """What becomes of the rows: which stay, which are ignored, and what is said of it."""
+
+    keep: np.ndarray
+    ignore: np.ndarray
+    facts: list[str]
+    findings: list[Finding] = field(default_factory=list)
+    names: Mapping[str, str] = field(default_factory=dict)
+    left_out: tuple[LeftOut, ...] = ()
+
+
+def _read_one(file: SourceFile, number: int, name: str, options: ReadOptions) -> _Content:
+    """The content of a file."""
+    with file.open() as stream:
+        first = stream.read(HEAD_BYTES).lstrip(b"\xef\xbb\xbf \t\r\n").partition(b"\n")[0]
+    table = read_numbers(file, LAYOUT if b"," in first else BLANKS)
+    frame, track, left, top, width, height, conf, kind, visibility, last = table.columns
     frame = whole_numbers(frame, table.lines, "frame")
     track = whole_numbers(track, table.lines, "id")
     findings = table.lines.finding(
@@ -120,33 +172,44 @@ def _read_one(
         role=options.role,
         example=lambda row: f"frame {frame[row]}",
     )
-    keep = None
-    facts: list[str] = []
+    is_visdrone = are_visdrones(kind, visibility, last) and bool(
+        np.all(last >= 0) and np.any(kind > 0)
+    )
     columns: dict[str, object] = {}
     if options.role == "truth":
-        keep, columns, facts, problems = _truth_columns(table, name, options)
-        findings += problems
-    elif np.all((conf == -1) | np.isnan(conf)):
-        facts = ["score column is -1 throughout: no scores"] if len(table) else []
+        rows = _rows_of_truth(table, name, options, is_visdrone=is_visdrone)
+        if is_visdrone:
+            columns["occlusion"] = levels_of_numbers(last)
+        elif np.isnan(last).all():
+            columns["occlusion"] = levels_of_visible_share(visibility)
     else:
-        columns = {"score": conf}
+        is_visdrone = options.names_for("mot") == VISDRONE
+        rows = _rows_of_results(table, options)
+        if not np.all((conf == -1) | np.isnan(conf)):
+            columns["score"] = conf
+        elif len(table):
+            rows.facts.append("score column is -1 throughout: no scores")
+    base = 0 if is_visdrone else 1
     boxes = table.lines.boxes(
-        (left - 1, top - 1, width, height),
-        keep=keep,
+        (left - base, top - base, width, height),
+        keep=rows.keep,
         recording=name,
         frame=frame,
         track=np.where(track < 0, NO_TRACK, track),
         file=number,
+        ignore=rows.ignore,
         **columns,
     )
-    return boxes, frame, facts, findings
+    pixels = "VisDrone's pixels kept (0-based)" if base == 0 else "pixels from 1-based to 0-based"
+    facts = [pixels, *rows.facts]
+    return _Content(boxes, frame, facts, [*findings, *rows.findings], rows.names, rows.left_out)
 
 
-def _truth_columns(
-    table: NumberTable, name: str, options: ReadOptions
-) -> tuple[np.ndarray, dict[str, object], list[str], list[Finding]]:
-    """What rows of truth stay, their further columns, the conversion in words, what is odd."""
-    conf, kind, visibility, last = table.columns[6:]
+def _rows_of_truth(
+    table: NumberTable, name: str, options: ReadOptions, *, is_visdrone: bool
+) -> _Rows:
+    """What becomes of rows of truth."""
+    conf, kind, _, last = table.columns[6:]
     findings = table.lines.finding(
         (conf != np.floor(conf)) | (conf > 1),
         "truth-with-scores",
@@ -155,41 +218,89 @@ def _truth_columns(
         role="truth",
         example=lambda row: f"{conf[row]:g}",
     )
-    keep, ignore = np.ones(len(table), dtype=bool), conf == 0
-    columns: dict[str, object] = {}
-    facts = ["conf 0 = ignore"]
+    ignore, facts = conf == 0, ["conf 0 = ignore"]
+    everything = _Rows(np.ones(len(table), dtype=bool), ignore, facts, findings)
     # MOT16 and later have 8 or 9 columns with a class; MOT15 has 10, of which 8 to 10 are x, y, z
-    if np.isnan(last).all() and np.any(kind > 0):
-        classes = whole_numbers(kind, table.lines, "class")
-        counted = _class_numbers(options, table.lines.files[0])
-        # the benchmark's rule: class 6 became a distractor with MOT20
-        distractors = DISTRACTORS | ({6} if name.upper().startswith("MOT20") else set())
-        if not options.objects.are_pedestrians:
-            distractors = frozenset(
-                k for k, name in CLASSES.items() if options.objects.concerns(name)
-            )
-        neutral = sorted(distractors - set(counted))
-        is_wanted = np.isin(classes, counted)
-        # a row with conf 0 of another class (a car) is no ignore region for pedestrians
-        keep = is_wanted | np.isin(classes, neutral)
-        ignore |= ~is_wanted
-        columns["occlusion"] = levels_of_visible_share(visibility)
-        facts.append(
-            f"classes: {', '.join(CLASSES[k] for k in counted)} counted; "
-            + (f"{', '.join(CLASSES[k] for k in neutral)} ignored; " if neutral else "")
-            + "others left out"
-        )
-        findings += table.lines.finding(
-            ~np.isin(classes, list(CLASSES)),
-            "unknown-class",
-            "Rows of a class that MOTChallenge does not have (it has 1 to 13) were left out.",
-            "Number the classes as MOTChallenge does; 1 is pedestrian.",
-            role="truth",
-            example=lambda row: f"class {classes[row]}",
-        )
-    elif options.classes is not None and len(table):
-        facts.append("no class column: all rows counted")
-    return keep, columns | {"ignore": ignore}, facts, findings
+    if not is_visdrone and not (np.isnan(last).all() and np.any(kind > 0)):
+        if options.classes is not None and len(table):
+            facts.append("no class column: all rows counted")
+        return everything
+    classes = whole_numbers(kind, table.lines, "class")
+    file = table.lines.files[0]
+    named = ClassNames(VISDRONE, "VisDrone") if is_visdrone else _labels_beside(file)
+    if named.names:
+        return _by_name(everything, classes, named, options, file)
+    counted = _class_numbers(options, file)
+    # the benchmark's rule: class 6 became a distractor with MOT20
+    distractors = DISTRACTORS | ({6} if name.upper().startswith("MOT20") else set())
+    if not options.objects.are_pedestrians:
+        distractors = frozenset(k for k, name in CLASSES.items() if options.objects.concerns(name))
+    neutral = sorted(distractors - set(counted))
+    is_wanted = np.isin(classes, counted)
+    # a row with conf 0 of another class (a car) is no ignore region for pedestrians
+    keep = is_wanted | np.isin(classes, neutral)
+    numbers, counts = np.unique(classes[~keep], return_counts=True)
+    left_out = classes_left_out(
+        {CLASSES.get(k, str(k)): n for k, n in zip(numbers.tolist(), counts, strict=True)}
+    )
+    facts.append(
+        f"classes: {', '.join(CLASSES[k] for k in counted)} counted; "
+        + (f"{', '.join(CLASSES[k] for k in neutral)} ignored; " if neutral else "")
+        + f"others left out{': ' * bool(left_out)}{left_out_text(left_out)}"
+    )
+    findings += table.lines.finding(
+        ~np.isin(classes, list(CLASSES)),
+        "unknown-class",
+        "Rows of a class that MOTChallenge does not have (it has 1 to 13) were left out.",
+        "Number the classes as MOTChallenge does; 1 is pedestrian.",
+        role="truth",
+        example=lambda row: f"class {classes[row]}",
+    )
+    names = {str(number): name for number, name in CLASSES.items()}
+    return _Rows(keep, ignore | ~is_wanted, facts, findings, names, left_out)
+
+
+def _rows_of_results(table: NumberTable, options: ReadOptions) -> _Rows:
+    """What becomes of rows of results, which have a class if column 8 can be none else."""
+    kind, second, third = table.columns[7:]
+    everything = _Rows(np.ones(len(table), dtype=bool), np.zeros(len(table), dtype=bool), [])
+    is_small = np.isnan(third) | (np.isin(second, (-1, 0, 1)) & np.isin(third, (-1, 0, 1, 2)))
+    if not (np.all(is_small & (kind == np.floor(kind))) and np.any(kind >= 0)):
+        return everything
+    classes = whole_numbers(kind, table.lines, "class")
+    file = table.lines.files[0]
+    numbers = [*map(str, np.unique(classes).tolist())]
+    named = names_of_numbers(numbers, _labels_beside(file), options, "mot")
+    return _by_name(everything, classes, named, options, file)
+
+
+def _by_name(
+    rows: _Rows, classes: np.ndarray, named: ClassNames, options: ReadOptions, file: SourceFile
+) -> _Rows:
+    """The rows sorted by what their classes are called."""
+    numbers, codes = np.unique(classes, return_inverse=True)
+    keys = np.array([*map(str, numbers.tolist())], dtype=object)
+    counts = dict(zip(keys, np.bincount(codes).tolist(), strict=True))
+    choice = choose_categories(counts, named, options, file=file.name)
+    is_ignored = np.isin(keys, choice.ignored)[codes]
+    return replace(
+        rows,
+        keep=is_ignored | np.isin(keys, choice.counted)[codes],
+        ignore=rows.ignore | is_ignored,
+        facts=[*rows.facts, choice.conversion],
+        findings=[*rows.findings, *choice.findings],
+        names=named.names,
+        left_out=choice.left_out,
+    )
+
+
+def _labels_beside(file: SourceFile) -> ClassNames:
+    """Names of CVAT's ``labels.txt`` in the folder of the file, which number from 1."""
+    labels = SourceFile(file.path.parent / LABELS, LABELS)
+    if not labels.path.is_file():
+        return ClassNames()
+    names = names_in(labels)
+    return ClassNames({str(int(number) + 1): name for number, name in names.items()}, LABELS)
 
 
 def _class_numbers(options: ReadOptions, file: SourceFile) -> list[int]:

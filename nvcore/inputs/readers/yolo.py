@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import Final
 
@@ -24,8 +24,8 @@ from nvcore.inputs.readers.base import (
     object_array,
     recordings_table,
 )
-from nvcore.inputs.readers.meaning.categories import free_labels
-from nvcore.inputs.readers.meaning.classes import ClassRule, choose_classes
+from nvcore.inputs.readers.meaning.categories import choose_categories, names_of_numbers
+from nvcore.inputs.readers.meaning.class_files import class_names_beside, is_class_file
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.parse.text import (
@@ -33,7 +33,6 @@ from nvcore.inputs.readers.parse.text import (
     NumberTable,
     number_of,
     read_numbers,
-    read_text,
     rows_of_text,
     stacked,
     whole_numbers,
@@ -45,7 +44,6 @@ MAX_SHARE: Final = 2.0
 """Largest coordinate, in shares of the picture, that can be a box that sticks out of it."""
 _INSIDE: Final = 0.01
 """How far a box may stick out of the picture and still count as inside it."""
-_NAMES = re.compile(r"classes\.txt|.*\.names")
 _OTHER_FILES = re.compile(r".*\.ya?ml|(?:train|val|valid|test)\.txt|.*\.data|.*\.cache")
 
 
@@ -56,7 +54,7 @@ def recognise(name: str, head: str, role: Role) -> bool:
     """
     del role
     if _is_extra(name):
-        return _NAMES.fullmatch(_last(name)) is not None
+        return is_class_file(name)
     return LAYOUT.fits(head) and all(
         row[0].isdecimal() and all(0 <= (number_of(share) or 0) <= 1.1 for share in row[1:5])
         for row in rows_of_text(head, delimiter=" ")[:20]
@@ -79,7 +77,7 @@ class _Fields:
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     """Read YOLO text files, one per picture; an empty file is an evaluated frame.
 
-    Class 0 counts, or the classes named as pedestrians in ``classes.txt``.
+    The classes named as pedestrians in a file beside the labels count, or the only class.
     The confidence is the last field (Ultralytics) or the second (review_object_detection_metrics):
     inferred from which of the two readings leaves the boxes inside the picture.
 
@@ -89,6 +87,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         If the size of the pictures is not given.
     InputError
         If a file name has no number, two files are of one frame, or a class is unknown.
+    UnnamedClassesError
+        If there are several classes and no names.
     FormatError
         With file and line of the first row that is not YOLO text.
     """
@@ -106,28 +106,39 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
             file=files[0].name if files else None,
             facts=("size",),
         )
-    names = _class_names(files, frames)
+    own = class_names_beside(files)
     table = stacked([read_numbers(frame, LAYOUT) for frame in frames])
     file = table.lines.file
     _check_shares(table)
     fields = _identified(table, options)
-    label = _labels(whole_numbers(table.columns[0], table.lines, "class number"), names)
-    rule, class_options = _rule(label, names, options)
-    choice = choose_classes(label, rule, class_options, table.lines)
-    is_named = len(names.names) > 0  # a number alone tells no class from another file's
-    codes, labels = labelled(label, choice.keep & ~choice.ignore & is_named, options.objects)
+    keys = table.columns[0]
+    numbers, codes = np.unique(
+        whole_numbers(keys, table.lines, "class number"), return_inverse=True
+    )
+    counts = dict(zip(map(str, numbers), np.bincount(codes).tolist(), strict=True))
+    by_number = names_of_numbers(counts, own, options, "list")
+    choice = choose_categories(counts, by_number, options, file=frames[0].name)
+    is_counted, is_ignored = (
+        np.isin([*map(str, numbers)], fate)[codes] for fate in (choice.counted, choice.ignored)
+    )
+    # a number alone tells no class from another file's
+    label = object_array([by_number.names.get(str(number), "") for number in numbers.tolist()])[
+        codes
+    ]
+    kind, labels = labelled(label, is_counted & (label != ""), options.objects)
+    keep = is_counted | is_ignored
     width, height = options.size
     x, y, w, h = fields.middle_and_size
     boxes = table.lines.boxes(
         ((x - w / 2) * width, (y - h / 2) * height, w * width, h * height),
-        keep=choice.keep,
+        keep=keep,
         recording=named.recording[file],
         frame=named.frame[file],
         score=fields.score,
         track=fields.track,
-        ignore=choice.ignore,
+        ignore=is_ignored,
         file=position[file],
-        label=codes,
+        label=kind,
     )
     extras = [other for other in files if _is_extra(other.name)]
     passed = sorted({PurePosixPath(extra.name).name for extra in extras})
@@ -135,8 +146,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         "frame numbers from the file names",
         f"shares of the picture to pixels of {width} x {height} (0-based)",
         *fields.facts,
-        choice.fact,
-        f"class names from {names.source}" if names.source else "",
+        choice.conversion,
         f"not read as pictures: {', '.join(passed)}" if passed else "",
     ]
     return Reading(
@@ -150,74 +160,15 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         left_out=choice.left_out,
         layout="score-centres-shares" if fields.is_score_first else "centres-shares",
         has_score_beside=fields.has_score_beside,
+        categories=own.names,
+        numbering="list",
     )
 
 
 def _is_extra(name: str) -> bool:
     """Whether the file is no picture's: names of classes, lists of files, settings."""
-    last = _last(name)
-    return _NAMES.fullmatch(last) is not None or _OTHER_FILES.fullmatch(last) is not None
-
-
-def _last(name: str) -> str:
-    """The last part of a file's name, as its unpacked file would be called."""
-    return unpacked_name(PurePosixPath(name).name.casefold())
-
-
-@dataclass(frozen=True)
-class _Names:
-    """Names of the classes by number, and the file that they are from; empty for none."""
-
-    names: tuple[str, ...] = ()
-    source: str = ""
-
-
-def _class_names(files: Sequence[SourceFile], frames: Sequence[SourceFile]) -> _Names:
-    """Class names from a file among those given, or beside or above the first picture's file."""
-    folder = frames[0].path.parent
-    beside = [
-        SourceFile(path=place / "classes.txt", name="classes.txt")
-        for place in (folder, folder.parent)
-    ]
-    among = [file for file in files if _NAMES.fullmatch(_last(file.name))]
-    for file in [*among, *(neighbour for neighbour in beside if neighbour.path.is_file())]:
-        lines = [line.strip() for line in read_text(file).strip().splitlines()]
-        return _Names(tuple(lines), PurePosixPath(file.name).name)
-    return _Names()
-
-
-def _labels(kind: np.ndarray, names: _Names) -> np.ndarray:
-    """Name of each row's class, its number where it has none."""
-    numbers, codes = np.unique(kind, return_inverse=True)
-    labels = [
-        names.names[number] if 0 <= number < len(names.names) else str(number)
-        for number in numbers.tolist()
-    ]
-    return object_array(labels)[codes]
-
-
-def _rule(label: np.ndarray, names: _Names, options: ReadOptions) -> tuple[ClassRule, ReadOptions]:
-    """What to do with which class; class numbers are made names where the names are known."""
-    classes = {*label, *names.names}
-    if not names.names:
-        for name in options.classes or ():
-            if not name.isdecimal():
-                raise InputError(
-                    f"expected class numbers, found the class {name!r}: YOLO text has no names; "
-                    "give numbers, or put classes.txt beside the files"
-                )
-        classes |= set(options.classes or ())
-        others = tuple(sorted(classes - {"0"}))
-        return ClassRule(counted=("0",), ignored=(), left_out=others), options
-    if options.classes is None:
-        return free_labels(classes, options), options
-    n_names = len(names.names)
-    class_names = tuple(
-        names.names[int(name)] if re.fullmatch("[0-9]{1,9}", name) and int(name) < n_names else name
-        for name in options.classes
-    )
-    options = replace(options, classes=class_names)
-    return free_labels(classes, options), options
+    last = unpacked_name(PurePosixPath(name).name.casefold())
+    return is_class_file(name) or _OTHER_FILES.fullmatch(last) is not None
 
 
 def _check_shares(table: NumberTable) -> None:

@@ -45,13 +45,13 @@ def category_ids(reading: Reading, truth: Reading | None, objects: Objects) -> l
         classes, and the truth is not given.
     """
     ids: dict[str, int | str] = {}
-    if truth is not None and truth.categories:
+    if truth is not None and truth.numbering == "coco" and truth.categories:
         for key, name in truth.categories.items():
             ids.setdefault(objects.label_of(name), int(key) if key.isdecimal() else key)
     elif truth is not None:
         ids |= {objects.label_of(name): key for name, key in categories(truth, objects)[0].items()}
     missing = [label for label in reading.labels if label not in ids]
-    has_categories = truth is not None and len(truth.categories) > 0
+    has_categories = truth is not None and truth.numbering == "coco" and len(truth.categories) > 0
     if missing and (has_categories or len(reading.labels) > 1):
         classes = ", ".join(_name(label, objects) for label in missing)
         raise InputError(

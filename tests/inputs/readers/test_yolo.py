@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from reader_files import golden, only_finding, rows, source
 
-from nvcore.errors import FormatError, InputError, MissingFactError
-from nvcore.inputs.readers.base import Reading, ReadOptions
+from nvcore.errors import FormatError, InputError, MissingFactError, UnnamedClassesError
+from nvcore.inputs.readers.base import LeftOut, Reading, ReadOptions
 from nvcore.inputs.readers.yolo import read, recognise
 
 NAMES = [f"drive1/00000{number}.txt" for number in (1, 2, 3)]
@@ -38,8 +38,7 @@ def test_shares_become_pixels_and_an_empty_file_an_evaluated_frame() -> None:
     ]
     assert rows(reading.images, "recording frame") == [["drive1", frame] for frame in (1, 2, 3)]
     assert rows(reading.recordings, "name width height") == [["drive1", 640, 480]]
-    assert "classes: 0 counted" in reading.conversion
-    assert "left out: 1 (1)" in reading.conversion
+    assert "class 0 throughout: counted (no names)" in reading.conversion
 
 
 def test_without_a_size_the_error_names_the_flag() -> None:
@@ -47,10 +46,14 @@ def test_without_a_size_the_error_names_the_flag() -> None:
         read_golden(size=None)
 
 
-def test_other_class_numbers_can_be_chosen_but_no_names() -> None:
-    assert read_golden(classes=("0", "1")).boxes["frame"].tolist() == [1, 1, 3]
-    with pytest.raises(InputError, match=r"class numbers, found the class 'person'.*classes\.txt"):
-        read_golden(classes=("person",))
+def test_several_classes_without_names_are_asked_for(tmp_path: Path) -> None:
+    text = "0 .5 .5 .1 .1\n1 .5 .5 .1 .1\n0 .2 .2 .1 .1\n"
+    reading = read_text(tmp_path, text, classes=("0",))
+    assert reading.boxes["line"].tolist() == [1, 3]
+    assert reading.left_out == (LeftOut("class", "1", 1),)
+    for classes in (None, ("person",)):
+        with pytest.raises(UnnamedClassesError, match=r"found class 0 \(2 boxes\), 1 \(1 box\)"):
+            read_text(tmp_path, text, classes=classes)
 
 
 def test_a_class_that_does_not_occur_is_a_finding() -> None:
@@ -70,7 +73,7 @@ def test_classes_txt_names_the_classes_and_is_no_picture(tmp_path: Path) -> None
     assert rows(reading.boxes, "line file ignore") == [[2, 2, False], [3, 2, True]]
     assert "class names from classes.txt" in reading.conversion
     assert "not read as pictures: classes.txt, data.yaml" in reading.conversion
-    assert "left out: car (1)" in reading.conversion
+    assert reading.left_out == (LeftOut("class", "car", 1),)
 
 
 def test_with_names_a_class_is_chosen_by_name_or_number(tmp_path: Path) -> None:

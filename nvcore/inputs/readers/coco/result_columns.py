@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import json
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
@@ -13,6 +14,7 @@ import pyarrow.json
 
 from nvcore.inputs.readers.base import ReadOptions, SourceFile
 from nvcore.inputs.readers.coco.images import NAME_KEYS, id_text, id_texts, image_ids, read_images
+from nvcore.inputs.readers.coco.truth import category_names
 from nvcore.inputs.readers.parse.json import Records, read_json
 from nvcore.inputs.readers.parse.text import read_bytes
 
@@ -33,6 +35,8 @@ class ResultColumns:
         File name of the picture.
     track
         Track id as a number or text.
+    names
+        Names of the categories by their ids as text, where the file lists them.
     """
 
     box: np.ndarray
@@ -41,6 +45,7 @@ class ResultColumns:
     image_id: pd.Series | None
     picture: pd.Series | None
     track: pd.Series | None
+    names: Mapping[str, str] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.box)
@@ -144,10 +149,12 @@ def _careful(file: SourceFile, options: ReadOptions) -> tuple[ResultColumns, pd.
     """The records one by one, and the file's own image list if it has one."""
     document = read_json(file)
     own, key = None, ""
+    names: dict[str, str] = {}
     if isinstance(document, dict):
         key = "annotations"
         if document.get("images"):
             own = read_images(document, file, options).table
+        names = category_names(document, file)
         document = document.get(key)
     records = Records(document, file, "result", key)
     category = records.values("category_id")
@@ -169,4 +176,5 @@ def _careful(file: SourceFile, options: ReadOptions) -> tuple[ResultColumns, pd.
         image_id=image_ids(records, "image_id") if has_ids else None,
         picture=None if picture is None else pd.Series(picture, dtype=object),
         track=track,
+        names=names,
     ), own

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
 from pandas.api.types import is_integer_dtype
 
-from nvcore.errors import MissingFactError
-from nvcore.findings import Finding, Severity
+from nvcore.errors import MissingFactError, UnnamedClassesError
+from nvcore.findings import Finding, Remedy, Severity, Step
 from nvcore.inputs.readers.base import (
     Format,
+    LeftOut,
     Lines,
     Reading,
     ReadOptions,
@@ -34,6 +36,12 @@ from nvcore.inputs.readers.coco.images import (
     rows_by_id,
 )
 from nvcore.inputs.readers.coco.result_columns import ResultColumns, read_columns
+from nvcore.inputs.readers.meaning.categories import (
+    CategoryChoice,
+    ClassNames,
+    choose_categories,
+)
+from nvcore.inputs.readers.meaning.classes import classes_left_out
 from nvcore.inputs.readers.meaning.frame_names import (
     in_file,
     places_of_pictures,
@@ -44,10 +52,6 @@ from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.names import recording_of
 from nvcore.inputs.readers.meaning.plain_names import plain_names
 from nvcore.inputs.readers.meaning.tracks import TEXT_IDS, track_numbers
-from nvcore.wording.objects import PEDESTRIAN
-
-PERSON = "1"
-"""Category id of persons in COCO, KAIST, Teledyne FLIR and NightOwls."""
 
 _FIELDS = re.compile(r'"bbox"\s*:')
 _IMAGE = re.compile(rf'"(?:image_id|{"|".join(NAME_KEYS)})"\s*:')
@@ -81,12 +85,14 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         If images are named by id and the truth's image list is not given.
     """
     tables, kinds = [], []
+    left_out: Counter[Any] = Counter()
     facts = ["boxes as they are (0-based)"]
     findings: list[Finding] = []
     for number, file in enumerate(files):
         columns, own = read_columns(file, options)
         images = options.images if own is None else own
-        boxes, new_facts, oddities, kind = _boxes(columns, file, number, images, options)
+        boxes, new_facts, oddities, kind, others = _boxes(columns, file, number, images, options)
+        left_out.update({item.name: item.count for item in others})
         tables.append(boxes)
         kinds.append(kind)
         facts += new_facts
@@ -100,6 +106,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         conversion=conversion_text(facts),
         findings=tuple(findings),
         labels=labels,
+        left_out=classes_left_out(left_out),
     )
 
 
@@ -109,13 +116,23 @@ def _boxes(
     number: int,
     images: pd.DataFrame | None,
     options: ReadOptions,
-) -> tuple[pd.DataFrame, list[str], list[Finding], np.ndarray]:
-    """Boxes of a file, the conversion in words, what is odd; class of boxes, empty if unknown."""
+) -> tuple[pd.DataFrame, list[str], list[Finding], np.ndarray, tuple[LeftOut, ...]]:
+    """Boxes of a file, the conversion, what is odd; class of boxes, empty if unknown; the rest."""
     n_rows = len(columns)
     if not n_rows:
         empty = np.empty(0, dtype=object)
-        return reading_boxes(0), ["an empty list: nothing was detected"], [], empty
-    is_wanted, facts, findings = _categories(columns.category, file, options, n_rows)
+        return reading_boxes(0), ["an empty list: nothing was detected"], [], empty, ()
+    is_wanted, facts, findings = np.ones(n_rows, dtype=bool), ["no category_id: all count"], []
+    kind = np.full(n_rows, "", dtype=object)
+    left_out: tuple[LeftOut, ...] = ()
+    if columns.category is not None:
+        ids = columns.category.unique()
+        keys = columns.category.map(dict(zip(ids, map(id_text, ids), strict=True)))
+        choice, named = _choice(keys, columns.names, file, options)
+        is_wanted = keys.isin(choice.counted).to_numpy()
+        name_of = {key: named.names.get(key, "") for key in choice.counted}
+        kind = keys.map(name_of).fillna("").to_numpy()
+        facts, findings, left_out = [choice.conversion], [*choice.findings], choice.left_out
     with in_file(file):
         places = _places(columns, is_wanted, file, images, options)
     recording, frame, is_known = places.recording, places.frame, places.is_known
@@ -148,65 +165,60 @@ def _boxes(
         file=number,
         **values,
     )
-    kind = np.full(n_rows, "", dtype=object)
-    if columns.category is not None:
-        keys = columns.category.unique()
-        name_of = {key: options.categories.get(id_text(key), "") for key in keys}
-        kind = columns.category.map(name_of).fillna("").to_numpy(dtype=object)
-    return boxes, facts, findings, kind[is_wanted & is_known]
+    return boxes, facts, findings, kind[is_wanted & is_known], left_out
 
 
-def _categories(
-    category: pd.Series | None, file: SourceFile, options: ReadOptions, n_rows: int
-) -> tuple[np.ndarray, list[str], list[Finding]]:
-    """Which results are of a class that counts, and the rule in words."""
-    everything = np.ones(n_rows, dtype=bool)
-    if category is None:
-        return everything, ["no category_id: all results count"], []
-    present = {id_text(key): count for key, count in category.value_counts(dropna=False).items()}
-    listed = ", ".join(f"{key} ({count} results)" for key, count in present.items())
-    objects = options.objects
-    counted = {PERSON}
-    if not objects.are_pedestrians:
-        counted = {key for key, name in options.categories.items() if objects.counts(name)}
-    if options.classes is not None:
-        # results have no names for their categories: a person's number is known, and the truth's
-        key_of = {name.casefold(): key for key, name in options.categories.items()}
-        wanted = [key_of.get(name.casefold(), name) for name in options.classes]
-        names = [name for name in wanted if not name.isdecimal()]
-        persons = [name for name in names if PEDESTRIAN.counts(name)]
-        counted = set(wanted) - set(names) | ({PERSON} if persons else set())
-        if len(persons) < len(names) and set(present) - counted:
-            raise file.fault(
-                f"results number their classes: found category_id {listed}; give the classes as "
-                "numbers"
-            )
-    if not counted & set(present):
-        if len(present) > 1 or options.classes is not None:
-            expected = ", ".join(sorted(counted)) or f"{objects.plural} alone"
-            raise file.fault(
-                f"expected results of category_id {expected}, found {listed}; "
-                f"name the category ids that are {objects.plural} as classes"
-            )
-        if not objects.are_pedestrians:  # of whose number in COCO nothing is known
-            return everything, [f"category_id {next(iter(present))} counted"], []
+def _choice(
+    keys: pd.Series, own: Mapping[str, str], file: SourceFile, options: ReadOptions
+) -> tuple[CategoryChoice, ClassNames]:
+    """Which categories count, by the names that the file or the truth gives their ids."""
+    counts: dict[Any, int] = keys.value_counts().to_dict()
+    theirs = options.names_for("coco")
+    named = ClassNames(own) if own else ClassNames(theirs, "the ground truth" if theirs else "")
+    unknown = counts.keys() - named.names.keys()
+    # an only id may be any number where the truth has nothing else to detect
+    others = [name for name in named.names.values() if not options.objects.concerns(name)]
+    if named.names and len(counts) == 1 and unknown and not others and options.classes is None:
+        named = ClassNames()
+    elif named.names and unknown and _may_be_shifted(unknown, counts, named.names):
+        raise UnnamedClassesError(
+            f"results and ground truth number their classes differently: category_id "
+            f"{', '.join(sorted(unknown))} of the results is none of {', '.join(named.names)}, "
+            "the ids of the ground truth, and each id more or less by one would be",
+            file=file.name,
+            steps=(Step(Remedy.CLASSES),),
+        )
+    choice = choose_categories(counts, named, options, file=file.name, numbers="category_id")
+    if counts and not counts.keys() & {*choice.counted}:
+        expected = ", ".join(
+            f"{key} ({named.names[key]})" if key in named.names else key for key in choice.counted
+        )
+        raise file.fault(
+            f"expected results of category_id {expected or options.objects.plural}, found "
+            + ", ".join(f"{key} ({n} results)" for key, n in counts.items()),
+            steps=(Step(Remedy.CLASSES),),
+        )
+    if not named.names and options.classes is None and counts and "1" not in counts:
         finding = warning(
             "unusual-category",
-            n_rows,
-            f"All results have category_id {next(iter(present))}, not 1 (person); all count.",
-            "Check that they are pedestrians; naming the class (--classes) ends this warning.",
+            len(keys),
+            f"All results have category_id {next(iter(counts))}, not 1 (person); all count.",
+            "Check that they are pedestrians; naming the class ends this warning.",
             role="detections",
             file=file.name,
             example="result 1",
+            steps=(Step(Remedy.CLASSES, next(iter(counts))),),
         )
-        return everything, [f"category_id {next(iter(present))} counted"], [finding]
-    others = [key for key in present if key not in counted]
-    fact = f"category_id {', '.join(key for key in present if key in counted)} counted"
-    if not others:
-        return everything, [fact], []
-    fact += f", {', '.join(f'{key} ({present[key]} results)' for key in others)} left out"
-    keep = category.map({key: id_text(key) in counted for key in category.unique()})
-    return keep.to_numpy(dtype=bool), [fact], []
+        choice = replace(choice, findings=(*choice.findings, finding))
+    return choice, named
+
+
+def _may_be_shifted(unknown: Iterable[str], present: Iterable[str], names: Collection[str]) -> bool:
+    """Whether ids that count from another number would all be known, such as 0 in place of 1."""
+    numbers = [int(key) for key in {*unknown, *present} if key.isdecimal()]
+    return len(numbers) == len({*unknown, *present}) and any(
+        all(str(number + step) in names for number in numbers) for step in (1, -1)
+    )
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,11 @@ from nvcore.inputs.readers.meaning.attributes import (
     joined_attributes,
     joined_classes,
 )
-from nvcore.inputs.readers.meaning.categories import CategoryChoice, choose_categories
+from nvcore.inputs.readers.meaning.categories import (
+    CategoryChoice,
+    ClassNames,
+    choose_categories,
+)
 from nvcore.inputs.readers.meaning.classes import classes_left_out
 from nvcore.inputs.readers.meaning.detectability import checked_detectability
 from nvcore.inputs.readers.meaning.distance import known_distances, odd_distances
@@ -86,7 +90,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
                 f"{short_json(document)}; a list of results is no ground truth"
             )
         listed = read_images(document, file, options)
-        names = _categories(document, file)
+        names = category_names(document, file)
         boxes, new_facts, oddities, texts, kind = _read_annotations(
             document, file, number, listed, names, options, left_out
         )
@@ -148,7 +152,7 @@ def _read_annotations(
     """
     records = Records(document.get("annotations"), file, "annotation", "annotations")
     choice, keys = _classes(names, records, file, options)
-    facts = [choice.conversion] if choice is not None else ["no categories: all annotations count"]
+    facts = [choice.conversion]
     if not len(records):
         return reading_boxes(0), facts, [], None, np.empty(0, dtype=object)
     box = records.boxes()
@@ -156,15 +160,10 @@ def _read_annotations(
     recording, frame, is_known = places_of_rows(listed.table, row)
     ignore = records.flags("ignore", "iscrowd")
     facts.append("ignore and iscrowd = ignore")
-    is_left_out = np.zeros(len(records), dtype=bool)
-    kind = np.full(len(records), "", dtype=object)
-    if choice is not None:
-        kind = keys.map({key: names.get(key, "") for key in choice.counted}).fillna("").to_numpy()
-        ignore |= keys.isin(choice.ignored).to_numpy()
-        is_left_out = keys.isin(choice.left_out).to_numpy()
-        left_out.update(
-            keys[is_left_out].map(lambda key: names.get(key, key)).value_counts().to_dict()
-        )
+    kind = keys.map({key: names.get(key, "") for key in choice.counted}).fillna("").to_numpy()
+    ignore |= keys.isin(choice.ignored).to_numpy()
+    is_left_out = keys.isin(choice.others).to_numpy()
+    left_out.update({item.name: item.count for item in choice.left_out})
     columns: dict[str, object] = {}
     track = id_texts(records, "track id", *TRACK_KEYS)
     if track is not None:
@@ -180,6 +179,7 @@ def _read_annotations(
     detectability = records.numbers("detectability")
     if detectability is not None:
         columns["detectability"] = checked_detectability(detectability, lines)
+    findings += choice.findings
     keep = is_known & ~is_left_out
     boxes = lines.boxes(
         box.T,
@@ -224,7 +224,7 @@ def _attribute_texts(records: Records) -> np.ndarray:
     return texts
 
 
-def _categories(document: dict[str, object], file: SourceFile) -> dict[str, str]:
+def category_names(document: dict[str, object], file: SourceFile) -> dict[str, str]:
     """The names that a file gives its categories, by their ids as text."""
     names: dict[str, str] = {}
     if document.get("categories") is not None:
@@ -238,24 +238,15 @@ def _categories(document: dict[str, object], file: SourceFile) -> dict[str, str]
 
 def _classes(
     categories: Mapping[str, str], records: Records, file: SourceFile, options: ReadOptions
-) -> tuple[CategoryChoice | None, pd.Series]:
+) -> tuple[CategoryChoice, pd.Series]:
     """The choice of classes, and each annotation's category id as text."""
     names = dict(categories)
     values = records.values("category_id")
     keys = pd.Series([id_text(v) for v in values or [None] * len(records)], dtype=object)
-    if not names:
-        if options.classes is None and len(set(keys)) <= 1:
-            return None, keys
-        names = {key: key for key in keys.unique()}
-        if options.classes is None:
-            raise file.fault(
-                f'there are no "categories", and annotations of category_id {", ".join(names)}; '
-                f"name the category ids that count as {options.objects.plural}"
-            )
-    elif "0" not in names:
+    if names and "0" not in names:
         names["0"] = "ignore"  # CityPersons: category 0 is on no list
     unknown = ~keys.isin(list(names))
-    if unknown.any():
+    if names and unknown.any():
         first = int(np.argmax(unknown))
         listed = ", ".join(f"{name} ({key})" for key, name in names.items())
         raise records.error(
@@ -264,7 +255,10 @@ def _classes(
     used = set(keys)
     if "0" not in used and names.get("0") == "ignore":
         del names["0"]
-    choice = choose_categories(names, options, file=file.name)
+    counts: dict[Any, int] = keys.value_counts().to_dict()
+    choice = choose_categories(
+        counts, ClassNames(names), options, file=file.name, numbers="category_id"
+    )
     return choice, keys
 
 

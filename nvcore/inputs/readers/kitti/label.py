@@ -22,6 +22,7 @@ RULE = ClassRule(
     counted=("Pedestrian",),
     ignored=("Person", "Person_sitting", "DontCare"),
     left_out=("Cyclist", "Car", "Van", "Truck", "Tram", "Misc"),
+    is_benchmark=True,
 )
 """As in KITTI's own pedestrian evaluation: a detection on a cyclist is a false alarm there."""
 CORNERS = "inclusive 0-based corners to x, y, w, h (w = right - left + 1)"

@@ -1,18 +1,25 @@
 """Which categories of a file count, by their names.
 
-For formats whose files bring their own categories or labels; `classes` is for formats with fixed
-ones, and sorts the rows by the rule that either gives.
+For formats whose files bring their own categories or labels, or number them; `classes` is for
+formats with fixed ones, and sorts the rows by the rule that either gives.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from nvcore.errors import FormatError
-from nvcore.inputs.readers.base import ReadOptions
-from nvcore.inputs.readers.meaning.classes import ClassRule, rule_of
-from nvcore.wording.objects import plain_class
+from nvcore.errors import FormatError, UnnamedClassesError
+from nvcore.findings import Finding, Remedy, Step
+from nvcore.inputs.readers.base import LeftOut, Numbering, ReadOptions, warning
+from nvcore.inputs.readers.meaning.classes import (
+    ClassRule,
+    classes_left_out,
+    kinds_finding,
+    rule_of,
+)
+from nvcore.wording import count_text, listed
+from nvcore.wording.objects import labels_in_order, plain_class
 
 _MANY = 30
 
@@ -23,84 +30,237 @@ class CategoryChoice:
 
     Attributes
     ----------
-    counted, ignored, left_out
-        Keys of the categories (numbers or names, as the file has them).
+    counted, ignored, others
+        Keys of the categories (numbers or names, as the file has them); `others` are left out.
     conversion
         The choice in words.
+    findings
+        What the user should know of it.
+    left_out
+        The `others` that have boxes, by their names.
     """
 
     counted: tuple[str, ...]
-    ignored: tuple[str, ...]
-    left_out: tuple[str, ...]
-    conversion: str
+    ignored: tuple[str, ...] = ()
+    others: tuple[str, ...] = ()
+    conversion: str = ""
+    findings: tuple[Finding, ...] = ()
+    left_out: tuple[LeftOut, ...] = ()
+
+
+@dataclass(frozen=True)
+class ClassNames:
+    """Names of classes.
+
+    Attributes
+    ----------
+    names
+        Name of each class by its number as text, or by itself; empty: there are no names.
+    source
+        Where they are from, where that is another file: "data.yaml".
+    """
+
+    names: Mapping[str, str] = field(default_factory=dict)
+    source: str = ""
+
+
+def names_of_numbers(
+    numbers: Iterable[str], own: ClassNames, options: ReadOptions, numbering: Numbering
+) -> ClassNames:
+    """Names of the classes that files number: their own, else those of the other side.
+
+    Parameters
+    ----------
+    numbers
+        Those in the files. The other side's names are of another list where one has none.
+    numbering
+        How the files number their classes.
+    """
+    theirs = options.names_for(numbering)
+    if own.names or not {*numbers} <= theirs.keys():
+        return own
+    return ClassNames(theirs, "the systems" if options.role == "truth" else "the ground truth")
 
 
 def choose_categories(
-    names: Mapping[str, str], options: ReadOptions, *, file: str
+    counts: Mapping[str, int],
+    named: ClassNames,
+    options: ReadOptions,
+    *,
+    file: str,
+    numbers: str = "class",
 ) -> CategoryChoice:
     """Sort the categories of a file into counted, ignored and left out.
 
     Parameters
     ----------
-    names
-        Name of each category by its key in the file; where there are only names, key = name.
+    counts
+        How many boxes each category has, by its key in the file.
+    named
+        Name of each category by its key; where there are only names, key = name. Empty: the keys
+        are numbers without names.
     options
         Its `classes` are names or keys to count; None: those called as the objects are (person,
         pedestrian). Of detections nothing is ignored: what does not count is left out.
     file
         The file, for errors.
+    numbers
+        What the files call the number of a class.
 
     Raises
     ------
     FormatError
         If one of `classes` is not there, or none is given and none is called so.
+    UnnamedClassesError
+        If there are no names, and several numbers of which nobody said which count.
     """
-    classes, objects = options.classes, options.objects
-    listed = ", ".join(_shown(key, name) for key, name in [*names.items()][:_MANY]) or "none"
-    listed += f" and {len(names) - _MANY} more" if len(names) > _MANY else ""
-    if classes is None:
+    names, source = named.names, named.source
+    if not names:
+        return _by_number(counts, options, file=file, numbers=numbers)
+    objects = options.objects
+    all_listed = _listed(names)
+    if options.classes is None:
         counted = {key for key, name in names.items() if objects.counts(name)}
-        if names and not counted:
+        if not counted:
             called = "person or pedestrian" if objects.are_pedestrians else objects.singular
+            kinds = ",".join(name for name in names.values() if objects.is_kind(name))
             raise FormatError(
-                f"no category is called {called}; found {listed}; name the classes that count as "
-                f"{objects.plural}",
+                f"no category is called {called}; found {all_listed}; name the classes that count "
+                f"as {objects.plural}",
+                file=file,
+                steps=(Step(Remedy.CLASSES, kinds),),
+            )
+        absent: list[str] = []
+    else:
+        hits = {given: _keys_of(given, names) for given in options.classes}
+        counted = set().union(*hits.values())
+        absent = [given for given, keys in hits.items() if not keys]
+        # a system need not know every class of the truth; numbers may be meant for other files
+        names_absent = [given for given in absent if not given.isdecimal()]
+        if absent and (not counted or (options.role == "truth" and names_absent)):
+            raise FormatError(
+                f"there is no class {[*names_absent, *absent][0]!r}; the classes are {all_listed}",
                 file=file,
             )
-    else:
-        counted = set()
-        for class_name in classes:
-            hits = {
-                key for key, name in names.items() if plain_class(name) == plain_class(class_name)
-            }
-            hits = hits or {key for key in names if key == class_name}
-            if not hits:
-                raise FormatError(
-                    f"there is no class {class_name!r}; the classes are {listed}", file=file
-                )
-            counted |= hits
     ignored = {key for key, name in names.items() if objects.concerns(name)} - counted
     ignored = set() if options.role == "detections" else ignored
+    unknown = [key for key in counts if key not in names]
+    others = [key for key in names if key not in counted | ignored] + unknown
     fates = {
         "counted": tuple(key for key in names if key in counted),
         "ignored": tuple(key for key in names if key in ignored),
-        "left out": tuple(key for key in names if key not in counted | ignored),
+        "left out": tuple(others),
     }
     parts = [
-        f"{', '.join(_shown(key, names[key]) for key in keys)} {fate}"
+        f"{', '.join(_shown(key, names.get(key, key)) for key in keys)} {fate}"
         for fate, keys in fates.items()
         if keys
     ]
+    findings: list[Finding] = []
+    if counts and not counts.keys() & counted:
+        findings.append(
+            warning(
+                "no-counted-class",
+                sum(counts.values()),
+                f"No box is of a class that counts ({_listed({k: names[k] for k in counted})}); "
+                f"found {_listed({key: names.get(key, key) for key in counts})}.",
+                objects.words("Name the classes that are pedestrians."),
+                role=options.role,
+                file=file,
+                steps=(Step(Remedy.CLASSES),),
+            )
+        )
+    if unknown:
+        findings.append(
+            warning(
+                "unknown-class",
+                sum(counts[key] for key in unknown),
+                f"Boxes of a {numbers} without a name were left out: "
+                f"{_listed({key: key for key in unknown})}. The names"
+                f"{f' from {source}' if source else ''} are {all_listed}.",
+                "Check that the names belong to these files, and that both count from the same "
+                "number.",
+                role=options.role,
+                file=file,
+            )
+        )
+    if absent:
+        findings.append(
+            warning(
+                "absent-class",
+                len(absent),
+                f"No class is called {listed(absent)}, which should count; the classes are "
+                f"{all_listed}.",
+                "Check the spelling; a system that does not know a class cannot detect it.",
+                role=options.role,
+                file=file,
+            )
+        )
+    if options.classes is None:
+        by_name = {names[key]: n for key, n in counts.items() if key not in counted | {*unknown}}
+        findings += kinds_finding([names[key] for key in fates["counted"]], by_name, options, file)
+    conversion = "classes: " + "; ".join(parts)
     return CategoryChoice(
         counted=fates["counted"],
         ignored=fates["ignored"],
-        left_out=fates["left out"],
-        conversion="classes: " + "; ".join(parts),
+        others=fates["left out"],
+        conversion=conversion + (f"; class names from {source}" if source else ""),
+        findings=tuple(findings),
+        left_out=classes_left_out({names.get(key, key): counts.get(key, 0) for key in others}),
     )
 
 
+def _by_number(
+    counts: Mapping[str, int], options: ReadOptions, *, file: str, numbers: str
+) -> CategoryChoice:
+    """The choice where no number has a name: those that were given, or the only one."""
+    keys = labels_in_order(counts)
+    given = {key for key in options.classes or () if key.isdecimal()}
+    boxes = ", ".join(f"{key} ({count_text(counts[key], 'box', 'boxes')})" for key in keys[:_MANY])
+    boxes += f" and {len(keys) - _MANY} more" if len(keys) > _MANY else ""
+    if not given:
+        if len(keys) > 1:
+            raise UnnamedClassesError(
+                f"several classes, and no names say which of them are {options.objects.plural}: "
+                f"found {numbers} {boxes}",
+                file=file,
+                steps=(Step(Remedy.CLASSES),),
+            )
+        fact = f"{numbers} {keys[0]} throughout: counted (no names)" if keys else ""
+        return CategoryChoice(tuple(keys), conversion=fact)
+    others = tuple(key for key in keys if key not in given)
+    findings = []
+    if keys and len(others) == len(keys):
+        findings = [
+            warning(
+                "no-counted-class",
+                sum(counts.values()),
+                f"No box is of {numbers} {', '.join(sorted(given))}, which counts; found {boxes}.",
+                options.objects.words("Name the classes that are pedestrians."),
+                role=options.role,
+                file=file,
+                steps=(Step(Remedy.CLASSES),),
+            )
+        ]
+    parts = [f"{', '.join(sorted(given))} counted"]
+    parts += [f"{', '.join(others)} left out"] if others else []
+    return CategoryChoice(
+        counted=tuple(given),
+        others=others,
+        conversion="classes: " + "; ".join(parts),
+        findings=tuple(findings),
+        left_out=classes_left_out({key: counts[key] for key in others}),
+    )
+
+
+def _keys_of(given: str, names: Mapping[str, str]) -> set[str]:
+    """Keys of the categories of this name, or of this number."""
+    hits = {key for key, name in names.items() if plain_class(name) == plain_class(given)}
+    return hits or {given} & names.keys()
+
+
 def free_labels(labels: Iterable[str], options: ReadOptions) -> ClassRule:
-    """The rule for labels that annotators chose (CVAT, Pascal VOC, YOLO with names).
+    """The rule for labels that annotators chose (CVAT, Pascal VOC).
 
     Where the classes are named, the usual labels of the objects that are not among them are ignore
     regions. Labels that have nothing to do with them are known and left out.
@@ -124,6 +284,12 @@ def concerns_objects(label: str, options: ReadOptions) -> bool:
     """Whether boxes of the label are counted or ignored."""
     counted = {name.casefold() for name in options.classes or ()}
     return options.objects.concerns(label) or label.casefold() in counted
+
+
+def _listed(names: Mapping[str, str]) -> str:
+    """Categories in messages."""
+    shown = ", ".join(_shown(key, name) for key, name in [*names.items()][:_MANY]) or "none"
+    return shown + (f" and {len(names) - _MANY} more" if len(names) > _MANY else "")
 
 
 def _shown(key: str, name: str) -> str:

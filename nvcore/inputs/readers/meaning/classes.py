@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -11,8 +11,9 @@ import pandas as pd
 
 from nvcore.dataset.sources import left_out_text
 from nvcore.errors import InputError
-from nvcore.findings import Finding
+from nvcore.findings import Finding, Remedy, Severity, Step
 from nvcore.inputs.readers.base import LeftOut, Lines, ReadOptions
+from nvcore.wording import listed
 from nvcore.wording.objects import Objects
 
 _MAX_NAMED: Final = 8
@@ -31,11 +32,14 @@ class ClassRule:
         Classes whose boxes are ignore regions in the truth.
     left_out
         Classes that are known and are neither.
+    is_benchmark
+        Whether a benchmark defines it so, which its users know.
     """
 
     counted: tuple[str, ...]
     ignored: tuple[str, ...]
     left_out: tuple[str, ...] = ()
+    is_benchmark: bool = False
 
     @property
     def known(self) -> tuple[str, ...]:
@@ -152,19 +156,29 @@ def choose_classes(
         "unknown-class",
         "Rows of classes that the format does not have were left out: "
         f"{', '.join(sorted({str(name) for name in label[is_strange]}))}.",
-        words("If one of them is a pedestrian, name it as a class that counts (--classes)."),
+        words("If one of them is a pedestrian, name it as a class that counts."),
         role=options.role,
         example=lambda row: str(label[row]),
+        steps=(Step(Remedy.CLASSES),),
     )
     findings += lines.finding(
         np.full(len(label), not is_wanted.any()),
         "no-counted-class",
         f"No row is of a class that counts ({', '.join(counted)}); found "
         f"{', '.join(sorted(str(name) for name in classes))}.",
-        words("Name the classes that are pedestrians (--classes)."),
+        words("Name the classes that are pedestrians."),
         role=options.role,
         example=lambda row: str(label[row]),
+        steps=(Step(Remedy.CLASSES),),
     )
+    if options.classes is None and len(label):
+        present = [name for name in classes if name.casefold() in counted_names]
+        by_name = dict(zip(classes, np.bincount(codes), strict=True))
+        rest = {str(name): int(n) for name, n in by_name.items() if name not in present}
+        severity = Severity.NOTE if rule.is_benchmark else Severity.WARNING
+        findings += kinds_finding(
+            present or counted[:1], rest, options, lines.files[0].name, severity
+        )
     keep = is_wanted | is_neutral
     n_boxes = np.bincount(codes[~keep], minlength=len(classes))
     left_out = classes_left_out(dict(zip(classes, n_boxes, strict=True)))
@@ -175,6 +189,44 @@ def choose_classes(
         findings=tuple(findings),
         left_out=left_out,
     )
+
+
+def kinds_finding(
+    counted: Sequence[str],
+    others: Mapping[str, int],
+    options: ReadOptions,
+    file: str,
+    severity: Severity = Severity.WARNING,
+) -> list[Finding]:
+    """What to know of classes that are some kind of the objects and do not count.
+
+    Parameters
+    ----------
+    counted
+        The classes that count, without the user having said so.
+    others
+        The other classes, with their numbers of boxes.
+    file, severity
+        See `Finding`.
+    """
+    kinds = {name: n for name, n in others.items() if n and options.objects.is_kind(name)}
+    if not kinds:
+        return []
+    boxes = listed([f"{name} ({n})" for name, n in kinds.items()])
+    fate = "ignored: to detect or to miss them changes nothing"
+    return [
+        Finding(
+            severity,
+            "other-kinds",
+            options.role,
+            sum(kinds.values()),
+            f"Boxes of {boxes} are {fate if options.role == 'truth' else 'left out'}. "
+            f"Only {listed(counted)} count{'s' if len(counted) == 1 else ''}.",
+            options.objects.words("If they are pedestrians to be found, let them count, too."),
+            file=file,
+            steps=(Step(Remedy.CLASSES, ",".join([*counted, *kinds])),),
+        )
+    ]
 
 
 def classes_left_out(counts: Mapping[str, int]) -> tuple[LeftOut, ...]:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Sequence
 from functools import cached_property
 from itertools import chain
+from typing import Final
 
 import numpy as np
 
@@ -65,6 +67,9 @@ def first_other(values: Sequence[object], allowed: set[type]) -> int | None:
     if set(map(type, values)) <= allowed:
         return None
     return next(i for i, value in enumerate(values) if type(value) not in allowed)
+
+
+_NO_BOX: Final = [math.nan] * 4
 
 
 class Records:
@@ -161,8 +166,28 @@ class Records:
         return is_set
 
     def boxes(self) -> np.ndarray:
-        """``bbox`` of every record as float64 of shape (n, 4): x, y, w, h."""
-        values = self.required("bbox")
+        """``bbox`` of every record as float64 of shape (n, 4): x, y, w, h.
+
+        Where it is missing or empty it is the box around the polygons of ``segmentation``, and NaN
+        where there are none either.
+
+        Raises
+        ------
+        FormatError
+            With the first record that has another one, or where no record has any.
+        """
+        values = self.values("bbox") or [None] * len(self.rows)
+        is_lacking = [value is None or value == [] for value in values]
+        if any(is_lacking):
+            shapes = self.values("segmentation") or [None] * len(self.rows)
+            values = [
+                _around(shape) if lacks else value
+                for value, shape, lacks in zip(values, shapes, is_lacking, strict=True)
+            ]
+            if all(is_lacking) and values == [_NO_BOX] * len(values):
+                is_mask = isinstance(shapes[0], dict)
+                found = "masks (RLE) alone, which are not read" if is_mask else "none"
+                raise self.error(0, f'expected the field "bbox", found {found}')
         expected = "bbox [x, y, width, height]"
         self.check_types(values, {list}, expected)
         boxes: list[list[object]] = values  # type: ignore[assignment]
@@ -187,6 +212,19 @@ class Records:
             raise self.file.fault(
                 f'expected numbers below 1e308 as "{key}" of the {self.what}s'
             ) from None
+
+
+def _around(shape: object) -> list[float]:
+    """The box around polygons [[x, y, x, y, ...], ...]; NaN where it is none."""
+    parts = shape if isinstance(shape, list) else []
+    try:
+        points = np.concatenate([np.array(part, float).reshape(-1, 2) for part in parts])
+    except (TypeError, ValueError):  # no numbers, or an odd number of them
+        return _NO_BOX
+    if not len(points) or not np.isfinite(points).all():
+        return _NO_BOX
+    low, high = points.min(axis=0), points.max(axis=0)
+    return [*low.tolist(), *(high - low).tolist()]
 
 
 def _line_of_record(text: str, key: str, index: int) -> int | None:

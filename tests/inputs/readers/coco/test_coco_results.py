@@ -9,7 +9,7 @@ import pytest
 from reader_files import golden, rows, source
 
 from nvcore.errors import FormatError, MissingFactError
-from nvcore.inputs.readers.base import Reading, ReadOptions
+from nvcore.inputs.readers.base import LeftOut, Reading, ReadOptions
 from nvcore.inputs.readers.coco import result_columns, results
 from nvcore.inputs.readers.coco.truth import read as read_truth
 
@@ -107,26 +107,35 @@ def test_ids_that_stand_for_two_images_need_a_file_per_recording(read_results):
     assert read_results([result()], name="b.json", images=images).boxes["frame"].tolist() == [5]
 
 
-def test_other_categories_are_left_out_and_counted_in_the_conversion(read_results):
+COCO: dict[str, object] = {"categories": {"1": "person", "3": "car"}, "numbering": "coco"}
+
+
+def test_other_categories_are_left_out_and_counted(read_results):
+    reading = read_results([result(), result(category_id=3), result(category_id=3)], **COCO)
+    assert len(reading.boxes) == 1
+    assert "person (1) counted; car (3) left out" in reading.conversion
+    assert reading.left_out == (LeftOut("class", "car", 2),)
+
+
+def test_a_result_without_a_category_has_no_name_and_is_left_out(read_results):
     unnamed = result()
     del unnamed["category_id"]
-    reading = read_results([result(), result(category_id=3), result(category_id=3), unnamed])
+    reading = read_results([result(), unnamed], **COCO)
     assert len(reading.boxes) == 1
-    left_out = "category_id 1 counted, 3 (2 results), None (1 results) left out"
-    assert left_out in reading.conversion
+    assert [finding.code for finding in reading.findings] == ["unknown-class"]
 
 
-def test_classes_are_taken_as_numbers_or_as_person(read_results):
+def test_classes_are_taken_as_numbers_or_by_the_truths_names(read_results):
     rows = [result(), result(category_id=3)]
     assert len(read_results(rows, classes=("3",)).boxes) == 1
-    assert len(read_results(rows, classes=("person", "3")).boxes) == 2
+    assert len(read_results(rows, classes=("person", "3"), **COCO).boxes) == 2
 
 
 @pytest.mark.parametrize(
     ("categories", "classes", "message"),
     [
-        ((1, 3), ("person", "cyclist"), "give the classes as numbers"),
-        ((2, 3), None, "expected results of category_id 1"),
+        ((1, 3), ("person", "cyclist"), "several classes, and no names"),
+        ((2, 3), None, "several classes, and no names"),
     ],
 )
 def test_classes_that_cannot_be_found_are_an_error(read_results, categories, classes, message):

@@ -1,0 +1,127 @@
+"""VisDrone: its classes and columns, and its detection text (DET), one file per picture.
+
+Its video text (MOT, VID) has MOTChallenge's first seven columns and is read by `mot`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+import numpy as np
+
+from nvcore.inputs.readers.base import (
+    BOTH_ROLES,
+    Format,
+    Reading,
+    ReadOptions,
+    Role,
+    SourceFile,
+    conversion_text,
+    recordings_table,
+)
+from nvcore.inputs.readers.meaning.categories import ClassNames, choose_categories
+from nvcore.inputs.readers.meaning.frame_names import listed_frames
+from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
+from nvcore.inputs.readers.parse.text import (
+    Layout,
+    number_of,
+    read_numbers,
+    rows_of_text,
+    stacked,
+    whole_numbers,
+)
+
+CLASSES: Final = dict(
+    enumerate(
+        (
+            *("ignored regions", "pedestrian", "people", "bicycle", "car", "van", "truck"),
+            *("tricycle", "awning-tricycle", "bus", "motor", "others"),
+        )
+    )
+)
+NAMES: Final[Mapping[str, str]] = {str(number): name for number, name in CLASSES.items()}
+LAYOUT: Final = Layout((8, 9), "left,top,width,height,score,class,truncation,occlusion")
+"""Of DET; some of its files end each row with a comma."""
+
+
+def are_visdrones(kind: np.ndarray, truncation: np.ndarray, occlusion: np.ndarray) -> bool:
+    """Whether three columns are VisDrone's class, truncation and occlusion (-1: not given).
+
+    MOT15 has world coordinates there, which are -1 or no such numbers.
+    """
+    return bool(
+        np.isin(kind, [*CLASSES]).all()
+        and np.isin(truncation, (-1, 0, 1)).all()
+        and np.isin(occlusion, (-1, 0, 1, 2)).all()
+    )
+
+
+def recognise(name: str, head: str, role: Role) -> bool:
+    """Whether the rows have 8 numbers, the last four of them VisDrone's.
+
+    MOTChallenge's 8 columns have the width of a box where the score would be.
+    """
+    del name, role
+    if not LAYOUT.fits(head):
+        return False
+    rows = [[number_of(field) for field in row[:8]] for row in rows_of_text(head)[:20]]
+    columns = np.array(rows, dtype=float).T
+    return bool(np.all((columns[4] >= 0) & (columns[4] <= 1))) and are_visdrones(*columns[5:8])
+
+
+def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
+    """Read VisDrone-DET files, one per picture; a file without boxes is an evaluated frame.
+
+    Pixels are 0-based and kept. In truth, a score of 0 makes an ignore region.
+
+    Raises
+    ------
+    InputError
+        If a file name has no number, two files are of one frame, or a class is unknown.
+    FormatError
+        With file and line of the first row that is not VisDrone's.
+    """
+    named = listed_frames(files, options)
+    table = stacked([read_numbers(file, LAYOUT) for file in files])
+    *box, score, kind, _, occlusion = table.columns[:8]
+    numbers, codes = np.unique(
+        whole_numbers(kind, table.lines, "class number"), return_inverse=True
+    )
+    keys = np.array([*map(str, numbers)], dtype=object)
+    choice = choose_categories(
+        dict(zip(keys, np.bincount(codes).tolist(), strict=True)),
+        ClassNames(NAMES),
+        options,
+        file=files[0].name,
+    )
+    is_truth = options.role == "truth"
+    is_ignored = np.isin(keys, choice.ignored)[codes]
+    boxes = table.lines.boxes(
+        box,
+        keep=is_ignored | np.isin(keys, choice.counted)[codes],
+        recording=named.recording[table.lines.file],
+        frame=named.frame[table.lines.file],
+        score=np.nan if is_truth else score,
+        ignore=(is_ignored | (score == 0)) & is_truth,
+        occlusion=levels_of_numbers(occlusion),
+    )
+    facts = [
+        "frame numbers from the file names",
+        "x, y, w, h in pixels kept as they are (0-based)",
+        choice.conversion,
+        "score 0 = ignore" if is_truth else "",
+        "occlusion 0, 1, 2 kept, truncation not used",
+    ]
+    return Reading(
+        boxes=boxes,
+        recordings=recordings_table(named.recording),
+        conversion=conversion_text(facts),
+        images=named.images,
+        named=named,
+        findings=choice.findings,
+        left_out=choice.left_out,
+    )
+
+
+FORMAT = Format("visdrone", "VisDrone-DET text", BOTH_ROLES, (".txt",), recognise, read)
