@@ -291,6 +291,8 @@ def test_check_says_where_the_horizon_seems_to_be_if_it_is_not_stated(tmp_path: 
     inputs = ["--truth", truth, "--x", x, *FACTS]
     line = "  night: row 200 (95 %: 200 to 200; 80 boxes of 4 pedestrians)\n"
     assert line in nvcore("check", *inputs).stdout
+    of_animals = line.replace("pedestrians", "animals")
+    assert of_animals in nvcore("check", *inputs, "--objects", "animal").stdout
     table = write(tmp_path / "r.csv", "recording,horizon", "night,190")
     assert "horizon" not in nvcore("check", *inputs, "--recordings", table).stdout
 
