@@ -73,8 +73,9 @@ class _Packets:
     ----------
     shown_at, decoded_at
         Presentation and decoding times, int64; where they are missing, the number of the packet.
-    is_key, is_hidden
-        Key pictures; pictures that are decoded but not shown, as an edit list says.
+    is_key, is_place, is_hidden
+        Key pictures; those of them that can be sought: MPEG need not say the time of a picture that
+        begins within a part; pictures that are decoded but not shown.
     have_times
         Whether the pictures shown have presentation times, all different, and are near the order
         of these.
@@ -90,6 +91,7 @@ class _Packets:
     shown_at: NDArray[np.int64]
     decoded_at: NDArray[np.int64]
     is_key: NDArray[np.bool_]
+    is_place: NDArray[np.bool_]
     is_hidden: NDArray[np.bool_]
     have_times: bool
     is_packed: bool
@@ -191,7 +193,8 @@ def _read_packets(container: Any, stream: Any) -> _Packets:
     is_mpeg4, is_vp8 = coding == "mpeg4", coding == "vp8"
     is_packed = is_mpeg4 and bool(_PACKED.search(extradata))
     n_read, n_second_fields, is_partial, may_be_uncoded = 0, 0, False, False
-    rows: list[tuple[int | None, int | None, bool, bool]] = []
+    is_stream = container.format.name in ("mpeg", "mpegts")
+    rows: list[tuple[int | None, int | None, bool, bool, bool]] = []
     partial: list[bool] = []
     try:
         for packet in container.demux(stream):  # a step per picture: the demuxer's way
@@ -209,7 +212,9 @@ def _read_packets(container: Any, stream: Any) -> _Packets:
                 n_second_fields += 1
                 partial[-1] |= packet.is_corrupt
                 continue
-            rows.append((packet.pts, packet.dts, packet.is_keyframe, is_hidden))
+            is_key = packet.is_keyframe
+            is_place = is_key and (not is_stream or packet.pos is not None)
+            rows.append((packet.pts, packet.dts, is_key, is_place, is_hidden))
             partial.append(packet.is_corrupt)
     except av.error.FFmpegError:
         is_partial = True
@@ -217,7 +222,7 @@ def _read_packets(container: Any, stream: Any) -> _Packets:
         is_partial = True
         rows.pop()
         n_read -= 1
-    shown = [pts for pts, _, _, is_hidden in rows if not is_hidden]
+    shown = [pts for pts, _, _, _, is_hidden in rows if not is_hidden]
     have_times = None not in shown and len(set(shown)) == len(shown)
     if have_times:  # joined files may begin again with earlier times
         order = np.argsort(np.array(shown, np.int64))
@@ -227,6 +232,7 @@ def _read_packets(container: Any, stream: Any) -> _Packets:
         np.array([n if row[1] is None else row[1] for n, row in enumerate(rows)], np.int64),
         np.array([row[2] for row in rows], bool),
         np.array([row[3] for row in rows], bool),
+        np.array([row[4] for row in rows], bool),
         have_times,
         is_packed,
         may_be_uncoded,
@@ -263,8 +269,8 @@ def _keys(
     by_shown
         Whether the file's index has presentation times.
     """
-    group = np.cumsum(packets.is_key) - 1
-    key_times = packets.shown_at[packets.is_key]
+    group = np.cumsum(packets.is_place) - 1
+    key_times = packets.shown_at[packets.is_place]
     is_of_key = is_shown & (group >= 0)
     is_of_key[is_of_key] = packets.shown_at[is_of_key] >= key_times[group[is_of_key]]
     never = np.iinfo(np.int64).max
@@ -272,7 +278,7 @@ def _keys(
     np.minimum.at(first, group[is_of_key], packets.shown_at[is_of_key])
     is_used = first < never
     keys = np.searchsorted(times, first[is_used])
-    seeks = (packets.shown_at if by_shown else packets.decoded_at)[packets.is_key][is_used]
+    seeks = (packets.shown_at if by_shown else packets.decoded_at)[packets.is_place][is_used]
     order = np.argsort(keys, kind="stable")
     return keys[order], seeks[order]
 

@@ -170,7 +170,7 @@ class Video:
             position = self._position(frame)
             if position is None:
                 continue
-            if is_first and position > start:
+            if is_first and (position > start or self._is_shifted(frame, position, start)):
                 self._at = position
                 return None, False
             is_first, self._at = False, max(self._at, position)
@@ -182,8 +182,17 @@ class Video:
             if n_beyond > REORDERED:  # a decoder may give a few pictures out of order
                 return None, True
         self._let_go()
-        # pictures of other times than listed: a seek in MPEG may shift them all
-        return None, not is_first
+        return None, not is_first  # none of the times that are listed: a seek has shifted them
+
+    def _is_shifted(self, frame: Any, position: int, start: int) -> bool:
+        """Whether the first picture after a seek is another one than its time says.
+
+        A program stream need not give each picture its time. What is guessed after a seek may
+        differ from what was guessed from the start; then key pictures are where none are listed.
+        """
+        if self._format != "mpeg" or start == len(self._table.times):  # from the start
+            return False
+        return not frame.key_frame or position not in self._table.keys
 
     def _position(self, frame: Any) -> int | None:
         """Which picture this is; None: none of those listed."""

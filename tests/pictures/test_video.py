@@ -28,6 +28,7 @@ KINDS = {
     "mpeg4.avi": {"codec": "mpeg4", "g": "25", "bf": "2"},
     "h264.ts": {"container": "mpegts", "g": "25", "bf": "3"},
     "mpeg2.mpg": {"codec": "mpeg2video", "container": "mpeg", "g": "12", "bf": "2"},
+    "shifted.vob": {"codec": "mpeg2video", "container": "vob", "g": "7", "bf": "3"},
     "mpeg2.vob": {"codec": "mpeg2video", "container": "vob", "g": "15", "bf": "2"},
     "vp9.webm": {"codec": "libvpx-vp9", "g": "25"},
 }
