@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -302,15 +303,21 @@ def _chunks(times: NDArray[np.int64], n_stated: int) -> tuple[NDArray[np.int64],
 def _n_packets(path: Path, container_format: str, name: str) -> int:
     """Packets of an MP4 or MOV without its edit list."""
     container, stream = open_container(path, container_format, name, advanced_editlist="0")
-    with container:
-        return sum(packet.size > 0 for packet in container.demux(stream))
+    n_packets = 0
+    with container, suppress(av.error.FFmpegError):
+        for packet in container.demux(stream):
+            n_packets += packet.size > 0
+    return n_packets
 
 
 def _decoded_times(path: Path, container_format: str, name: str) -> list[int]:
     """Presentation times of the pictures that the decoder gives, -1: it says none."""
     container, stream = open_container(path, container_format, name)
-    with container:
-        return [-1 if frame.pts is None else frame.pts for frame in decoded(container, stream)]
+    times: list[int] = []
+    with container, suppress(av.error.FFmpegError):  # as far as the file can be read
+        for frame in decoded(container, stream):
+            times.append(-1 if frame.pts is None else frame.pts)
+    return times
 
 
 def decoded(container: Any, stream: Any) -> Iterator[Any]:
