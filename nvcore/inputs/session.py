@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from nvcore.errors import SessionError
+from nvcore.file_kinds import composed
 from nvcore.inputs.driver.session import DriverEntry, DriverTable, with_driver_paths
 from nvcore.inputs.facts import (
     FRAME_NAMES,
@@ -379,6 +380,12 @@ class Session(Settings):
             entry.title if entry.title in known and entry.title is not None else entry.name: entry
             for entry in self.recordings
         }
+        if not known.issuperset(entries):  # a Mac writes accents otherwise
+            as_known = {composed(name): name for name in names}
+            entries = {
+                name if name in known else as_known.get(composed(name), name): entry
+                for name, entry in entries.items()
+            }
         is_of_all = not self.only_tags and not self.only
         if len(names) == len(entries) == 1 and names[0] not in entries and is_of_all:
             return {names[0]: replace(self.recordings[0], name=names[0])}

@@ -16,7 +16,7 @@ from nvcore.errors import MediaError
 from nvcore.findings import Step
 from nvcore.inputs.session import Session
 from nvcore.pictures.base import Pictures
-from nvcore.pictures.index import FrameMap, map_frames, map_note, size_note
+from nvcore.pictures.index import FrameMap, Rule, map_frames, map_note, size_note
 from nvcore.pictures.open import open_pictures
 from nvcore.wording import MOST_NAMED, listed, one_line
 
@@ -79,8 +79,13 @@ class RecordingPictures:
 
     @property
     def troubles(self) -> dict[int, str]:
-        """Why pictures cannot be opened, by recording."""
-        return {number: note for number, note in self.notes.items() if number not in self.sources}
+        """Why a recording has no pictures although it names some, by recording."""
+        return {
+            number: note
+            for number, note in self.notes.items()
+            if number not in self.sources
+            or (number in self.frame_maps and self.frame_maps[number].rule is Rule.UNCLEAR)
+        }
 
     def why_none(self, *others: RecordingPictures, how: str) -> str:
         """That no frame has a picture, why, and how pictures are named.

@@ -187,7 +187,7 @@ def _ask(groups: Sequence[_Group], where: str) -> None:
     ]
     raise MediaError(
         f"holds several pictures for the same frame numbers ({listed(texts)}), and which are meant "
-        f"is not clear: name one kind, such as {one_line(where)}/{one_line(patterns[0])}",
+        f"is not clear: give one kind, such as {one_line(where)}/{one_line(patterns[0])}",
         file=where,
         steps=tuple(Step(Remedy.PICTURES, pattern) for pattern in patterns),
     )

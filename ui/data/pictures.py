@@ -8,6 +8,7 @@ from pathlib import Path
 
 import streamlit as st
 
+from nvcore.wording import MOST_NAMED, listed
 from ui.data.missing_inputs import check_pictures
 from ui.session.opening import guess_pictures
 from ui.widgets.text import plain
@@ -57,6 +58,8 @@ def _draw_unmatched(usable: Mapping[str, Path], recordings: Sequence[str]) -> No
     if not recordings or not usable:
         return
     whose = guess_pictures(recordings, usable)
+    if taken := [f"{label} for {name}" for name, label in whose.items() if len(recordings) > 1]:
+        st.caption(f"By their names: {plain(listed(taken, most=MOST_NAMED))}.")
     left = [label for label in usable if label not in whose.values()]
     if left:
         st.caption(

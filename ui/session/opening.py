@@ -10,7 +10,6 @@ from __future__ import annotations
 import glob
 import os
 import re
-import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
@@ -19,6 +18,7 @@ from typing import Final, TypeVar
 
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, SessionError
+from nvcore.file_kinds import as_stored, composed
 from nvcore.findings import Finding
 from nvcore.inputs.driver.session import DriverTable, without_driver_paths
 from nvcore.inputs.facts import FRAME_RANGE, is_frame_range
@@ -237,14 +237,21 @@ def check_confined(session: Session, root: Path) -> None:
     """
     real_root = os.path.realpath(root)
     for text in session.paths():
-        path = session.folder / text
+        path = as_stored(session.folder / text)
         # os.path: Path.exists raises for names that are too long; they are refused when opened
         if glob.has_magic(text) and not os.path.exists(path):  # noqa: PTH110
-            start = Path(*_before_magic(path.parts))
+            start = as_stored(Path(*_before_magic(path.parts)))
             # checked first: matching a pattern outside would already reveal files
             is_inside = Path(os.path.realpath(start)).is_relative_to(real_root) and all(
                 is_below(session.folder / name, root) for name in matching(text, session.folder)
             )
+            if is_inside and start == path.parent and start.is_dir():
+                # of pictures, also what matches with its accents as they are stored
+                is_inside = all(
+                    is_below(file, root)
+                    for file in start.iterdir()
+                    if fnmatchcase(composed(file.name), composed(path.name))
+                )
         else:
             is_inside = is_below(path, root)
         if not is_inside:
@@ -282,8 +289,9 @@ def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, st
     sources = list(sources)
     if len(names) == len(sources) == 1:
         return {names[0]: sources[0]}
-    stems = {source: _folded(PurePosixPath(source).stem) for source in sources}
-    targets = {name: _folded(name.replace("/", "_")) for name in names}
+    # compared as a Mac, too, stores them
+    stems = {source: composed(PurePosixPath(source).stem).casefold() for source in sources}
+    targets = {name: composed(name.replace("/", "_")).casefold() for name in names}
     matches: dict[str, list[str]] = {}
     for source, stem in stems.items():
         within = {name: len(target) for name, target in targets.items() if _is_in(target, stem)}
@@ -297,11 +305,6 @@ def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, st
         if len(own) == 1:
             guesses[name] = own[0]
     return guesses
-
-
-def _folded(name: str) -> str:
-    """The name as it is compared: a Mac writes an accent as a letter of its own."""
-    return unicodedata.normalize("NFC", name).casefold()
 
 
 def _is_in(name: str, stem: str) -> bool:

@@ -300,6 +300,17 @@ def test_pictures_of_no_recording_are_named(tmp_path: Path):
     assert "Of no recording by their names: extra.mp4" in texts(page)
 
 
+def test_a_video_serves_the_recording_of_its_whole_name_alone(tmp_path: Path):
+    rows = [f"{frame},10,10,20,60,drive_{n}" for n in (1, 10) for frame in range(9)]
+    content = "\n".join(["frame,x,y,w,h,recording", *rows]).encode()
+    page = send_video(sent(content, ("fir.csv", content)), "drive_10.mp4")
+    assert "By their names: drive_10.mp4 for drive_10." in texts(page)
+    assert recordings_of(open_files(page)).set_index("name")["pictures"].to_dict() == {
+        "drive_1": "no pictures",
+        "drive_10": "drive_10.mp4",
+    }
+
+
 def test_files_that_found_no_room_are_taken_when_there_is_room_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):

@@ -82,6 +82,15 @@ def test_facts_of_one_recording_leave_the_others_alone():
     assert changed.recordings == expected
 
 
+def test_an_entry_is_of_the_recording_of_its_name_however_accents_are_stored():
+    composed, decomposed = "gr\u00fcn", "gru\u0308n"
+    start = session(recordings=(RecordingEntry(decomposed, fps=10), RecordingEntry("b", fps=20)))
+    assert recording_entry(start, [composed, "b"], composed).fps == 10
+    both = [composed, decomposed, "b"]
+    assert recording_entry(start, both, decomposed).fps == 10
+    assert recording_entry(start, both, composed).fps is None
+
+
 def test_the_only_recordings_facts_count_whatever_their_name():
     start = session(recordings=(RecordingEntry("drive", fps=10),))
     assert recording_entry(start, ["r0"], "r0").fps == 10
@@ -269,6 +278,18 @@ def test_a_session_that_leaves_the_folder_is_refused(root: Path, path: str):
 @pytest.mark.parametrize("facts", [{"frames": "../private/p.csv"}, {"pictures": "../private"}])
 def test_frame_lists_and_pictures_stay_in_the_folder_as_well(root: Path, facts: dict[str, str]):
     refused = session(root, recordings=(RecordingEntry("r", **facts),))
+    assert "outside the folder" in refusal(refused, root)
+
+
+@pytest.mark.parametrize(
+    "asked",
+    ["gr\u00fcn.mp4", "gr\u00fcn/1.png", "gr*\u00fcn.mp4", "gr\u00fcn.mp4/*.png", "gr\u00fcn/*"],
+)
+def test_a_link_with_an_accent_of_a_mac_leads_out_of_no_folder(root: Path, asked: str):
+    target = write(root.parent / "private" / "1.png", "1").parent
+    (root / "gru\u0308n").symlink_to(target)
+    (root / "gru\u0308n.mp4").symlink_to(target / "p.csv")
+    refused = session(root, recordings=(RecordingEntry("r", pictures=asked),))
     assert "outside the folder" in refusal(refused, root)
 
 
