@@ -137,6 +137,9 @@ def media() -> Iterator[bytes]:
     )
     encoded = [bytes(cv2.imencode(ending, picture)[1]) for ending, picture in pictures]
     yield from encoded
+    yield bytes(cv2.imencodemulti(".tif", [np.roll(grey, n, 1) for n in range(3)])[1])
+    exif = b"Exif\0\0II*\0\x08\0\0\0\1\0\x12\1\3\0\1\0\0\0\6\0\0\0\0\0\0\0"
+    yield encoded[2][:2] + b"\xff\xe1\0" + bytes([len(exif) + 2]) + exif + encoded[2][2:]
     yield zipped({"1.png": encoded[0], "2.jpg": encoded[2]})
     for container, codec in _VIDEOS:
         yield _video(container, codec, grey)

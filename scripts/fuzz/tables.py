@@ -18,6 +18,7 @@ from nvcore.inputs.driver.reading import read_detectability
 from nvcore.inputs.driver.trials import TRIAL_COLUMNS
 from nvcore.inputs.readers.base import ReadOptions, SourceFile
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
+from nvcore.pictures.index import map_frames
 from nvcore.pictures.open import open_pictures
 from nvcore.studies.detectability.pictures import read_pictures
 from nvcore.studies.ratings.agreement import measure_agreement, rank_ratings
@@ -123,7 +124,11 @@ def names_of_pictures(content: bytes, folder: Path) -> None:
             written(folder, path.name, PICTURE)
     pictures = open_pictures(folder)
     try:
-        assert pictures.numbers is None or len(pictures.numbers) == pictures.n, "a number each"
+        if (numbers := pictures.numbers) is not None:
+            assert len({*numbers.tolist()}) == pictures.n, "a number each"
+        frames = np.arange(pictures.n)
+        shown = map_frames(frames, pictures).index
+        assert len({*shown[shown >= 0].tolist()}) == np.count_nonzero(shown >= 0), "shown twice"
         assert pictures.read(pictures.n - 1).shape == (4, 6), "another picture"
     finally:
         pictures.close()
