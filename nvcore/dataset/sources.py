@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Final, Literal
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final, Literal
 
 MOST_NAMED: Final = 8
 """Kinds of what is left out that a text names."""
@@ -41,11 +41,17 @@ class ReadAs:
         Whether the score may stand before the four numbers as well as behind them.
     left_out
         What of the files is not used, the most first.
+    format
+        Name of the format, as it is given to a source; None: none that can be.
+    usual
+        Fields of a `nvcore.inputs.session.Source`, with what is taken where they are not given.
     """
 
     boxes: str = "sizes"
     has_score_beside: bool = False
     left_out: tuple[LeftOut, ...] = ()
+    format: str | None = None
+    usual: Mapping[str, Any] = field(default_factory=dict)
 
 
 def left_out_text(left_out: Iterable[LeftOut]) -> str:

@@ -16,6 +16,7 @@ from nvcore.errors import InputError
 from nvcore.inputs.hashes import source_hash, source_hashes
 from nvcore.inputs.session import Session, SystemSource
 from nvcore.inputs.session_toml import write_session
+from nvcore.inputs.stating import stated
 from nvcore.inputs.writers.names import safe_names
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import check_folder, write_run
@@ -158,8 +159,9 @@ def write_detections(
     params = dataset.params_of()
     own_thresholds = zip(dataset.compared(), (params.threshold_x, params.threshold_y), strict=True)
     thresholds = {own: value for own, value in own_thresholds if own is not None}
+    session = stated(session, dataset)
     named = tuple(
-        replace(source, name=own, threshold=thresholds.get(own, source.threshold))
+        replace(source, threshold=thresholds.get(own, source.threshold))
         for source, own in zip(session.systems, dataset.systems, strict=True)
     )
     written = replace(

@@ -15,6 +15,7 @@ from nvcore.inputs.driver.session import DriverTable
 from nvcore.inputs.hashes import source_hashes
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import write_session
+from nvcore.inputs.stating import stated
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_run
 from nvcore.schema import DETECTABILITY
@@ -99,13 +100,8 @@ def write_estimates(run: EstimateRun, dataset: Dataset, folder: Path) -> Written
         DETECTABILITY_FILE: to_csv_bytes(run.table),
         FEATURES_FILE: to_csv_bytes(run.features.table),
     }
-    systems = tuple(
-        replace(source, name=name)
-        for source, name in zip(session.systems, dataset.systems, strict=True)
-    )
     named = replace(
-        session,
-        systems=systems,
+        stated(session, dataset),
         hashes={of: digest for of, digest in source_hashes(dataset).items() if of != DETECTABILITY},
         driver=DriverTable(
             detectability=str(folder.absolute() / DETECTABILITY_FILE),

@@ -77,6 +77,7 @@ def laid_out(reading: Reading, source: Source, given: Sizes, truth: Reading | No
         boxes=boxes.assign(**dict(zip("xywh", box, strict=True)), score=score),
         conversion="; ".join(filter(None, facts)),
         layout=source.boxes,
+        is_laid_out=True,
     )
 
 

@@ -19,6 +19,7 @@ from nvcore.errors import InputError, MissingFactError
 from nvcore.inputs.evaluated_frames import frames_there, own_frames, parse_frames
 from nvcore.inputs.facts import is_open_range
 from nvcore.inputs.hashes import changed_input
+from nvcore.inputs.readers import FORMATS
 from nvcore.inputs.readers.base import Format, Reading, SourceFile
 from nvcore.inputs.readers.meaning.labels import merged
 from nvcore.inputs.recordings import (
@@ -193,7 +194,11 @@ def place_sources(
         labels=labels,
         read_as={
             source.subject: ReadAs(
-                source.reading.layout, source.reading.has_score_beside, source.reading.left_out
+                source.reading.layout,
+                source.reading.has_score_beside,
+                source.reading.left_out,
+                source.format.name if source.format in FORMATS else None,
+                source.reading.usual,
             )
             for source in loaded
         },
@@ -322,12 +327,15 @@ def _fingerprint(
     for item, source in zip(loaded, sources, strict=True):
         settings = {**asdict(source), "path": None, "format": item.format.name}
         settings |= {"threshold": None, "name": None}
-        for name, usual in (("frame_names", None), ("frame_step", 1.0)):
-            if settings.get(name) == usual:
+        for name, default in (("frame_names", None), ("frame_step", 1.0)):
+            if settings.get(name) == default:
                 settings.pop(name, None)
         settings.pop("provenance", None)  # a path; what counts is the record
-        if source.boxes is None:  # as before there was a choice
+        if not item.reading.is_laid_out:
             del settings["boxes"]
+        # what is taken otherwise may as well be given
+        usual = item.reading.usual
+        settings |= {name: None for name in usual if settings[name] == usual[name]}
         digest.update(f"{item.subject}\n{item.digests}\n{settings}\n".encode())
         if item.provenance is not None:
             digest.update(provenance_json(item.provenance))

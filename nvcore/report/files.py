@@ -28,6 +28,7 @@ from nvcore.inputs.hashes import source_hashes
 from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import write_session
+from nvcore.inputs.stating import stated
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import MANIFEST, manifest, refuse_other_run, write_run
 from nvcore.output.parquet import to_parquet_bytes
@@ -124,11 +125,7 @@ def export_files(
 
 
 def _session_toml(result: Result, session: Session) -> bytes:
-    systems = tuple(
-        replace(system, name=name)
-        for system, name in zip(session.systems, result.dataset.systems, strict=True)
-    )
-    complete = replace(session, systems=systems, hashes=source_hashes(result.dataset))
+    complete = replace(stated(session, result.dataset), hashes=source_hashes(result.dataset))
     text = write_session(complete, version=__version__, fingerprint=result.dataset.fingerprint)
     return text.encode()
 

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from io import BufferedReader
 from pathlib import Path
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 import pandas as pd
@@ -296,8 +296,13 @@ class Reading:
         What of the files is not used, the most first; `conversion` says it in words.
     layout
         What the four numbers of a box were taken for, as `nvcore.inputs.layouts.BoxLayout` says it.
+    is_laid_out
+        Whether that was given and differs from what the format has.
     has_score_beside
         Whether the score may stand before the four numbers as well as behind them.
+    usual
+        Fields of `nvcore.inputs.session.Source`, with what is taken where they are not given: so
+        given, they change nothing.
     named
         The pictures by name, where the files name them.
     """
@@ -314,7 +319,9 @@ class Reading:
     numbering: Numbering = "coco"
     left_out: tuple[LeftOut, ...] = ()
     layout: str = "sizes"
+    is_laid_out: bool = False
     has_score_beside: bool = False
+    usual: Mapping[str, Any] = field(default_factory=dict)
     named: NamedPictures | None = None
 
 

@@ -132,6 +132,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         labels=labels,
         left_out=choice.left_out,
         layout="corners",
+        usual={"box_base": 1},
     )
 
 

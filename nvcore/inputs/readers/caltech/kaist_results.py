@@ -125,6 +125,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         recordings=recordings_table(names),
         conversion=conversion_text(facts),
         findings=tuple(findings),
+        usual={"frame_base": 1} if first_of else {},
     )
 
 
