@@ -33,6 +33,8 @@ from nvcore.inputs.readers.base import (
     warning,
 )
 from nvcore.inputs.readers.meaning.class_files import class_names_beside
+from nvcore.inputs.readers.meaning.frame_names import times_as_frames
+from nvcore.inputs.readers.meaning.picture_times import LEAST_TIME
 from nvcore.inputs.readers.table import FORMAT as TABLE
 from nvcore.inputs.readers.table import read_table, table_as_file
 from nvcore.inputs.recordings import check_names
@@ -146,8 +148,8 @@ def read_source(
         If a file cannot be used.
     """
     files, file_format = find_files(source, folder or Path.cwd(), role)
-    reading = file_format.read(files, read_options(source, role, size, truth, objects))
-    reading = _with_named(reading)
+    options = read_options(source, role, size, truth, objects)
+    reading = _with_named(file_format.read(files, options), options)
     reading = laid_out(reading, source, {} if size is None else {"": size}, truth)
     check_names(reading)
     return replace(reading, findings=joined_findings(reading.findings))
@@ -207,7 +209,7 @@ def _read(
             files, file_format = [table_as_file(source.path[0])], TABLE
             reading = read_table(table, files[0], options)
             digests = [tables_fingerprint([table], list(map(str, table.columns)))]
-        reading = _with_named(reading)
+        reading = _with_named(reading, options)
         reading = laid_out(reading, source, sizes_given(session), truth)
         check_names(reading)
     if truth is not None:
@@ -222,8 +224,10 @@ def _read(
     return LoadedSource(subject, files, digests, file_format, reading)
 
 
-def _with_named(reading: Reading) -> Reading:
+def _with_named(reading: Reading, options: ReadOptions) -> Reading:
     """The reading with what the names of its pictures tell: how they were understood, rates."""
+    if reading.named is None and reading.images is None:
+        reading = _with_times_numbered(reading, options)
     named = reading.named
     if named is None:
         return reading
@@ -235,6 +239,26 @@ def _with_named(reading: Reading) -> Reading:
         conversion="; ".join(filter(None, facts)),
         recordings=table.assign(fps=table["fps"].fillna(by_times)),
     )
+
+
+def _with_times_numbered(reading: Reading, options: ReadOptions) -> Reading:
+    """The reading with frames in place of times, where its format has frame numbers alone."""
+    tables = [reading.boxes] if reading.annotated is None else [reading.boxes, reading.annotated]
+    if not len(tables[-1]) or tables[-1]["frame"].iloc[0] < LEAST_TIME:
+        return reading
+    rows = pd.concat(
+        [table[["recording", "frame"]].astype({"recording": object}) for table in tables]
+    )
+    times = times_as_frames(rows["frame"].to_numpy(), rows["recording"].to_numpy(), options)
+    if times is None:
+        return reading
+    recording, frame, named = times
+    n = len(reading.boxes)
+    boxes = reading.boxes.assign(recording=pd.Categorical(recording[:n]), frame=frame[:n])
+    annotated = reading.annotated
+    if annotated is not None:
+        annotated = annotated.assign(recording=recording[n:], frame=frame[n:])
+    return replace(reading, boxes=boxes, annotated=annotated, named=named)
 
 
 def _with_ways_taken(session: Session, loaded: Sequence[LoadedSource]) -> Session:

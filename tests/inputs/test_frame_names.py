@@ -272,3 +272,80 @@ def test_the_command_line_asks_with_exit_code_2_and_the_flag(tmp_path):
 def test_a_list_of_every_thousandth_picture_has_no_gap(tmp_path):
     _, dataset = compared(tmp_path, as_yolo(tmp_path, every=lambda i: f"{i * 1500:06d}.txt"))
     assert len(dataset.recordings) == 1
+
+
+def as_tables(tmp_path: Path, time_of: dict[str, Callable[[int], float]]) -> dict[str, str]:
+    for side, of_frame in time_of.items():
+        table = truth() if side == "truth" else detections(side)
+        table = table[table["name"] == "person"].assign(frame=table["frame"].map(of_frame))
+        table.drop(columns="name").to_csv(tmp_path / f"{side}.csv", index=False)
+    return {side: f"{side}.csv" for side in time_of}
+
+
+def test_times_of_other_units_meet_in_the_nearest_frame(tmp_path):
+    seconds, ns = (lambda i: at_ms(i) / 1000 + 0.02), (lambda i: at_ms(i) * 10**6)
+    names = as_tables(tmp_path, {"truth": at_ms, "x": seconds, "y": ns})
+    assert compared(tmp_path, names)[0] == RIGHT
+
+
+def test_pictures_between_those_of_the_truth_are_left_out(tmp_path):
+    names = as_yolo(tmp_path, every=NAMES["milliseconds"])
+    for frame in range(39):
+        (tmp_path / "x" / f"{at_ms(frame) + 30}.txt").write_text("0 0.5 0.5 0.1 0.1 0.9")
+    numbers, dataset = compared(tmp_path, names)
+    assert numbers == RIGHT
+    assert len(dataset.left_out) == 39
+
+
+def test_times_of_a_system_are_refused_where_the_truth_has_none(tmp_path):
+    names = as_tables(tmp_path, {"truth": float, "x": at_ms, "y": at_ms})
+    with pytest.raises(InputError, match="those of the truth are not") as error:
+        compared(tmp_path, names)
+    assert error.value.steps[0].value == "times"
+    assert compared(tmp_path, names, frame_names="times")[0] == RIGHT
+
+
+def test_after_a_long_pause_another_recording_begins(tmp_path):
+    names = as_yolo(tmp_path, every=lambda i: f"{at_ms(i) + (10**6 if i >= 20 else 0)}.txt")
+    numbers, dataset = compared(tmp_path, names)
+    assert numbers["matched"] == RIGHT["matched"]
+    assert dataset.recordings["name"].tolist() == ["scene_1", "scene_2"]
+    assert dataset.frame_columns.frame.tolist() == [*range(20)] * 2
+
+
+def test_times_in_motchallenge_are_numbered(tmp_path):
+    for side in ("truth", "x", "y"):
+        table = truth() if side == "truth" else detections(side)
+        table = table[table["name"] == "person"].assign(track=1, score=table.get("score", 1))
+        rows = table.assign(frame=table["frame"].map(at_ms))[["frame", "track", *"xywh", "score"]]
+        rows[["x", "y"]] += 1
+        rows.assign(a=-1, b=-1, c=-1).to_csv(tmp_path / f"{side}.txt", index=False, header=False)
+    names = {side: f"{side}.txt" for side in ("truth", "x", "y")}
+    assert compared(tmp_path, names)[0]["matched"] == RIGHT["matched"]
+
+
+def test_copies_of_a_picture_in_a_coco_list_are_refused(tmp_path):
+    document = coco_truth(lambda i: f"img_{i:04d} (1).jpg" if i == 7 else f"img_{i:04d}.jpg")
+    document["images"].append({"id": 99, "file_name": "img_0007.jpg", "width": 640, "height": 480})
+    names = as_json(tmp_path, document, lambda i: {"image_id": i + 1})
+    with pytest.raises(InputError, match=r"img_0007\.jpg is frame 7 .* as is img_0007 \(1\)\.jpg"):
+        compared(tmp_path, names)
+
+
+def test_cvat_pictures_named_by_times_are_numbered(tmp_path):
+    table = truth()
+    table = table[table["name"] == "person"]
+    images = "".join(
+        f'<image id="{i}" name="{at_ms(i)}.jpg" width="640" height="480">'
+        + "".join(
+            f'<box label="person" occluded="0" xtl="{x}" ytl="{y}" xbr="{x + w}" ybr="{y + h}"/>'
+            for x, y, w, h in table.loc[table["frame"] == i, [*"xywh"]].itertuples(index=False)
+        )
+        + "</image>"
+        for i in range(40)
+    )
+    (tmp_path / "truth.xml").write_text(
+        f"<annotations><version>1.1</version>{images}</annotations>"
+    )
+    names = as_yolo(tmp_path, every=NAMES["milliseconds"]) | {"truth": "truth.xml"}
+    assert compared(tmp_path, names)[0] == RIGHT

@@ -156,6 +156,10 @@ class Lines:
         )
 
 
+NO_FRAME: Final = -1
+"""Frame of a system's picture that is none of the truth's."""
+
+
 @dataclass(frozen=True)
 class NamedPictures:
     """The pictures of a list, each with its recording and frame.
@@ -190,7 +194,7 @@ class NamedPictures:
 
     @property
     def frame(self) -> np.ndarray:
-        """Frame number of each picture, -1 where it is none of the truth's; int64, shape (n,)."""
+        """Frame number of each picture, or `NO_FRAME`; int64, shape (n,)."""
         return self.table["frame"].to_numpy(dtype=np.int64)
 
     @property

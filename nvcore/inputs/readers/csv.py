@@ -224,7 +224,8 @@ def _read_one(
             frame, frame_fact = _frames(columns["frame"].to_numpy(), lines, options.frame_base)
             named = None
         else:
-            frame, named = times
+            of_picture, frame, named = times
+            recording = of_picture if named.is_joined else recording
             frame_fact = ""
     else:
         recording, frame, named = places_of_pictures(

@@ -9,8 +9,10 @@ from pathlib import PurePosixPath
 import numpy as np
 import pandas as pd
 
-from nvcore.findings import Finding
+from nvcore.errors import InputError
+from nvcore.findings import Finding, Remedy, Step
 from nvcore.inputs.readers.base import (
+    NO_FRAME,
     Lines,
     NamedPictures,
     ReadOptions,
@@ -83,7 +85,7 @@ def read_images(document: dict[str, object], file: SourceFile, options: ReadOpti
         }
     )
     table = table[keep].reset_index(drop=True)
-    double = table.duplicated(["recording", "frame"])
+    double = table.duplicated(["recording", "frame"]) & (table["frame"] != NO_FRAME)
     if double.any():
         first = table[double].iloc[0]
         raise file.fault(
@@ -216,15 +218,26 @@ def _places(
             recording, source = folders
         times = times_as_frames(numbers, recording, options)
         if times is not None:
-            return recording, times[0], f"{source}, times from the images' fields", [], times[1]
+            return recording, times[1], f"{source}, times from the images' fields", [], times[2]
         lines = Lines.of(images.file, np.arange(1, len(numbers) + 1))
         frame = whole_numbers(numbers, lines, "frame number")
         text = f"{source}, frame numbers from the images' fields"
         return recording, frame, text, [], replace(named, how="fields", facts=(), rates={})
     if are_placed and not _is_scattered(recording):
         pictures = pd.DataFrame({"recording": recording, "frame": named.frame, "name": names})
-        if not pictures.drop_duplicates().duplicated(["recording", "frame"]).any():
-            return recording, named.frame, f"{source}, frame numbers from the file names", [], named
+        double = pictures.drop_duplicates().duplicated(["recording", "frame"])
+        if double.any():
+            first = pictures.loc[double[double].index[0]]
+            of_frame = (pictures["recording"] == first["recording"]) & (
+                pictures["frame"] == first["frame"]
+            )
+            raise InputError(
+                f"{first['name']} is frame {first['frame']} of recording {first['recording']!r}, "
+                f"as is {pictures['name'][of_frame].iloc[0]}; expected one picture a frame: leave "
+                "copies out, or say that the pictures follow each other in the order of the list",
+                steps=(Step(Remedy.FRAME_NAMES, "order"),),
+            )
+        return recording, named.frame, f"{source}, frame numbers from the file names", [], named
     if videos is None:
         recording, source = folders
     frame = pd.Series(recording, dtype=object).groupby(recording).cumcount().to_numpy(np.int64)

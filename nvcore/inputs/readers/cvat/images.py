@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -12,7 +13,9 @@ from nvcore.errors import FormatError
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
+    NO_FRAME,
     Format,
+    NamedPictures,
     Reading,
     ReadOptions,
     Role,
@@ -22,7 +25,8 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.cvat.boxes import boxes_reading, other_shapes
 from nvcore.inputs.readers.cvat.xml import CvatContent, Owner, read_cvat
-from nvcore.inputs.readers.meaning.names import recording_and_frame_of, recording_of
+from nvcore.inputs.readers.meaning.frame_names import in_file, joined_named, named_pictures
+from nvcore.inputs.readers.meaning.names import ONLY, recording_and_frame_of, recording_of
 from nvcore.inputs.readers.meaning.sizes import recordings_with_sizes
 from nvcore.inputs.readers.parse.xml import root_of
 from nvcore.schema import NO_TRACK
@@ -52,12 +56,13 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     FormatError
         With file and line of what is not CVAT for images, or of a second picture of one frame.
     """
-    tables, listed = [], []
+    tables, listed, named = [], [], []
     declared: list[str] = []
     findings: list[Finding] = []
     for number, file in enumerate(files):
         content = read_cvat(file, kind="image")
-        recording, frame, odd = _places(content, file, options)
+        recording, frame, odd, names = _places(content, file, options)
+        named.append(names)
         owner = content.boxes["owner"].to_numpy()
         tables.append(
             content.boxes.assign(
@@ -79,7 +84,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         lambda row: (pictures["file"].iloc[row], f"line {pictures['line'].iloc[row]}: "),
     )
     findings += odd_sizes
-    return boxes_reading(
+    reading = boxes_reading(
         pd.concat(tables, ignore_index=True),
         declared,
         files,
@@ -89,36 +94,37 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         facts=["recordings and frame numbers from the picture names"],
         findings=findings,
     )
+    return replace(reading, named=joined_named(named))
 
 
 def _places(
     content: CvatContent, file: SourceFile, options: ReadOptions
-) -> tuple[np.ndarray, np.ndarray, list[Finding]]:
-    """Recording and frame of each picture."""
+) -> tuple[np.ndarray, np.ndarray, list[Finding], NamedPictures]:
+    """Recording and frame of each picture, what is odd, and its name."""
     known = options.recordings
     fallback = recording_of(file.name, known)
-    recordings: list[str] = []
-    frames: list[int] = []
-    # a loop over pictures: each has a name to be taken apart
-    for owner in content.owners:
-        name = owner.name.replace("\\", "/")
-        place = recording_and_frame_of(name, known)
-        if place is None:
-            return _places_by_id(content, owner, fallback, file, options)
-        recording, frame = place
-        # a bare name, frame_000012 from a video: the file is the recording
-        if recording == "recording" and recording not in name:
-            recording = _task_recording(content, owner, fallback)
-        elif recording not in known and fallback in known:
-            recording = fallback
-        recordings.append(recording)
-        frames.append(frame)
-    return object_array(recordings), np.array(frames, dtype=np.int64), []
+    with in_file(file):
+        named = named_pictures([owner.name for owner in content.owners], options)
+    if named.strange >= 0 or options.frame_names == "order":
+        strange = content.owners[max(0, named.strange)]
+        return _places_by_id(content, strange, fallback, file, options)
+    recordings = named.recording.copy()
+    if not named.is_joined:
+        for row, owner in enumerate(content.owners):
+            # a bare name, frame_000012 from a video: the file is the recording
+            if recordings[row] == ONLY and ONLY not in owner.name:
+                recordings[row] = _task_recording(content, owner, fallback)
+            elif recordings[row] not in known and fallback in known:
+                recordings[row] = fallback
+    pairs = zip(named.recording, recordings, strict=True) if named.rates else ()
+    rates = {new: named.rates[old] for old, new in pairs if old in named.rates}
+    table = named.table.assign(recording=recordings)
+    return recordings, named.frame, [], replace(named, table=table, rates=rates)
 
 
 def _places_by_id(
     content: CvatContent, strange: Owner, fallback: str, file: SourceFile, options: ReadOptions
-) -> tuple[np.ndarray, np.ndarray, list[Finding]]:
+) -> tuple[np.ndarray, np.ndarray, list[Finding], NamedPictures]:
     """Recording and the id, as the frame, of each picture; and the warning that says so."""
     n_strange = sum(recording_and_frame_of(owner.name) is None for owner in content.owners)
     finding = warning(
@@ -132,7 +138,10 @@ def _places_by_id(
     )
     recordings = [_task_recording(content, owner, fallback) for owner in content.owners]
     frames = np.array([owner.number for owner in content.owners], dtype=np.int64)
-    return object_array(recordings), frames, [finding]
+    names = [owner.name for owner in content.owners]
+    table = pd.DataFrame({"recording": recordings, "frame": frames, "name": names})
+    findings = [] if options.frame_names == "order" else [finding]
+    return object_array(recordings), frames, findings, NamedPictures(table, "order")
 
 
 def _task_recording(content: CvatContent, owner: Owner, fallback: str) -> str:
@@ -145,7 +154,7 @@ def _task_recording(content: CvatContent, owner: Owner, fallback: str) -> str:
 
 def _check_doubles(pictures: pd.DataFrame) -> None:
     """Raise FormatError for the second picture of a frame."""
-    double = pictures.duplicated(["recording", "frame"])
+    double = pictures.duplicated(["recording", "frame"]) & (pictures["frame"] != NO_FRAME)
     if not double.any():
         return
     second = pictures[double].iloc[0]

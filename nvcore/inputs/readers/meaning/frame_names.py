@@ -13,13 +13,19 @@ import pandas as pd
 
 from nvcore.errors import FormatError, InputError
 from nvcore.findings import Remedy, Step
-from nvcore.inputs.readers.base import NamedPictures, ReadOptions, SourceFile, object_array
+from nvcore.inputs.readers.base import (
+    NO_FRAME,
+    NamedPictures,
+    ReadOptions,
+    SourceFile,
+    object_array,
+)
 from nvcore.inputs.readers.meaning.names import ONLY, place_of_stem, recording_before
 from nvcore.inputs.readers.meaning.picture_times import (
     LEAST_TIME,
     NamedTimes,
     frames_by_times,
-    nearest_frames,
+    nearest_times,
     rate_of,
     times_in,
     times_of_numbers,
@@ -61,7 +67,7 @@ def listed_frames(files: Sequence[SourceFile], options: ReadOptions) -> NamedPic
     if len(options.recordings) == 1 and len(set(named.recording)) == 1:
         table = table.assign(recording=options.recordings[0])
         named = replace(named, table=table)
-    double = table.duplicated(["recording", "frame"]).to_numpy() & (table["frame"] >= 0).to_numpy()
+    double = (table.duplicated(["recording", "frame"]) & (table["frame"] != NO_FRAME)).to_numpy()
     if double.any():
         second = int(np.argmax(double))
         recording, frame = table[["recording", "frame"]].iloc[second]
@@ -89,6 +95,7 @@ def named_pictures(names: Sequence[str], options: ReadOptions) -> NamedPictures:
     """
     named = _by_themselves(names, options)
     if options.named is None or options.role == "truth":
+        _check_times(named, None, options)
         return named
     return _joined(named, names, options.named, options)
 
@@ -125,8 +132,8 @@ def places_of_pictures(
 
 def times_as_frames(
     values: np.ndarray, recording: object, options: ReadOptions
-) -> tuple[np.ndarray, NamedPictures] | None:
-    """Frames of a column of frame numbers that holds times; None where it holds frame numbers.
+) -> tuple[np.ndarray, np.ndarray, NamedPictures] | None:
+    """Recording and frame of rows whose frame numbers are times; None where they are not.
 
     Parameters
     ----------
@@ -151,10 +158,12 @@ def times_as_frames(
     names = [f"{number:.6f}".rstrip("0").rstrip(".") for number in numbers.tolist()]
     if times is None:
         raise _unclear(names[0], "in the column of frame numbers")
-    named = _by_times(recordings, names, times, options)
+    # a column holds frames with boxes: where nobody is, there is no pause
+    named = _by_times(recordings, names, times, options, divide=False)
     if options.named is not None and options.role == "detections":
         named = _joined(named, names, options.named, options, times=times)
-    return named.frame[codes], named
+    _check_times(named, options.named, options)
+    return named.recording[codes], named.frame[codes], named
 
 
 def _by_themselves(names: Sequence[str], options: ReadOptions) -> NamedPictures:
@@ -172,7 +181,7 @@ def _by_themselves(names: Sequence[str], options: ReadOptions) -> NamedPictures:
             recording_before(tuple(folders), prefix, known)
             for (folders, _), prefix in zip(parts, times.prefix, strict=True)
         ]
-        named = _by_times(recordings, names, times, options)
+        named = _by_times(recordings, names, times, options, divide=options.role == "truth")
         return replace(named, facts=(*facts, *named.facts))
     if how == "times":
         raise InputError(
@@ -186,7 +195,7 @@ def _by_themselves(names: Sequence[str], options: ReadOptions) -> NamedPictures:
     table = _table((recording for recording, _ in placed), [frame for _, frame in placed], names)
     named = NamedPictures(table, "numbers", facts)
     is_large = named.frame >= LEAST_TIME
-    if how is None and is_large.mean() > 0.5:
+    if how is None and is_large.sum() > len(is_large) / 2:
         raise _unclear(names[int(np.argmax(named.frame))], "in the names")
     return named if options.role == "detections" else _by_scenes(named, stems, how)
 
@@ -218,7 +227,12 @@ def _natural(name: str) -> list[tuple[int, str]]:
 
 
 def _by_times(
-    recordings: Sequence[str], names: Sequence[str], times: NamedTimes, options: ReadOptions
+    recordings: Sequence[str],
+    names: Sequence[str],
+    times: NamedTimes,
+    options: ReadOptions,
+    *,
+    divide: bool,
 ) -> NamedPictures:
     """Pictures numbered by their times, recording by recording.
 
@@ -228,27 +242,42 @@ def _by_times(
         If they are not nearly even.
     """
     table = _table(recordings, np.zeros(len(names), np.int64), names)
-    frame, rates, n_missing = np.zeros(len(names), np.int64), {}, 0
+    # a system's times need not be even where the truth's are
+    is_of_truth = options.named is not None and options.named.how == "times"
+    frame, own = np.zeros(len(names), np.int64), object_array(recordings)
+    rates: dict[str, float] = {}
+    n_missing = 0
     for recording, rows in _rows_of(table).items():
         unique, codes = np.unique(times.ns[rows], return_inverse=True)
         numbers, period, is_even = frames_by_times(unique)
-        if not is_even and options.frame_names is None:
+        if not is_even and options.frame_names is None and not is_of_truth:
             raise InputError(
                 f"the numbers of recording {recording!r} are too large for frame numbers, but "
                 f"times ({times.unit}) that are not nearly even: found {names[rows[0]]}",
                 steps=(Step(Remedy.FRAME_NAMES, "times"), Step(Remedy.FRAME_NAMES, "order")),
             )
+        # after a long pause another recording begins
+        part = np.concatenate([[0], np.cumsum(np.diff(numbers) > LONG_GAP)])
+        if divide and part[-1]:
+            numbers = numbers - numbers[np.searchsorted(part, part)]
+            parts = object_array(
+                f"{recording}_scene_{k + 1}".removeprefix(f"{ONLY}_") for k in part
+            )
+            own[rows] = parts[codes]
         frame[rows] = numbers[codes]
-        n_missing += int(numbers[-1]) + 1 - len(numbers)
+        is_next = np.diff(part) == 0
+        n_missing += int((np.diff(numbers)[is_next] - 1).sum())
         if not np.isnan(period):
-            rates[str(recording)] = rate_of(period)
+            rates |= dict.fromkeys(own[rows], rate_of(period))
     fact = f"numbers taken as times ({times.unit}), frames numbered by them from 0"
     if rates:
         low, high = min(rates.values()), max(rates.values())
         fact += f", at {low:g} a second" if low == high else f", at {low:g} to {high:g} a second"
     if n_missing:
         fact += f", gaps in the times kept as {count_text(n_missing, 'missing frame')}"
-    return NamedPictures(table.assign(frame=frame), "times", (fact,), rates)
+    if len(set(own)) > table["recording"].nunique():
+        fact += f", {len(set(own))} recordings told apart by long pauses"
+    return NamedPictures(table.assign(recording=own, frame=frame), "times", (fact,), rates)
 
 
 def _by_scenes(named: NamedPictures, stems: Sequence[str], how: str | None) -> NamedPictures:
@@ -344,17 +373,19 @@ def _joined(
     is_joined = row >= 0
     if is_joined.mean() < MIN_JOINED:
         is_joined[:] = False
-    recording, frame = np.full(len(names), "", dtype=object), np.full(len(names), -1, np.int64)
+    recording = np.full(len(names), "", dtype=object)
+    frame = np.full(len(names), NO_FRAME, np.int64)
     recording[is_joined] = theirs["recording"].to_numpy(dtype=object)[row[is_joined]]
     frame[is_joined] = truth.frame[row[is_joined]]
     facts = [*named.facts] if not is_joined.all() else [way]
-    rest = ~is_joined
+    rest, is_by_time = ~is_joined, False
     if rest.any() and named.strange >= 0 and not is_joined.any():
         return named
     if rest.any() and named.strange < 0:
         if named.how == "times" and truth.how == "times":
             frame_by_time = _by_their_times(named, names, truth, times)
             recording[rest], frame[rest] = frame_by_time[0][rest], frame_by_time[1][rest]
+            is_by_time = True
             facts.append("times held against those of the truth, up to half a period apart")
         elif named.how == truth.how or not is_joined.any():
             _check_times(named, truth, options)
@@ -365,17 +396,19 @@ def _joined(
         facts.append(f"{int(unknown.sum())} of {len(names)} pictures are none of the truth's")
     joined = NamedPictures(_table(recording, frame, names), truth.how, tuple(facts))
     is_same = named.strange < 0 and not named.rates and joined.table.equals(named.table)
-    return replace(named if is_same else joined, is_joined=bool(is_joined.any()))
+    return replace(named if is_same else joined, is_joined=is_by_time or bool(is_joined.any()))
 
 
-def _check_times(named: NamedPictures, truth: NamedPictures, options: ReadOptions) -> None:
-    """Refuse times where the truth's pictures have none: when the truth begins is not known."""
-    if named.how == "times" and truth.how != "times" and options.frame_names is None:
+def _check_times(named: NamedPictures, truth: NamedPictures | None, options: ReadOptions) -> None:
+    """Refuse a system's times where the truth has none: at which its frame 0 is, is not known."""
+    is_system = options.role == "detections" and bool(options.recordings)
+    if not is_system or named.how != "times" or options.frame_names is not None:
+        return
+    if truth is None or truth.how != "times":
         raise InputError(
             "the pictures are numbered by times, and those of the truth are not: which picture is "
-            f"which cannot be told; found {named.table['name'].iloc[0]}, and in the truth "
-            f"{truth.table['name'].iloc[0]}",
-            steps=(Step(Remedy.FRAME_NAMES, "order"), Step(Remedy.FRAME_NAMES, "times")),
+            f"which cannot be told; found {named.table['name'].iloc[0]}",
+            steps=(Step(Remedy.FRAME_NAMES, "times"), Step(Remedy.FRAME_NAMES, "order")),
         )
 
 
@@ -388,20 +421,19 @@ def _by_their_times(
     own_times = times or times_in(_stems(names))
     if their_times is None or own_times is None:
         return named.recording, named.frame
-    recording, frame = named.recording.copy(), np.full(len(names), -1, np.int64)
-    of_truth = _rows_of(theirs)
-    of_system = _rows_of(named.table)
-    if len(of_truth) == len(of_system) == 1:
-        recording[:] = next(iter(of_truth))
-        of_system = {next(iter(of_truth)): np.arange(len(names))}
+    recording, frame = named.recording.copy(), np.full(len(names), NO_FRAME, np.int64)
+    of_truth, of_system = _rows_of(theirs), _rows_of(named.table)
     for name, rows in of_system.items():  # a loop over recordings
-        if name not in of_truth:
-            continue
-        there = of_truth[name]
+        # one that the truth does not know is told by its times alone
+        there = of_truth.get(name, np.arange(len(theirs)))
         their_ns, first = np.unique(their_times.ns[there], return_index=True)
+        there = there[first]
         unique, codes = np.unique(own_times.ns[rows], return_inverse=True)
-        period = frames_by_times(their_ns)[1]
-        frame[rows] = nearest_frames(unique, their_ns, truth.frame[there][first], period)[codes]
+        nearest, n_periods = nearest_times(unique, their_ns, frames_by_times(their_ns)[1])
+        found = there[np.maximum(nearest, 0)]
+        own_frame = np.where(nearest < 0, NO_FRAME, truth.frame[found] + n_periods)
+        recording[rows] = theirs["recording"].to_numpy(dtype=object)[found][codes]
+        frame[rows] = own_frame[codes]
     return recording, frame
 
 

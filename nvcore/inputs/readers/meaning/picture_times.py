@@ -204,30 +204,37 @@ def rate_of(period_ns: float) -> float:
     return usual if abs(rate / usual - 1) <= _SNAP else float(f"{rate:.5g}")
 
 
-def nearest_frames(
-    ns: np.ndarray, their_ns: np.ndarray, their_frames: np.ndarray, period_ns: float
-) -> np.ndarray:
-    """Frame of each time among times whose frames are known; -1 where another is nearer to it.
+def nearest_times(
+    ns: np.ndarray, their_ns: np.ndarray, period_ns: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """The nearest of known times, -1 where another lies nearer to the same frame.
 
-    A time within half a period of one that is known is of the same frame; others lie so many
-    periods from the nearest.
+    A time within half a period of one that is known is of the same frame.
 
     Parameters
     ----------
     ns
         Unique, int64, shape (n,).
-    their_ns, their_frames
-        Sorted, shape (m,), m > 0.
+    their_ns
+        Sorted, unique, int64, shape (m,), m > 0.
+
+    Returns
+    -------
+    tuple
+        Index of the known time, and how many periods later a time is; int64, shape (n,).
     """
     after = np.clip(np.searchsorted(their_ns, ns), 1, max(1, len(their_ns) - 1))
     before = after - 1
     after = np.minimum(after, len(their_ns) - 1)
     is_before = np.abs(ns - their_ns[before]) <= np.abs(their_ns[after] - ns)
     nearest = np.where(is_before, before, after)
+    period = 1.0 if np.isnan(period_ns) else period_ns
     away = (ns - their_ns[nearest]).astype(float)
-    n_periods = np.zeros(len(ns)) if np.isnan(period_ns) else np.rint(away / period_ns)
-    frame = their_frames[nearest] + n_periods.astype(np.int64)
-    error = np.abs(away - n_periods * (0 if np.isnan(period_ns) else period_ns))
-    best = pd.Series(error).groupby(frame).transform("min").to_numpy()
-    is_first = ~pd.Series(frame).where(error == best).duplicated().to_numpy()
-    return np.where((error == best) & is_first, frame, -1)
+    n_periods = np.rint(away / period).astype(np.int64)
+    if np.isnan(period_ns):
+        n_periods[:] = 0
+    error = np.abs(away - n_periods * period)
+    table = pd.DataFrame({"nearest": nearest, "n_periods": n_periods, "error": error})
+    best = table.sort_values("error", kind="stable").drop_duplicates(["nearest", "n_periods"])
+    is_best = np.isin(np.arange(len(ns)), best.index)
+    return np.where(is_best, nearest, -1), n_periods
