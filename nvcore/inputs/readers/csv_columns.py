@@ -19,7 +19,7 @@ import pyarrow.csv
 
 from nvcore.errors import FormatError
 from nvcore.inputs.readers.base import Role, SourceFile
-from nvcore.inputs.readers.parse.text import BLOCK, MAX_INTEGER, read_text_bytes
+from nvcore.inputs.readers.parse.text import BLOCK, MAX_INTEGER, line_blocks, read_text_bytes
 from nvcore.output.csv_text import without_safeguard
 from nvcore.schema import categories_of
 from nvcore.wording import shortened
@@ -290,22 +290,37 @@ def _first_fault(
     file: SourceFile, header: Header, content: bytes, to_read: Sequence[str]
 ) -> FormatError:
     """Error about the first line that cannot be read; line by line, as there is a fault."""
+    n_before = 0
+    if b'"' not in content:  # else a line may be a part of a text
+        n_before, content = _first_odd_block(header, content, to_read)
     text = content.decode("utf-8", "replace")
     rows = csv.reader(io.StringIO(text, newline=""), delimiter=header.delimiter)
     layout = header.delimiter.join(header.names)
     try:
         for row in rows:
-            if rows.line_num == 1 or not row or row == [""]:
+            line = n_before + rows.line_num
+            if line == 1 or not row or row == [""]:
                 continue
             fault = _fault(row, header, to_read, layout)
             if fault is not None:
-                return file.fault(fault, rows.line_num)
+                return file.fault(fault, line)
     except csv.Error as error:
-        return file.fault(f"expected CSV: {error}", rows.line_num)
+        return file.fault(f"expected CSV: {error}", n_before + rows.line_num)
     return file.fault(
         f"expected CSV with the columns {layout}, found lines that cannot be told apart; is there "
         "a quotation mark too many?"
     )
+
+
+def _first_odd_block(header: Header, content: bytes, to_read: Sequence[str]) -> tuple[int, bytes]:
+    """The first lines that cannot be read at once, and how many stand before; else all."""
+    kinds = {name: _TEXT if name == "track" else _kind(name) for name in to_read}
+    signs = (".", ",") if header.delimiter == ";" else (".",)
+    for n_before, block in line_blocks(content):
+        lines = block if n_before == 0 else b"\n" + block  # after a header
+        if all(_parse(lines, header, kinds, sign, has_empty_lines=False) is None for sign in signs):
+            return n_before, block
+    return 0, content
 
 
 def _fault(row: list[str], header: Header, to_read: Sequence[str], layout: str) -> str | None:

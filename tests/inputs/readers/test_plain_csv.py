@@ -290,3 +290,14 @@ def test_attributes_of_several_files_are_joined(tmp_path: Path):
     reading = csv.read([first, plain, last], ReadOptions())
     assert rows(reading.attributes, "file line attributes")[-1] == [2, 2, "pram"]
     assert len(reading.attributes) == 3
+
+
+@pytest.mark.parametrize(("fault", "words"), [("1,x,1,9,9", "a number as x"), ("1,1", "5 fields")])
+def test_a_fault_behind_many_lines_is_named_by_its_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fault: str, words: str
+):
+    monkeypatch.setattr("nvcore.inputs.readers.parse.text._ODD_BLOCK", 100)
+    rows = [f"{row},1,1,9,9" for row in range(50)]
+    file = source(tmp_path, "\n".join(["frame,x,y,w,h", *rows, fault, *rows]), "a.csv")
+    with pytest.raises(FormatError, match=rf"a\.csv, line 52: expected {words}"):
+        csv.read([file], ReadOptions())

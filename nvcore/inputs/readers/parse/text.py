@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pyarrow as pa
@@ -17,6 +17,8 @@ MAX_INTEGER = 2.0**53
 """Largest number that is exact as float64: frame numbers and track ids stay below it."""
 _SMALL = 2048
 """Bytes below which the careful parser is as quick as starting pyarrow (one file per frame)."""
+_ODD_BLOCK = 1 << 20
+"""Bytes of lines that are read one by one because one of them is odd."""
 BLOCK = 1 << 24
 """Bytes that pyarrow takes at a time; measured: twice as quick as its default of 1 MiB."""
 
@@ -160,6 +162,8 @@ def read_numbers(file: SourceFile, layout: Layout) -> NumberTable:
         table = _fast(content, file, layout)
         if table is not None:
             return table
+        if len(content) > _ODD_BLOCK:
+            return _by_blocks(content, file, layout)
     return _careful(_decode(content, file), file, layout)
 
 
@@ -219,6 +223,33 @@ def _fast(content: bytes, file: SourceFile, layout: Layout) -> NumberTable | Non
     return NumberTable(columns, Lines.of(file, _lines(content, table.num_rows)), label)
 
 
+def line_blocks(content: bytes) -> Iterator[tuple[int, bytes]]:
+    """Whole lines of some `_ODD_BLOCK` bytes at a time, and how many lines stand before them."""
+    start = n_before = 0
+    while start < len(content):
+        end = content.find(b"\n", start + _ODD_BLOCK) + 1 or len(content)
+        block = content[start:end]
+        yield n_before, block
+        start, n_before = end, n_before + block.count(b"\n")
+
+
+def _by_blocks(content: bytes, file: SourceFile, layout: Layout) -> NumberTable:
+    """The table, row by row only where a block of lines has an odd one."""
+    if not content.isascii():
+        _decode(content, file)
+    tables, lines = [], []
+    for n_before, block in line_blocks(content):
+        table = _fast(block, file, layout)
+        if table is None:
+            table = _careful(block.decode(), file, layout, n_before + 1)
+            lines.append(table.lines.line)
+        else:
+            lines.append(table.lines.line + n_before)
+        tables.append(table)
+    joined = stacked(tables)
+    return replace(joined, lines=Lines.of(file, np.concatenate(lines)))
+
+
 def _lines(content: bytes, n_rows: int) -> np.ndarray:
     """1-based line of each row: pyarrow passes over empty lines and does not count them."""
     if n_rows == content.count(b"\n") + (not content.endswith(b"\n")):
@@ -227,13 +258,13 @@ def _lines(content: bytes, n_rows: int) -> np.ndarray:
     return np.flatnonzero(np.diff(ends, prepend=-1) > 1) + 1
 
 
-def _careful(text: str, file: SourceFile, layout: Layout) -> NumberTable:
+def _careful(text: str, file: SourceFile, layout: Layout, first: int = 1) -> NumberTable:
     """Row by row, for files with ragged rows, odd spacing or a fault to be named."""
     rows: list[list[float]] = []
     lines: list[int] = []
     labels: list[str] = []
     # a loop over lines: only for small files and those that the fast parser refused
-    for number, raw in enumerate(text.split("\n"), 1):
+    for number, raw in enumerate(text.split("\n"), first):
         stripped = raw.strip()
         if not stripped or (layout.comment and stripped.startswith(layout.comment)):
             continue

@@ -10,6 +10,7 @@ import reader_files
 
 from nvcore.errors import FormatError, InputError
 from nvcore.inputs.readers.base import Lines, SourceFile
+from nvcore.inputs.readers.parse import text
 from nvcore.inputs.readers.parse.text import (
     Layout,
     are_numbers,
@@ -197,3 +198,35 @@ def test_empty_fields_pass_as_numbers_and_text_does_not():
 )
 def test_whole_fields_are_told_from_others(field, expected):
     assert is_whole(field) is expected
+
+
+@pytest.mark.parametrize("odd", ["7,8,9,10", " 7 , 8,\t9", "\n7,8,9", "7,,9"])
+def test_one_odd_line_in_many_is_read_as_if_all_were_read_by_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, odd: str
+):
+    rows = [f"{row},{row + 1},{row + 2}" for row in range(MANY)]
+    file = source(tmp_path, "\n".join([*rows, odd, *rows]) + "\n")
+    slow = three(file)
+    monkeypatch.setattr(text, "_ODD_BLOCK", 100)
+    quick = three(file)
+    np.testing.assert_array_equal(np.stack(quick.columns), np.stack(slow.columns))
+    np.testing.assert_array_equal(quick.lines.line, slow.lines.line)
+    assert quick.lines.line[-1] == 2 * MANY + 1 + odd.count("\n")
+
+
+def test_a_fault_behind_many_lines_is_named_by_its_line_and_the_lines_before_are_read_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(text, "_ODD_BLOCK", 100)
+    by_line = []
+    careful = text._careful  # how many lines are read one by one
+
+    def counted(part: str, *arguments: object) -> object:
+        by_line.append(part.count("\n"))
+        return careful(part, *arguments)
+
+    monkeypatch.setattr(text, "_careful", counted)
+    rows = [f"{row},{row + 1},{row + 2}" for row in range(MANY)]
+    with pytest.raises(FormatError, match=rf"line {MANY + 1}: .*'a'"):
+        three(source(tmp_path, "\n".join([*rows, "1,a,3", *rows])))
+    assert sum(by_line) < 100
