@@ -138,6 +138,10 @@ def test_pictures_that_fit_no_frames_are_not_shown_and_the_first_is_asked_for(tm
     assert (finding.severity, finding.count) == (Severity.ERROR, 60)
     assert finding.steps == (Step(Remedy.FIRST_PICTURE, subject="drive"),)
     assert nvcore("check", tmp_path / "session.toml").exit_code == 1
+    report = tmp_path / "r.html"
+    nvcore("report", tmp_path / "session.toml", "--out", report)
+    frames = report.read_text(encoding="utf-8").partition('id="frames"')[2][:2000]
+    assert "which frame is not clear" in frames
     given = applied(dataset.settings, Step(Remedy.FIRST_PICTURE, "0", "drive"), dataset.systems)
     assert given is not None
     assert numbers_shown(load(given)) == [*range(60)]
