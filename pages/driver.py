@@ -29,7 +29,10 @@ def draw(result: Result) -> None:
         return
     run.draw(is_known=True)
     draw_warnings(result)
-    shown = choose_comparison(result, wait_for_equal_alarms(result), "driver")
+    equal, is_awaited = wait_for_equal_alarms(result)
+    shown = choose_comparison(result, equal, "driver", is_awaited=is_awaited)
+    if shown is None:
+        return
     if doubt := describe_doubt(shown):
         st.warning(plain(state.words(doubt)), icon=":material/warning:")
     st.markdown("\n\n".join(plain(state.words(text)) for text in describe_view(shown)))

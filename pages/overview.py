@@ -3,7 +3,6 @@
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.report.equal_alarms import equal_alarms_of
 from ui.jobs import companions
 from ui.overview import evidence, moments, plan, scorecard, strip, venn, verdict
 from ui.session.results.evidence import known_evidence, measure_evidence
@@ -21,11 +20,13 @@ def draw(result: Result) -> None:
     if before is not None and known is not None and findings is not None:
         room.draw(findings, before, known, plan.known_sentence(result))
         is_drawn = True
-    else:  # the words come last: they wait for the audit
-        room.draw_known(before, known)
+    with room.headline:
+        equal, is_awaited = companions.wait_for_equal_alarms(result)
+    if not is_drawn:  # the words come last: they wait for the audit
+        room.draw_known(before, equal, is_awaited=is_awaited)
     left, right = st.columns([1.15, 1], gap="large")
     with left:
-        table = scorecard.scorecard(result, before, known)
+        table = scorecard.scorecard(result, before, equal, is_awaited=is_awaited)
     with right:
         venn.draw(result)
     strip.draw(result)
@@ -38,8 +39,6 @@ def draw(result: Result) -> None:
     evidence.draw(result, measured)
     with room.headline:
         of_both = companions.wait_for_companions(result, measured)
-    if known is None and equal_alarms_of(result, of_both) is not None:
-        st.rerun()  # the scorecard, which is above, shows it
     plan.draw(result, measured, of_both)
     if not is_drawn:
         room.draw(input_findings(), measured, of_both, plan.known_sentence(result))

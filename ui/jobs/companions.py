@@ -50,20 +50,26 @@ def wait_for_companions(result: Result, evidence: pd.DataFrame) -> Companions | 
     return _wait_for(result, KIND, lambda _: find_companions(result, evidence))
 
 
-def wait_for_equal_alarms(result: Result) -> EqualAlarms | None:
-    """The comparison that the verdict is about instead of the one as set.
+def wait_for_equal_alarms(result: Result) -> tuple[EqualAlarms | None, bool]:
+    """The comparison that the verdict is about instead of the one as set; None: there is none.
 
-    None where there is none, or while it is computed in the background. It takes a part of the
-    time of the companions, which have it with its evidence.
+    It takes a part of the time of the companions, which have it with its evidence.
+
+    Returns
+    -------
+    The comparison, and whether it is still being computed in the background.
     """
     if not are_unequal(result):
-        return None
+        return None, False
     known = known_companions(result)
     if known is not None:
-        return equal_alarms_of(result, known)
+        return equal_alarms_of(result, known), False
     with st.spinner("Comparing at equal false alarms"):
         found = _wait_for(result, ALIKE, lambda _: (find_equal_alarms(result),))
-    return None if found is None else found[0]
+    if found is not None:
+        return found[0], False
+    job = state.workspace().job(ALIKE)
+    return None, job is not None and job.is_busy
 
 
 def _wait_for(result: Result, kind: str, compute: Callable[[Progress], Output]) -> Output | None:
@@ -83,18 +89,26 @@ def _wait_for(result: Result, kind: str, compute: Callable[[Progress], Output]) 
     return output
 
 
-def choose_comparison(result: Result, equal: EqualAlarms | None, page: str) -> Result:
+def choose_comparison(
+    result: Result, equal: EqualAlarms | None, page: str, *, is_awaited: bool
+) -> Result | None:
     """The comparison that is shown, with what it is: that of the verdict unless another is chosen.
 
     Parameters
     ----------
     equal
-        What the verdict is about instead of the one as set; None: that is not known yet, or there
-        is none, and the one as set is shown, which may be at unequal operating points.
+        What the verdict is about instead of the one as set; None: there is none, or not yet, and
+        the one as set is shown, which may be at unequal operating points.
     page
         Begins the keys of the widgets.
+    is_awaited
+        Whether `equal` is still being computed.
+
+    Returns
+    -------
+    None while the one that was chosen is being computed: the other does not take its place.
     """
-    if equal is None:
+    if equal is None and not is_awaited:
         draw_as_set_note(result)
         return result
     basis = choose_side_by_side(
@@ -107,6 +121,9 @@ def choose_comparison(result: Result, equal: EqualAlarms | None, page: str) -> R
     if basis is Basis.AS_SET:
         draw_as_set_note(result)
         return result
+    if equal is None:
+        st.markdown("The comparison at equal false alarms is being computed.")
+        return None
     text, button = st.columns([3, 2], vertical_alignment="center")
     text.markdown(plain(f"{equal.title}, as in the verdict."))
     button.button(

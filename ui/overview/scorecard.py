@@ -8,12 +8,11 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.evidence.companions import Companions
+from nvcore.evidence.operating_points import EqualAlarms
 from nvcore.figures.paired import recordings_plot
 from nvcore.measures import MeasureTable, count_recordings
 from nvcore.report.equal_alarms import (
     detected_text,
-    equal_alarms_of,
     weights_text,
 )
 from nvcore.report.terminal import SHORT_ROWS
@@ -54,7 +53,11 @@ def _widths(evidence: pd.DataFrame) -> dict[str, float]:
 
 
 def scorecard(
-    result: Result, evidence: pd.DataFrame | None, companions: Companions | None
+    result: Result,
+    evidence: pd.DataFrame | None,
+    equal: EqualAlarms | None,
+    *,
+    is_awaited: bool,
 ) -> Scorecard | None:
     """Every measure of X beside that of Y, the difference, and which way is better.
 
@@ -62,15 +65,19 @@ def scorecard(
 
     Parameters
     ----------
-    evidence, companions
+    evidence
         Of the comparison; None: not known yet, or not needed.
+    equal, is_awaited
+        Of `ui.jobs.companions.wait_for_equal_alarms`.
 
     Returns
     -------
     The table of the comparison as set, which the evidence is about; None: another is drawn.
     """
     st.header("Scorecard")
-    shown = choose_comparison(result, equal_alarms_of(result, companions), "scorecard")
+    shown = choose_comparison(result, equal, "scorecard", is_awaited=is_awaited)
+    if shown is None:
+        return None
     if shown is result:
         return _draw_scorecard(result, evidence)
     _draw_scorecard(shown, None)

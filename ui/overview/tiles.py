@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from html import escape
 
 from nvcore.report.tiles import Tile
+from ui.widgets.html import stamp_html
 
 
 def tiles_html(tiles: Sequence[Tile]) -> str:
     """Tiles in a row; each is as high with an interval as without."""
-    return f'<div class="nv-tiles">{"".join(map(_tile, tiles))}</div>'
+    return f'<div class="nv-tiles">{stamp_html()}{"".join(map(_tile, tiles))}</div>'
 
 
 def _tile(tile: Tile) -> str:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from dataclasses import replace
+from typing import Any, Final
 
 import pandas as pd
 import streamlit as st
@@ -11,6 +12,7 @@ from streamlit.delta_generator import DeltaGenerator
 
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
+from nvcore.evidence.operating_points import EqualAlarms
 from nvcore.findings import Finding
 from nvcore.report.equal_alarms import equal_alarms_of
 from nvcore.report.tiles import tiles
@@ -25,6 +27,13 @@ from ui.widgets.buttons import button
 from ui.widgets.text import docs_link, plain
 
 LAST: Final = "last_verdict"
+AWAITED: Final[dict[str, Any]] = {
+    **dict.fromkeys(("x", "y", "difference"), "…"),
+    **dict.fromkeys(("interval", "better", "winner"), ""),
+    "bar": None,
+    "chip": "being computed",
+}
+"""What a tile says in place of its numbers."""
 
 
 class Room:
@@ -43,17 +52,22 @@ class Room:
         """What the last headline was about; it stays, in grey, until that of other settings."""
         return state.opened().dataset.fingerprint, self._result.x.name, self._result.y.name
 
-    def draw_known(self, evidence: pd.DataFrame | None, companions: Companions | None) -> None:
-        """The tiles with what is known so far, and the last headline until there is a new one."""
+    def draw_known(
+        self, evidence: pd.DataFrame | None, equal: EqualAlarms | None, *, is_awaited: bool
+    ) -> None:
+        """The tiles with what is known so far, and the last headline until there is a new one.
+
+        Without numbers while those that the tiles will be of are being computed.
+        """
         opening, last = st.session_state.get(LAST, (None, ""))
         is_of_these = opening == self._opening()
         words = last if is_of_these else "The differences are being tested."
         self._words.markdown(f"## :gray[{words}]")
-        self._basis.caption(_short_extent(self._result, companions))
-        self._draw_tiles(evidence, companions)
-
-    def _draw_tiles(self, evidence: pd.DataFrame | None, companions: Companions | None) -> None:
-        four = tiles(self._result, evidence, companions, untested="being tested")
+        self._basis.caption(_short_extent(self._result, equal))
+        shown, of_shown = (self._result, evidence) if equal is None else (equal.result, None)
+        four = tiles(shown, of_shown, None, untested="being tested")
+        if is_awaited:
+            four = tuple(replace(tile, **AWAITED) for tile in four)
         self._tiles.html(tiles_html(four))
 
     def draw(
@@ -69,9 +83,10 @@ class Room:
         words = plain(conclusion.headline)
         self._words.markdown(f"## {words}")
         st.session_state[LAST] = self._opening(), words
-        self._draw_tiles(evidence, companions)
+        four = tiles(result, evidence, companions, untested="being tested")
+        self._tiles.html(tiles_html(four))
         with self._basis.container():
-            st.caption(_short_extent(result, companions))
+            st.caption(_short_extent(result, equal_alarms_of(result, companions)))
             if text := " ".join(describe_weighting(result)):
                 st.markdown(f":material/warning: {plain(state.words(text))}")
             if conclusion.caveat:
@@ -95,12 +110,11 @@ def _draw_caveat(caveat: str) -> None:
             open_page("data")
 
 
-def _short_extent(result: Result, companions: Companions | None) -> str:
+def _short_extent(result: Result, equal: EqualAlarms | None) -> str:
     extent = (
         f"{count_text(len(result.dataset.recordings), 'recording')}, "
         f"{count_text(len(result.dataset.frames), 'frame')}, {result.duration_s:,.1f} s."
     )
-    equal = equal_alarms_of(result, companions)
     if equal is not None:
         extent += f" Tiles: {plain(equal.title)}."
     return f"{extent} Bars: 95 % interval of X − Y, on the right of the line X is better."

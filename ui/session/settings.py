@@ -13,6 +13,8 @@ import streamlit as st
 _KEPT: Final = "settings"
 _MOVING: Final = "settings_moving"
 """The setting whose slider is in motion, and the value that Streamlit has of it meanwhile."""
+_SHOWN: Final = "settings_shown"
+"""The values that the widgets of this run were given."""
 _LET_GO: Final = "settings_let_go"
 """The settings whose widgets told of a change before this run."""
 _NONE: Final = object()
@@ -36,6 +38,13 @@ def forget() -> None:
 def begin_run() -> None:
     """What widgets told of is in the settings."""
     st.session_state.pop(_LET_GO, None)
+    st.session_state[_SHOWN] = {}
+
+
+def shown() -> dict[str, Any]:
+    """The values that the widgets of this run were given, so far."""
+    values: dict[str, Any] = st.session_state.get(_SHOWN, {})
+    return values
 
 
 def take(name: str) -> None:
@@ -57,6 +66,7 @@ def drag(name: str, value: float) -> None:
 
 def give(name: str, value: Any) -> None:
     """Give a widget its value before it is drawn, unless it has it, or is in motion."""
+    st.session_state[_SHOWN] = {**shown(), name: value}
     own = st.session_state.get(name, _NONE)
     if own != value and (name, own) != st.session_state.get(_MOVING):
         st.session_state[name] = value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,6 +10,7 @@ from html import escape
 from typing import Final
 
 from nvcore.measures import Better, measure_of
+from nvcore.params import SETTINGS
 from nvcore.tables.scorecard import ScoreRow
 from nvcore.wording import ARROWS, difference, minus, number, one_line, rounded_form
 from ui.session import state
@@ -54,6 +56,14 @@ class MeasureRow:
     colours: tuple[str, ...] = ()
 
 
+def stamp_html() -> str:
+    """Of which settings numbers are, for the browser: it says so while a slider shows others."""
+    params = state.params()
+    values = {name: getattr(params, name) for name in SETTINGS}
+    numbers = {name: value for name, value in values.items() if isinstance(value, float)}
+    return f'<p class="nv-of" data-of="{escape(json.dumps(numbers), quote=True)}"></p>'
+
+
 def with_arrow(label: str, better: Better | str) -> str:
     """The label, and which way is better."""
     return label + ARROWS[better]
@@ -88,7 +98,7 @@ def measures_html(
     heads = "".join(f'<th scope="col">{_text(cell)}</th>' for cell in head)
     body = "".join(_row(row) for row in rows)
     return (
-        f'<div class="nv-wide"><table class="nv-measures nv-{key}">'
+        f'<div class="nv-wide">{stamp_html()}<table class="nv-measures nv-{key}">'
         f'<thead><tr><th scope="col">{_text(first)}</th>{heads}</tr></thead>'
         f"<tbody>{body}</tbody></table></div>"
     )

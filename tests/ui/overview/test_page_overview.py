@@ -92,7 +92,7 @@ def test_what_is_known_is_drawn_once_and_not_first_as_unknown(
 ):
     drawn: list[bool] = []
     monkeypatch.setattr(Scorecard, "draw", lambda _, evidence: drawn.append(evidence is not None))
-    monkeypatch.setattr(verdict_page.Room, "draw_known", lambda *_: drawn.append(False))
+    monkeypatch.setattr(verdict_page.Room, "draw_known", lambda *_, **__: drawn.append(False))
     checked(app.run())
     assert drawn == [True]
     assert app.markdown[0].value.startswith("## Nothing is claimed")
@@ -104,7 +104,7 @@ def test_a_new_visitor_sees_at_once_what_another_has_waited_for(
 ):
     drawn: list[bool] = []
     monkeypatch.setattr(Scorecard, "draw", lambda _, evidence: drawn.append(evidence is not None))
-    monkeypatch.setattr(verdict_page.Room, "draw_known", lambda *_: drawn.append(False))
+    monkeypatch.setattr(verdict_page.Room, "draw_known", lambda *_, **__: drawn.append(False))
     newcomer = checked(opened())
     assert newcomer.session_state["workspace"] is not app.session_state["workspace"]
     assert drawn == [True]

@@ -1,4 +1,4 @@
-"""Parameters that act while their slider in the sidebar is dragged.
+"""Parameters that act while their slider in the sidebar is dragged, and what is not yet of them.
 
 Streamlit tells Python of a slider only when it is let go. A script of the page reads where the
 handle is meanwhile and sends that, one value at a time (`ui.session.settings`).
@@ -16,7 +16,7 @@ import streamlit as st
 
 from nvcore.errors import ParameterError
 from nvcore.params import SETTINGS
-from ui.session import settings
+from ui.session import settings, state
 
 KEY: Final = "dragging"
 _ANSWERED: Final = "dragging_answered"
@@ -26,8 +26,16 @@ _COMPONENT = st.components.v2.component(
 
 
 def draw() -> None:
-    """The invisible part of the page that watches the sliders; after all that they act on."""
-    data = {"names": list(SETTINGS), "answered": st.session_state.get(_ANSWERED, 0)}
+    """The invisible part of the page that watches the sliders; after all that they act on.
+
+    Until it has heard that the page was drawn for what they show, it says so on the page.
+    """
+    drawn = {name: value for name, value in settings.shown().items() if isinstance(value, float)}
+    data = {
+        "labels": {name: state.words(setting.label) for name, setting in SETTINGS.items()},
+        "drawn": drawn,
+        "answered": st.session_state.get(_ANSWERED, 0),
+    }
     _COMPONENT(key=KEY, height=1, data=data, on_drag_change=_note)
 
 

@@ -4,15 +4,18 @@
 const SLIDER = '[data-testid="stSidebar"] [data-testid="stSlider"]';
 const MOST_WAIT_MS = 5000; // for an answer that was lost
 
+const LATE = "data-nv-late";
+const ALIKE = 0.6; // of a slider's step: it rounds to its steps
+
 const drag = { field: null, name: "", start: "", sent: "", id: 0, sentAt: 0, isAnswered: true };
-let released = null; // the field of a slider that was let go while a value was on its way
-let names = [];
+let labels = {};
+let drawn = {}; // what the page was drawn for
 let send = () => {};
 
 function nameOf(slider) {
   const classes = slider.closest('[class*="st-key-"]')?.classList ?? [];
   const keys = [...classes].filter((name) => name.startsWith("st-key-")).map((name) => name.slice("st-key-".length));
-  return keys.find((key) => names.includes(key)) ?? "";
+  return keys.find((key) => key in labels) ?? "";
 }
 
 function tell() {
@@ -38,7 +41,6 @@ function begin(event) {
   const field = slider?.querySelector('input[type="range"]');
   const name = field && !field.disabled ? nameOf(slider) : "";
   if (!name || event.button !== 0) return;
-  released = null;
   Object.assign(drag, { field, name, start: field.value, sent: field.value });
   requestAnimationFrame(watch);
 }
@@ -48,31 +50,66 @@ function sendLast(value) {
   send({ name: drag.name, value: Number(value), id: drag.id });
 }
 
-// What is let go is told by Streamlit, unless it ends where it began and so is no change. A value
-// that is on its way then may arrive with it and hold in its place: the last one follows that.
+// What is let go is told by Streamlit, unless it ends where it began and so is no change.
 function end() {
   const { field, start, sent } = drag;
   if (!field) return;
   requestAnimationFrame(() => {
     drag.field = null;
-    if (field.value === start) {
-      if (sent !== start) sendLast(start);
-    } else if (!drag.isAnswered && field.value !== sent) {
-      released = field;
+    if (field.value === start && sent !== start) {
+      drag.id += 1;
+      send({ name: drag.name, value: Number(start), id: drag.id });
     }
   });
 }
 
+// The sliders that show what the page was not drawn for: [name, value, step].
+function ahead() {
+  return [...document.querySelectorAll(`${SLIDER} input[type="range"]`)]
+    .map((field) => [nameOf(field), Number(field.value), Number(field.step)])
+    .filter(([name, value, step]) => name in drawn && Math.abs(value - drawn[name]) > ALIKE * step);
+}
+
+function text(name, value) {
+  return `${labels[name]} ${Number(value.toFixed(6))}`;
+}
+
+// Says of which settings numbers are that are not of what the sliders show. The tables know it
+// themselves, as the page is drawn part by part.
+function mark() {
+  const main = document.querySelector('[data-testid="stMain"]');
+  if (!main) return;
+  const sliders = ahead();
+  if (!sliders.length && !main.hasAttribute(LATE)) return;
+  if (sliders.length) {
+    const words = sliders.map(([name, value]) => text(name, value)).join(", ");
+    const grey = sliders.map(([name]) => text(name, drawn[name])).join(", ");
+    const message = `Being computed: ${words}. In grey: of settings before, such as ${grey}`;
+    if (main.getAttribute(LATE) !== message) main.setAttribute(LATE, message);
+  } else main.removeAttribute(LATE);
+  for (const part of main.querySelectorAll(".nv-of")) {
+    const of = JSON.parse(part.dataset.of);
+    const others = sliders
+      .map(([name, value, step]) => [name, of[name] ?? drawn[name], value, step])
+      .filter(([, own, value, step]) => Math.abs(own - value) > ALIKE * step);
+    const words = others.map(([name, own]) => text(name, own)).join(", ");
+    if (part.textContent !== words) part.textContent = words;
+    part.closest('[data-testid="stElementContainer"]')
+      ?.toggleAttribute("data-nv-now", sliders.length > 0 && !words);
+  }
+}
+
 export default function ({ data, setTriggerValue }) {
-  names = data.names;
+  ({ labels, drawn } = data);
   send = (value) => setTriggerValue("drag", value);
   if (data.answered >= drag.id) drag.isAnswered = true;
-  if (drag.isAnswered && released) {
-    if (released.isConnected) sendLast(released.value);
-    released = null;
-  }
+  mark();
   if (window.nvcoreDragging) return;
   window.nvcoreDragging = true;
   document.addEventListener("pointerdown", begin, { capture: true });
   for (const name of ["pointerup", "pointercancel"]) document.addEventListener(name, end, { capture: true });
+  // told before anything of the change is painted
+  new MutationObserver(mark).observe(document.querySelector('[data-testid="stApp"]'), {
+    subtree: true, childList: true, attributeFilter: ["value", "aria-valuetext"],
+  });
 }

@@ -1,0 +1,87 @@
+"""A slider that is dragged or moved by keys: what is painted meanwhile, and where it ends."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from app_visit import Visit
+from playwright.sync_api import expect
+
+# After each painted frame: alpha at its slider, mean similarity of X and of Y, alpha beside these,
+# what the page says is being computed, and whether "As set" or the other comparison is chosen.
+SAMPLE = """() => {
+  window.painted = [];
+  const after = new MessageChannel();
+  after.port1.onmessage = () => {
+    const first = document.querySelector(".nv-scorecard tbody tr");
+    const cells = first ? [...first.querySelectorAll("td")].slice(0, 2) : [];
+    const of = document.querySelector(".nv-wide:has(.nv-scorecard) .nv-of");
+    const basis = document.querySelector("[class*=st-key-scorecard_basis] [aria-checked=true]");
+    const frame = JSON.stringify({
+      slider: document.querySelector(".st-key-alpha input").value,
+      numbers: cells.map(cell => cell.textContent).join(" "),
+      beside: of?.textContent ?? "",
+      computing: document.querySelector("[data-testid=stMain]").dataset.nvLate ?? "",
+      basis: basis?.textContent ?? "",
+    });
+    if (painted.at(-1) !== frame) painted.push(frame);
+  };
+  (function look() { after.port2.postMessage(null); requestAnimationFrame(look); })();
+}"""
+STEPS = 8
+
+
+def drag(one: Visit, share: float) -> None:
+    """Move alpha by a share of its slider's length, step by step."""
+    slider = one.keyed("alpha")
+    slider.scroll_into_view_if_needed()
+    length = slider.get_by_role("group").bounding_box()["width"]
+    thumb = slider.locator("[style*='translate']").first.bounding_box()
+    x, y = thumb["x"] + thumb["width"] / 2, thumb["y"] + thumb["height"] / 2
+    one.page.mouse.move(x, y)
+    one.page.mouse.down()
+    for step in range(1, STEPS + 1):
+        before = one.slider("alpha").input_value()
+        one.page.mouse.move(x + share * length * step / STEPS, y)
+        expect(one.slider("alpha")).not_to_have_value(before)
+        if step == STEPS // 2:  # in the middle of it the page comes to rest
+            expect(one.page.locator("[data-nv-late]")).to_have_count(0)
+
+
+@pytest.mark.parametrize("thresholds", ["", "?threshold_x=0.3"])
+def test_no_painted_number_is_of_another_setting_than_stands_beside_it(visit, thresholds):
+    one = visit(thresholds)
+    one.page.evaluate(SAMPLE)
+    drag(one, -0.4)
+    one.page.mouse.up()
+    one.query("alpha", "0.5")
+    expect(one.page.locator("[data-nv-late]")).to_have_count(0)
+    one.wait_until_drawn()
+    frames = one.page.evaluate("painted.map(JSON.parse)")
+    expect(one.slider("alpha")).to_have_value("0.5")  # it was not thrown away
+
+    settled = [frame for frame in frames if not frame["computing"]]
+    of = {frame["slider"]: frame["numbers"] for frame in settled}
+    assert {"0.9", "0.5"} < {*of}
+    assert len({*of.values()}) == len(of)
+    for frame in frames:
+        beside = re.search(r"\(alpha\) ([\d.]+)", frame["beside"])
+        alpha = beside[1] if beside else frame["slider"]
+        if frame["numbers"] and alpha in of:
+            assert frame["numbers"] == of[alpha], frame
+        if alpha != frame["slider"]:
+            assert f"(alpha) {frame['slider']}" in frame["computing"], frame
+    assert len({frame["basis"] for frame in frames}) == 1  # the same comparison all the time
+
+
+def test_six_presses_are_six_steps(visit):
+    one = visit("time_left")
+    speed = one.slider("Assumed speed")
+    speed.focus()
+    for _ in range(6):
+        one.page.keyboard.press("ArrowRight")
+    one.query("speed_kmh", "80")
+    one.wait_until_drawn()
+    expect(speed).to_have_value("80")
+    expect(one.heading(re.compile("urgent encounters at 80"))).to_be_visible()
