@@ -108,6 +108,9 @@ class _Decoder:
         if self._process is not None:
             self._process.communicate()
             self._process = None
+        if self._said is not None:
+            self._said.close()
+            self._said = None
 
     def _ask(self, file: SourceFile, *request: Any) -> Any:
         process = self._started()
@@ -156,9 +159,9 @@ class _Decoder:
         assert process is not None
         assert self._said is not None
         process.communicate()
-        with self._said as stream:
-            stream.seek(0)
-            text = stream.read().decode("utf-8", "replace")
+        self._said.seek(0)
+        text = self._said.read().decode("utf-8", "replace")
+        self._said.close()
         if process.returncode == -signal.SIGKILL or "bad_alloc" in text or "MemoryError" in text:
             return MemoryError("decoding Parquet")
         if process.returncode >= 0:
