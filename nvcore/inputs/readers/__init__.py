@@ -7,6 +7,7 @@ from typing import Final
 
 from nvcore.errors import UnknownFormatError
 from nvcore.file_kinds import binary_kind
+from nvcore.findings import Remedy, Step
 from nvcore.inputs.proposals import formats_meant
 from nvcore.inputs.readers.base import (
     Format,
@@ -31,7 +32,7 @@ from nvcore.inputs.readers.kitti.tracking import FORMAT as KITTI_TRACKING
 from nvcore.inputs.readers.meaning.class_files import is_class_file
 from nvcore.inputs.readers.mot import FORMAT as MOT
 from nvcore.inputs.readers.parquet import FORMAT as PARQUET
-from nvcore.inputs.readers.parse.unknown import describe_foreign
+from nvcore.inputs.readers.parse.unknown import describe_foreign, foreign_format
 from nvcore.inputs.readers.visdrone import FORMAT as VISDRONE
 from nvcore.inputs.readers.voc import FORMAT as VOC
 from nvcore.inputs.readers.yolo import FORMAT as YOLO
@@ -60,6 +61,13 @@ _HOLDS: Final[dict[Role, str]] = {
     "truth": "ground truth",
     "detections": "the detections of a system",
 }
+
+
+_TABLE: Final[dict[Role, str]] = {
+    "truth": "frame,x,y,w,h,track,class",
+    "detections": "frame,x,y,w,h,score,class",
+}
+"""Header of the plain CSV that such files can be converted to."""
 
 
 def _read_nothing(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
@@ -129,7 +137,11 @@ def detect_format(files: Sequence[SourceFile], role: Role) -> Format:
         for candidate in FORMATS:
             if role in candidate.roles and candidate.recognise(file.name, head, role):
                 return candidate
-        raise UnknownFormatError(_unknown(file, content, head, role), file=file.name)
+        raise UnknownFormatError(
+            _unknown(file, content, head, role),
+            file=file.name,
+            steps=() if binary_kind(content) else (Step(Remedy.TABLE, _TABLE[role]),),
+        )
     raise UnknownFormatError(
         f"the format cannot be told: the first {len(files[:MAX_LOOKS])} files are empty; name it "
         "with --format",
@@ -153,6 +165,9 @@ def _unknown(file: SourceFile, content: bytes, head: str, role: Role) -> str:
     kind = binary_kind(content)
     if kind is not None:
         return f"expected {_HOLDS[role]}, found {kind}"
+    known = foreign_format(head)
+    if known is not None:
+        return f"no reader recognises this as {role}: it is {known}, which is not read"
     other: Role = "detections" if role == "truth" else "truth"
     for candidate in FORMATS:
         if role not in candidate.roles and candidate.recognise(file.name, head, other):

@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
+from nvcore.errors import MissingFactError
 from nvcore.findings import Finding, Remedy, Step
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
@@ -29,6 +30,7 @@ from nvcore.inputs.readers.base import (
     warning,
 )
 from nvcore.inputs.readers.csv_columns import (
+    EXCEL,
     MISSING,
     Header,
     csv_content,
@@ -75,6 +77,11 @@ EXPECTED = (
     "frame,x,y,w,h[,score,track,ignore,distance_m,occlusion,detectability,attributes,recording]"
 )
 
+_CORNER: Final = ("right", "bottom")
+_LAYOUTS: Final = {"right": "corners", "xc": "centres"}
+"""What the four numbers are, by a column that only such boxes have."""
+MAX_SHARE: Final = 2.0
+"""Largest coordinate of centres that are shares of the picture, not pixels."""
 _OF_OTHERS: Final[dict[Role, tuple[str, ...]]] = {
     "truth": ("score",),
     "detections": ("ignore", "attributes", "detectability"),
@@ -86,6 +93,8 @@ def recognise(name: str, head: str, role: Role) -> bool:
     """Whether the first line names the columns of a frame and a box."""
     del name, role
     lines = head.lstrip("\ufeff").splitlines()
+    if lines and EXCEL.match(f"{lines[0]}\n".encode()):
+        lines = lines[1:]
     if not lines or lines[0].lstrip().startswith(("<", "{", "[", "%", "#")):
         return False
     header = read_header(lines[0])
@@ -166,6 +175,7 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
             for boxes, kind in zip(tables, kinds, strict=True)
         ]
     recordings: list[str] = []
+    of_boxes = {name for source in inputs for name in _columns_to_read(source.header, options.role)}
     for number, boxes in enumerate(tables):
         recording = recording_of_file.get(number)
         recordings += [recording] if recording else boxes["recording"].unique().tolist()
@@ -181,7 +191,7 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
         categories=stated,
         numbering="list",
         left_out=() if choice is None else choice.left_out,
-        layout="corners" if any("right" in source.header.place for source in inputs) else "sizes",
+        layout=next((_LAYOUTS[name] for name in _LAYOUTS if name in of_boxes), "sizes"),
     )
 
 
@@ -241,7 +251,8 @@ def _read_one(
         if "recording" in columns:
             recording = _named(columns["recording"], lines)
     facts.append(frame_fact)
-    x, y = columns["x"].to_numpy(), columns["y"].to_numpy()
+    box, box_fact = _boxes(columns, source, options)
+    facts.append(box_fact)
     values: dict[str, Any] = {
         name: columns[name].to_numpy()
         for name in ("score", "distance_m", "ignore", "detectability")
@@ -253,12 +264,6 @@ def _read_one(
     if "distance_m" in values:
         findings += odd_distances(values["distance_m"], lines, options.role)
         values["distance_m"] = known_distances(values["distance_m"])
-    if "right" in columns:
-        with np.errstate(invalid="ignore"):  # infinite corners: reported as rows that are no box
-            w, h = columns["right"].to_numpy() - x, columns["bottom"].to_numpy() - y
-        facts.append("corners to width and height (right edge = x + w)")
-    else:
-        w, h = columns["w"].to_numpy(), columns["h"].to_numpy()
     if "track" in columns:
         values["track"], has_text = track_numbers(columns["track"], recording)
         facts += [TEXT_IDS] if has_text else []
@@ -279,12 +284,41 @@ def _read_one(
             )
         )
     findings += _misspelt(source, options.role)
-    boxes = lines.boxes((x, y, w, h), recording=recording, frame=frame, file=number, **values)
+    boxes = lines.boxes(box, recording=recording, frame=frame, file=number, **values)
     attributes = None
     if "attributes" in columns:
         facts.append("attributes as classes of encounters")
         attributes = attributes_of_boxes(boxes, columns["attributes"], MISSING)
     return boxes, _classes_of(columns), facts, findings, attributes, named
+
+
+def _boxes(
+    columns: pd.DataFrame, source: NamedColumns, options: ReadOptions
+) -> tuple[tuple[np.ndarray, ...], str]:
+    """x, y, w, h in pixels from whichever columns there are, and the conversion in words."""
+    if "right" in columns:
+        left, top, right, bottom = (columns[name].to_numpy() for name in ("x", "y", *_CORNER))
+        with np.errstate(invalid="ignore"):  # infinite corners: reported as rows that are no box
+            return (left, top, right - left, bottom - top), (
+                "corners to width and height (right edge = x + w)"
+            )
+    if "xc" not in columns:
+        return tuple(columns[name].to_numpy() for name in "xywh"), ""
+    numbers = columns[["xc", "yc", "w", "h"]].to_numpy()
+    fact = "centres to left, top"
+    if len(numbers) and np.nanmax(np.abs(numbers), initial=0) <= MAX_SHARE:
+        if options.size is None:
+            raise MissingFactError(
+                "boxes are shares of the picture: its size is needed",
+                file=source.file.name,
+                facts=("size",),
+                steps=(Step(Remedy.SIZE),),
+            )
+        numbers = numbers * [*options.size, *options.size]
+        fact = f"shares of the picture to pixels of {options.size[0]} x {options.size[1]}; {fact}"
+    middle, size = numbers[:, :2], numbers[:, 2:]
+    with np.errstate(invalid="ignore"):
+        return (*(middle - size / 2).T, *size.T), fact
 
 
 def _misspelt(source: NamedColumns, role: Role) -> list[Finding]:
@@ -396,8 +430,9 @@ def _columns_to_read(header: Header, role: Role) -> list[str]:
     left_aside = {*_OF_OTHERS[role]}
     left_aside |= {"picture"} if "frame" in header.place else set()
     # beside corners, width and height are often those of the picture
-    has_corners = {"right", "bottom"} <= header.place.keys()
+    has_corners = {"right", "bottom"} <= header.place.keys() and not header.has_centres
     left_aside |= {"w", "h"} if has_corners else {"right", "bottom"}
+    left_aside |= {"x", "y"} if header.has_centres else {"xc", "yc"}
     return [name for name in header.place if name not in left_aside]
 
 

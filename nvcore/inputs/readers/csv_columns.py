@@ -33,6 +33,14 @@ SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
     "y": ("y", "top", "bb_top", "bbox_top", "bbox_y", "ymin", "y_min", "y1", "ytl", "y0"),
     "w": ("w", "width", "bb_width", "bbox_width", "bbox_w", "box_width"),
     "h": ("h", "height", "bb_height", "bbox_height", "bbox_h", "box_height"),
+    "xc": (
+        *("xc", "cx", "x_c", "x_center", "x_centre", "xcenter", "xcentre", "center_x", "centre_x"),
+        *("bbox_cx", "bbox_xc", "bbox_center_x", "bbox_x_center", "bb_cx", "xmid", "x_mid"),
+    ),
+    "yc": (
+        *("yc", "cy", "y_c", "y_center", "y_centre", "ycenter", "ycentre", "center_y", "centre_y"),
+        *("bbox_cy", "bbox_yc", "bbox_center_y", "bbox_y_center", "bb_cy", "ymid", "y_mid"),
+    ),
     "right": ("x2", "xmax", "x_max", "right", "xbr", "bb_right", "bbox_right"),
     "bottom": ("y2", "ymax", "y_max", "bottom", "ybr", "bb_bottom", "bbox_bottom"),
     "score": ("score", "conf", "confidence", "probability", "prob"),
@@ -68,9 +76,11 @@ LEAST_LETTERS: Final = 5
 """Shorter names are too easily like another."""
 
 NUMBERS = (
-    *("frame", "x", "y", "w", "h", "right", "bottom"),
+    *("frame", "x", "y", "w", "h", "xc", "yc", "right", "bottom"),
     *("score", "distance_m", "occlusion", "detectability", "detectability_sd", "period_s"),
 )
+EXCEL: Final = re.compile(rb"sep=.\n", re.IGNORECASE)
+"""A first line of Excel's, which says what separates the fields."""
 CLAIMS = ("ignore", "is_outside")
 _TEXT = pa.dictionary(pa.int32(), pa.string())
 MISSING = ["", "nan", "NaN", "NA", "N/A", "null", "None"]
@@ -100,7 +110,12 @@ class Header:
     def has_box(self) -> bool:
         """Whether there are all four numbers of a box."""
         sizes = {"w", "h"} <= self.place.keys() or {"right", "bottom"} <= self.place.keys()
-        return {"x", "y"} <= self.place.keys() and sizes
+        return ({"x", "y"} <= self.place.keys() and sizes) or self.has_centres
+
+    @property
+    def has_centres(self) -> bool:
+        """Whether boxes are given by their centres, not by a corner."""
+        return {"xc", "yc", "w", "h"} <= self.place.keys() and not {"x", "y"} <= self.place.keys()
 
     @property
     def has_frame(self) -> bool:
@@ -192,13 +207,14 @@ def read_columns(
         With the first line that has another number of fields or a field that is no number.
     """
     kinds = {name: _kind(name) for name in to_read}
-    signs = (".", ",") if header.delimiter == ";" else (".",)
+    signs = (".",) if header.delimiter == "," else (".", ",")
+    first = next(name for name in to_read if name in NUMBERS)
     ways = [kinds, {**kinds, "track": _TEXT}] if "track" in kinds else [kinds]
     # files seldom have empty lines, and counting lines takes longer than to try without
     for has_empty_lines in (False, True):
         for decimal, types in product(signs, ways):
             table = _parse(content, header, types, decimal, has_empty_lines=has_empty_lines)
-            if table is None or (table["x"].null_count and not has_empty_lines):
+            if table is None or (table[first].null_count and not has_empty_lines):
                 continue  # an empty line is a row without numbers
             n_rows = table.num_rows
             line = _lines(content, n_rows) if has_empty_lines else np.arange(2, n_rows + 2)
@@ -343,6 +359,8 @@ def _fault(row: list[str], header: Header, to_read: Sequence[str], layout: str) 
 def csv_content(file: SourceFile, *, role: Role) -> bytes:
     """Content of a CSV file from its header on, without byte order mark, lines ended by LF.
 
+    Excel's first line ``sep=;`` becomes an empty line behind the header: others keep their numbers.
+
     The empty file of a system that detected nothing becomes one with the header only.
 
     Raises
@@ -353,6 +371,9 @@ def csv_content(file: SourceFile, *, role: Role) -> bytes:
     content = read_text_bytes(file)
     if b"\r" in content:
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    if excel := EXCEL.match(content):
+        header, end, rows = content[excel.end() :].partition(b"\n")
+        content = header + end + b"\n" + rows
     if not content or content.isspace():
         if role == "detections":
             return b"frame,x,y,w,h\n"

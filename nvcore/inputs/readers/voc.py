@@ -32,6 +32,8 @@ from nvcore.inputs.readers.parse.xml import Element, is_true, number, read_eleme
 
 CORNERS: Final = ("xmin", "ymin", "xmax", "ymax")
 SCORES: Final = ("score", "confidence")
+_SIZES: Final = ("bndbox/x", "bndbox/y", "bndbox/w", "bndbox/h")
+"""In place of corners in KAIST's own XML: 0-based, as in its text."""
 _COLUMNS = ("file", "line", *CORNERS, "difficult", "occluded", "score")
 
 
@@ -45,6 +47,7 @@ def recognise(name: str, head: str, role: Role) -> bool:
 class _Objects:
     """The objects of all files, before the classes are sorted."""
 
+    base: int = 1
     numbers: array[float] = field(default_factory=lambda: array("d"))
     label: list[str] = field(default_factory=list)
     shapes: list[tuple[str, int, int]] = field(default_factory=list)
@@ -57,7 +60,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     """Read Pascal VOC files, one per picture; a file without objects is an evaluated frame.
 
     Corners are inclusive pixels counted from 1, as VOC defines them; with ``box_base=0`` they are
-    edges counted from 0, as many other programs write them. Difficult objects are ignore regions.
+    edges counted from 0, as many other programs write them; KAIST's x, y, w, h are kept.
+    Difficult objects are ignore regions.
 
     Raises
     ------
@@ -67,7 +71,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         With file and line of what is not Pascal VOC.
     """
     named = listed_frames(files, options)
-    objects = _Objects()
+    base = 1 if options.box_base is None else options.box_base
+    objects = _Objects(base)
     # a loop over files, each of which is a picture
     for position, file in enumerate(files):
         _read_one(file, position, objects)
@@ -78,7 +83,6 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     declared = {shape[0] for shape in objects.shapes}
     choice = choose_classes(label, free_labels({*label, *declared}, options), options, lines)
     codes, labels = labelled(label, choice.keep & ~choice.ignore, options.objects)
-    base = 1 if options.box_base is None else options.box_base
     is_truth = options.role == "truth"
     x, y = column["xmin"] - base, column["ymin"] - base
     with np.errstate(invalid="ignore", over="ignore"):
@@ -166,7 +170,11 @@ def _add_object(
         return
     line = facts["bndbox"].line
     values: list[float] = [index, line]
-    for name in CORNERS:
+    if f"bndbox/{CORNERS[0]}" not in facts and {*_SIZES} <= facts.keys():
+        texts = [(facts[name].text, f"<{name}>", file, facts[name].line) for name in _SIZES]
+        x, y, w, h = (number(*text) for text in texts)
+        values += [x + objects.base, y + objects.base, x + w, y + h]
+    for name in CORNERS if len(values) < len(CORNERS) else ():
         edge = facts.get(f"bndbox/{name}")
         values.append(
             number(
@@ -177,7 +185,7 @@ def _add_object(
             )
         )
     values.append("difficult" in facts and is_true(facts["difficult"].text))
-    for names in (("occluded",), SCORES):
+    for names in (("occluded", "occlusion"), SCORES):
         fact = next((facts[name] for name in names if name in facts), None)
         text, text_line = ("", line) if fact is None else (fact.text, fact.line)
         values.append(number(text, f"<{names[0]}>", file, text_line))

@@ -10,12 +10,13 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.errors import InputError, MissingFactError
+from nvcore.errors import FormatError, InputError, MissingFactError
 from nvcore.file_kinds import unpacked_name
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
     Format,
+    Lines,
     Reading,
     ReadOptions,
     Role,
@@ -31,13 +32,17 @@ from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.parse.text import (
     Layout,
     NumberTable,
+    are_numbers,
+    is_whole,
     number_of,
     read_numbers,
+    read_text,
     rows_of_text,
     stacked,
     whole_numbers,
 )
 from nvcore.schema import NO_TRACK
+from nvcore.wording import shortened
 
 LAYOUT = Layout((5, 6, 7), "class x y width height [confidence]", delimiter=" ")
 MAX_SHARE: Final = 2.0
@@ -55,9 +60,19 @@ def recognise(name: str, head: str, role: Role) -> bool:
     del role
     if _is_extra(name):
         return is_class_file(name)
-    return LAYOUT.fits(head) and all(
-        row[0].isdecimal() and all(0 <= (number_of(share) or 0) <= 1.1 for share in row[1:5])
-        for row in rows_of_text(head, delimiter=" ")[:20]
+    rows = rows_of_text(head, delimiter=" ")[:20]
+    are_long = any(len(row) > max(LAYOUT.n_columns) for row in rows)  # polygons
+    if are_long and not (
+        all(len(row) >= LAYOUT.n_columns[0] and are_numbers(row) for row in rows)
+        and not all(is_whole(field) for row in rows for field in row)
+    ):
+        return False
+    return (are_long or LAYOUT.fits(head)) and all(
+        row[0].isdecimal()
+        and all(
+            0 <= (number_of(share) or 0) <= 1.1 for share in (row[1:] if are_long else row[1:5])
+        )
+        for row in rows
     )
 
 
@@ -107,7 +122,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
             facts=("size",),
         )
     own = class_names_beside(files)
-    table = stacked([read_numbers(frame, LAYOUT) for frame in frames])
+    table, has_polygons = _rows_of(frames)
     file = table.lines.file
     _check_shares(table)
     fields = _identified(table, options)
@@ -145,6 +160,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     facts = [
         "frame numbers from the file names",
         f"shares of the picture to pixels of {width} x {height} (0-based)",
+        "polygons to the boxes around them" if has_polygons else "",
         *fields.facts,
         choice.conversion,
         f"not read as pictures: {', '.join(passed)}" if passed else "",
@@ -169,6 +185,45 @@ def _is_extra(name: str) -> bool:
     """Whether the file is no picture's: names of classes, lists of files, settings."""
     last = unpacked_name(PurePosixPath(name).name.casefold())
     return is_class_file(name) or _OTHER_FILES.fullmatch(last) is not None
+
+
+def _rows_of(frames: Sequence[SourceFile]) -> tuple[NumberTable, bool]:
+    """Rows of all files, and whether some were polygons, which become the boxes around them."""
+    try:
+        table = stacked([read_numbers(frame, LAYOUT) for frame in frames])
+        last = table.columns[-1][~np.isnan(table.columns[-1])]
+        # three corners, and no track id
+        has_polygons = bool(np.any(last != np.floor(last)) and np.all(last <= 1))
+    except FormatError:
+        if not any(_is_polygon(line.split()) for f in frames for line in read_text(f).splitlines()):
+            raise
+        has_polygons = True
+    return (stacked([*map(_around_polygons, frames)]) if has_polygons else table), has_polygons
+
+
+def _is_polygon(fields: Sequence[str]) -> bool:
+    return len(fields) > max(LAYOUT.n_columns) and are_numbers(fields)
+
+
+def _around_polygons(file: SourceFile) -> NumberTable:
+    """As `read_numbers`, with rows of a class, corners x y x y ... and perhaps a confidence."""
+    rows, lines = [], []
+    for line, text in enumerate(read_text(file).splitlines(), 1):  # of any number of corners
+        numbers = [number_of(field) for field in text.split()]
+        if not numbers:
+            continue
+        if None in numbers or len(numbers) < LAYOUT.n_columns[0]:
+            raise file.fault(f"expected a class and corners, found {shortened(text, 60)!r}", line)
+        row = np.array(numbers, dtype=float)
+        if len(row) > 6:
+            has_score = len(row) % 2 == 0
+            corners = row[1 : len(row) - has_score].reshape(-1, 2)
+            low, high = corners.min(axis=0), corners.max(axis=0)
+            row = np.array([row[0], *(low + high) / 2, *high - low, *row[-1:][:has_score]])
+        rows.append(np.append(row, [np.nan] * (LAYOUT.n_numbers - len(row))))
+        lines.append(line)
+    columns = np.array(rows).reshape(-1, LAYOUT.n_numbers).T
+    return NumberTable([*columns], Lines.of(file, np.array(lines, np.int64)))
 
 
 def _check_shares(table: NumberTable) -> None:

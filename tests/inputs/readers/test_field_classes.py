@@ -22,7 +22,12 @@ from field_scene import (
 )
 
 import nvcore as nv
-from nvcore.errors import FormatError, UnnamedClassesError
+from nvcore.errors import (
+    FormatError,
+    MissingFactError,
+    UnknownFormatError,
+    UnnamedClassesError,
+)
 from nvcore.findings import Remedy, Step
 from nvcore.inputs.load import load, read_source
 from nvcore.inputs.readers.base import LeftOut, SourceFile
@@ -318,3 +323,105 @@ def test_what_is_left_out_is_counted_by_class(tmp_path):
     as_coco(tmp_path, {PERSON: 1, "car": 2, "bicycle": 3})
     reading = read_source(Source("truth.json"), role="truth", folder=tmp_path)
     assert reading.left_out == (LeftOut("class", "car", 80), LeftOut("class", "bicycle", 40))
+
+
+def test_yolo_polygons_become_the_boxes_around_them(tmp_path):
+    as_yolo(tmp_path)
+    for side in SIDES:
+        (tmp_path / side / "classes.txt").write_text("bicycle\ncar\nperson\n")
+        for file in sorted((tmp_path / side / "labels").iterdir()):
+            lines = []
+            for line in file.read_text().splitlines():
+                kind, x, y, w, h, *score = map(float, line.split())
+                corners = [(x - w / 2, y), (x, y - h / 2), (x + w / 2, y + h / 2)]
+                fields = [*(share for corner in corners for share in corner), *score]
+                lines.append(f"{kind:g} " + " ".join(f"{field:.6f}" for field in fields))
+            file.write_text("\n".join(lines))
+    assert compared(session_of(tmp_path)) == RIGHT
+
+
+@pytest.mark.parametrize(
+    ("header", "share"),
+    [
+        ("frame,cx,cy,w,h", (1, 1)),
+        ("frame,x_center,y_center,width,height", (1, 1)),
+        ("frame,xc,yc,w,h", SIZE),
+    ],
+)
+def test_centres_are_told_by_the_names_of_their_columns(tmp_path, header, share):
+    wide, high = share
+    for side in SIDES:
+        table = truth().assign(score=1) if side == "truth" else detections(side)
+        rows = [
+            f"{frame},{(x + w / 2) / wide},{(y + h / 2) / high},{w / wide},{h / high},{score}"
+            for frame, x, y, w, h, score in table.query("name == 'person'")[
+                ["frame", *"xywh", "score"]
+            ].itertuples(index=False)
+        ]
+        last = "ignored_by_all" if side == "truth" else "score"
+        (tmp_path / f"{side}.csv").write_text("\n".join([f"{header},{last}", *rows]))
+    assert compared(session_of(tmp_path, ".csv")) == RIGHT
+
+
+def test_shares_in_csv_need_the_size_of_the_pictures(tmp_path):
+    (tmp_path / "a.csv").write_text("frame,xc,yc,w,h\n1,0.5,0.5,0.1,0.2\n")
+    with pytest.raises(MissingFactError) as caught:
+        read_source(Source("a.csv"), role="truth", folder=tmp_path)
+    assert (caught.value.facts, caught.value.steps) == (("size",), (Step(Remedy.SIZE),))
+
+
+@pytest.mark.parametrize(("first", "separator"), [("sep=;\n", ";"), ("", "\t")])
+def test_excels_first_line_and_decimal_commas_are_read(tmp_path, first, separator):
+    text = "frame,x,y,w,h\n1,60.5,2,3,4\n2,61.5,2,3,4\n".replace(",", separator).replace(".", ",")
+    (tmp_path / "a.csv").write_text(first + text)
+    boxes = read_source(Source("a.csv"), role="truth", folder=tmp_path).boxes
+    assert boxes["x"].tolist() == [60.5, 61.5]
+    assert boxes["line"].tolist() == ([3, 4] if first else [2, 3])
+
+
+def test_kaists_own_xml_has_sizes_and_levels(tmp_path):
+    (tmp_path / "I00019.xml").write_text(
+        "<annotation><object><name>person</name><bndbox><x>282</x><y>205</y><w>20</w><h>43</h>"
+        "</bndbox><occlusion>2</occlusion></object></annotation>"
+    )
+    boxes = read_source(Source("I00019.xml"), role="truth", folder=tmp_path).boxes
+    assert boxes[[*"xywh", "occlusion"]].to_numpy().tolist() == [[282, 205, 20, 43, 2]]
+
+
+@pytest.mark.parametrize(("word", "level"), [("none", 0), ("part", 1), ("full", 2)])
+def test_jaads_words_are_levels_of_occlusion(tmp_path, word, level):
+    (tmp_path / "video_0001.xml").write_text(
+        '<annotations><track id="0" label="pedestrian"><box frame="0" outside="0" occluded="0" '
+        f'keyframe="1" xtl="1" ytl="2" xbr="3" ybr="4"><attribute name="occlusion">{word}'
+        "</attribute></box></track></annotations>"
+    )
+    boxes = read_source(Source("video_0001.xml"), role="truth", folder=tmp_path).boxes
+    assert boxes["occlusion"].tolist() == [level]
+
+
+FOREIGN = {
+    "Label Studio": '[{"data": {}, "annotations": [{"result": [{"from_name": "label"}]}]}]',
+    "labelme": '{"version": "5", "shapes": [{"points": []}], "imagePath": "a.png"}',
+    "BDD100K": '[{"name": "a.jpg", "labels": [{"box2d": {"x1": 60}}]}]',
+    "EuroCity Persons": '{"imagename": "a.png", "children": []}',
+    "OpenLABEL": '{"openlabel": {"frames": {}}}',
+    "FiftyOne": '{"samples": [{"filepath": "a.jpg", "x": {"_cls": "Detections"}}]}',
+    "Supervisely": '{"frames": [{"figures": [{"geometryType": "rectangle"}]}]}',
+    "CrowdHuman": '{"ID": "a", "gtboxes": []}\n{"ID": "b", "gtboxes": []}',
+    "Datumaro": '{"categories": {"label": {}}, "items": [{"annotations": [1]}]}',
+    "VATIC": '1 60 180 110 310 0 0 0 0 "Pedestrian"',
+    "keras-retinanet": "images/a.jpg,60,180,110,310,person",
+    "VIA": "filename,file_size,file_attributes,region_count\na.jpg,1,{},1",
+    "Oxford Town Centre": "1,0,1,1,60.0,180.0,70.0,190.0,60.0,180.0,110.0,310.0",
+    "Cartucho": "person 60 180 110 310",
+    "Pascal VOC's results": "000012 0.687 60.04 181.35 108.97 312.7",
+}
+
+
+@pytest.mark.parametrize("role", ["truth", "detections"])
+@pytest.mark.parametrize("name", FOREIGN)
+def test_a_format_that_is_not_read_is_refused_by_its_name_with_a_way_on(tmp_path, name, role):
+    (tmp_path / "a.txt").write_text(FOREIGN[name])
+    with pytest.raises(UnknownFormatError, match=f"{name}.*not read") as caught:
+        read_source(Source("a.txt"), role=role, folder=tmp_path)
+    assert [step.remedy for step in caught.value.steps] == [Remedy.TABLE]

@@ -36,6 +36,7 @@ from nvcore.inputs.readers.coco.images import (
     rows_by_id,
 )
 from nvcore.inputs.readers.coco.result_columns import ResultColumns, read_columns
+from nvcore.inputs.readers.coco.truth import OTHERS
 from nvcore.inputs.readers.meaning.categories import (
     CategoryChoice,
     ClassNames,
@@ -67,7 +68,7 @@ def recognise(name: str, head: str, role: Role) -> bool:
     if role != "detections":
         return False
     if text.startswith("{"):
-        return _WRAPPED.search(text) is not None
+        return _WRAPPED.search(text) is not None and OTHERS.search(text) is None
     if re.match(r"\[\s*\]\s*$", text):
         return True
     has_fields = _FIELDS.search(text) is not None and _IMAGE.search(text) is not None

@@ -49,6 +49,7 @@ from nvcore.inputs.readers.meaning.distance import known_distances, odd_distance
 from nvcore.inputs.readers.meaning.frame_names import joined_named
 from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.occlusion import (
+    level_of_words,
     levels_of_numbers,
     levels_of_visible_share,
     odd_levels,
@@ -59,6 +60,8 @@ from nvcore.schema import UNKNOWN_OCCLUSION
 
 TRACK_KEYS = ("track_id", "target_id", "instance_id", "tracking_id")
 _LIST = re.compile(r'"(?:images|annotations|categories)"\s*:\s*\[')
+OTHERS = re.compile(r'"categories"\s*:\s*\{|"(?:openlabel|_cls)"\s*:')
+"""Marks of other formats that have such lists, too: Datumaro, OpenLABEL, FiftyOne."""
 _VISIBLE_IF_OCCLUDED = 0.5  # NightOwls' own reading of its yes-or-no field
 
 
@@ -66,7 +69,8 @@ def recognise(name: str, head: str, role: Role) -> bool:
     """Whether the text is a JSON object with COCO's lists."""
     del name
     text = head.lstrip("\ufeff \t\r\n")
-    return role == "truth" and text.startswith("{") and _LIST.search(text) is not None
+    is_coco = _LIST.search(text) is not None and OTHERS.search(text) is None
+    return role == "truth" and text.startswith("{") and is_coco
 
 
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
@@ -281,21 +285,11 @@ def _occlusion(records: Records, lines: Lines) -> tuple[np.ndarray, list[str], l
             odd = odd_levels(numbers, lines, "truth")
             return levels_of_numbers(numbers), [f"{key} 0, 1, 2 kept"], odd
         if kinds == {str}:
-            words = pd.Series(values, dtype=object).map(_level_of_words, na_action="ignore")
+            words = pd.Series(values, dtype=object).map(level_of_words, na_action="ignore")
             level = words.fillna(UNKNOWN_OCCLUSION).to_numpy(dtype=np.int8)
-            return level, [f"{key} from words (fully visible, partially, difficult to see)"], []
+            return level, [f"{key} from words (such as none, part, full)"], []
         records.check_types(values, {bool, int, float, type(None)}, f'0, 1, 2 as "{key}"')
     return np.full(len(records), UNKNOWN_OCCLUSION, dtype=np.int8), [], []
-
-
-def _level_of_words(words: str) -> int:
-    """Level of FLIR's words: ``no_(fully_visible)``, ``..._(partially_occluded)``, ..."""
-    lowered = words.lower()
-    if "difficult" in lowered or "heav" in lowered or "fully_occluded" in lowered:
-        return 2
-    if "part" in lowered:
-        return 1
-    return 0 if lowered.startswith("no") or "fully_visible" in lowered else UNKNOWN_OCCLUSION
 
 
 FORMAT = Format("coco", "COCO ground truth", ("truth",), (".json",), recognise, read)

@@ -12,6 +12,7 @@ import pandas as pd
 
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.meaning.attributes import class_of, joined_classes
+from nvcore.inputs.readers.meaning.occlusion import level_of_words
 from nvcore.inputs.readers.parse.xml import (
     Element,
     file_stem,
@@ -20,6 +21,7 @@ from nvcore.inputs.readers.parse.xml import (
     read_elements,
     whole_number,
 )
+from nvcore.schema import UNKNOWN_OCCLUSION
 
 IGNORE_ATTRIBUTES: Final = frozenset(
     {"ignore", "ignored", "iscrowd", "is_crowd", "crowd", "difficult", "dontcare", "don't care"}
@@ -176,6 +178,7 @@ class _Parser:
         self.shape: Element | None = None
         self.is_ignored = False
         self.is_occluded = False
+        self.level = UNKNOWN_OCCLUSION
         self.score = float("nan")
         self.classes: list[str] = []
 
@@ -218,6 +221,8 @@ class _Parser:
             self.is_ignored |= is_true(element.text)
         elif name == "occluded":
             self.is_occluded |= is_true(element.text)
+        elif name == "occlusion":  # JAAD
+            self.level = level_of_words(element.text)
         elif name in SCORE_ATTRIBUTES:
             self.score = number(element.text, name, self.file, element.line)
         else:
@@ -227,6 +232,7 @@ class _Parser:
         """Nothing is known yet of a new shape."""
         self.shape = element
         self.is_ignored = self.is_occluded = False
+        self.level = UNKNOWN_OCCLUSION
         self.score = float("nan")
         self.classes = []
 
@@ -245,6 +251,7 @@ class _Parser:
         else:
             label = self.text_of(element, "label")
         occluded = 1.0 if self.is_occluded else number(get("occluded", ""), "occluded", file, line)
+        occluded = occluded if self.level == UNKNOWN_OCCLUSION else float(self.level)
         self.values.extend(
             (
                 len(self.content.owners) - 1,

@@ -28,6 +28,25 @@ def levels_of_numbers(values: np.ndarray) -> np.ndarray:
     return np.where(is_known, values, UNKNOWN_OCCLUSION).astype(np.int8)
 
 
+def level_of_words(words: str) -> int:
+    """Level of JAAD's words (none, part, full) and FLIR's (``no_(fully_visible)``, ...).
+
+    Examples
+    --------
+    >>> [*map(level_of_words, ["none", "partially_occluded", "full", "no_(fully_visible)", "?"])]
+    [0, 1, 2, 0, -1]
+    """
+    lowered = words.strip().lower().replace(" ", "_")
+    if lowered in ("0", "1", "2"):
+        return int(lowered)
+    if lowered.startswith("no") or "fully_visible" in lowered:
+        return 0
+    if "part" in lowered:
+        return 1
+    is_heavy = any(word in lowered for word in ("difficult", "heav", "full", "complete"))
+    return 2 if is_heavy else UNKNOWN_OCCLUSION
+
+
 def odd_levels(values: np.ndarray, lines: Lines, role: Role) -> list[Finding]:
     """Finding about numbers that are no level: neither 0, 1, 2, nor -1 or NaN for unknown."""
     return lines.finding(

@@ -28,6 +28,51 @@ _EXPECTED: Final[dict[Role, tuple[str, str]]] = {
 """By role: what JSON and what XML is expected to be."""
 
 
+_MARKS: Final = (
+    ("CrowdHuman's .odgt", '"gtboxes"'),
+    ("Label Studio's JSON", '"(?:rectanglelabels|from_name)"'),
+    ("labelme's JSON", '"shapes".*"image(?:Path|Data|Height)"'),
+    ("BDD100K's or Scalabel's JSON", '"box2d"'),
+    ("EuroCity Persons' JSON", '"imagename".*"children"|"children".*"imagename"'),
+    ("OpenLABEL or VCD", r'\A.{0,5}"(?:openlabel|vcd)"'),
+    ("FiftyOne's JSON", '"_cls"|"samples".*"filepath"'),
+    ("Supervisely's JSON", '"(?:geometryType|classTitle)"'),
+    ("Datumaro's JSON", r'"categories"\s*:\s*\{'),
+    ("VGG Image Annotator's (VIA) JSON", '"shape_attributes"|"_via_'),
+    ("Cityscapes' or CityPersons' JSON", '"imgHeight"'),
+    ("a table of nuScenes", '"(?:sample|instance)_token"'),
+    ("Labelbox's JSON", '"(?:data_row|Labeled Data)"'),
+    ("Create ML's JSON", r'"coordinates"\s*:\s*\{'),
+    ("Darknet's JSON", '"relative_coordinates"'),
+    ("COCO results with masks and without boxes", r'\A\s*\[(?!.*"bbox").*"segmentation"'),
+    ("CVML's XML (PETS)", r"<dataset\b.*<objectlist"),
+    ("UA-DETRAC's XML", r"<target_list"),
+    ("ViPER's XML", r"<viper\b"),
+    ("VATIC's text", r'\A(?:-?[\d.]+ ){9}"'),
+    ("keras-retinanet's CSV", r"\A[^,\n]*\.(?:jpe?g|png|bmp|tiff?),(?:-?[\d.]*,){4}"),
+    ("VGG Image Annotator's (VIA) CSV", r"\A#?\s*filename,file_size,file_attributes"),
+    ("Oxford Town Centre's CSV", r"\A(?:-?[\d.]+,){2}[01],[01],(?:-?[\d.]+,){7}-?[\d.]+\s*$"),
+    (
+        "text of a class and corners for each picture (Cartucho's mAP)",
+        r"\A(?=.*[A-Za-z])[^\s<{\[,;]+(?: [01]?\.\d+(?:[eE]-\d+)?)?(?: -?\d+(?:\.\d+)?){4}\s*$",
+    ),
+    (
+        "Pascal VOC's results: picture, score, corners",
+        r"\A[^\s<{\[,;]+ (?:[01]|[01]?\.\d+(?:[eE]-\d+)?)(?: -?\d+(?:\.\d+)?){4}\s*$",
+    ),
+)
+"""Formats that are not read, and what marks the beginning of their files."""
+_KNOWN: Final = tuple((name, re.compile(mark, re.DOTALL | re.MULTILINE)) for name, mark in _MARKS)
+
+
+def foreign_format(head: str) -> str | None:
+    """Name of the format that a file is of and that no reader reads; None where it is unknown."""
+    text = head.lstrip("\ufeff \t\r\n").replace("\r\n", "\n")
+    is_structured = text.startswith(("{", "[", "<"))
+    first = text if is_structured else text.partition("\n")[0]
+    return next((name for name, mark in _KNOWN if mark.search(first)), None)
+
+
 def describe_foreign(file: SourceFile, head: str, role: Role) -> str | None:
     """What a file of JSON or XML is, and what was expected instead; None for any other text.
 

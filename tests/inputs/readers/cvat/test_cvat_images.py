@@ -117,7 +117,7 @@ def test_findings_of_several_files_are_counted_together(tmp_path: Path) -> None:
 def test_many_labels_that_are_left_out_are_told_in_short(tmp_path: Path) -> None:
     boxes = "".join(BOX.replace("person", f"thing {n}") for n in range(10))
     reading = read_xml(tmp_path, image("x/1.png", 0, BOX + boxes))
-    assert "thing 7 (1), 2 more labels (2)" in reading.conversion
+    assert "thing 7 (1), 2 more (2)" in reading.conversion
 
 
 def person(line_end: str = "\n", **attributes: str) -> str:
