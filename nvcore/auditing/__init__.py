@@ -35,6 +35,7 @@ from nvcore.auditing.rates import find_rate
 from nvcore.auditing.recordings import (
     audit_fps,
     audit_frame_list,
+    audit_frame_steps,
     audit_kitti_size,
     audit_size,
 )
@@ -118,7 +119,7 @@ def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
     findings = [*audit_left_out(dataset)]
     findings += [*audit_truth_coverage(dataset), *_audit_boxes(truth), *audit_tracks(truth)]
     findings += [*audit_size(dataset), *audit_kitti_size(dataset), *audit_fps(dataset)]
-    findings += [*audit_frame_list(dataset), *audit_layouts(dataset)]
+    findings += [*audit_frame_list(dataset), *audit_frame_steps(dataset), *audit_layouts(dataset)]
     for system in (system_source(dataset, name) for name in dataset.systems):
         findings += [*audit_system_coverage(system), *_audit_boxes(system), *audit_scores(system)]
         findings += audit_same_as_truth(system)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -9,7 +11,7 @@ import numpy as np
 from nvcore.auditing.cases import all_sources, recording_findings
 from nvcore.auditing.scales import SIZES
 from nvcore.dataset import Dataset
-from nvcore.findings import TRUTH_NAME, Finding, Severity
+from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.inputs.proposals import KITTI_SIZES
 
 MIN_BOXES: Final = 200
@@ -24,6 +26,14 @@ MIN_AT_EDGE: Final = 5
 """Boxes that have to end there before it is taken for the edge of the picture."""
 FPS_RANGE: Final = (0.1, 240.0)
 """Frame rates outside of this range are mistakes rather than cameras."""
+MIN_STEPS: Final = 10
+"""Steps between frames from which on their evenness is no chance."""
+LEAST_STEP: Final = 10
+"""Usual step from which on numbers may be times: milliseconds at 100 Hz."""
+STEP_JITTER: Final = 0.1
+"""How far a step may be from the usual one, as a share, and still be near it ..."""
+NEAR_SHARE: Final = 0.9
+"""... which this share of the steps has to be."""
 MIN_EMPTY: Final = 20
 """Listed frames without any box, at the beginning or end, that are worth a look ..."""
 EMPTY_SHARE: Final = 0.25
@@ -164,6 +174,33 @@ def audit_fps(dataset: Dataset) -> list[Finding]:
         "Check the frame rate (--fps), which counts all frames of the camera, annotated or not: "
         "every time and every rate per hour depends on it.",
     )
+
+
+def audit_frame_steps(dataset: Dataset) -> list[Finding]:
+    """Frame numbers that rise in nearly, not quite, even steps, as times do: 0, 33, 67, 100."""
+    frames = dataset.frame_columns
+    odd, steps_of = [], ""
+    for number, (start, stop) in enumerate(pairwise(frames.first)):  # a loop over recordings
+        steps = np.diff(frames.frame[start:stop])
+        if len(steps) < MIN_STEPS:
+            continue
+        usual = float(np.median(steps))
+        is_near = np.abs(steps - usual) <= max(1.0, STEP_JITTER * usual)
+        if usual >= LEAST_STEP and steps.min() < steps.max() and is_near.mean() >= NEAR_SHARE:
+            steps_of = steps_of or ", ".join(map(str, frames.frame[start : start + 4]))
+            odd.append(number)
+    if not odd:
+        return []
+    [finding] = recording_findings(
+        dataset,
+        Severity.WARNING,
+        "frame-numbers-like-times",
+        TRUTH_NAME,
+        np.array(odd),
+        f"frame numbers that rise in nearly even steps (first: {steps_of}), as times do",
+        "If they are times, every length in seconds is wrong by the step: say that they are.",
+    )
+    return [replace(finding, steps=(Step(Remedy.FRAME_NAMES, "times"),))]
 
 
 def audit_frame_list(dataset: Dataset) -> list[Finding]:

@@ -244,7 +244,8 @@ def _with_named(reading: Reading, options: ReadOptions) -> Reading:
 def _with_times_numbered(reading: Reading, options: ReadOptions) -> Reading:
     """The reading with frames in place of times, where its format has frame numbers alone."""
     tables = [reading.boxes] if reading.annotated is None else [reading.boxes, reading.annotated]
-    if not len(tables[-1]) or tables[-1]["frame"].iloc[0] < LEAST_TIME:
+    is_stated = options.frame_names == "times"
+    if not len(tables[-1]) or (tables[-1]["frame"].iloc[0] < LEAST_TIME and not is_stated):
         return reading
     rows = pd.concat(
         [table[["recording", "frame"]].astype({"recording": object}) for table in tables]

@@ -23,6 +23,7 @@ from field_scene import (
 from inputs import nvcore
 
 import nvcore as nv
+from nvcore.auditing.recordings import audit_frame_steps
 from nvcore.errors import InputError
 from nvcore.findings import Remedy
 from nvcore.inputs.load import load
@@ -349,3 +350,34 @@ def test_cvat_pictures_named_by_times_are_numbered(tmp_path):
     )
     names = as_yolo(tmp_path, every=NAMES["milliseconds"]) | {"truth": "truth.xml"}
     assert compared(tmp_path, names)[0] == RIGHT
+
+
+def since_start_ms(frame: int) -> int:
+    return round(frame * 1000 / 30)
+
+
+def test_short_numbers_that_look_like_times_are_doubted_and_are_times_where_it_is_said(tmp_path):
+    names = as_yolo(tmp_path, every=lambda i: f"{since_start_ms(i):06d}.txt")
+    numbers, dataset = compared(tmp_path, names, fps=30)
+    (doubt,) = audit_frame_steps(dataset)
+    assert [(step.remedy, step.value) for step in doubt.steps] == [(Remedy.FRAME_NAMES, "times")]
+    numbers, dataset = compared(tmp_path, names, fps=None, frame_names="times")
+    assert numbers == RIGHT
+    assert dataset.recordings["fps"].tolist() == [30]
+    assert not audit_frame_steps(dataset)
+
+
+@pytest.mark.parametrize("step", [1, 20, 33])
+def test_even_frame_numbers_are_not_doubted(tmp_path, step):
+    names = as_yolo(tmp_path, every=lambda i: f"{i * step:06d}.txt")
+    assert not audit_frame_steps(compared(tmp_path, names)[1])
+
+
+def test_a_rerun_of_a_written_session_divides_scenes_in_the_same_way(tmp_path):
+    _, dataset = compared(tmp_path, as_yolo(tmp_path, every=LLVIP))
+    text = write_session(dataset.settings, version="0", fingerprint=dataset.fingerprint)
+    assert 'frame_names = "scenes"' in text
+    (tmp_path / "session.toml").write_text(text)
+    again = load(read_session(tmp_path / "session.toml"))
+    assert again.fingerprint == dataset.fingerprint
+    assert found(nv.compare(again)) == found(nv.compare(dataset))

@@ -53,6 +53,13 @@ def test_an_offset_is_added_to_the_one_that_is_there(dataset):
     assert [system.offset_frames for system in changed.systems] == [-3, 0]
 
 
+def test_a_factor_of_frame_numbers_multiplies_the_offset_that_is_there(dataset):
+    x, y = session().systems
+    start = replace(session(), systems=(replace(x, frame_step=2, offset_frames=5), y))
+    changed = corrected(start, dataset, [finding(frame_step=1.5, offset_frames=-7)])
+    assert (changed.systems[0].frame_step, changed.systems[0].offset_frames) == (3, 0)
+
+
 def test_a_scale_found_later_multiplies_scale_and_offset(dataset):
     first = corrected(
         session(), dataset, [finding(scale=2.0), finding(offset_x_px=3, offset_y_px=4)]

@@ -147,7 +147,8 @@ def times_as_frames(
     InputError
         If they are too large for frame numbers and no times of a camera.
     """
-    if options.frame_names == "numbers" or not len(values) or not values.min() >= LEAST_TIME:
+    least = 0 if options.frame_names == "times" else LEAST_TIME
+    if options.frame_names == "numbers" or not len(values) or not values.min() >= least:
         return None
     rows = pd.DataFrame({"recording": recording, "value": values})
     codes = rows.groupby(["recording", "value"], sort=False, observed=True).ngroup().to_numpy()
@@ -156,6 +157,8 @@ def times_as_frames(
     numbers = unique["value"].to_numpy()
     times = times_of_numbers(numbers, recordings)
     names = [f"{number:.6f}".rstrip("0").rstrip(".") for number in numbers.tolist()]
+    if times is None and options.frame_names == "times":
+        return None
     if times is None:
         raise _unclear(names[0], "in the column of frame numbers")
     # a column holds frames with boxes: where nobody is, there is no pause
@@ -175,7 +178,9 @@ def _by_themselves(names: Sequence[str], options: ReadOptions) -> NamedPictures:
     how, known = options.frame_names, options.recordings
     if how == "order":
         return replace(_by_order(names, parts, known), facts=facts)
-    times = times_in(stems) if how in (None, "times") and stems else None
+    times = None
+    if how in (None, "times") and stems:
+        times = times_in(stems, is_stated=how == "times")
     if times is not None:
         recordings = [
             recording_before(tuple(folders), prefix, known)
@@ -183,11 +188,6 @@ def _by_themselves(names: Sequence[str], options: ReadOptions) -> NamedPictures:
         ]
         named = _by_times(recordings, names, times, options, divide=options.role == "truth")
         return replace(named, facts=(*facts, *named.facts))
-    if how == "times":
-        raise InputError(
-            "expected names that end in a time, such as 1598000000123 or 20230612_101112_123",
-            file=names[0] if names else None,
-        )
     places = [place_of_stem(tuple(folders), stem, known) for folders, stem in parts]  # text
     if None in places:
         return replace(NO_NAMES, strange=places.index(None))
@@ -417,8 +417,8 @@ def _by_their_times(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Recording and frame of each picture by the truth's times."""
     theirs = truth.table
-    their_times = times_in(_stems(theirs["name"].tolist()))
-    own_times = times or times_in(_stems(names))
+    their_times = times_in(_stems(theirs["name"].tolist()), is_stated=True)
+    own_times = times or times_in(_stems(names), is_stated=True)
     if their_times is None or own_times is None:
         return named.recording, named.frame
     recording, frame = named.recording.copy(), np.full(len(names), NO_FRAME, np.int64)

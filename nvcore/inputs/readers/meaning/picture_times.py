@@ -12,10 +12,13 @@ import pandas as pd
 
 LEAST_TIME: Final = 10**9
 """Whole numbers from ten digits on are times rather than frames."""
+LEAST_STEP: Final = 4
+"""Usual step from which on shorter numbers can be times: milliseconds at 250 Hz."""
 _SECONDS = re.compile(
     r"(?P<prefix>.*?)(?<!\d)(?P<whole>[1-9]\d{9})(?P<sign>[._\-])(?P<part>\d{3,9})$"
 )
 _TICKS = re.compile(r"(?P<prefix>.*?)(?<!\d)0*(?P<whole>[1-9]\d{9,18})$")
+_SHORT_TICKS = re.compile(r"(?P<prefix>.*?)(?P<whole>\d{1,18})$")
 _DATE = re.compile(
     r"(?P<prefix>.*?)(?<!\d)(?P<year>(?:19|20)\d\d)[-_.]?(?P<month>\d\d)[-_.]?(?P<day>\d\d)"
     r"[-_.T ]*(?P<hour>\d\d)[-_.:h]?(?P<minute>\d\d)[-_.:m]?(?P<second>\d\d)"
@@ -56,8 +59,10 @@ class NamedTimes:
     unit: str
 
 
-def times_in(stems: Sequence[str]) -> NamedTimes | None:
+def times_in(stems: Sequence[str], *, is_stated: bool = False) -> NamedTimes | None:
     """The times that all the names end in; None: they do not, or no camera takes pictures so.
+
+    Numbers of fewer than ten digits are times only where somebody says so (`is_stated`).
 
     Examples
     --------
@@ -69,7 +74,7 @@ def times_in(stems: Sequence[str]) -> NamedTimes | None:
         times = read(stems)
         if times is not None:
             return times
-    return None
+    return _of_ticks(stems, _SHORT_TICKS) if is_stated else None
 
 
 def _all_matches(pattern: re.Pattern[str], stems: Sequence[str]) -> list[re.Match[str]]:
@@ -97,8 +102,8 @@ def _of_seconds(stems: Sequence[str]) -> NamedTimes | None:
     return NamedTimes(prefix, ns, "seconds and their fractions") if is_time else None
 
 
-def _of_ticks(stems: Sequence[str]) -> NamedTimes | None:
-    matches = _all_matches(_TICKS, stems)
+def _of_ticks(stems: Sequence[str], pattern: re.Pattern[str] = _TICKS) -> NamedTimes | None:
+    matches = _all_matches(pattern, stems)
     if not matches or any(int(match["whole"]) >= 2**63 for match in matches):
         return None
     prefix = [match["prefix"] for match in matches]
@@ -123,7 +128,7 @@ def times_of_numbers(numbers: np.ndarray, prefix: list[str]) -> NamedTimes | Non
             if _is_plausible(since_1970, prefix):
                 return NamedTimes(prefix, since_1970, unit)
     step = _usual_step(numbers, prefix)
-    if step is None:
+    if step is None or (high < LEAST_TIME and step < LEAST_STEP):
         return None
     # since the start of something: of units that a camera's rate allows, that nearest to 10 Hz
     rate = {unit: 1e9 / (step * ns) for unit, ns in _UNITS.items()}
