@@ -381,3 +381,10 @@ def test_a_rerun_of_a_written_session_divides_scenes_in_the_same_way(tmp_path):
     again = load(read_session(tmp_path / "session.toml"))
     assert again.fingerprint == dataset.fingerprint
     assert found(nv.compare(again)) == found(nv.compare(dataset))
+
+
+def test_a_scene_whose_first_pictures_are_missing_is_still_one(tmp_path):
+    late = two_parts(lambda i: f"01{i + 1:04d}.txt", lambda i: f"02{i + 37:04d}.txt")
+    third = lambda i: late(i) if i < 39 else "030001.txt"  # noqa: E731
+    _, dataset = compared(tmp_path, as_yolo(tmp_path, every=third))
+    assert dataset.recordings["name"].tolist() == ["01", "02", "03"]

@@ -43,6 +43,8 @@ LONG_GAP: Final = 1000
 """Numbers without a picture, inside a list of pictures, that divide recordings ..."""
 LONG_GAP_STEPS: Final = 50
 """... if they are so many usual steps, too: a list may hold every hundredth picture."""
+LATE_START: Final = 100
+"""Frame up to which a scene may begin, where most begin at 0 or 1."""
 
 
 def listed_frames(files: Sequence[SourceFile], options: ReadOptions) -> NamedPictures:
@@ -354,7 +356,8 @@ def _scene_digits(digits: Sequence[str], part: np.ndarray) -> int:
         first = pd.Series([int(text[width:]) for text in digits]).groupby(heads).min()
         same = pd.DataFrame({"head": heads, "part": part}).drop_duplicates()
         # pictures from 0 and from 5000 on may as well be parts of one recording
-        if len(same) == heads.nunique() == part[-1] + 1 and (first <= 1).all() and int(heads[0]):
+        begins = (first <= 1).mean() > 0.5 and first.max() <= LATE_START
+        if len(same) == heads.nunique() == part[-1] + 1 and begins and int(heads[0]):
             return width
     return 0
 
