@@ -17,6 +17,7 @@ import zipfile
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from random import Random
 from typing import Any, Final
 
 import numpy as np
@@ -25,6 +26,8 @@ from nvcore.driver.estimators import model_file as driver_file
 from nvcore.output.arrays import pack
 from nvcore.report.driver import render_estimator
 
+ODD: Final = ("null", "true", "[]", "{}", "-1", "0.5", "1e308", "9" * 400, '"x"', "[[1]]", "")
+"""In place of a value."""
 _OF_JSON: Final = re.compile(rb"(/\S+) (.*)", re.DOTALL)
 _OF_ARRAY: Final = re.compile(rb"(\w+) (\d{1,6})([=+-])((?:[0-9a-f]{2})*)")
 _MOST_CHANGES: Final = 16
@@ -100,6 +103,24 @@ def changes(room: str) -> Iterator[bytes]:
         if name != "about":
             same = (f"{start}={member[start : start + 8].hex()}" for start in (10, 60, 128))
             yield "\n".join(f"{name} {part}" for part in same).encode()
+
+
+def mutated(content: bytes, room: str, rng: Random) -> bytes:
+    """The changes with one more, and perhaps one less: few texts of other kinds are changes."""
+    lines = [line for line in content.split(b"\n") if line]
+    if lines and (len(lines) >= _MOST_CHANGES or rng.random() < 0.3):
+        del lines[rng.randrange(len(lines))]
+    members = _sample_members(room)
+    if rng.random() < 0.5:
+        path, value = rng.choice([*_values(json.loads(members["about"]))])
+        text = json.dumps(value)[:100]
+        lines.append(f"{path} {rng.choice((*ODD, text, f'[{text}]'))}".encode())
+    else:
+        name = rng.choice([name for name in members if name != "about"])
+        place = rng.randrange(rng.choice((11, 128, len(members[name]))))
+        new = rng.choice((rng.randbytes(rng.randint(1, 8)), b"(" * 100, bytes(8)))
+        lines.append(f"{name} {place}{rng.choice('=+-')}{new.hex()}".encode())
+    return b"\n".join(lines)
 
 
 @cache

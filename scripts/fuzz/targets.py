@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from random import Random
 from typing import Any, Final
 from urllib.parse import unquote
 
@@ -83,6 +84,8 @@ class Target:
         Of one input.
     module
         What `run` imports by itself, to be imported before.
+    mutate
+        (content, source of chance) -> another content, where few bytes make sense; None: any.
     """
 
     run: Callable[[bytes, Path], None]
@@ -90,6 +93,7 @@ class Target:
     share: float
     most_bytes: int = 8192
     module: str = ""
+    mutate: Callable[[bytes, Random], bytes] | None = None
 
 
 def annotations(content: bytes, folder: Path) -> None:
@@ -394,8 +398,15 @@ TARGETS: Final = {
         1.0,
         1024,
         "nvcore.detectors.icf.model_file",
+        lambda content, rng: models.mutated(content, "detectors", rng),
     ),
-    "estimators": Target(models.estimators, lambda: models.changes("driver"), 1.0, 1024),
+    "estimators": Target(
+        models.estimators,
+        lambda: models.changes("driver"),
+        1.0,
+        1024,
+        mutate=lambda content, rng: models.mutated(content, "driver", rng),
+    ),
     "light": Target(tables.light, tables.light_seeds, 0.5),
     "gaze": Target(tables.gaze, tables.gaze_seeds, 0.25),
     "estimates": Target(tables.estimates, tables.estimates_seeds, 0.5),

@@ -19,6 +19,7 @@ import time
 import traceback
 import warnings
 from pathlib import Path
+from random import Random
 from typing import Any, Final
 
 import atheris
@@ -130,7 +131,13 @@ def main() -> None:
             "-reload=0",
             "-print_final_stats=1",
         ]
-        atheris.Setup([sys.argv[0], *flags, str(corpus), str(seeds)], trial)
+        mutate = trial.target.mutate
+        ours: dict[str, Any] = {}
+        if mutate is not None:
+            ours["custom_mutator"] = lambda content, most, seed: mutate(content, Random(seed))[
+                :most
+            ]
+        atheris.Setup([sys.argv[0], *flags, str(corpus), str(seeds)], trial, **ours)
         atheris.Fuzz()
 
 

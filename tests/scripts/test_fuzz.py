@@ -9,6 +9,7 @@ import tomllib
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
+from random import Random
 from types import ModuleType
 
 import pytest
@@ -103,3 +104,19 @@ def test_a_target_whose_seeds_have_no_words_is_fuzzed_without(tmp_path: Path):
     for name, n_flags in (("rules", 1), ("frames", 0)):
         prepare(name, tmp_path)
         assert len(worker.dictionary(tmp_path / "seeds" / f"{name}.dict")) == n_flags
+
+
+@pytest.mark.parametrize("name", ["detectors", "estimators"])
+def test_a_changed_model_is_often_refused_and_often_read(name: str, tmp_path: Path):
+    target, rng, content = TARGETS[name], Random(1), b""
+    n_read = n_refused = 0
+    assert target.mutate is not None
+    for _ in range(150):
+        content = target.mutate(content, rng)[: target.most_bytes]
+        try:
+            target.run(content, tmp_path)
+            n_read += 1
+        except NvcoreError:
+            n_refused += 1
+            content = b""
+    assert min(n_read, n_refused) > 10
