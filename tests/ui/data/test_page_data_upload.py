@@ -311,6 +311,15 @@ def test_a_video_serves_the_recording_of_its_whole_name_alone(tmp_path: Path):
     }
 
 
+def test_frames_without_a_picture_are_in_the_list_of_findings(tmp_path: Path):
+    rows = [f"{frame},10,10,20,60" for frame in range(400)]
+    content = "\n".join(["frame,x,y,w,h", *rows]).encode()
+    page = open_files(send_video(sent(content, ("fir.csv", content)), "drive.mp4"))
+    assert "Open now" in texts(page)
+    assert "100 of 400 evaluated frames have none, first frame 300" in texts(page)
+    assert "1 of pictures, on which no number depends" in texts(page)
+
+
 def test_files_that_found_no_room_are_taken_when_there_is_room_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
