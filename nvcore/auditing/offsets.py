@@ -34,6 +34,9 @@ MIN_OFFSET_SHARE: Final = 0.05
 """Smallest pixel offset worth a warning, as a share of the pedestrians' median width."""
 POOR_IOU: Final = 0.4
 """Mean IoU below which another scale is tried."""
+WRONG_GAIN: Final = 2.0
+"""Times the mean IoU, if it then reaches `POOR_IOU`, from which on what a correction mends is an
+error: as they are, half of the overlap is lost and more."""
 GOOD_IOU: Final = 0.8
 """Mean IoU above which two offsets that cancel each other are not tried together."""
 SCALE_GAIN: Final = 0.1
@@ -93,6 +96,9 @@ def find_offsets(source: BoxSource, detections: BoxColumns, *, letter: str = "")
             is_moved_in_time = True
         else:
             findings.append(_pixel_finding(source, sample, step, letter))
+    if any(finding.severity is Severity.ERROR for finding in findings):
+        # each builds on those before it: all of one severity stay in their order
+        findings = [replace(finding, severity=Severity.ERROR) for finding in findings]
     return findings
 
 
@@ -274,8 +280,9 @@ def _finding(
     looked_at = "" if sample.step == 1 else f", judged by every {nth(sample.step)} frame"
     if step.needs_both:
         looked_at = f", together with the pixel offset{looked_at}"
+    is_wrong = step.after >= max(POOR_IOU, WRONG_GAIN * step.before)
     [finding] = source.findings(
-        Severity.WARNING,
+        Severity.ERROR if is_wrong else Severity.WARNING,
         code,
         np.arange(1),
         f"{message} (mean IoU {step.after:.2f} instead of {step.before:.2f}{looked_at}).",

@@ -67,10 +67,15 @@ def test_is_not_suspicious(x: list[Box], truth: list[Box]) -> None:
     assert suspicions(compare(x, truth=truth)) == []
 
 
-@pytest.mark.parametrize("frames", [-5, -2, 1, 4])
-def test_a_time_offset_is_found_with_its_value(frames: int) -> None:
+@pytest.mark.parametrize(
+    ("frames", "severity"),
+    [(-5, Severity.ERROR), (-2, Severity.ERROR), (1, Severity.WARNING), (4, Severity.ERROR)],
+)
+def test_a_time_offset_is_found_with_its_value_and_an_error_where_it_halves_the_overlap(
+    frames: int, severity: Severity
+) -> None:
     (finding,) = suspicions(compare(moved(WALKS, frames=frames)))
-    assert (finding.code, finding.severity) == ("time-offset", Severity.WARNING)
+    assert (finding.code, finding.severity) == ("time-offset", severity)
     assert finding.suggestion == (("offset_frames", -frames),)
     assert ("No larger offset was tried" in finding.advice) == (frames == -5)
 
@@ -136,7 +141,7 @@ def test_a_time_offset_is_found_beside_another_fault(
 @pytest.mark.parametrize(("scale", "back"), [(0.5, 2.0), (2.0, 0.5), (0.8, 1.25), (0.4, 2.5)])
 def test_another_resolution_is_found_with_its_scale(scale: float, back: float) -> None:
     (finding,) = suspicions(compare(moved(WALKS, scale=scale)))
-    assert (finding.code, finding.severity) == ("scale-mismatch", Severity.WARNING)
+    assert (finding.code, finding.severity) == ("scale-mismatch", Severity.ERROR)
     assert finding.suggestion == (("scale", back),)
     assert f"scale = {back:g}" in finding.advice
 

@@ -40,6 +40,8 @@ CAVEATS: Final = {
     "training-unchecked": "not all frames were compared with what a system was trained on",
     "size-too-large": "the image size seems wrong",
     "implausible-fps": "the frame rate seems wrong",
+    "box-layout": "boxes seem to be written in another way than they were read",
+    "no-match": "a system matches not a single pedestrian",
     "time-offset": "a system seems to be off in time",
     "pixel-offset": "a system's boxes seem to be displaced",
     "scale-mismatch": "a system's boxes seem to be of another resolution",
