@@ -24,7 +24,6 @@ from nvcore.inputs.files import digest, find_files, located, system_names
 from nvcore.inputs.laying_out import laid_out, sizes_given
 from nvcore.inputs.placing import LoadedSource, place_sources
 from nvcore.inputs.readers.base import (
-    NamedPictures,
     Reading,
     ReadOptions,
     Role,
@@ -263,15 +262,21 @@ def _with_times_numbered(reading: Reading, options: ReadOptions) -> Reading:
 
 
 def _with_ways_taken(session: Session, loaded: Sequence[LoadedSource]) -> Session:
-    """The session with how names of pictures were understood, so that a rerun does the same."""
+    """The session with how names of pictures and numbers of classes were understood.
 
-    def stated(source: S, named: NamedPictures | None) -> S:
+    A rerun then does the same, also without the files that named the classes.
+    """
+
+    def stated(source: S, reading: Reading) -> S:
+        named = reading.named
+        if reading.classes and source.classes is None:
+            source = replace(source, classes=reading.classes)
         is_told = named is None or named.is_joined or named.how not in ("times", "order", "scenes")
         if is_told or named is None or source.frame_names is not None:
             return source
         return replace(source, frame_names=named.how)
 
-    truth, *systems = (source.reading.named for source in loaded)
+    truth, *systems = (source.reading for source in loaded)
     return replace(
         session,
         truth=stated(session.truth, truth),

@@ -296,6 +296,9 @@ class Reading:
     categories, numbering
         Names of classes by their numbers, and which numbers those are, for files of the other side
         that number classes in the same way and have no names.
+    classes
+        Numbers of the classes that count, where names in another file said which they are: stated
+        in a session they need that file no more. Else empty.
     left_out
         What of the files is not used, the most first; `conversion` says it in words.
     layout
@@ -321,6 +324,7 @@ class Reading:
     labels: tuple[str, ...] = ()
     categories: Mapping[str, str] = field(default_factory=dict)
     numbering: Numbering = "coco"
+    classes: tuple[str, ...] = ()
     left_out: tuple[LeftOut, ...] = ()
     layout: str = "sizes"
     is_laid_out: bool = False

@@ -187,6 +187,7 @@ def read_named_columns(inputs: Sequence[NamedColumns], options: ReadOptions) -> 
         findings=tuple(findings),
         attributes=joined_attributes(attributes),
         labels=labels,
+        classes=() if choice is None else choice.classes,
         named=joined_named(names_of_pictures),
         categories=stated,
         numbering="list",

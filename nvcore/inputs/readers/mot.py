@@ -108,8 +108,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         if options.role == "truth":
             annotated.append(annotated_frames(name, content.frame))
         facts += content.facts
-        left_out.update({item.name: item.count for item in content.left_out})
-    categories = next((content.names for content in contents if content.names), {})
+        left_out.update({item.name: item.count for item in content.rows.left_out})
+    categories = next((content.rows.names for content in contents if content.rows.names), {})
     images = None
     if options.role == "truth" and all(info.n_frames is not None for info in infos):
         images = image_list(names, [np.arange(1, (info.n_frames or 0) + 1) for info in infos])
@@ -128,20 +128,9 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         findings=tuple(finding for content in contents for finding in content.findings),
         categories=categories,
         numbering="mot",
+        classes=next((content.rows.classes for content in contents if content.rows.classes), ()),
         left_out=classes_left_out(left_out),
     )
-
-
-@dataclass(frozen=True)
-class _Content:
-    """A file: its boxes, the frames of all rows, and what is said of them."""
-
-    boxes: pd.DataFrame
-    frame: np.ndarray
-    facts: list[str]
-    findings: list[Finding]
-    names: Mapping[str, str]
-    left_out: tuple[LeftOut, ...]
 
 
 @dataclass(frozen=True)
@@ -153,7 +142,19 @@ class _Rows:
     facts: list[str]
     findings: list[Finding] = field(default_factory=list)
     names: Mapping[str, str] = field(default_factory=dict)
+    classes: tuple[str, ...] = ()
     left_out: tuple[LeftOut, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Content:
+    """A file: its boxes, the frames of all rows, what became of these, and what is said of it."""
+
+    boxes: pd.DataFrame
+    frame: np.ndarray
+    rows: _Rows
+    facts: list[str]
+    findings: list[Finding]
 
 
 def _read_one(file: SourceFile, number: int, name: str, options: ReadOptions) -> _Content:
@@ -201,8 +202,7 @@ def _read_one(file: SourceFile, number: int, name: str, options: ReadOptions) ->
         **columns,
     )
     pixels = "VisDrone's pixels kept (0-based)" if base == 0 else "pixels from 1-based to 0-based"
-    facts = [pixels, *rows.facts]
-    return _Content(boxes, frame, facts, [*findings, *rows.findings], rows.names, rows.left_out)
+    return _Content(boxes, frame, rows, [pixels, *rows.facts], [*findings, *rows.findings])
 
 
 def _rows_of_truth(
@@ -227,7 +227,7 @@ def _rows_of_truth(
         return everything
     classes = whole_numbers(kind, table.lines, "class")
     file = table.lines.files[0]
-    named = ClassNames(VISDRONE, "VisDrone") if is_visdrone else _labels_beside(file)
+    named = ClassNames(VISDRONE) if is_visdrone else _labels_beside(file)
     if named.names:
         return _by_name(everything, classes, named, options, file)
     counted = _class_numbers(options, file)
@@ -257,7 +257,7 @@ def _rows_of_truth(
         example=lambda row: f"class {classes[row]}",
     )
     names = {str(number): name for number, name in CLASSES.items()}
-    return _Rows(keep, ignore | ~is_wanted, facts, findings, names, left_out)
+    return _Rows(keep, ignore | ~is_wanted, facts, findings, names, left_out=left_out)
 
 
 def _rows_of_results(table: NumberTable, options: ReadOptions) -> _Rows:
@@ -290,6 +290,7 @@ def _by_name(
         facts=[*rows.facts, choice.conversion],
         findings=[*rows.findings, *choice.findings],
         names=named.names,
+        classes=choice.classes,
         left_out=choice.left_out,
     )
 

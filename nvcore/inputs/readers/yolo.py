@@ -173,6 +173,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         named=named,
         findings=(*fields.findings, *choice.findings),
         labels=labels,
+        classes=choice.classes,
         left_out=choice.left_out,
         layout="score-centres-shares" if fields.is_score_first else "centres-shares",
         has_score_beside=fields.has_score_beside,

@@ -33,6 +33,7 @@ from nvcore.inputs.load import load, read_source
 from nvcore.inputs.readers.base import LeftOut, SourceFile
 from nvcore.inputs.readers.meaning.class_files import MAX_BYTES, class_names_beside, names_of_yaml
 from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.inputs.session_toml import read_session, write_session
 from nvcore.tables.inputs import inputs_table
 
 SIDES = ("truth", "x", "y")
@@ -145,6 +146,20 @@ def test_one_side_takes_the_names_of_the_other_and_says_so(tmp_path, named):
     conversions = inputs_table(dataset).set_index("subject")["conversion"]
     other = "ground truth" if taken == "x" else "systems"
     assert f"class names from the {other}" in conversions[taken]
+
+
+def test_a_written_session_states_the_classes_and_needs_the_names_no_more(tmp_path):
+    as_yolo(tmp_path)
+    for side in SIDES:
+        (tmp_path / side / "data.yaml").write_text(NAMES["inline"])
+    dataset = load(session_of(tmp_path))
+    assert isinstance(dataset.settings, Session)
+    assert {source.classes for source, _ in dataset.settings.sources} == {("2",)}
+    file = tmp_path / "again.toml"
+    file.write_text(write_session(dataset.settings, version="0", fingerprint=dataset.fingerprint))
+    for side in SIDES:
+        (tmp_path / side / "data.yaml").unlink()
+    assert load(read_session(file)).fingerprint == dataset.fingerprint
 
 
 def test_coco_ids_say_nothing_about_numbers_of_yolo(tmp_path):

@@ -38,6 +38,8 @@ class CategoryChoice:
         What the user should know of it.
     left_out
         The `others` that have boxes, by their names.
+    source
+        Where the names are from, where that is another file.
     """
 
     counted: tuple[str, ...]
@@ -46,6 +48,12 @@ class CategoryChoice:
     conversion: str = ""
     findings: tuple[Finding, ...] = ()
     left_out: tuple[LeftOut, ...] = ()
+    source: str = ""
+
+    @property
+    def classes(self) -> tuple[str, ...]:
+        """As in `Reading`."""
+        return self.counted if self.source else ()
 
 
 @dataclass(frozen=True)
@@ -207,6 +215,7 @@ def choose_categories(
         conversion=conversion + (f"; class names from {source}" if source else ""),
         findings=tuple(findings),
         left_out=classes_left_out({names.get(key, key): counts.get(key, 0) for key in others}),
+        source=source,
     )
 
 
