@@ -51,7 +51,7 @@ from nvcore.inputs.readers.meaning.frame_names import (
 )
 from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.names import recording_of
-from nvcore.inputs.readers.meaning.plain_names import plain_names
+from nvcore.inputs.readers.meaning.plain_names import plain_name, plain_names
 from nvcore.inputs.readers.meaning.tracks import TEXT_IDS, track_numbers
 
 _FIELDS = re.compile(r'"bbox"\s*:')
@@ -271,6 +271,8 @@ def _places(
         )
     assert ids is not None
     assert by_id is not None
+    if is_integer_dtype(ids.dtype) and not _has_numeric_names(images):
+        return by_id
     by_stem = _places_by_stem(ids, images)
     n_by_id, n_by_stem = int(by_id.is_known.sum()), int(by_stem.is_known.sum())
     if n_by_stem == 0 or n_by_stem < n_by_id:
@@ -308,6 +310,13 @@ def _places_by_id(
             )
     places = places_of_rows(images, rows_by_id(ids, images["image_id"]))
     return _Places(*places, "recording and frame from the image list by image_id")
+
+
+def _has_numeric_names(images: pd.DataFrame | None) -> bool:
+    """Whether pictures may be called by a number alone, by the first of them: lists are long."""
+    if images is None or images.empty or "file_name" not in images:
+        return False
+    return plain_name(str(images["file_name"].iloc[0])).rpartition("/")[2].isdecimal()
 
 
 def _places_by_stem(ids: pd.Series, images: pd.DataFrame | None) -> _Places:
