@@ -55,7 +55,8 @@ def laid_out(reading: Reading, source: Source, given: Sizes, truth: Reading | No
         )
     boxes = reading.boxes
     size = None
-    if was.unit == wanted.unit:  # each axis by itself: the size makes no difference
+    is_same_order = was.is_score_first == wanted.is_score_first
+    if was.unit == wanted.unit and is_same_order:  # the size makes no difference
         was, wanted = replace(was, unit=""), replace(wanted, unit="")
     else:
         names = boxes["recording"].array

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -159,21 +160,40 @@ def test_results_of_coco_with_corners_are_read_as_corners_when_the_session_says_
     assert found(compare(load(mended(session)))) == RIGHT
 
 
+def yolo(folder: Path, table: pd.DataFrame, layout: BoxLayout) -> None:
+    """The pedestrians of a table as YOLO text, their numbers in this layout."""
+    folder.mkdir()
+    table = table[table["name"] == PERSON]
+    whole = tuple(np.full(len(table), float(side)) for side in SIZE * 2)
+    box = tuple(table[column].to_numpy(float) for column in "xywh")
+    numbers = layout.numbers(box, table["score"].to_numpy(), whole)
+    rows = pd.DataFrame(np.column_stack(numbers)).round(6)
+    rows.insert(0, "class", 0)
+    for frame in range(40):
+        of_frame = rows[(table["frame"] == frame).to_numpy()]
+        of_frame.to_csv(folder / f"{frame:06d}.txt", sep=" ", header=False, index=False)
+
+
 @pytest.mark.parametrize("layout", ["centres", "corners"])
 def test_yolo_text_with_other_numbers_is_found(tmp_path, layout):
     session = session_of(tmp_path)
     for name in "xy":
-        folder = tmp_path / name
-        folder.mkdir()
-        table = detections(name)
-        table = table[table["name"] == PERSON]
-        whole = tuple(np.full(len(table), float(side)) for side in SIZE * 2)
-        box = tuple(table[column].to_numpy(float) for column in "xywh")
-        numbers = BoxLayout(layout, unit="shares").numbers(box, table["score"].to_numpy(), whole)
-        rows = pd.DataFrame(np.column_stack([np.zeros(len(table)), *numbers])).round(6)
-        rows[0] = 0
-        for frame in range(40):
-            of_frame = rows[(table["frame"] == frame).to_numpy()]
-            of_frame.to_csv(folder / f"{frame:06d}.txt", sep=" ", header=False, index=False)
+        yolo(tmp_path / name, detections(name), BoxLayout(layout, unit="shares"))
     session = replace(session, systems=tuple(SystemSource(name, name=name) for name in "xy"))
     assert found(compare(load(mended(session)))) == RIGHT
+
+
+def test_a_confidence_taken_from_the_wrong_end_of_yolo_s_rows_is_found(tmp_path):
+    # scores so low that the second number may be one, and a box that sticks out of the picture
+    session = session_of(tmp_path)
+    for name in "xy":
+        table = detections(name)
+        table = table.assign(score=table["score"] / 20)
+        out = (table["frame"] == 0) & (table["x"] > 400)
+        table.loc[out, "x"] = 630
+        yolo(tmp_path / name, table, BoxLayout("centres", unit="shares"))
+    session = replace(session, systems=tuple(SystemSource(name, name=name) for name in "xy"))
+    (finding,) = layout_findings(session)  # X has no box at that edge
+    assert (finding.subject, finding.steps[0].value) == ("y", "centres-shares")
+    assert "score, centre x" in finding.message
+    assert found(compare(load(mended(session))))["matched"] == (60, 101)
