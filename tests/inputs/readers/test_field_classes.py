@@ -277,6 +277,18 @@ def test_a_polygon_without_bbox_is_the_box_around_it(tmp_path):
     assert compared(session_of(tmp_path, ".json")) == RIGHT
 
 
+def test_masks_without_boxes_are_refused_with_a_way_on(tmp_path):
+    as_coco(tmp_path, {PERSON: 1, "car": 2, "bicycle": 3})
+    document = json.loads((tmp_path / "truth.json").read_text())
+    for annotation in document["annotations"]:
+        del annotation["bbox"]
+        annotation["segmentation"] = {"counts": "abc", "size": [480, 640]}
+    (tmp_path / "truth.json").write_text(json.dumps(document))
+    with pytest.raises(FormatError, match=r"masks \(RLE\) alone") as caught:
+        read_source(Source("truth.json"), role="truth", folder=tmp_path)
+    assert caught.value.steps == (Step(Remedy.TABLE),)
+
+
 @pytest.mark.parametrize(
     "text",
     [

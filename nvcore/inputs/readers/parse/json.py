@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.errors import FormatError
+from nvcore.findings import Remedy, Step
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.parse.text import read_text
 from nvcore.wording import shortened
@@ -187,7 +188,9 @@ class Records:
             if all(is_lacking) and values == [_NO_BOX] * len(values):
                 is_mask = isinstance(shapes[0], dict)
                 found = "masks (RLE) alone, which are not read" if is_mask else "none"
-                raise self.error(0, f'expected the field "bbox", found {found}')
+                fault = self.error(0, f'expected the field "bbox", found {found}')
+                fault.steps = (Step(Remedy.TABLE),) if is_mask else ()
+                raise fault
         expected = "bbox [x, y, width, height]"
         self.check_types(values, {list}, expected)
         boxes: list[list[object]] = values  # type: ignore[assignment]
