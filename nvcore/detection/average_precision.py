@@ -34,8 +34,9 @@ def average_precision_coco(curve: DetectionCurve) -> float:
     """Mean of the best precision at 101 recalls, 1 is best (COCO; at one IoU).
 
     At each of 0, 0.01, ..., 1 the largest precision at that or a larger recall, 0 beyond the
-    largest. Equal scores are one point, where COCO takes them in file order, and regions absorb
-    a detection from a share of 0.5 on, where COCO's do from the IoU on. Without detections 0; NaN
+    largest. All detections count, where COCO's tools take 100 a picture. Equal scores are one
+    point, where COCO takes them in file order, and regions absorb a detection from a share of 0.5
+    on, where COCO's do from the IoU on. Without detections 0; NaN
     where ``curve.why_undefined``.
 
     References

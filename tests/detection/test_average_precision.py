@@ -23,8 +23,10 @@ from nvcore.params import Params
 AREAS = (average_precision, average_precision_coco, pr_auc)
 
 
-def coco_ap(truth: list[Box], found: list[Box], n_frames: int, iou: float) -> float:
-    """AP of faster-coco-eval: 101 recalls, at most 100 detections a picture."""
+def coco_ap(
+    truth: list[Box], found: list[Box], n_frames: int, iou: float, *, most: int = 100
+) -> float:
+    """AP of faster-coco-eval: 101 recalls, `most` detections a picture at the most."""
     document: dict[str, Any] = {
         "images": [{"id": f + 1} for f in range(n_frames)],
         "categories": [{"id": 1, "name": "person"}],
@@ -43,6 +45,7 @@ def coco_ap(truth: list[Box], found: list[Box], n_frames: int, iou: float) -> fl
         ours, ours.loadRes(results), "bbox", print_function=lambda *_: None
     )
     evaluation.params.iouThrs = np.array([iou])
+    evaluation.params.maxDets = [1, 10, most]
     evaluation.evaluate()
     evaluation.accumulate()
     return float(evaluation.eval["precision"][0, :, 0, 0, -1].mean())
@@ -69,6 +72,16 @@ def test_ap_agrees_where_recalls_fall_on_the_101_points(n_truth):
     found += [Box(f, 60, 10, 20, 40, score=float(rng.random())) for f in range(n_truth)]
     ours = average_precision_coco(detection_curve(make_dataset(truth, found), "x", Params()))
     assert ours == pytest.approx(coco_ap(truth, found, n_truth, 0.5), abs=1e-6)
+
+
+def test_ap_counts_every_detection_of_a_picture():
+    truth = [Box(0, 10, 5 * i, 20, 40) for i in range(30)]
+    rng = np.random.default_rng(5)
+    found = [Box(0, 10, 5 * i, 20, 40, score=float(rng.random())) for i in range(30)]
+    found += [Box(0, 100 + i, 300, 20, 40, score=float(rng.random())) for i in range(170)]
+    ours = average_precision_coco(detection_curve(make_dataset(truth, found), "x", Params()))
+    assert ours == pytest.approx(coco_ap(truth, found, 1, 0.5, most=200), abs=1e-6)
+    assert ours > coco_ap(truth, found, 1, 0.5) + 0.01  # with COCO's own limit of 100
 
 
 def test_average_precision_counted_by_hand():

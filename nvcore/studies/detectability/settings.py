@@ -26,7 +26,7 @@ MOST_TIMES: Final = 24
 MOST_QUESTIONS: Final = 20
 MOST_QUESTION: Final = 300
 CONSENT: Final = """\
-You look at pictures of roads at dusk, for half a second each, and touch the place where you saw \
+You look at pictures of roads at dusk, each for a moment, and touch the place where you saw \
 a pedestrian. Before each picture the screen is bright, then dark at once. This may be unpleasant \
 for eyes that are sensitive to light: do not take part if flashes of light make you ill.
 

@@ -1,0 +1,158 @@
+"""Files as other tools write them, sent in a browser: right values, or what is wrong with them."""
+
+from __future__ import annotations
+
+import io
+import re
+import zipfile
+from pathlib import Path
+
+import pytest
+import viewer_scene as scene
+from app_files import send_annotations
+from app_visit import Visit
+from field_cases import CASES, SIDES, Case
+from playwright.sync_api import expect
+from viewer_reading import READER
+
+KEYS = dict(zip(SIDES, ("upload_truth", "upload_system_0", "upload_system_1"), strict=True))
+ASKED = {"Width of the pictures (px)": "640", "Height of the pictures (px)": "480"}
+SHOWN = (
+    "coco-person-is-3",
+    "yolo-names-in-a-list",
+    "visdrone-mot",
+    "times-in-names",
+    "roboflow-names",
+    "yolo-classes-without-names",
+)
+ROW = "frame,x,y,w,h,track\n"
+
+
+def send(one: Visit, folder: Path, files: dict[str, tuple[str, bytes]]) -> None:
+    """Choose the files of each field, and fill in what the page then asks for."""
+    one.page.get_by_role("tab", name="Upload").click()
+    for key, (name, content) in files.items():
+        path = folder / key / name
+        path.parent.mkdir()
+        path.write_bytes(content)
+        send_annotations(one, key, path)
+
+
+def open_sent(one: Visit, *, fps: str = "10") -> None:
+    for label, value in {**ASKED, "Frames per second": fps}.items():
+        field = one.page.get_by_role("spinbutton", name=label)
+        if field.count():  # the files do not say it
+            field.fill(value)
+            field.press("Enter")
+            one.wait_until_drawn()
+    one.page.get_by_role("button", name="Open these files").click()
+
+
+def matches(one: Visit, x: int, y: int) -> None:
+    """Look up how many boxes X and Y match, as set."""
+    one.switch_to("Overview")
+    row = one.page.locator(".nv-scorecard tr", has_text="boxes matched")
+    expect(row).to_be_visible()
+    as_set = one.page.get_by_role("radio", name="As set")
+    if as_set.count():  # else at like operating points
+        as_set.click()
+    ends = [re.compile(rf"\b{value}$") for value in (x, y, abs(x - y))]
+    expect(row.get_by_role("cell")).to_have_text(ends)
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_files_give_the_right_values_or_say_what_is_wrong(visit, tmp_path: Path, name: str):
+    case: Case = CASES[name]
+    one = visit("data")
+    send(one, tmp_path, {key: case.sent(side) for side, key in KEYS.items()})
+    if case.right is None:
+        open_sent(one)
+        for words in case.says:
+            expect(one.page.get_by_text(words).first).to_be_visible()
+        return
+    open_sent(one)
+    expect(one.heading(re.compile("Open now: Uploaded files"))).to_be_visible()
+    matches(one, 60, 102)
+    expect(one.keyed("verdict")).to_contain_text("40 frames, 4.0 s")
+
+
+@pytest.mark.parametrize(("name", "y"), [("coco-results-as-corners", 102), ("half-the-rate", 51)])
+def test_what_the_audit_found_is_mended_by_its_button(visit, tmp_path: Path, name: str, y: int):
+    one = visit("data")
+    send(one, tmp_path, {key: CASES[name].sent(side) for side, key in KEYS.items()})
+    open_sent(one)
+    expect(one.heading(re.compile("Open now: Uploaded files"))).to_be_visible()
+    apply = one.page.get_by_role("button", name=re.compile("Apply(: | to the session)"))
+    expect(apply.first).to_be_visible()
+    for left in range(apply.count() - 1, -1, -1):
+        apply.first.click()
+        expect(apply).to_have_count(left)
+        one.wait_until_drawn()
+    matches(one, 60, y)
+
+
+def drive(frames: range, recordings: tuple[str, ...] = ("drive",)) -> bytes:
+    """A pedestrian in every one of these frames, seen by everybody."""
+    rows = [f"{name},{frame},300,200,40,90,1" for name in recordings for frame in frames]
+    return ("recording," + ROW + "\n".join(rows) + "\n").encode()
+
+
+def pictures(names: dict[str, int]) -> bytes:
+    """A ZIP archive of pictures with these names, each with its number drawn."""
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        for name, number in names.items():
+            archive.writestr(name, scene.jpeg_of(number))
+    return packed.getvalue()
+
+
+STRAY = {"calib.jpg": 390, **{f"img_{k:05d}.jpg": k for k in range(12)}}
+EVERY_SECOND = {f"frame_{k + 1:04d}.jpg": 2 * k for k in range(12)}
+
+
+@pytest.mark.parametrize(
+    ("frames", "names"),
+    [(range(12), STRAY), (range(0, 24, 2), EVERY_SECOND)],
+    ids=["a stray picture", "every second frame"],
+)
+def test_each_frame_shows_its_own_picture(
+    visit, tmp_path: Path, frames: range, names: dict[str, int]
+):
+    one = visit("data")
+    boxes = drive(frames)
+    files = {"upload_truth": ("drive.csv", boxes), "upload_system_0": ("fir.csv", boxes)}
+    send(one, tmp_path, {**files, "upload_system_1": ("nir.csv", boxes)})
+    send_pictures(one, tmp_path / "drive.zip", pictures(names))
+    open_sent(one, fps="20")
+    expect(one.heading(re.compile("Open now: Uploaded files"))).to_be_visible()
+    one.switch_to("Timeline")
+    for key, frame in (("Home", frames[0]), ("ArrowRight", frames[1]), ("End", frames[-1])):
+        one.viewer.press(key)
+        one.shows(frame)
+        assert one.viewer.evaluate(READER)["frame"] == scene.FIRST_FRAME + frame
+
+
+def send_pictures(one: Visit, path: Path, content: bytes) -> None:
+    path.write_bytes(content)
+    one.keyed("upload_pictures").locator("input[type=file]").set_input_files(path)
+    expect(one.page.get_by_text(f"Here: {path.name}")).to_be_visible()
+    one.wait_until_drawn()
+
+
+def test_the_pictures_of_drive_10_are_not_those_of_drive_1(visit, tmp_path: Path):
+    one = visit("data")
+    boxes = drive(range(12), ("drive_1", "drive_10"))
+    files = {"upload_truth": ("drive.csv", boxes), "upload_system_0": ("fir.csv", boxes)}
+    send(one, tmp_path, {**files, "upload_system_1": ("nir.csv", boxes)})
+    send_pictures(one, tmp_path / "drive_10.zip", pictures({f"{k:05d}.jpg": k for k in range(12)}))
+    open_sent(one, fps="20")
+    expect(one.heading(re.compile("Open now: Uploaded files"))).to_be_visible()
+    one.switch_to("Timeline")
+    one.shows(0)
+    expect(one.viewer.get_by_text("No pictures: boxes only")).to_be_visible()
+    one.recording_field("drive_1").fill("drive_10")
+    one.page.get_by_role("option", name="drive_10").click()
+    expect(one.recording_field("drive_10")).to_be_visible()
+    one.shows(0)
+    expect(one.viewer.get_by_text("No pictures: boxes only")).to_be_hidden()
+    assert one.viewer.evaluate(READER)["frame"] == scene.FIRST_FRAME
