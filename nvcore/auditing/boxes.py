@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 import pandas as pd
 
 from nvcore.auditing.cases import BLOCK, BoxSource
-from nvcore.findings import Finding, Severity
+from nvcore.dataset.sources import ReadAs
+from nvcore.findings import Finding, Remedy, Severity, Step
+from nvcore.inputs.layouts import parse_layout
 from nvcore.metrics.encounters import encounters_of
 from nvcore.schema import NO_TRACK
 from nvcore.wording import count_text
@@ -19,8 +22,12 @@ REUSE_FRAMES: Final = 10
 """... if unseen in more listed frames than this, too (annotation may be sampled)."""
 MANY_OUTSIDE: Final = 0.1
 """Share of boxes wholly or mostly outside the picture that points to a wrong picture size."""
+MOST_OUTSIDE: Final = 0.5
+"""Share of the truth's boxes from which on the picture size is wrong, or what the numbers are."""
 FRACTION_EXTENT: Final = 1.5
 """Boxes whose edges all stay below this are fractions of the picture, not pixels."""
+THOUSAND: Final = 1000
+"""Boxes outside the picture whose edges all stay below this may be in thousandths of it."""
 HAIR_PX: Final = 1e-3
 """Narrower boxes may lose their width in rounding."""
 MOST_NEAR: Final = 40
@@ -47,17 +54,20 @@ def audit_geometry(source: BoxSource) -> list[Finding]:
         is_odd |= right > np.repeat(frames.width[recordings], n_boxes)
         is_odd |= bottom > np.repeat(frames.height[recordings], n_boxes)
         suspects.append(block.start + np.flatnonzero(is_odd))
+    was = parse_layout(source.dataset.read_as.get(source.name, ReadAs()).boxes)
     if smallest > 10 and furthest <= FRACTION_EXTENT:
-        return source.findings(
+        findings = source.findings(
             Severity.ERROR,
             "boxes-in-fractions",
             np.arange(len(boxes)),
             f"No box reaches beyond {furthest:.3g} px: the coordinates "
             "are fractions of the picture, not pixels.",
-            "Multiply x and w by the width and y and h by the height of the picture, or read "
-            "the file as YOLO text.",
+            "Multiply x and w by the width and y and h by the height of the picture, or say what "
+            "they are.",
             is_of_all=True,
         )
+        step = Step(Remedy.BOXES, str(replace(was, unit="shares")), source.name)
+        return [replace(finding, steps=(step,)) for finding in findings]
     # the boxes that may not lie inside; of the others all of the area does
     rows = np.concatenate(suspects)
     x, y, w, h = boxes.x[rows], boxes.y[rows], boxes.w[rows], boxes.h[rows]
@@ -68,6 +78,20 @@ def audit_geometry(source: BoxSource) -> list[Finding]:
     inside_share = np.where(is_outside, 0, across * down) / (w * h)
     is_off = inside_share < 0.5
     are_many = int(np.count_nonzero(is_off)) > MANY_OUTSIDE * len(boxes)
+    if source.is_truth and np.count_nonzero(is_off) > MOST_OUTSIDE * len(boxes):
+        findings = source.findings(
+            Severity.ERROR,
+            "outside-picture",
+            rows[is_off],
+            f"{np.count_nonzero(is_off)} of {count_text(len(boxes), 'box', 'boxes')} lie with more "
+            "than half of their area outside the picture: its size, or what the numbers of a box "
+            "were taken for, is wrong.",
+            "See at which resolution the boxes were made, or in which unit.",
+        )
+        steps = [Step(Remedy.SIZE)]
+        if furthest <= THOUSAND:
+            steps.append(Step(Remedy.BOXES, str(replace(was, unit="thousandths"))))
+        return [replace(finding, steps=tuple(steps)) for finding in findings]
     return [
         *_outside(source, rows[is_outside], are_many=are_many),
         *_mostly_outside(source, rows[~is_outside & is_off], are_many=are_many),

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.auditing.cases import BoxSource, system_source, truth_source
+from nvcore.auditing.cases import BoxSource, all_sources, system_source, truth_source
 from nvcore.auditing.overlaps import Correction, Sample, rows_in_ranges, take_sample
 from nvcore.dataset import Dataset
 from nvcore.dataset.sources import ReadAs
@@ -45,6 +45,10 @@ LARGEST: Final = 1.2
 """Numbers up to this many times the whole may be shares of it: boxes stick out of pictures."""
 LARGE: Final = 0.1
 """How far a box of truth or system may stick out of the picture, as a share of it."""
+MIN_CORNERS: Final = 20
+"""Fewer boxes may look like corners by chance ..."""
+MANY_STICKING_OUT: Final = 0.2
+"""... or if a smaller share of them sticks out of the picture as they were read."""
 NO_AREA: Final = REASONS[-1]
 _KEY: Final = "box layouts"
 
@@ -129,8 +133,9 @@ class _Boxes:
 
 def audit_layouts(dataset: Dataset) -> list[Finding]:
     """Truth or systems whose boxes fit once their numbers mean another thing."""
-    findings = []
-    for subject, fit in find_layouts(dataset).items():
+    fits = find_layouts(dataset)
+    findings = [] if fits else _corners_of_all(dataset)
+    for subject, fit in fits.items():
         files = dataset.inputs["file"][dataset.inputs["subject"] == subject]
         is_truth = subject == TRUTH_NAME
         n = len(dataset.truth if is_truth else dataset.system(subject))
@@ -152,6 +157,50 @@ def audit_layouts(dataset: Dataset) -> list[Finding]:
             )
         )
     return findings
+
+
+def _corners_of_all(dataset: Dataset) -> list[Finding]:
+    """An error where the truth, and so perhaps every source, has corners where sizes belong.
+
+    Then boxes fit one another, and only the picture tells: many stick out of it, though none of
+    their corners does.
+    """
+    having = [source for source in all_sources(dataset) if _are_corners(source)]
+    if not having or not having[0].is_truth:
+        return []
+    names = [""] if len(having) > len(dataset.systems) else [source.name for source in having]
+    boxes = parse_layout(dataset.read_as.get(TRUTH_NAME, ReadAs()).boxes)
+    value = str(replace(boxes, kind="corners"))
+    files = dataset.inputs["file"][dataset.inputs["subject"] == TRUTH_NAME]
+    return [
+        Finding(
+            Severity.ERROR,
+            "box-layout",
+            TRUTH_NAME,
+            len(dataset.truth),
+            f"The numbers of each box were taken for {boxes.text}, and many boxes then stick out "
+            "of the picture. The third is always larger than the first and the fourth than the "
+            "second, and all lie in the picture: they seem to be corners.",
+            "All numbers are wrong until the boxes are read as they were written.",
+            file=files.iloc[0] if len(files) else "",
+            steps=tuple(Step(Remedy.BOXES, value, name) for name in names),
+        )
+    ]
+
+
+def _are_corners(source: BoxSource) -> bool:
+    read_as = source.dataset.read_as.get(source.name, ReadAs())
+    layout = parse_layout(read_as.boxes)
+    boxes, frames = source.boxes, source.dataset.frame_columns
+    if layout.kind != "sizes" or len(boxes) < MIN_CORNERS:
+        return False
+    x, y, w, h = boxes.xywh
+    recording = frames.recording[boxes.frame_index]
+    width, height = frames.width[recording], frames.height[recording]
+    are_ordered = (w > x) & (h > y) & (w <= width + 1) & (h <= height + 1)
+    sticking_out = np.mean((x + w > width + 1) | (y + h > height + 1))
+    spread = np.ptp(np.percentile(x / width, [5, 95]))
+    return bool(are_ordered.all() and sticking_out > MANY_STICKING_OUT and spread > LARGE)
 
 
 def find_layouts(dataset: Dataset) -> dict[str, LayoutFit]:

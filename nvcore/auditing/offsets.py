@@ -9,7 +9,8 @@ import numpy as np
 
 from nvcore.auditing.cases import BoxSource
 from nvcore.auditing.overlaps import MAX_SHIFT, Correction, Overlaps, Sample, take_sample
-from nvcore.auditing.scales import scale_candidates, scale_text
+from nvcore.auditing.rows import listed_ranges
+from nvcore.auditing.scales import letterboxes, scale_candidates, scale_text
 from nvcore.columns import BoxColumns
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.evaluated_frames import nth
@@ -63,8 +64,9 @@ class _Step:
 def find_offsets(source: BoxSource, detections: BoxColumns, *, letter: str = "") -> list[Finding]:
     """Scale mismatch, time offset and constant pixel offset of a system against the truth.
 
-    Each is looked for after what was found before has been corrected: first the scale, then
-    offsets in time and pixels, the one that explains more first.
+    Each is looked for after what was found before has been corrected: first the scale (with the
+    offset of bars that a network's input has at two sides), then offsets in time and pixels, the
+    one that explains more first.
 
     Parameters
     ----------
@@ -96,20 +98,39 @@ def find_offsets(source: BoxSource, detections: BoxColumns, *, letter: str = "")
             is_moved_in_time = True
         else:
             findings.append(_pixel_finding(source, sample, step, letter))
+    if moved and _explains_rows(source, moved[0].correction.offset_frames):
+        findings = [replace(finding, severity=Severity.ERROR) for finding in findings]
     if any(finding.severity is Severity.ERROR for finding in findings):
         # each builds on those before it: all of one severity stay in their order
         findings = [replace(finding, severity=Severity.ERROR) for finding in findings]
     return findings
 
 
+def _explains_rows(source: BoxSource, offset_frames: int) -> bool:
+    """Whether rows are left out beside the evaluated frames, and the time offset places them all.
+
+    Then two things say that the file counts frames from another number; a system that lags behind
+    has no such rows.
+    """
+    lost = source.dataset.left_out
+    lost = lost[(lost["subject"] == source.name) & (lost["reason"] == "frame not listed")]
+    if not offset_frames or lost.empty:
+        return False
+    first, last, _ = listed_ranges(source.dataset, lost["recording"])
+    frame = lost["frame"].to_numpy()
+    is_beside, moved = (frame < first) | (frame > last), frame + offset_frames
+    return bool(np.all(is_beside & (first <= moved) & (moved <= last)))
+
+
 def _find_scale(sample: Sample) -> _Step | None:
     before = sample.overlaps(Correction()).mean
     if not before < POOR_IOU:
         return None
+    tried = [Correction(scale=scale) for scale in scale_candidates(sample)] + letterboxes(sample)
     steps = [
-        _Step(Correction(scale=scale), before, overlaps.mean)
-        for scale in scale_candidates(sample)
-        if _is_same_size(overlaps := sample.overlaps(Correction(scale=scale)))
+        _Step(correction, before, overlaps.mean)
+        for correction in tried
+        if _is_same_size(overlaps := sample.overlaps(correction))
     ]
     best = max(steps, key=lambda step: step.after, default=None)
     if best is None or best.after < max(2 * before, before + SCALE_GAIN):
@@ -220,15 +241,22 @@ def _spread(values: np.ndarray) -> float:
 
 def _scale_finding(source: BoxSource, sample: Sample, step: _Step, letter: str) -> Finding:
     sx, sy = step.correction.scale
-    is_uniform = sx == sy
+    x, y = step.correction.offset_px
+    is_uniform, is_moved = sx == sy, bool(x or y)
     message = (
         "The detections seem to be made at another resolution: multiplied by "
-        f"{scale_text(sx, sy)} they fit the pedestrians"
+        f"{scale_text(sx, sy)}{f' and moved by {x:g} and {y:g} px' * is_moved} they fit the "
+        "pedestrians"
     )
     value = f"{sx:.4g}" if is_uniform else f"[{sx:.4g}, {sy:.4g}]"
     flag = f", or --scale-{letter} {value.strip('[]').replace(' ', '')}" if letter else ""
-    advice = f"Set scale = {value} for this system ([[system]] in the session file{flag})."
-    suggestion = (("scale", sx),) if is_uniform else (("scale_x", sx), ("scale_y", sy))
+    flag += f" --offset-px-{letter} {x:g},{y:g}" if letter and is_moved else ""
+    advice = (
+        f"Set scale = {value}{f' and offset_px = [{x:g}, {y:g}]' * is_moved} for this system "
+        f"([[system]] in the session file{flag})."
+    )
+    factors = (("scale", sx),) if is_uniform else (("scale_x", sx), ("scale_y", sy))
+    suggestion = (*factors, *((("offset_x_px", x), ("offset_y_px", y)) if is_moved else ()))
     return _finding(source, sample, step, "scale-mismatch", message, advice, suggestion)
 
 

@@ -78,7 +78,7 @@ def _unknown_recording(dataset: Dataset, subject: str, rows: pd.DataFrame) -> Fi
 
 
 def _not_listed(dataset: Dataset, subject: str, rows: pd.DataFrame) -> list[Finding]:
-    first, last, is_sampled = _listed_ranges(dataset, rows["recording"])
+    first, last, is_sampled = listed_ranges(dataset, rows["recording"])
     frame = rows["frame"].to_numpy()
     inside = (first < frame) & (frame < last)
     is_usual = inside & is_sampled & (subject != TRUTH_NAME)
@@ -202,7 +202,7 @@ def _advice(subject: str, frame: np.ndarray, first: np.ndarray, last: np.ndarray
     return advice
 
 
-def _listed_ranges(
+def listed_ranges(
     dataset: Dataset, names: pd.Series[str]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """First and last listed frame of each row's recording, and whether that is sampled."""

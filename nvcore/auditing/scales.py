@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.auditing.overlaps import Sample
+from nvcore.auditing.overlaps import Correction, Sample
 
 RATIOS: Final = tuple(
     Fraction(a, b)
@@ -20,6 +20,12 @@ SIZES: Final = (
     (1280, 1024), (1920, 1080),
 )  # fmt: skip
 """Usual input sizes of networks and picture sizes, px."""
+INPUT_SIDES: Final = (300, 320, 416, 512, 608, 640, 768, 800, 960, 1024, 1280, 1536)
+"""Longer sides of inputs into which pictures are fitted with bars, px."""
+STRIDE: Final = 32
+"""By which the sides of inputs can be divided."""
+MIN_BAR: Final = 1.0
+"""Narrower bars, in px of the input, make no difference."""
 SNAP: Final = 0.015
 """A measured ratio that is as near to a usual one as this is taken for it."""
 MIN_ASPECT: Final = 0.1
@@ -43,6 +49,28 @@ def scale_candidates(sample: Sample) -> list[tuple[float, float]]:
         pairs.append(measured)
     doubles = {(round(x, 6), round(y, 6)) for x, y in pairs} - {(1.0, 1.0)}
     return sorted(doubles)
+
+
+def letterboxes(sample: Sample) -> list[Correction]:
+    """What undoes a resizing to a network's input that keeps the shape and fills the rest by bars.
+
+    Of the square inputs, and of those whose shorter side is the next multiple of `STRIDE`.
+    """
+    frames = sample.dataset.frame_columns
+    if np.ptp(frames.width) or np.ptp(frames.height):
+        return []
+    W, H = float(frames.width[0]), float(frames.height[0])
+    corrections = []
+    for side in INPUT_SIDES:
+        factor = max(W, H) / side
+        across, down = (side - W / factor) / 2, (side - H / factor) / 2
+        bars = (across, down), (across % (STRIDE / 2), down % (STRIDE / 2))
+        corrections += [
+            Correction((factor, factor), (0.0 - factor * across, 0.0 - factor * down))
+            for across, down in bars
+            if max(across, down) >= MIN_BAR
+        ]
+    return corrections
 
 
 def _measure_scale(sample: Sample) -> tuple[float, float] | None:

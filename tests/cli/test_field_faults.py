@@ -44,6 +44,14 @@ FAULTS: dict[str, tuple[Change, str]] = {
         lambda t: t.assign(frame=t["frame"] + 5),
         "moved by -5",
     ),
+    "frames counted from 1": (
+        lambda t: t.assign(frame=t["frame"] + 1),
+        "moved by -1",
+    ),
+    "fitted into a square input with bars": (
+        lambda t: t.assign(x=t["x"] * 0.65, y=t["y"] * 0.65 + 52, w=t["w"] * 0.65, h=t["h"] * 0.65),
+        "multiplied by 1.538 and moved by 0 and -80 px",
+    ),
     "every second frame, numbered anew": (
         lambda t: t[t["frame"] % 2 == 0].assign(frame=lambda u: u["frame"] // 2),
         "every second|rate|2 x",
@@ -53,6 +61,44 @@ FAULTS: dict[str, tuple[Change, str]] = {
         "class",
     ),
 }
+
+
+OF_ALL: dict[str, tuple[Change, str, str]] = {
+    "corners as sizes": (
+        lambda t: t.assign(w=t["x"] + t["w"], h=t["y"] + t["h"]),
+        "they seem to be corners",
+        "--boxes=corners",
+    ),
+    "thousandths of the picture": (
+        lambda t: t.assign(x=t["x"] / 0.64, y=t["y"] / 0.48, w=t["w"] / 0.64, h=t["h"] / 0.48),
+        "outside the picture",
+        "--boxes=sizes-thousandths",
+    ),
+    "shares of the picture": (
+        lambda t: t.assign(x=t["x"] / 640, y=t["y"] / 480, w=t["w"] / 640, h=t["h"] / 480),
+        "fractions of the picture",
+        "--boxes=sizes-shares",
+    ),
+    "twice the size that is given": (
+        lambda t: t.assign(**{name: t[name] * 2 for name in "xywh"}),
+        "outside the picture",
+        "--size=1280x960",
+    ),
+}
+"""Faults that truth and systems share, so that all fit one another, and what mends them."""
+
+
+@pytest.mark.parametrize("fault", OF_ALL)
+def test_a_fault_of_all_sources_is_an_error_that_names_what_mends_it(tmp_path: Path, fault: str):
+    change, named, remedy = OF_ALL[fault]
+    for name, table in {"truth": truth(), "x": detections("x"), "y": detections("y")}.items():
+        table = table[table["name"] == "person"].astype(dict.fromkeys("xywh", float))
+        change(table).drop(columns="name").to_csv(tmp_path / f"{name}.csv", index=False)
+    files = [f"--{name}={tmp_path / name}.csv" for name in ("truth", "x", "y")]
+    result = nvcore("compare", *files, "--size", "640x480", "--fps", 10)
+    assert result.exit_code == 1
+    assert named in result.output
+    assert nvcore("compare", *files, "--size", "640x480", "--fps", 10, remedy).exit_code == 0
 
 
 @pytest.mark.parametrize("fault", FAULTS)
