@@ -120,7 +120,7 @@ class Finding:
     code
         Short stable name in kebab case, such as ``duplicate-track``.
     subject
-        What it is about: ``truth`` or the name of a system.
+        What it is about: ``truth``, the name of a system, or "pictures of" a recording.
     count
         How many rows, frames or recordings it concerns.
     message
@@ -151,6 +151,11 @@ class Finding:
     suggestion: tuple[tuple[str, float], ...] = ()
     cases: Cases | None = field(default=None, compare=False, repr=False)
     steps: tuple[Step, ...] = ()
+
+    @property
+    def is_of_pictures(self) -> bool:
+        """Whether it is about pictures, on which no measure depends."""
+        return self.code.startswith(OF_PICTURES)
 
 
 def accepted(findings: Iterable[Finding], codes: Collection[str]) -> list[Finding]:

@@ -218,7 +218,7 @@ def opened_pictures(
         message = f"Which picture shows which frame was not looked at: {error}."
         code = f"{OF_PICTURES}not-opened"
         advice = "There is nothing to do for the numbers: no measure depends on pictures."
-        yield None, (Finding(Severity.NOTE, code, TRUTH_NAME, 1, message, advice),)
+        yield None, (Finding(Severity.NOTE, code, "pictures", 1, message, advice),)
         return
     opened = session_pictures(session, dataset)
     try:

@@ -16,7 +16,6 @@ import numpy as np
 from nvcore.dataset import Dataset
 from nvcore.findings import (
     OF_PICTURES,
-    TRUTH_NAME,
     Cases,
     Finding,
     Remedy,
@@ -27,10 +26,10 @@ from nvcore.findings import (
 )
 from nvcore.inputs.recordings import is_missing
 from nvcore.inputs.session import Session
-from nvcore.pictures.base import PictureNote, PictureTrait
 from nvcore.pictures.index import Rule, is_of_other_shape, why_unclear
+from nvcore.pictures.notes import MAY_MISLEAD, PictureTrait
 from nvcore.pictures.recordings import RecordingPictures
-from nvcore.wording import count_text, listed, one_line
+from nvcore.wording import capitalised, count_text, one_line
 
 _MOST_STEPS: Final = 4
 _MOST: Final = 0.5
@@ -38,53 +37,20 @@ _MOST: Final = 0.5
 _NO_NUMBERS: Final = "No measure depends on pictures."
 _LOOK: Final = "Look at a frame with quick movement, whether boxes and pedestrians lie together."
 
-_TRAITS: Final[dict[PictureTrait, tuple[Severity, str, str, str]]] = {
-    PictureTrait.CUT: (
-        Severity.WARNING,
-        "picture{of_total} can be read: the file is damaged or cut off",
-        "pictures{of_total} can be read: the file is damaged or cut off",
-        "Copy or convert it again, best from the original. The frames that can be read are shown.",
-    ),
-    PictureTrait.GAP: (
-        Severity.WARNING,
-        "picture is missing in the video by its times, before picture {place}",
-        "pictures are missing in the video by its times, first before picture {place}",
-        "Frames are found by their times where their numbers go so far; else picture i shows frame "
-        f"i, as in programs that decode the video. {_LOOK}",
-    ),
-    PictureTrait.UNEVEN: (
-        Severity.WARNING,
-        "step{of_total} between the times of pictures is another than usual: the rate varies",
-        "steps{of_total} between the times of pictures are others than usual: the rate varies",
-        "Picture i shows frame i. If the frames were numbered by time, convert the video to a "
-        f"constant rate. {_LOOK}",
-    ),
-    PictureTrait.REPEATED: (
-        Severity.NOTE,
-        "picture of the video is the one before it once more, picture {place}",
-        "pictures of the video are the one before them once more, first picture {place}",
-        "Each counts as a picture, as in other programs.",
-    ),
-    PictureTrait.OTHER_STREAMS: (
-        Severity.NOTE,
-        "more stream of pictures is in the file and is not shown ({names})",
-        "more streams of pictures are in the file and are not shown ({names})",
-        "If it is another camera's, check that the first stream is the one meant.",
-    ),
-    PictureTrait.PASSED_OVER: (
-        Severity.NOTE,
-        "file beside the pictures is not of their series and is passed over ({names})",
-        "files beside the pictures are not of their series and are passed over ({names})",
-        "There is nothing to do, unless a frame of the recording is among them.",
-    ),
-    PictureTrait.FURTHER_PAGES: (
-        Severity.NOTE,
-        "more page is in each file and is not shown (as in {names})",
-        "more pages are in each file and are not shown (as in {names})",
-        "If they are other frames, save each page as a file.",
-    ),
+_ADVICE: Final = {
+    PictureTrait.CUT: "Copy or convert it again, best from the original. The frames that can be "
+    "read are shown.",
+    PictureTrait.GAP: "Frames are found by their times where their numbers go so far; else picture "
+    f"i shows frame i, as in programs that decode the video. {_LOOK}",
+    PictureTrait.UNEVEN: "Picture i shows frame i. If the frames were numbered by time, convert "
+    f"the video to a constant rate. {_LOOK}",
+    PictureTrait.REPEATED: "Each counts as a picture, as in a player. OpenCV passes over them: if "
+    f"it numbered the frames, later pictures lag behind their boxes. {_LOOK}",
+    PictureTrait.OTHER_STREAMS: "If another camera is meant, save its stream as a file of its own.",
+    PictureTrait.PASSED_OVER: "There is nothing to do, unless a frame of the recording is among "
+    "them.",
+    PictureTrait.FURTHER_PAGES: "If they are other frames, save each page as a file.",
 }
-"""How bad it is, what is said of one and of several (`PictureNote.count`), and what to do."""
 
 
 @dataclass(frozen=True)
@@ -115,15 +81,15 @@ def audit_pictures(dataset: Dataset, opened: RecordingPictures) -> tuple[Finding
 
 def _finding(cases: list[_Case]) -> Finding:
     first, n_more = cases[0], len(cases) - 1
-    more = f" So it is with {count_text(n_more, 'more recording')}." if n_more else ""
+    more = f" The same goes for {count_text(n_more, 'more recording')}." if n_more else ""
     rows = np.concatenate([np.asarray(case.rows, dtype=np.int64) for case in cases])
     steps = [step for case in cases for step in case.steps]
     return Finding(
         first.severity,
         f"{OF_PICTURES}{first.kind}",
-        TRUTH_NAME,
+        f"pictures of {one_line(first.recording)}",
         len(rows) or len(cases),
-        f"Pictures of {one_line(first.recording)}: {first.text}.{more}",
+        f"{capitalised(first.text)}.{more}",
         first.advice,
         file=first.file,
         example=f"recording {first.recording}",
@@ -140,7 +106,14 @@ def _cases(dataset: Dataset, opened: RecordingPictures) -> Iterator[_Case]:
         if number in opened.sources:
             yield from _of_frames(dataset, opened, number, name)
             for note in opened.sources[number].notes:
-                yield _of_note(note, name, opened.sources[number].name)
+                yield _Case(
+                    Severity.WARNING if note.trait in MAY_MISLEAD else Severity.NOTE,
+                    note.trait.value.replace(" ", "-"),
+                    name,
+                    note.text,
+                    _ADVICE[note.trait],
+                    file=opened.sources[number].name,
+                )
         elif number in opened.notes:
             path = entries[name].pictures if name in entries else None
             # those that are not there are a finding of the inputs
@@ -154,20 +127,6 @@ def _cases(dataset: Dataset, opened: RecordingPictures) -> Iterator[_Case]:
                     file=path or "",
                     steps=opened.steps.get(number, ()),
                 )
-
-
-def _of_note(note: PictureNote, recording: str, file: str) -> _Case:
-    severity, one, many, advice = _TRAITS[note.trait]
-    named = listed([*map(one_line, note.names)])
-    if note.count > len(note.names) > 0 and note.trait is not PictureTrait.FURTHER_PAGES:
-        named += f" and {note.count - len(note.names):,} more"
-    text = count_text(note.count, one, many).format(
-        of_total=f" of {note.total:,}" if note.total else "",
-        place=note.places[0] if note.places else "",
-        names=named,
-    )
-    kind = note.trait.value.replace(" ", "-")
-    return _Case(severity, kind, recording, text, advice, file=file)
 
 
 def _of_frames(
@@ -185,10 +144,10 @@ def _of_frames(
             Severity.ERROR,
             "unclear",
             name,
-            f"which of them shows which frame is not clear, and none is shown. "
-            f"{why_unclear(listed_frames, source)}",
-            "Name the pictures by the numbers of their frames, or say which frame the first one "
-            f"shows. {_NO_NUMBERS}",
+            "which of them shows which frame is not clear, and none is shown. "
+            f"{capitalised(why_unclear(listed_frames, source))}",
+            f"{_NO_NUMBERS} Name the pictures by the numbers of their frames; or say which frame "
+            "the first one shows, if the next ones show the next numbers.",
             file=file,
             rows=rows,
             steps=first_picture,
@@ -201,8 +160,8 @@ def _of_frames(
             name,
             f"{len(without):,} of {len(listed_frames):,} evaluated frames have none, first frame "
             f"{listed_frames[without[0]]}; there are {count_text(source.n, 'picture')}",
-            "Check that these are the pictures of this recording, and all of them: exported at "
-            f"another rate, they count otherwise than the frames. {_NO_NUMBERS}",
+            f"{_NO_NUMBERS} Check that these are the pictures of this recording, all of them, and "
+            "at its rate.",
             file=file,
             rows=rows,
             steps=first_picture if is_most else (),
@@ -210,7 +169,7 @@ def _of_frames(
     if mapped is not None and mapped.rule in (Rule.ORDER, Rule.ORDER_FROM_ZERO):
         are_numbered = source.numbers is not None
         shown = (
-            f"as many as evaluated frames, {source.n:,}, they show these in their order"
+            f"there are as many as evaluated frames, {source.n:,}: they show these in their order"
             if mapped.rule is Rule.ORDER
             else "in their order they show frame 0, 1, 2 and so on"
         )

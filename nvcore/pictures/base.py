@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Sequence
-from dataclasses import dataclass
-from enum import StrEnum
 from pathlib import Path
 from typing import Any, Final, Protocol, TypeAlias
 
@@ -13,54 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.errors import MediaError
+from nvcore.pictures.notes import PictureNote
 
 Picture: TypeAlias = NDArray[Any]
 """Grey (h, w) or RGB (h, w, 3), uint8 or uint16; not to be written to."""
 
-MOST_PLACES: Final = 100
-"""Of a note."""
 _CACHED_PICTURES: Final = 16
 _CACHED_BYTES: Final = 1 << 26
-
-
-class PictureTrait(StrEnum):
-    """What of a recording's pictures may make them show other frames than one expects."""
-
-    CUT = "cut"
-    """The file ends early or is damaged: `count` pictures can be read, `total` are stated."""
-    GAP = "gap"
-    """The times leave out `count` pictures, before the pictures at `places`."""
-    UNEVEN = "uneven"
-    """`count` of `total` steps between the times differ from the commonest: the rate varies."""
-    REPEATED = "repeated"
-    """The file holds nothing for the `count` pictures at `places`: each shows the one before."""
-    OTHER_STREAMS = "other streams"
-    """`count` further streams of pictures are in the file and are not shown, of these `names`."""
-    PASSED_OVER = "passed over"
-    """`count` files lie beside the pictures and are not taken for one of them, of these `names`."""
-    FURTHER_PAGES = "further pages"
-    """Each file holds `count` further pages, which are not shown, as the one of these `names`."""
-
-
-@dataclass(frozen=True)
-class PictureNote:
-    """A fact about the pictures of one recording; `trait` says what the others mean.
-
-    Attributes
-    ----------
-    count, total
-        How many, and out of how many; 0: not known.
-    places
-        Indices of pictures, ascending; where they are many, the first ones.
-    names
-        Of files or streams; where they are many, the first ones.
-    """
-
-    trait: PictureTrait
-    count: int
-    total: int = 0
-    places: tuple[int, ...] = ()
-    names: tuple[str, ...] = ()
 
 
 class PictureReader(Protocol):
@@ -100,8 +57,6 @@ class Pictures(PictureReader, Protocol):
         pictures, or a video whose times cannot be relied on.
     notes
         Facts that the user should know.
-    note
-        What the user should know, as a sentence; empty: nothing.
     """
 
     name: str
@@ -113,7 +68,6 @@ class Pictures(PictureReader, Protocol):
     fps: float | None
     times_s: NDArray[np.floating] | None
     notes: tuple[PictureNote, ...]
-    note: str
 
     def file_names(self, indices: Sequence[int]) -> list[str] | None:
         """File name of each of these pictures, without folders; None: they are of one video."""

@@ -16,14 +16,9 @@ from numpy.typing import NDArray
 from nvcore.errors import MediaError
 from nvcore.file_kinds import IMAGE_SUFFIXES, composed
 from nvcore.pictures.archive import Archive
-from nvcore.pictures.base import (
-    Picture,
-    PictureNote,
-    PictureTrait,
-    RecentPictures,
-    check_index,
-)
+from nvcore.pictures.base import Picture, RecentPictures, check_index
 from nvcore.pictures.header import image_size, tiff_pages, with_first_page
+from nvcore.pictures.notes import PictureNote, PictureTrait
 from nvcore.pictures.series import Series, is_stray, series_of
 from nvcore.wording import MOST_NAMED, one_line
 
@@ -82,7 +77,6 @@ class Images:
         else:
             self._pages = []
         self.n, self.is_video = len(self._pages) or len(series.names), bool(self._pages)
-        self.note = ""
         self._recent, self._lock = RecentPictures(), Lock()
         self.height, self.width = self.read(0).shape[:2]
 

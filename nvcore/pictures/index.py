@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from nvcore.pictures.base import Pictures, PictureTrait
+from nvcore.pictures.base import Pictures
+from nvcore.pictures.notes import MAY_MISLEAD, PictureTrait
 from nvcore.pictures.timing import NOT_WHOLE
 from nvcore.wording import capitalised, count_text
 
@@ -185,8 +186,9 @@ def map_note(
             f" {n_without} of {len(frames)} listed frames have no picture "
             f"({pictures.n} pictures in {pictures.name})."
         )
-    if pictures.note:
-        note += f" {pictures.name}: {pictures.note}."
+    for fact in pictures.notes:
+        if fact.trait in MAY_MISLEAD:
+            note += f" {pictures.name}: {fact.text}."
     return note
 
 

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.errors import MediaError
-from nvcore.pictures.base import MOST_PLACES, PictureNote, PictureTrait
 from nvcore.pictures.containers import (
     DAMAGED,
     REORDERED,
@@ -24,6 +23,7 @@ from nvcore.pictures.containers import (
 )
 from nvcore.pictures.h264 import LOOKED_AT, FieldPairs
 from nvcore.pictures.mp4 import MOST_SAMPLES
+from nvcore.pictures.notes import MOST_PLACES, PictureNote, PictureTrait
 from nvcore.pictures.timing import frame_rate, time_notes, usual_step
 
 _WIDE_GAP: Final = 1.5

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.pictures.base import MOST_PLACES, PictureNote, PictureTrait
+from nvcore.pictures.notes import MOST_PLACES, PictureNote, PictureTrait
 
 NOT_WHOLE: Final = 0.25
 """Steps by which a time may lie beside a whole number of them."""

@@ -1,6 +1,6 @@
 """Exact random access to the pictures of a video.
 
-The demuxer's sorted presentation times identify the pictures; nothing is decoded for that.
+The demuxer's sorted presentation times identify the pictures (`nvcore.pictures.listing`).
 A picture is reached from the key picture before it, and is taken only if its own time is the
 wanted one. Containers whose times cannot be trusted (H.264 in AVI) are counted from their start.
 """
@@ -18,12 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.errors import MediaError
-from nvcore.pictures.base import (
-    Picture,
-    PictureTrait,
-    RecentPictures,
-    check_index,
-)
+from nvcore.pictures.base import Picture, RecentPictures, check_index
 from nvcore.pictures.containers import DAMAGED, REORDERED, format_of_file, open_container
 from nvcore.pictures.header import check_size
 from nvcore.pictures.listing import decoded, list_pictures
@@ -69,10 +64,6 @@ class Video:
         self.height, self.width = first.shape[:2]
         self.n, self.fps = len(self._table.shown), self._table.fps
         self.times_s, self.notes = self._table.times_s, self._table.notes
-        self.note = ""
-        if self.notes and self.notes[0].trait is PictureTrait.CUT:
-            stated = f" of {self.notes[0].total}" if self.notes[0].total else ""
-            self.note = f"the video is cut off or damaged; {self.n}{stated} pictures can be read"
 
     def _start(self) -> None:
         """As nobody has read anything yet."""

@@ -20,7 +20,7 @@ from nvcore.inputs.load import load
 from nvcore.inputs.remedies import applied
 from nvcore.inputs.session_toml import read_session
 from nvcore.pictures import session_pictures
-from nvcore.pictures.base import PictureNote, PictureTrait
+from nvcore.pictures.notes import PictureNote, PictureTrait
 from nvcore.pictures.video import Video
 from nvcore.report.terminal import render_pictures
 from nvcore.tables.pictures import pictures_table
@@ -54,9 +54,9 @@ def test_a_stray_picture_shifts_no_frame_and_is_named(tmp_path: Path):
     assert numbers_shown(dataset) == [*range(60)]
     (finding,) = picture_findings(dataset)
     assert (finding.code, finding.severity) == ("pictures-passed-over", Severity.NOTE)
+    assert finding.subject == "pictures of drive"
     assert finding.message == (
-        "Pictures of drive: 1 file beside the pictures is not of their series and is passed over "
-        "(calib.png)."
+        "1 file beside the pictures is not of their series and is passed over (calib.png)."
     )
     result = nvcore("check", tmp_path / "session.toml")
     assert result.exit_code == 0
@@ -209,7 +209,7 @@ def test_the_same_of_several_recordings_is_one_finding(tmp_path: Path):
         (tmp_path / f"{name}.csv").write_text("\n".join([f"{head},recording", *lines]))
     (finding,) = picture_findings(load(read_session(path)))
     assert (finding.code, finding.count) == ("pictures-missing", 80)
-    assert finding.message.endswith("So it is with 1 more recording.")
+    assert finding.message.endswith("The same goes for 1 more recording.")
 
 
 def test_the_verdict_does_not_depend_on_pictures(tmp_path: Path):

@@ -192,7 +192,7 @@ def test_the_expected_time_is_that_of_the_pictures(place: Path):
 
 def test_pictures_are_timed_all_over_the_recordings(place: Path):
     class Plain:
-        n, width, height, name, is_video, numbers, note = 400, 64, 48, "plain", False, None, ""
+        n, width, height, name, is_video, numbers, notes = 400, 64, 48, "plain", False, None, ()
 
         def another(self) -> Plain:
             return self

@@ -14,9 +14,9 @@ from PIL import ExifTags, Image
 
 from nvcore.errors import MediaError
 from nvcore.pictures import is_below, open_pictures
-from nvcore.pictures.base import PictureNote, PictureTrait
 from nvcore.pictures.header import image_size
 from nvcore.pictures.images import decode_image
+from nvcore.pictures.notes import PictureNote, PictureTrait
 from nvcore.pictures.recordings import STRETCH
 from nvcore.pictures.stretch import stretch
 

@@ -216,7 +216,7 @@ def test_what_is_wrong_with_a_video_is_in_the_note(tmp_path: Path):
     video = open_pictures(path)
     note = index_of(list(range(100)), video)[1]
     assert f"{100 - video.n} of 100 listed frames have no picture ({video.n} pictures in" in note
-    assert f"a.avi: the video is cut off or damaged; {video.n} of 100 pictures can be" in note
+    assert f"a.avi: {video.n} pictures of 100 can be read: the file is damaged" in note
 
 
 def test_pictures_of_another_size_are_told(tmp_path: Path):

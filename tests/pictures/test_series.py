@@ -11,7 +11,7 @@ from picture_files import encoded, number_in, numbered, write_picture, write_zip
 from nvcore.errors import MediaError
 from nvcore.findings import Remedy, Step
 from nvcore.pictures import open_pictures
-from nvcore.pictures.base import PictureNote, PictureTrait
+from nvcore.pictures.notes import PictureNote, PictureTrait
 from nvcore.pictures.series import natural_order, series_of
 
 IMG = [f"img_{number:05}.png" for number in range(60)]

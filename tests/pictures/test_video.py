@@ -162,7 +162,8 @@ def test_a_cut_video_says_how_many_pictures_can_be_read(tmp_path: Path):
     path = write_numbered_video(tmp_path / "a.mp4", bf="0")
     remux(path, {"movflags": "+faststart"})
     video = Video(cut(path, 0.6))
-    assert video.note == f"the video is cut off or damaged; {video.n} of 100 pictures can be read"
+    (note,) = video.notes
+    assert note.text == f"{video.n} pictures of 100 can be read: the file is damaged or cut off"
 
 
 def test_damage_in_the_middle_costs_only_the_pictures_there(tmp_path: Path):

@@ -23,8 +23,8 @@ from video_files import (
 
 from nvcore.errors import MediaError
 from nvcore.pictures import open_pictures
-from nvcore.pictures.base import PictureNote, PictureTrait
 from nvcore.pictures.h264 import FieldPairs
+from nvcore.pictures.notes import PictureNote, PictureTrait
 from nvcore.pictures.timing import frame_rate, time_notes, usual_step
 from nvcore.pictures.video import Video
 
@@ -130,7 +130,7 @@ def test_packed_pictures_are_shown_in_their_order(tmp_path: Path, ending: str):
         path = remux(path, tmp_path / f"b.{ending}")
     video = Video(path)
     assert numbers_of(video) == captured(path) == [*range(100)]
-    assert video.note == ""
+    assert video.notes == ()
 
 
 @pytest.mark.parametrize(
@@ -144,7 +144,6 @@ def test_an_empty_chunk_of_an_avi_repeats_the_picture_before(tmp_path: Path, emp
     assert numbers_of(video) == right.tolist()
     places = tuple(sorted(empty))
     assert video.notes == (PictureNote(PictureTrait.REPEATED, len(empty), 100, places),)
-    assert video.note == ""
 
 
 def test_a_cut_avi_repeats_pictures_as_far_as_it_goes(tmp_path: Path):

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.errors import InputError, MediaError
-from nvcore.pictures.base import Picture, PictureNote, Pictures, check_index
+from nvcore.pictures.base import Picture, Pictures, check_index
+from nvcore.pictures.notes import PictureNote
 from nvcore.pictures.open import open_pictures
 from ui.confined.process import Allowance, SteadyProcess
 
@@ -78,7 +79,6 @@ class ConfinedPictures:
         self.fps: float | None = facts["fps"]
         self.times_s: NDArray[np.floating] | None = facts["times_s"]
         self.notes: tuple[PictureNote, ...] = facts["notes"]
-        self.note: str = facts["note"]
 
     def read(self, index: int) -> Picture:
         """See `Pictures.read`."""
@@ -105,18 +105,7 @@ class ConfinedPictures:
             self._process.call(_close, self._path, what="closing")
 
 
-_FACTS: Final = (
-    "name",
-    "n",
-    "width",
-    "height",
-    "is_video",
-    "numbers",
-    "fps",
-    "times_s",
-    "notes",
-    "note",
-)
+_FACTS: Final = ("name", "n", "width", "height", "is_video", "numbers", "fps", "times_s", "notes")
 _opened: dict[Path, Pictures] = {}
 """In the other process: what it has open."""
 

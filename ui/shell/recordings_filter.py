@@ -10,6 +10,7 @@ import streamlit as st
 
 from nvcore.dataset import part_text
 from nvcore.errors import InputError
+from nvcore.wording import capitalised
 from ui.session import settings, state
 from ui.session.address import read_place
 from ui.widgets.text import plain
@@ -70,4 +71,4 @@ def _choose(key: str) -> None:
     try:
         choose_tags(st.session_state[key])
     except InputError as error:
-        st.session_state[_REFUSED] = f"{error}: the choice stays as it was"
+        st.session_state[_REFUSED] = capitalised(f"{error}: the choice stays as it was")

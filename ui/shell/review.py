@@ -13,6 +13,7 @@ import streamlit as st
 
 from nvcore.findings import TRUTH_NAME, Cases, Finding
 from nvcore.tables.inputs import NO_ROW, entry_frames, finding_entries
+from nvcore.wording import capitalised
 from ui.session import state
 
 _REVIEW: Final = "review"
@@ -65,9 +66,9 @@ def finding_key(finding: Finding) -> tuple[str, str, str]:
 
 
 def subject_text(finding: Finding) -> str:
-    """What a finding is about: the truth, or a system with its letter; not yet plain."""
-    if finding.subject == TRUTH_NAME:
-        return "Truth"
+    """What a finding is about: the truth, pictures, or a system with its letter; not yet plain."""
+    if finding.subject == TRUTH_NAME or finding.is_of_pictures:
+        return capitalised(finding.subject)
     x, y = state.systems()
     letter = {x: "X, ", y: "Y, "}.get(finding.subject, "")
     return f"{letter}{finding.subject}"

@@ -11,7 +11,7 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.evidence.claims import Basis, Claim, find_claims
 from nvcore.evidence.companions import Companions
-from nvcore.findings import OF_PICTURES, Finding, Severity
+from nvcore.findings import Finding, Severity
 from nvcore.report.shown import comparison_shown
 from nvcore.report.verdict.driver import describe_driver, describe_weighting
 from nvcore.report.verdict.headline import headline
@@ -182,7 +182,7 @@ def verdict(
     serious = [
         finding
         for finding in findings
-        if finding.severity is not Severity.NOTE and not finding.code.startswith(OF_PICTURES)
+        if finding.severity is not Severity.NOTE and not finding.is_of_pictures
     ]
     caveat = _caveat(serious) if serious else ""
     if any(finding.code == SAME_BOXES for finding in findings):

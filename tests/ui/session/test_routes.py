@@ -29,7 +29,7 @@ N_ROWS = ROWS_PER_CHUNK + 2
 class Grey:
     """Pictures of one grey each: 40 times their index."""
 
-    name, n, width, height, numbers, note = "grey", 3, 16, 8, None, ""
+    name, n, width, height, numbers = "grey", 3, 16, 8, None
 
     def read(self, index: int) -> np.ndarray:
         if index == 2:

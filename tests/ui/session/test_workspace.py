@@ -25,7 +25,7 @@ def base(surroundings: None) -> Path:
 
 
 class _Source:
-    name, n, width, height, numbers, note = "still", 1, 4, 3, None, ""
+    name, n, width, height, numbers = "still", 1, 4, 3, None
 
     def __init__(self) -> None:
         self.times_closed = 0

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Final
 
+import numpy as np
 import pandas as pd
 import streamlit as st
 
@@ -29,10 +30,11 @@ _OPEN: Final = "entries_open"
 _NO_FRAME: Final = "entries_no_frame"
 NOUNS: Final = {
     "boxes": ("box", "boxes"),
-    "frames": ("recording", "recordings"),
+    "frames": ("frame", "frames"),
+    "recordings": ("recording", "recordings"),
     "left_out": ("row", "rows"),
 }
-"""What the cases of a finding are, by their table."""
+"""What the cases of a finding are, by their table; one frame of each recording stands for that."""
 COLUMNS: Final = ("seen", "recording", "frame", "x", "y", "w", "h", "score", "track", "line")
 CONFIG: Final = {
     "seen": st.column_config.TextColumn("Seen", width=50, help="Looked at in this tab."),
@@ -60,6 +62,9 @@ def draw(finding: Finding, number: int) -> None:
         return
     shown = is_open(finding)
     n, nouns = len(cases), NOUNS[cases.table]
+    if cases.table == "frames":
+        recordings = state.opened().dataset.frame_columns.recording[cases.rows]
+        nouns = NOUNS["recordings" if len(np.unique(recordings)) == n else "frames"]
     what = f"Show the {nouns[0]}" if n == 1 else f"Show all {n:,} {nouns[1]}"
     st.button(
         "Hide the list" if shown else what,

@@ -9,7 +9,6 @@ from typing import Final
 import streamlit as st
 
 from nvcore.findings import (
-    OF_PICTURES,
     TRUTH_NAME,
     Finding,
     Remedy,
@@ -77,13 +76,13 @@ def draw() -> None:
 def _counts(findings: Sequence[Finding]) -> str:
     """How many there are of each severity, and what that means for the numbers."""
     words = []
-    of_numbers = [one for one in findings if not one.code.startswith(OF_PICTURES)]
+    of_numbers = [finding for finding in findings if not finding.is_of_pictures]
     for severity, (singular, plural) in KINDS.items():
         n = sum(finding.severity is severity for finding in of_numbers)
         if n:
             words.append(f"{n} {singular if n == 1 else plural}")
     if n := len(findings) - len(of_numbers):
-        words.append(f"{n} of pictures, on which no number depends")
+        words.append(f"{n} about pictures, on which no number depends")
     return ", ".join(words)
 
 
@@ -113,12 +112,12 @@ def _draw_steps(finding: Finding, number: int) -> None:
     """A button for each way on that needs no more than the session."""
     opened = state.opened()
     with st.container(horizontal=True):
-        for step in finding.steps:
+        for at, step in enumerate(finding.steps):
             session = applied(opened.session, step, opened.dataset.systems)
             what = f"Apply: {plain(step.value)}"
             if session is not None and button(
                 "This is meant" if step.remedy is Remedy.ACCEPT else what,
-                key=f"step_{number}_{hash(step)}",
+                key=f"step_{number}_{at}",
                 icon=":material/build:",
                 help=plain(steps_text([step], TEXTS)),
             ):

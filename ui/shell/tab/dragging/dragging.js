@@ -3,7 +3,6 @@
 
 const SLIDER = '[data-testid="stSidebar"] [data-testid="stSlider"]';
 const MOST_WAIT_MS = 5000; // for an answer that was lost
-
 const LATE = "data-nv-late";
 const ALIKE = 0.6; // of a slider's step: it rounds to its steps
 
@@ -18,16 +17,18 @@ function nameOf(slider) {
   return keys.find((key) => key in labels) ?? "";
 }
 
+function sendNext(value) {
+  drag.id += 1;
+  send({ name: drag.name, value: Number(value), id: drag.id });
+}
+
 function tell() {
   const { value } = drag.field;
   if (value === drag.sent) return;
   const isLost = performance.now() - drag.sentAt > MOST_WAIT_MS;
   if (!drag.isAnswered && !isLost) return;
-  drag.sent = value;
-  drag.id += 1;
-  drag.isAnswered = false;
-  drag.sentAt = performance.now();
-  send({ name: drag.name, value: Number(value), id: drag.id });
+  Object.assign(drag, { sent: value, isAnswered: false, sentAt: performance.now() });
+  sendNext(value);
 }
 
 function watch() {
@@ -45,21 +46,13 @@ function begin(event) {
   requestAnimationFrame(watch);
 }
 
-function sendLast(value) {
-  drag.id += 1;
-  send({ name: drag.name, value: Number(value), id: drag.id });
-}
-
 // What is let go is told by Streamlit, unless it ends where it began and so is no change.
 function end() {
   const { field, start, sent } = drag;
   if (!field) return;
   requestAnimationFrame(() => {
     drag.field = null;
-    if (field.value === start && sent !== start) {
-      drag.id += 1;
-      send({ name: drag.name, value: Number(start), id: drag.id });
-    }
+    if (field.value === start && sent !== start) sendNext(start);
   });
 }
 
