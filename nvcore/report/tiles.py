@@ -98,7 +98,7 @@ _KINDS: Final = (
         "false_alert_episodes_per_hour",
         "false_alert_episodes_per_hour",
         "False alerts",
-        "episodes per hour, from {episodes} in {duration}",
+        "per hour, from {episodes} in {duration}",
         ".0f",
     ),
     _Kind("worst_severity_s", "", "Worst miss", "severity of one encounter, s", ".1f"),

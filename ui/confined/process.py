@@ -21,12 +21,10 @@ T = TypeVar("T")
 
 MOST_JOBS: Final = 2
 """Calls at a time, each in a process of its own; others wait."""
-NEEDED: Final = frozenset(
-    (
-        *("PATH", "HOME", "XDG_CACHE_HOME", "TMPDIR", "TEMP", "TMP", "LANG", "LANGUAGE", "TZ"),
-        *("LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "COVERAGE_PROCESS_START"),
-    )
-)
+NEEDED: Final = frozenset((
+    "PATH", "HOME", "XDG_CACHE_HOME", "TMPDIR", "TEMP", "TMP", "LANG", "LANGUAGE", "TZ",
+    "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "COVERAGE_PROCESS_START",
+))  # fmt: skip
 NEEDED_STARTS: Final = ("LC_", "PYTHON", "NUMBA_", "OMP_", "OPENBLAS_", "MKL_", "OPENCV_")
 """Variables that the processes are given, and starts of such."""
 

@@ -48,12 +48,7 @@ BOX_BASES: Final = {
     "the first pixel is 0": 0,
     "the first pixel is 1": 1,
 }
-
-
-FRAME_NAMES: Final = {
-    "by what they look like": None,
-    **{way: way for way in WAYS},
-}
+FRAME_NAMES: Final = {"by what they look like": None, **{way: way for way in WAYS}}
 """How names of pictures and large frame numbers are understood."""
 
 

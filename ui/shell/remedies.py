@@ -22,3 +22,17 @@ TEXTS: Final[RemedyTexts] = {
     Remedy.PICTURES: (f"choose {{value}} as “Pictures” {_RECORDINGS}", "others"),
     Remedy.FIRST_PICTURE: (f"enter {{value}} as “First picture” {_RECORDINGS}", "its frame"),
 }
+
+BUTTONS: Final = {
+    Remedy.CLASSES: "Count {value}",
+    Remedy.SIZE: "Take {value} as the size",
+    Remedy.RATE: "Take {value} frames per second",
+    Remedy.FRAMES: "Evaluate frames {value}",
+    Remedy.FRAME_NAMES: "Read names as {value}",
+    Remedy.FORMAT: "Read as {value}",
+    Remedy.BOXES: "Read boxes as {value}",
+    Remedy.ACCEPT: "This is meant",
+    Remedy.PICTURES: "Take {value}",
+    Remedy.FIRST_PICTURE: "First picture shows frame {value}",
+}
+"""Labels of the buttons that do it, where `nvcore.inputs.remedies.applied` can."""

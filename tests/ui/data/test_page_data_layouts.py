@@ -28,7 +28,7 @@ def button_labelled(page: AppTest, label: str) -> str:
 def test_corners_taken_for_sizes_are_put_right_with_one_click(tmp_path):
     page = open_files(of_scene(tmp_path, x="corners"))
     assert "They seem to be left, top, right, bottom" in texts(page)
-    press(page, button_labelled(page, "Apply: corners"))
+    press(page, button_labelled(page, "Read boxes as corners"))
     assert space_of(page).opened.session.systems[0].boxes == "corners"
     assert "They seem to be" not in texts(page)
 

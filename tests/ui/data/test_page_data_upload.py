@@ -317,7 +317,7 @@ def test_frames_without_a_picture_are_in_the_list_of_findings(tmp_path: Path):
     page = open_files(send_video(sent(content, ("fir.csv", content)), "drive.mp4"))
     assert "Open now" in texts(page)
     assert "100 of 400 evaluated frames have none, first frame 300" in texts(page)
-    assert "1 of pictures, on which no number depends" in texts(page)
+    assert "1 about pictures, on which no number depends" in texts(page)
 
 
 def test_files_that_found_no_room_are_taken_when_there_is_room_again(

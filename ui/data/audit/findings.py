@@ -11,7 +11,6 @@ import streamlit as st
 from nvcore.findings import (
     TRUTH_NAME,
     Finding,
-    Remedy,
     Severity,
     steps_text,
     worst_first,
@@ -25,7 +24,7 @@ from ui.session.results.findings import input_findings
 from ui.shell.messages import without_paths
 from ui.shell.page_words import page_text
 from ui.shell.recordings_filter import filter_text
-from ui.shell.remedies import TEXTS
+from ui.shell.remedies import BUTTONS, TEXTS
 from ui.shell.review import subject_text
 from ui.widgets.buttons import button
 from ui.widgets.text import plain
@@ -95,9 +94,7 @@ def _draw_one(findings: Sequence[Finding], finding: Finding, number: int) -> Non
         where = ", ".join(part for part in (without_paths(finding.file), finding.example) if part)
         if where:
             st.caption(f"First seen in {plain(where)}")
-        ways = steps_text(finding.steps, TEXTS)
-        st.markdown(f"*What to do:* {plain(f'{page_text(finding.advice)} {ways}'.strip())}")
-        _draw_steps(finding, number)
+        _draw_ways(finding, number)
         if finding.code == "mixed-weighting":
             _draw_weighting(finding, number)
         elif finding.suggestion and finding.subject in state.opened().dataset.systems:
@@ -108,18 +105,18 @@ def _draw_one(findings: Sequence[Finding], finding: Finding, number: int) -> Non
         entries.draw(finding, number)
 
 
-def _draw_steps(finding: Finding, number: int) -> None:
-    """A button for each way on that needs no more than the session."""
+def _draw_ways(finding: Finding, number: int) -> None:
+    """What to do; a button for each way on that needs no more than the session."""
     opened = state.opened()
+    ways = [(step, applied(opened.session, step, opened.dataset.systems)) for step in finding.steps]
+    by_hand = steps_text([step for step, session in ways if session is None], TEXTS)
+    st.markdown(f"*What to do:* {plain(f'{page_text(finding.advice)} {by_hand}'.strip())}")
     with st.container(horizontal=True):
-        for at, step in enumerate(finding.steps):
-            session = applied(opened.session, step, opened.dataset.systems)
-            what = f"Apply: {plain(step.value)}"
+        for at, (step, session) in enumerate(ways):
             if session is not None and button(
-                "This is meant" if step.remedy is Remedy.ACCEPT else what,
+                plain(BUTTONS[step.remedy].format(value=step.value.replace(",", ", "))),
                 key=f"step_{number}_{at}",
                 icon=":material/build:",
-                help=plain(steps_text([step], TEXTS)),
             ):
                 try_to_open(replace(session, params=state.params()), label=opened.label)
 
