@@ -22,7 +22,7 @@ from nvcore.pictures.containers import (
     picture_streams,
 )
 from nvcore.pictures.h264 import LOOKED_AT, FieldPairs
-from nvcore.pictures.mp4 import MOST_SAMPLES
+from nvcore.pictures.mp4 import is_short
 from nvcore.pictures.notes import MOST_PLACES, PictureNote, PictureTrait
 from nvcore.pictures.timing import frame_rate, time_notes, usual_step
 
@@ -136,23 +136,28 @@ def list_pictures(
             if other.codec_context is not None
         )
     is_cut = packets.is_partial or is_cut_off(path, container_format)
-    if container_format == "mov" and n_stated not in (0, packets.n_read):
+    if container_format == "mov" and not n_stated:
+        is_cut = is_cut or is_short(path)
+    elif container_format == "mov" and n_stated != packets.n_read:
         # an edit list shows samples twice or leaves them out: they are in the file all the same
         is_cut = is_cut or _n_packets(path, container_format, name) < n_stated
     keys = seeks = np.empty(0, np.int64)
     is_sure = packets.have_times and not packets.is_packed and not is_guess
+    if codec.name == "mpeg4" and not packets.is_key[:1].all():
+        is_sure = False  # its decoder begins before the first key picture, with other times
     if is_sure:
-        is_shown = _is_shown(packets)
+        is_shown, is_leading = _is_shown(packets)
         if must_decode or packets.may_be_uncoded:
             is_shown &= np.isin(packets.shown_at, _decoded_times(path, container_format, name))
         n_listed = int(np.count_nonzero(is_shown))
+        moments = np.sort(packets.decoded_at[is_shown | is_leading])[is_leading.sum() :]
         if is_cut or not (is_avi or n_stated):  # else all is there, and a gap is no loss
             is_shown &= packets.shown_at < _end_of_certainty(packets, is_shown, is_cut=is_cut)
         times = np.sort(packets.shown_at[is_shown])
         is_cut = is_cut or len(times) < n_listed
         keys, seeks = _keys(packets, is_shown, times, by_shown=container_format == "matroska")
     else:
-        n_listed = len(packets.shown_at)
+        moments, n_listed = np.sort(packets.decoded_at), len(packets.shown_at)
         if not is_guess or time_notes(packets.decoded_at):
             n_listed = len(_decoded_times(path, container_format, name))
         # among the last ones of a cut file a lost one may be missing
@@ -161,18 +166,25 @@ def list_pictures(
         raise MediaError(f"holds no picture that can be read: it {DAMAGED}", file=name)
 
     shown, times_s, notes = np.arange(len(times)), None, []
-    if is_sure and is_avi:
-        shown, empty = _chunks(times, 0 if is_cut or is_reordered else n_stated)
-        times_s = np.arange(len(shown)) * tick_s
+    chunks = None
+    if is_avi and len(moments) == n_listed:
+        # the time of decoding is the number of the chunk, that of showing a guess
+        moments = moments[: len(times)]
+        is_whole = not is_cut and moments[0] == packets.decoded_at[0]
+        chunks = _chunks(moments, n_stated if is_whole else 0)
+    if chunks is not None:
+        shown, empty = chunks
+        times_s = np.arange(len(shown)) * tick_s if is_sure else None
         if len(empty):
             places = tuple(map(int, empty[:MOST_PLACES]))
             notes.append(PictureNote(PictureTrait.REPEATED, len(empty), len(shown), places))
     elif is_sure:
-        times_s = (times - times[0]) * tick_s
-        notes += time_notes(times)
+        moments = moments if is_avi else times
+        times_s = (moments - moments[0]) * tick_s
+        notes += time_notes(moments)
         is_even = not any(note.trait is PictureTrait.UNEVEN for note in notes)
         if is_even and not (packets.n_second_fields and fps):
-            fps = frame_rate(usual_step(times) * tick_s, fps)
+            fps = frame_rate(usual_step(moments) * tick_s, fps)
     elif is_guess:
         notes += time_notes(packets.decoded_at)
     if is_cut:
@@ -243,18 +255,18 @@ def _read_packets(container: Any, stream: Any) -> _Packets:
     )
 
 
-def _is_shown(packets: _Packets) -> NDArray[np.bool_]:
-    """Which packets' pictures are shown.
+def _is_shown(packets: _Packets) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which packets' pictures are shown, and which lie behind the first key picture's and are not.
 
-    Not what comes before the first key picture: it cannot be decoded, and no program counts it.
+    Not what is shown before that one: it cannot be decoded, and no program counts it.
     """
-    if not packets.is_key.any():
-        return ~packets.is_hidden
-    start = int(np.argmax(packets.is_key))
     is_shown: NDArray[np.bool_] = ~packets.is_hidden
-    is_shown &= packets.shown_at >= packets.shown_at[start]
+    if not packets.is_key.any():
+        return is_shown, np.zeros_like(is_shown)
+    start = int(np.argmax(packets.is_key))
     is_shown[:start] = False
-    return is_shown
+    is_before = packets.shown_at < packets.shown_at[start]
+    return is_shown & ~is_before, is_shown & is_before
 
 
 def _keys(
@@ -284,20 +296,28 @@ def _keys(
     return keys[order], seeks[order]
 
 
-def _chunks(times: NDArray[np.int64], n_stated: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _chunks(
+    occupied: NDArray[np.int64], n_stated: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
     """Picture of each chunk of an AVI, of an empty one the picture before; and which are empty.
 
     Chunks before the first picture and after the last one are counted if the file states as many.
+    None: most are empty, which fill a rate that was never that of the pictures.
+
+    Parameters
+    ----------
+    occupied
+        Numbers of the chunks with a picture, ascending.
     """
-    end = int(times[-1]) + 1
-    start = 0 if end <= n_stated else int(times[0])
+    end = int(occupied[-1]) + 1
+    start = 0 if end <= n_stated else int(occupied[0])
     if end < n_stated <= 2 * end:  # else the number is no more than a wish
         end = n_stated
-    if end - start > MOST_SAMPLES:
-        return np.arange(len(times)), np.empty(0, np.int64)
+    if end - start > 2 * len(occupied):
+        return None
     chunks = np.arange(start, end)
-    shown = np.maximum(np.searchsorted(times, chunks, side="right") - 1, 0)
-    return shown, np.flatnonzero(times[shown] != chunks)
+    shown = np.maximum(np.searchsorted(occupied, chunks, side="right") - 1, 0)
+    return shown, np.flatnonzero(occupied[shown] != chunks)
 
 
 def _n_packets(path: Path, container_format: str, name: str) -> int:

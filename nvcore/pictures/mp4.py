@@ -51,12 +51,21 @@ def check_samples(path: Path, name: str) -> None:
         )
 
 
+def is_short(path: Path) -> bool:
+    """Whether the file ends within a box of pictures or of what is stated of them."""
+    with path.open("rb") as file:
+        end = file.seek(0, 2)
+        return any(
+            stop > end for kind, _, stop in _boxes(file, 0, end) if kind in (b"moof", b"mdat")
+        )
+
+
 def _count(file: BinaryIO, start: int, end: int, file_size: int, name: str, depth: int) -> int:
     """Samples that the boxes of this part of the file state, those within boxes as well."""
     n_samples, n_alike, has_unit_steps = 0, 0, False
     for kind, content, stop in _boxes(file, start, end):
         if kind in _CONTAINERS and depth < _DEEPEST:
-            n_samples += _count(file, content, stop, file_size, name, depth + 1)
+            n_samples += _count(file, content, min(stop, end), file_size, name, depth + 1)
         elif kind == b"stsz":
             size, number = _numbers(file, content + 4, 2)
             is_there = 0 < size * number <= file_size  # all of one size, and the file holds them
@@ -77,7 +86,7 @@ def _count(file: BinaryIO, start: int, end: int, file_size: int, name: str, dept
 
 
 def _boxes(file: BinaryIO, start: int, end: int) -> Iterator[tuple[bytes, int, int]]:
-    """Kind, start and end of the content of each box in this part of the file."""
+    """Kind, start and end of the content of each box in this part of the file, as it is stated."""
     while start + 8 <= end:
         file.seek(start)
         head = file.read(_EXTENDED).ljust(_EXTENDED, b"\0")
@@ -89,7 +98,7 @@ def _boxes(file: BinaryIO, start: int, end: int) -> Iterator[tuple[bytes, int, i
             size = end - start
         if size < n_head:
             return
-        yield kind, start + n_head, min(start + size, end)
+        yield kind, start + n_head, start + size
         start += size
 
 

@@ -16,6 +16,7 @@ from video_files import (
     field_pictures,
     hiding,
     remux,
+    rewrite_chunks,
     with_empty_chunks,
     with_packed_pictures,
     with_uncoded_pictures,
@@ -146,6 +147,42 @@ def test_an_empty_chunk_of_an_avi_repeats_the_picture_before(tmp_path: Path, emp
     assert video.notes == (PictureNote(PictureTrait.REPEATED, len(empty), 100, places),)
 
 
+@pytest.mark.parametrize(
+    "empty", [{20, 21, 40}, {0, 1, 50}, {58, 59, 60}], ids=["within", "first", "last"]
+)
+@pytest.mark.parametrize(("codec", "b"), [("mpeg4", "2"), ("libx264", "0"), ("libx264", "2")])
+def test_an_empty_chunk_repeats_the_picture_before_whatever_its_time_of_showing(
+    tmp_path: Path, codec: str, b: str, empty: set[int]
+):
+    unchanging = {} if codec == "mpeg4" else {"x264-params": "b-adapt=0:scenecut=0"}
+    path = write_numbered_video(tmp_path / "a.avi", codec, n=61, bf=b, **unchanging)
+    video = Video(
+        rewrite_chunks(
+            path, lambda chunks: [b"" if n in empty else chunks.pop(0) for n in range(61)]
+        )
+    )
+    held = [n for n in range(61) if n not in empty]
+    right = np.maximum(np.searchsorted(held, range(61), "right") - 1, 0)
+    assert numbers_of(video) == right.tolist()
+    assert [note.trait for note in video.notes] == [PictureTrait.REPEATED]
+
+
+def test_empty_chunks_that_fill_a_rate_of_no_pictures_are_none(tmp_path: Path):
+    path = write_numbered_video(tmp_path / "a.avi", "mjpeg", n=20, pixels="yuvj420p")
+    path = rewrite_chunks(path, lambda chunks: [part for c in chunks for part in (c, *[b""] * 9)])
+    video = Video(path)
+    assert numbers_of(video) == captured(path) == [*range(20)]
+    assert (video.notes, video.fps) == ((), 2)
+
+
+@pytest.mark.parametrize("b", ["0", "2"])
+def test_mpeg4_that_begins_between_key_pictures_is_counted_as_decoders_do(tmp_path: Path, b: str):
+    path = write_numbered_video(tmp_path / "a.avi", "mpeg4", n=60, g="12", bf=b)
+    video = Video(rewrite_chunks(path, lambda chunks: chunks[17:]))
+    numbers = played(path)
+    assert numbers_of(video)[: len(numbers)] == captured(path) == numbers
+
+
 def test_a_cut_avi_repeats_pictures_as_far_as_it_goes(tmp_path: Path):
     path = write_numbered_video(tmp_path / "a.avi", "mpeg4", g="1", bf="0")
     path = with_uncoded_pictures(path, {20, 21, 40})
@@ -241,6 +278,16 @@ def test_of_two_streams_the_default_is_shown_and_the_other_said(tmp_path: Path, 
     assert abs(int(video.read(0)[20, 20, 0]) - (100 * default + 50)) < 10
     names = ("mpeg4 64 x 48",)
     assert video.notes == (PictureNote(PictureTrait.OTHER_STREAMS, 1, names=names),)
+
+
+def test_a_fragmented_mp4_that_ends_early_is_said_to_be_cut(tmp_path: Path):
+    whole = write_numbered_video(tmp_path / "a.mp4", n=60, g="12")
+    path = remux(whole, tmp_path / "b.mp4", movflags="frag_keyframe+empty_moov")
+    assert Video(path).notes == ()
+    path.write_bytes(path.read_bytes()[: path.stat().st_size * 2 // 3])
+    video = Video(path)
+    assert numbers_of(video) == [*range(video.n)]
+    assert [note.trait for note in video.notes] == [PictureTrait.CUT]
 
 
 def test_a_recording_that_was_not_closed_is_refused_with_what_may_help(tmp_path: Path):
