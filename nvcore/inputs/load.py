@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from contextvars import copy_context
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import pandas as pd
@@ -39,6 +39,7 @@ from nvcore.inputs.readers.table import read_table, table_as_file
 from nvcore.inputs.recordings import check_names
 from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.inputs.subsets import renamed_reading, with_subsets_joined
 from nvcore.progress import Progress, no_progress
 from nvcore.schema import DETECTABILITY
 from nvcore.wording import count_text
@@ -227,6 +228,7 @@ def _with_named(reading: Reading, options: ReadOptions) -> Reading:
     """The reading with what the names of its pictures tell: how they were understood, rates."""
     if reading.named is None and reading.images is None:
         reading = _with_times_numbered(reading, options)
+    reading = with_subsets_joined(reading, options)
     named = reading.named
     if named is None:
         return reading
@@ -350,37 +352,7 @@ def _same_single_recording(reading: Reading, truth: Reading) -> Reading:
         return reading
     note = f"recording {theirs[0]!r} taken for the truth's only recording {ours[0]!r}"
     conversion = "; ".join(part for part in (reading.conversion, note) if part)
-    return replace(_renamed(reading, {theirs[0]: ours[0]}), conversion=conversion)
-
-
-def _renamed(reading: Reading, titles: Mapping[str, str]) -> Reading:
-    """The reading with other names of some of its recordings, by the old ones."""
-
-    def renamed(table: pd.DataFrame | None, column: str = "recording") -> Any:
-        if table is None:
-            return None
-        names = table[column]
-        if isinstance(names.dtype, pd.CategoricalDtype):
-            names = names.cat.rename_categories(lambda name: titles.get(name, name))
-        else:
-            names = pd.Series(
-                [titles.get(name, name) for name in names], index=names.index, dtype=object
-            )
-        return table.assign(**{column: names})
-
-    return replace(
-        reading,
-        boxes=renamed(reading.boxes),
-        recordings=renamed(reading.recordings, "name"),
-        images=renamed(reading.images),
-        named=reading.named
-        and replace(
-            reading.named,
-            table=renamed(reading.named.table),
-            rates={titles.get(name, name): rate for name, rate in reading.named.rates.items()},
-        ),
-        annotated=renamed(reading.annotated),
-    )
+    return replace(renamed_reading(reading, {theirs[0]: ours[0]}), conversion=conversion)
 
 
 def _named_by_session(session: Session, loaded: list[LoadedSource]) -> list[LoadedSource]:
@@ -404,7 +376,7 @@ def _named_by_session(session: Session, loaded: list[LoadedSource]) -> list[Load
     return [
         replace(
             source,
-            reading=_renamed(source.reading, titles),
+            reading=renamed_reading(source.reading, titles),
             provenance=source.provenance and source.provenance.renamed(titles),
         )
         for source in loaded

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
@@ -10,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.errors import InputError
+from nvcore.file_kinds import unpacked_name
 from nvcore.findings import Finding, Remedy, Step
 from nvcore.inputs.readers.base import (
     NO_FRAME,
@@ -33,6 +35,25 @@ from nvcore.inputs.readers.parse.text import whole_numbers
 NAME_KEYS = ("file_name", "im_name", "filename", "image_name", "image_filepath")
 FRAME_KEYS = ("frame_index", "frame_id", "frame_number", "frame")
 VIDEO_KEYS = ("video_id", "recording_id", "recordings_id")
+_TASKS = ("instances", "person_keypoints", "stuff", "panoptic", "captions", "labels", "image_info")
+"""Beginnings of names, ``instances_val2017.json``: the same pictures for another task each."""
+_TASK_FILE = re.compile(rf"(?P<folder>(?:.*/)?)(?P<task>{'|'.join(_TASKS)})_(?P<subset>.+)")
+
+
+def files_of_one_task(files: Sequence[SourceFile]) -> tuple[list[tuple[int, SourceFile]], str]:
+    """Files with their places in the list, of each subset those of one task, and that in words."""
+    subsets, ranks = [], []
+    for file in files:
+        match = _TASK_FILE.fullmatch(unpacked_name(file.name))
+        subsets.append((match["folder"], match["subset"]) if match else (file.name, ""))
+        ranks.append(_TASKS.index(match["task"]) if match else 0)
+    best: dict[tuple[str, str], int] = {}
+    for subset, rank in zip(subsets, ranks, strict=True):
+        best[subset] = min(rank, best.get(subset, rank))
+    is_used = [rank == best[subset] for subset, rank in zip(subsets, ranks, strict=True)]
+    used = [(number, file) for number, file in enumerate(files) if is_used[number]]
+    others = ", ".join(file.name for number, file in enumerate(files) if not is_used[number])
+    return used, f"the same pictures for other tasks passed over: {others}" if others else ""
 
 
 @dataclass(frozen=True)

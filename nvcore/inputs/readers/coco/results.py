@@ -31,6 +31,7 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.coco.images import (
     NAME_KEYS,
+    files_of_one_task,
     id_text,
     places_of_rows,
     rows_by_id,
@@ -87,9 +88,10 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     """
     tables, kinds = [], []
     left_out: Counter[Any] = Counter()
-    facts = ["boxes as they are (0-based)"]
+    used, passed_over = files_of_one_task(files)
+    facts = ["boxes as they are (0-based)", passed_over]
     findings: list[Finding] = []
-    for number, file in enumerate(files):
+    for number, file in used:
         columns, own = read_columns(file, options)
         images = options.images if own is None else own
         boxes, new_facts, oddities, kind, others = _boxes(columns, file, number, images, options)

@@ -25,6 +25,7 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.coco.images import (
     ImageList,
+    files_of_one_task,
     id_text,
     id_texts,
     image_ids,
@@ -84,9 +85,10 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     tables, images, recordings, attributes, kinds, named = [], [], [], [], [], []
     left_out: Counter[Any] = Counter()
     categories: dict[str, str] = {}
-    facts: list[str] = ["boxes as they are (0-based)"]
+    used, passed_over = files_of_one_task(files)
+    facts: list[str] = ["boxes as they are (0-based)", passed_over]
     findings: list[Finding] = []
-    for number, file in enumerate(files):
+    for number, file in used:
         document = read_json(file)
         if not isinstance(document, dict):
             raise file.fault(
@@ -115,7 +117,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         boxes=concat_boxes(tables).assign(label=codes),
         recordings=pd.concat(recordings).drop_duplicates("name", ignore_index=True),
         conversion=conversion_text(facts),
-        images=_all_images(images, files),
+        images=_all_images(images, [file for _, file in used]),
         findings=tuple(findings),
         attributes=joined_attributes(attributes),
         labels=labels,
