@@ -24,14 +24,14 @@ from nvcore.auditing.comparability import (
     audit_operating_points,
     audit_weighting,
 )
-from nvcore.auditing.coverage import audit_system_coverage, audit_truth_coverage
+from nvcore.auditing.coverage import PART_CODE, audit_system_coverage, audit_truth_coverage
 from nvcore.auditing.detectability import audit_detectability
 from nvcore.auditing.layouts import audit_layouts, find_layouts
 from nvcore.auditing.no_match import audit_no_match
 from nvcore.auditing.offsets import find_offsets
 from nvcore.auditing.overlaps import above_threshold
 from nvcore.auditing.perspective import audit_foot_spread
-from nvcore.auditing.rates import find_rate
+from nvcore.auditing.rates import RATE_CODE, find_rate
 from nvcore.auditing.recordings import (
     audit_fps,
     audit_frame_list,
@@ -110,7 +110,17 @@ def audit(
         findings += audit_system(dataset, system, threshold, letter=letter)
     findings += audit_pair(dataset, params, x=x, y=y)
     findings += audit_view(dataset, params)
-    return worst_first(accepted(findings, dataset.settings.accept))
+    return ranked(dataset, findings)
+
+
+def ranked(dataset: Dataset, findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """All findings of the parts of `audit`, worst first, as the user accepts them.
+
+    Frame numbers at another rate end early: that detections are in a part only says nothing more.
+    """
+    found = accepted(findings, dataset.settings.accept)
+    explained = {(PART_CODE, finding.subject) for finding in found if finding.code == RATE_CODE}
+    return worst_first(f for f in found if (f.code, f.subject) not in explained)
 
 
 def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:

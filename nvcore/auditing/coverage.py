@@ -12,6 +12,7 @@ from nvcore.dataset import Dataset
 from nvcore.findings import TRUTH_NAME, Finding, Severity
 from nvcore.inputs.evaluated_frames import nth
 
+PART_CODE: Final = "detections-in-part-of-recording"
 MIN_REGULAR: Final = 10
 """Frames with boxes from which on a regular step between them is no chance."""
 MIN_SILENT: Final = 20
@@ -149,7 +150,7 @@ def _silent_ends(source: BoxSource, has_box: np.ndarray) -> list[Finding]:
     return _about_recordings(
         dataset,
         Severity.WARNING,
-        "detections-in-part-of-recording",
+        PART_CODE,
         source.name,
         odd,
         f"detections in a part only (first: frames {number[lo[first]]} to "

@@ -17,6 +17,7 @@ from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Remedy, Severity, Step
 from nvcore.inputs.session import Session
 
+RATE_CODE: Final = "frame-rate"
 MOST_FRAMES: Final = 150
 """Frames with detections that are compared."""
 MIN_FRAMES: Final = 10
@@ -238,7 +239,7 @@ def _finding(source: BoxSource, now: _Rate, best: _Rate) -> Finding:
     behind = f" {'+' if moved > 0 else '-'} {abs(moved)}" if moved else ""
     [finding] = source.findings(
         Severity.ERROR if best.iou >= SURE else Severity.WARNING,
-        "frame-rate",
+        RATE_CODE,
         np.arange(1),
         "The detections are numbered at another frame rate than the ground truth: as frame = "
         f"{total:g} x number{behind} they fit the pedestrians (mean IoU {best.iou:.2f}, at best "

@@ -11,7 +11,9 @@ import pytest
 from field_scene import FPS, PERSON, SIZE, detections, truth
 
 import nvcore as nv
-from nvcore.auditing import audit_system
+from nvcore.auditing import audit, audit_inputs, audit_system
+from nvcore.auditing.coverage import PART_CODE
+from nvcore.auditing.rates import RATE_CODE
 from nvcore.findings import Finding, Remedy, Severity, Step
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source, SystemSource
@@ -58,6 +60,15 @@ def test_half_the_rate_is_an_error_that_names_the_factor_and_no_offset(tmp_path)
     assert found["frame-rate"].suggestion == (("frame_step", 2.0),)
     assert found["frame-rate"].steps == (Step(Remedy.FRAME_STEP, "2", "Y"),)
     assert "time-offset" not in found
+
+
+def test_detections_in_a_part_only_are_not_told_beside_the_rate_that_explains_it(tmp_path):
+    session = of_scene(tmp_path, lambda i: i % 2 == 0, lambda i: i // 2)
+    dataset = load(session)
+    assert PART_CODE in {finding.code for finding in audit_inputs(dataset)}
+    found = {finding.code for finding in audit(dataset)}
+    assert RATE_CODE in found
+    assert PART_CODE not in found
 
 
 def test_with_the_factor_the_boxes_match_and_nothing_is_found(tmp_path):

@@ -6,10 +6,17 @@ from functools import partial
 
 import streamlit as st
 
-from nvcore.auditing import audit_inputs, audit_pair, audit_system, audit_view, role_of
+from nvcore.auditing import (
+    audit_inputs,
+    audit_pair,
+    audit_system,
+    audit_view,
+    ranked,
+    role_of,
+)
 from nvcore.auditing.pictures import audit_pictures
 from nvcore.dataset import Dataset
-from nvcore.findings import Finding, accepted, worst_first
+from nvcore.findings import Finding, worst_first
 from nvcore.params import Params
 from nvcore.params.metadata import MATCH, NEAREST, PROXIMITY, THRESHOLD, URGENCY
 from ui.session import state
@@ -61,7 +68,7 @@ def findings_kept_by(
             "audit_pair", (of_pair, x, y), lambda: audit_pair(dataset, of_pair, x=x, y=y)
         )
         findings += audit_view(dataset, relevant)
-        return worst_first(accepted(findings, dataset.settings.accept))
+        return ranked(dataset, findings)
 
     findings: tuple[Finding, ...] = cached("findings", key, make)
     return findings
