@@ -358,23 +358,20 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
         ),
         grouped_option(INPUTS, "--name-y", metavar="NAME", help="Name of Y, likewise."),
         format_option,
-        grouped_option(
-            READING,
-            "--format-truth",
-            metavar="FORMAT",
-            help="Format of the ground truth, where it differs.",
-        ),
-        grouped_option(READING, "--format-x", metavar="FORMAT", help="Format of X, likewise."),
-        grouped_option(READING, "--format-y", metavar="FORMAT", help="Format of Y, likewise."),
         *reading_options,
         *(
             grouped_option(
                 READING,
                 f"--{kind}-{end}",
-                metavar=metavar,
-                help=f"The same of {whose} alone.",
+                help=f"As --{kind}, of {whose} alone.",
+                **values,
             )
-            for kind, metavar in (("classes", "NAMES"), ("boxes", "LAYOUT"))
+            for kind, values in (
+                ("format", {"metavar": "FORMAT"}),
+                ("classes", {"metavar": "NAMES"}),
+                ("boxes", {"metavar": "LAYOUT"}),
+                ("frame-names", {"type": click.Choice(FRAME_NAMES), "metavar": "WAY"}),
+            )
             for end, whose in (("truth", "the ground truth"), ("x", "X"), ("y", "Y"))
         ),
         objects_option,

@@ -40,6 +40,9 @@ OF_FILES: Final = (
     "boxes_x",
     "boxes_y",
     "frame_names",
+    "frame_names_truth",
+    "frame_names_x",
+    "frame_names_y",
 )
 """Flags that say how the files named by flags are read."""
 
@@ -244,8 +247,9 @@ def objects_from_option(options: dict[str, Any]) -> Objects | None:
 
 def source_options(options: dict[str, Any], side: str = "") -> dict[str, Any]:
     """Fields of `Source` that the flags give, those of one side before those of all."""
-    classes, boxes = (
-        options.get(f"{name}_{side}") or options[name] for name in ("classes", "boxes")
+    classes, boxes, frame_names = (
+        options.get(f"{name}_{side}") or options[name]
+        for name in ("classes", "boxes", "frame_names")
     )
     bases = {
         key: None if options[key] is None else int(options[key])
@@ -255,7 +259,7 @@ def source_options(options: dict[str, Any], side: str = "") -> dict[str, Any]:
     return {
         "classes": names,
         "boxes": boxes,
-        "frame_names": options["frame_names"],
+        "frame_names": frame_names,
         **bases,
     }
 

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nvcore.cli.options import PART_NAMES
-from nvcore.cli.remedies import ENDS, TEXTS
+from nvcore.cli.remedies import ways_text
 from nvcore.errors import InputError, MissingFactError
-from nvcore.findings import TRUTH_NAME, steps_text
+from nvcore.findings import TRUTH_NAME
 from nvcore.inputs.session import Session, Source
 from nvcore.progress import Progress, no_progress
 from nvcore.wording import one_line
@@ -95,11 +95,14 @@ def errors_of(session: Session) -> Iterator[None]:
                     session.systems, system_names(session.systems, ()), strict=True
                 )
             ]
-            ends = dict(zip([TRUTH_NAME, *names], ENDS, strict=False))
-            error.steps = tuple(
-                replace(step, subject=ends.get(step.subject, "")) for step in error.steps
-            )
-            raise
+            ends = dict(zip([TRUTH_NAME, *names], ("-truth", "-x", "-y"), strict=False))
+            ways = ways_text(error.steps, ends)
+            if not ways:
+                raise
+            message = f"{error.message.rstrip('.')}. {ways}"
+            worded = InputError(message, file=error.file, line=error.line)
+            worded.path = error.path
+            raise worded from error
 
 
 def _proposal(session: Session, facts: Iterable[str]) -> str:
@@ -193,7 +196,7 @@ def shown_paths(
 def findings_shown(
     findings: tuple[Finding, ...], path: ShownPath, compared: Sequence[str | None] = ()
 ) -> tuple[Finding, ...]:
-    """Findings as the terminal shows them: files as `shown_paths` says, ways on by flags.
+    """Findings as the terminal shows them: files as `shown_paths` says, with the ways on.
 
     Parameters
     ----------
@@ -206,7 +209,7 @@ def findings_shown(
         replace(
             finding,
             file=path(finding.subject, finding.file),
-            advice=f"{finding.advice} {steps_text(finding.steps, TEXTS, marks)}".strip(),
+            advice=f"{finding.advice} {ways_text(finding.steps, marks)}".strip(),
         )
         for finding in findings
     )

@@ -266,7 +266,7 @@ def test_the_command_line_asks_with_exit_code_2_and_the_flag(tmp_path):
     facts = ["--size", "640x480", "--fps", "10"]
     run = nvcore("check", *paths, *facts)
     assert run.exit_code == 2
-    assert "Give --frame-names scenes, or give --frame-names numbers." in run.stderr
+    assert "Give --frame-names-truth scenes, or give --frame-names-truth numbers." in run.stderr
     assert nvcore("check", *paths, *facts, "--frame-names", "scenes").exit_code == 0
 
 
