@@ -21,6 +21,8 @@ _SAME_SHAPE: Final = 0.02
 _ENOUGH: Final = 0.5
 """Share of the frames that numbers in names find, where they cover all frames but have gaps."""
 _NEARLY_ALL: Final = 0.95
+_CLEARLY_MORE: Final = 1.5
+"""By so much pictures of every frame are more than the listed frames, every second or fifth."""
 _SAME_RATE: Final = 0.005
 """Share by which frame rates that are the same may differ: 29.97 is called 30."""
 _TIMES_FROM: Final = 10**9
@@ -239,6 +241,8 @@ def _fits(frames: NDArray[np.int64], numbers: NDArray[np.int64], n_hits: int) ->
     step = int(np.median(np.diff(frames))) if len(frames) > 1 else 1
     if first < frames[0] - step or last > frames[-1] + step or len(numbers) <= len(frames):
         return False
+    if step > 1 and len(numbers) <= _CLEARLY_MORE * len(frames):
+        return False  # they may as well be the listed frames, numbered anew, and a few more
     n_inside = np.count_nonzero((frames >= first) & (frames <= last))
     return n_hits >= max(1, _NEARLY_ALL * n_inside)
 

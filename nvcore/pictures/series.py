@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import glob
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import PurePosixPath
 from posixpath import basename, splitext
 from typing import Final
@@ -23,6 +24,7 @@ from numpy.typing import NDArray
 from nvcore.errors import MediaError
 from nvcore.file_kinds import composed
 from nvcore.findings import Remedy, Step
+from nvcore.inputs.readers.meaning.picture_times import times_in
 from nvcore.wording import listed, one_line
 
 _DIGITS: Final = re.compile(r"([0-9]+)")
@@ -136,6 +138,10 @@ def _groups(names: Sequence[str]) -> list[_Group]:
     groups = []
     for (kind, _), members in alike.items():
         column = _number_column([parts for _, parts in members])
+        times_ns = _times([parts for _, parts in members], column)
+        if times_ns is not None:
+            groups.append(replace(_group(members, column, kind), numbers=times_ns))
+            continue
         own: dict[tuple[str, ...], list[tuple[str, list[str]]]] = {(): members}
         if len({parts[column].lstrip("0") for _, parts in members}) < len(members):
             own = defaultdict(list)  # of several cameras, whose numbers stand in the names as well
@@ -143,8 +149,40 @@ def _groups(names: Sequence[str]) -> list[_Group]:
                 own[*parts[:column], *parts[column + 1 :]].append((name, parts))
         for several in own.values():
             if all(len(parts[column].lstrip("0")) <= _MOST_DIGITS for _, parts in several):
-                groups.append(_group(several, column, kind))
+                groups += [_group(part, column, kind) for part in _single(several, column)]
     return groups
+
+
+def _times(stems: Sequence[Sequence[str]], column: int) -> list[int] | None:
+    """Nanoseconds, if the names are times: seconds start again with each minute.
+
+    None: they are none, or their numbers rise as those of frames do.
+    """
+    if max(len(parts[column]) for parts in stems) > _MOST_DIGITS:
+        return None
+    steps = {int(after[column]) - int(before[column]) for before, after in pairwise(stems)}
+    is_clock = [len(digits) for digits in stems[0][max(column - 2, 1) : column + 1 : 2]] == [8, 6]
+    if len(steps) < 2 or (min(steps) > 0 and not is_clock):
+        return None
+    times = times_in(["".join(parts) for parts in stems])
+    if times is None or len({*times.prefix}) > 1 or len({*times.ns.tolist()}) < len(stems):
+        return None
+    ns: list[int] = times.ns.tolist()
+    return ns
+
+
+def _single(members: list[tuple[str, list[str]]], column: int) -> list[list[tuple[str, list[str]]]]:
+    """The files with each number once, and those that repeat it with more or fewer zeros."""
+    usual = Counter(len(parts[column]) for _, parts in members).most_common(1)[0][0]
+    first: dict[int, tuple[str, list[str]]] = {}
+    for member in sorted(members, key=lambda member: len(member[1][column]) != usual):
+        first.setdefault(int(member[1][column]), member)
+    single = {name for name, _ in first.values()}
+    parts = [
+        [member for member in members if (member[0] in single) == is_single]
+        for is_single in (True, False)
+    ]
+    return [part for part in parts if part]
 
 
 def _group(members: Sequence[tuple[str, list[str]]], column: int, kind: str) -> _Group:

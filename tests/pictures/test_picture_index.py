@@ -155,6 +155,8 @@ def test_names_that_do_not_fit_give_way_to_the_order(tmp_path: Path, names: list
         # it cannot be told
         (range(60), range(30, 100), [-1] * 60),
         (range(0, 120, 2), range(1, 60), [-1] * 60),
+        (range(0, 120, 2), range(1, 62), [-1] * 60),
+        (range(0, 300, 5), range(70), [-1] * 60),
         (range(60), range(501, 1501), [-1] * 60),
         (range(4), [1000, 1001, 1007, 1008], [-1] * 4),
     ],

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -11,6 +14,8 @@ from picture_files import encoded, number_in, numbered, write_picture, write_zip
 from nvcore.errors import MediaError
 from nvcore.findings import Remedy, Step
 from nvcore.pictures import open_pictures
+from nvcore.pictures.base import Pictures
+from nvcore.pictures.index import Rule, map_frames
 from nvcore.pictures.notes import PictureNote, PictureTrait
 from nvcore.pictures.series import natural_order, series_of
 
@@ -68,6 +73,42 @@ def test_the_number_is_the_one_in_which_the_names_differ(names: list[str]):
 def test_names_that_tell_no_number_are_all_taken_in_their_order(names: list[str]):
     series = series_of(names, "drive")
     assert (series.names, series.numbers) == (sorted(names, key=natural_order), None)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        lambda n: f"2023-01-05_12-{12 + (n + 50) // 60:02}-{(n + 50) % 60:02}.png",
+        lambda n: f"20230105_{121240 + n if n < 20 else 121280 + n}.png",
+        lambda n: f"drive_20230105-1212{n // 10:02}_{n % 10 * 100:03}.png",
+        lambda n: f"{1600000000 + n // 20}_{n % 20 * 50_000_000:09}.png",
+        lambda n: f"{1600000000 + n // 20}.{n % 20 * 50:03}.png",
+    ],
+)
+@pytest.mark.parametrize("n", [40, 63])
+def test_times_in_names_are_one_series_in_their_order(name: Callable[[int], str], n: int):
+    names = [name(number) for number in range(n)]
+    series = series_of([*reversed(names), "calib.png"], "drive")
+    assert (series.names, series.passed_over) == (names, ("calib.png",))
+    pictures = SimpleNamespace(n=n, numbers=series.numbers, is_video=False)
+    frames = map_frames(np.arange(0, 2 * n, 2), cast(Pictures, pictures))
+    assert (frames.rule, frames.index.tolist()) == (Rule.ORDER, [*range(n)])
+
+
+@pytest.mark.parametrize(
+    "name", ["20230105_1212_{:04}.png", "20230105_121200_{:06}.png", "2023-01-05_12-12-00_{}.png"]
+)
+def test_numbers_behind_a_time_are_frames_also_where_some_are_missing(name: str):
+    numbers = [n for n in range(60) if n not in (7, 8, 30)]
+    assert numbers_in([name.format(n) for n in numbers]) == numbers
+
+
+@pytest.mark.parametrize(("width", "copy"), [(4, "img_12.png"), (1, "img_012.png")])
+def test_a_number_written_with_other_zeros_is_a_copy(width: int, copy: str):
+    names = [f"img_{n:0{width}}.png" for n in range(60)]
+    series = series_of([*names, copy], "drive")
+    assert (series.names, series.numbers.tolist()) == (names, [*range(60)])
+    assert series.passed_over == (copy,)
 
 
 def test_a_frame_that_was_saved_in_another_format_is_of_the_series():
