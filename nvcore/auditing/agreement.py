@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -11,7 +12,7 @@ from nvcore.auditing.cases import BoxSource, place_of_frame, truth_source
 from nvcore.auditing.overlaps import rows_in_ranges
 from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
-from nvcore.findings import Cases, Finding, Severity
+from nvcore.findings import TRUTH_NAME, Cases, Finding, Remedy, Severity, Step
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.kernels.pairs import pair_frames
 from nvcore.metrics.matching import Matches, iou_of_pairs, match_system
@@ -110,6 +111,15 @@ NEAR_IOU: Final = 0.1
 """Smallest IoU of an agreeing detection with the missed pedestrian that it may be meant for."""
 MANY_SHARE: Final = 0.05
 """Share of the pedestrians from which on such cases are a warning, not a note."""
+NOT_OF_TRUTH: Final = "agreed-by-both-alone"
+HARDLY: Final = 0.1
+"""Share of the pedestrians below which systems match hardly anybody ..."""
+LEAST_AGREED: Final = 5
+"""... and it is an error if they agree with one another on so many boxes at least ..."""
+MOST_AGREED: Final = 0.5
+"""... on such a share of the false alarms of the one that has fewer ..."""
+LEAST_OF_TRUTH: Final = 0.2
+"""... and on so many boxes for each pedestrian."""
 MANY_BOXES: Final = 20
 """Fewer boxes than this stay a note."""
 
@@ -132,13 +142,19 @@ def find_disagreement(
     A detection of X and one of Y agree when their IoU is at least 0.5. Only pairs count
     in which neither detection matches a pedestrian or lies on an ignore region. A pair that
     overlaps a pedestrian whom neither system matched points to a badly drawn box; any other to a
-    pedestrian missing from the annotation.
+    pedestrian missing from the annotation. Where both match hardly anybody, and agree with one
+    another instead, it is an error: the truth is of other frames or pictures.
     """
     truth = dataset.truth
     agreed = _agreeing(dataset, x.boxes, y.boxes, matches)
     if not len(agreed):
         return []
     n_truth = int(np.count_nonzero(~truth.ignore))
+    n_matched = [int(np.count_nonzero(of_one.is_matched)) for of_one in matches]
+    n_alarms = min(int(np.count_nonzero(of_one.is_false_alarm)) for of_one in matches)
+    least = max(LEAST_AGREED, MOST_AGREED * n_alarms, LEAST_OF_TRUTH * n_truth)
+    if max(n_matched) < HARDLY * n_truth and len(agreed) >= least:
+        return [_elsewhere(x, y, agreed, n_matched, n_truth)]
     unmatched = ~truth.ignore & ~matches[0].is_matched & ~matches[1].is_matched
     missed_row = _overlapped(truth, unmatched, x.boxes, agreed)
     return [
@@ -228,6 +244,29 @@ def _overlapped(
     is_best = (iou >= least_iou) & (iou == best[pair])
     row[pair[is_best]] = g[is_best]
     return row
+
+
+def _elsewhere(
+    x: BoxSource, y: BoxSource, agreed: np.ndarray, n_matched: Sequence[int], n_truth: int
+) -> Finding:
+    return Finding(
+        Severity.ERROR,
+        NOT_OF_TRUTH,
+        TRUTH_NAME,
+        len(agreed),
+        f"{x.name} and {y.name} match {n_matched[0]} and {n_matched[1]} of "
+        f"{count_text(n_truth, 'pedestrian')}, but agree with one another on "
+        f"{count_text(len(agreed), 'box', 'boxes')} where the ground truth has nobody.",
+        "Look at a frame with pedestrians: is it the same recording, are its frames numbered alike "
+        "(every n-th of them by 0, 1, 2, ...?), the pictures the same way round, and the classes "
+        "those that were meant?",
+        cases=Cases("boxes", x.boxes.first_row + agreed),
+        steps=(
+            Step(Remedy.FRAME_STEP, "", x.name),
+            Step(Remedy.FRAME_STEP, "", y.name),
+            Step(Remedy.ACCEPT, NOT_OF_TRUTH),
+        ),
+    )
 
 
 def _drawn_elsewhere(dataset: Dataset, rows: np.ndarray, n_truth: int) -> list[Finding]:

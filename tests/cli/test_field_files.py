@@ -27,3 +27,11 @@ def test_files_give_the_right_values_or_say_what_is_wrong(case: Case, tmp_path: 
         }
         found = {name: tuple(summary[letter][key] for letter in "xy") for name, key in keys.items()}
         assert found == case.right
+
+
+def test_numbers_given_for_results_are_those_of_the_results(tmp_path: Path):
+    flags = ("--classes-truth", "person", "--classes-x", "2", "--classes-y", "2", "--json")
+    written = CASES["coco-ids-less-by-one"].write(tmp_path)
+    run = CliRunner().invoke(main, ["compare", *written, *flags])
+    assert run.exit_code == 0, run.stderr
+    assert [json.loads(run.stdout)[letter]["boxes_matched"] for letter in "xy"] == [60, 102]

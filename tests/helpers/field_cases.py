@@ -253,6 +253,32 @@ def _roboflow(frame: int) -> str:
     return f"drive_mp4-{frame:04d}_jpg.rf.{frame:032x}"
 
 
+def _sahi(side: str, table: pd.DataFrame) -> Files:
+    """Results with numbers of the model's own, and the names that they stand for."""
+    if side == "truth":
+        return coco(side, table, ids={"bicycle": 0, "person": 1, "car": 2})
+    numbers = {"person": 0, "bicycle": 1, "car": 2}
+    results = json.loads(coco(side, table, ids=numbers)[f"{side}.json"])
+    names = {number: name for name, number in numbers.items()}
+    named = [{**result, "category_name": names[result["category_id"]]} for result in results]
+    return {f"{side}.json": json.dumps(named)}
+
+
+def _flipped(side: str, table: pd.DataFrame) -> Files:
+    """Both systems ran on pictures that were turned left to right."""
+    people = table[table["name"] == "person"].drop(columns="name")
+    if side != "truth":
+        people = people.assign(x=WIDTH - people["x"] - people["w"])
+    return csv(people, side)
+
+
+def _camel_centres(side: str, table: pd.DataFrame) -> Files:
+    people = table[table["name"] == "person"].drop(columns="name")
+    middle = {"CenterX": people["x"] + people["w"] / 2, "CenterY": people["y"] + people["h"] / 2}
+    people = people.assign(**middle).drop(columns=["x", "y"])
+    return csv(people.rename(columns={"w": "Width", "h": "Height"}), side)
+
+
 def _corners(row: pd.Series) -> list[float]:
     return [row.x, row.y, row.x + row.w, row.y + row.h]
 
@@ -313,4 +339,24 @@ CASES: Final[Mapping[str, Case]] = {
     "child-beside-pedestrian": Case(
         each(_with_child), FPS, right=None, says=("child",), exit_code=0
     ),
+    "coco-results-with-names": Case(each(_sahi), FPS),
+    "coco-ids-less-by-one": Case(
+        each(
+            lambda s, t: coco(s, t, ids=IDS if s == "truth" else {n: k - 1 for n, k in IDS.items()})
+        ),
+        FPS,
+        right=None,
+        says=("only you know which numbers of the results are pedestrians",),
+        exit_code=2,
+    ),
+    "yolo-names-with-a-mark": Case(
+        _data_yaml("names: &names  # all\n  0: bicycle\n  1: car\n  2: person # us\n")
+    ),
+    "pictures-flipped": Case(
+        each(_flipped),
+        right=None,
+        says=("agree with one another", "the same way round"),
+        exit_code=1,
+    ),
+    "centres-in-capitals": Case(each(_camel_centres)),
 }

@@ -388,3 +388,11 @@ def test_a_scene_whose_first_pictures_are_missing_is_still_one(tmp_path):
     third = lambda i: late(i) if i < 39 else "030001.txt"  # noqa: E731
     _, dataset = compared(tmp_path, as_yolo(tmp_path, every=third))
     assert dataset.recordings["name"].tolist() == ["01", "02", "03"]
+
+
+def test_cameras_named_behind_the_number_are_recordings_of_their_own(tmp_path: Path):
+    names = as_yolo(tmp_path, every=lambda f: f"{f // 2:04d}_{('left', 'right')[f % 2]}.txt")
+    values, dataset = compared(tmp_path, names)
+    assert (values["matched"], values["false_alarms"]) == (RIGHT["matched"], RIGHT["false_alarms"])
+    assert dataset.recordings["name"].tolist() == ["left", "right"]
+    assert set(dataset.frames["frame"]) == {*range(20)}

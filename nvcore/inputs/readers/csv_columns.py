@@ -35,10 +35,12 @@ SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
     "h": ("h", "height", "bb_height", "bbox_height", "bbox_h", "box_height"),
     "xc": (
         *("xc", "cx", "x_c", "x_center", "x_centre", "xcenter", "xcentre", "center_x", "centre_x"),
+        *("centerx", "centrex"),
         *("bbox_cx", "bbox_xc", "bbox_center_x", "bbox_x_center", "bb_cx", "xmid", "x_mid"),
     ),
     "yc": (
         *("yc", "cy", "y_c", "y_center", "y_centre", "ycenter", "ycentre", "center_y", "centre_y"),
+        *("centery", "centrey"),
         *("bbox_cy", "bbox_yc", "bbox_center_y", "bbox_y_center", "bb_cy", "ymid", "y_mid"),
     ),
     "right": ("x2", "xmax", "x_max", "right", "xbr", "bb_right", "bbox_right"),

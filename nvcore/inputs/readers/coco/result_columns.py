@@ -6,6 +6,7 @@ import io
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 import pandas as pd
@@ -17,6 +18,9 @@ from nvcore.inputs.readers.coco.images import NAME_KEYS, id_text, id_texts, imag
 from nvcore.inputs.readers.coco.truth import category_names
 from nvcore.inputs.readers.parse.json import Records, read_json
 from nvcore.inputs.readers.parse.text import read_bytes
+
+KIND: Final = "category_name"
+"""Field in which SAHI and others name the category beside its id."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +39,8 @@ class ResultColumns:
         File name of the picture.
     track
         Track id as a number or text.
+    kind
+        Name of the category beside its id, text.
     names
         Names of the categories by their ids as text, where the file lists them.
     """
@@ -45,6 +51,7 @@ class ResultColumns:
     image_id: pd.Series | None
     picture: pd.Series | None
     track: pd.Series | None
+    kind: pd.Series | None = None
     names: Mapping[str, str] = field(default_factory=dict)
 
     def __len__(self) -> int:
@@ -118,6 +125,7 @@ def _fast(file: SourceFile) -> ResultColumns | None:
         image_id=columns.get("image_id"),
         picture=picture,
         track=columns.get("track_id"),
+        kind=columns.get(KIND),
     )
 
 
@@ -132,6 +140,7 @@ def _schema(first: object) -> pa.Schema | None:
         "image_id": (int, str),
         **dict.fromkeys(NAME_KEYS, (str,)),
         "track_id": (int, str),
+        KIND: (str,),
     }
     kinds = {list: pa.list_(pa.float64()), int: pa.int64(), str: pa.string()}
     if "bbox" not in first or any(
@@ -162,6 +171,8 @@ def _careful(file: SourceFile, options: ReadOptions) -> tuple[ResultColumns, pd.
     texts: set[type] = {str, type(None)}
     records.check_types(category or [], texts | {int, float}, "a number or text as category_id")
     records.check_types(picture or [], texts, "a number or text as file name")
+    kind = records.values(KIND)
+    records.check_types(kind or [], texts, f"text as {KIND}")
     track = id_texts(records, "track_id", "track_id")
     has_ids = records.values("image_id") is not None and (
         picture is None or None not in (records.values("image_id") or [])
@@ -176,5 +187,6 @@ def _careful(file: SourceFile, options: ReadOptions) -> tuple[ResultColumns, pd.
         image_id=image_ids(records, "image_id") if has_ids else None,
         picture=None if picture is None else pd.Series(picture, dtype=object),
         track=track,
+        kind=None if kind is None or None in kind else pd.Series(kind, dtype=object),
         names=names,
     ), own

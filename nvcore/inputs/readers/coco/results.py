@@ -128,10 +128,14 @@ def _boxes(
     is_wanted, facts, findings = np.ones(n_rows, dtype=bool), ["no category_id: all count"], []
     kind = np.full(n_rows, "", dtype=object)
     left_out: tuple[LeftOut, ...] = ()
-    if columns.category is not None:
-        ids = columns.category.unique()
-        keys = columns.category.map(dict(zip(ids, map(id_text, ids), strict=True)))
-        choice, named = _choice(keys, columns.names, file, options)
+    category, own_names = columns.category, columns.names
+    if columns.kind is not None and not columns.kind.str.isdecimal().all():
+        category = columns.kind
+        own_names = {name: name for name in category.unique()}
+    if category is not None:
+        ids = category.unique()
+        keys = category.map(dict(zip(ids, map(id_text, ids), strict=True)))
+        choice, named = _choice(keys, own_names, file, options)
         is_wanted = keys.isin(choice.counted).to_numpy()
         name_of = {key: named.names.get(key, "") for key in choice.counted}
         kind = keys.map(name_of).fillna("").to_numpy()
@@ -184,10 +188,13 @@ def _choice(
     if named.names and len(counts) == 1 and unknown and not others and options.classes is None:
         named = ClassNames()
     elif named.names and unknown and _may_be_shifted(unknown, counts, named.names):
+        if options.classes is not None and all(map(str.isdecimal, options.classes)):
+            return _choice(keys, {key: key for key in counts}, file, options)
         raise UnnamedClassesError(
             f"results and ground truth number their classes differently: category_id "
             f"{', '.join(sorted(unknown))} of the results is none of {', '.join(named.names)}, "
-            "the ids of the ground truth, and each id more or less by one would be",
+            "the ids of the ground truth, and each id more or less by one would be: only you know "
+            f"which numbers of the results are {options.objects.plural}",
             file=file.name,
             steps=(Step(Remedy.CLASSES),),
         )
@@ -244,9 +251,11 @@ def _places(
 ) -> _Places:
     """Where the results are: by the names of their pictures, else by image_id."""
     ids, pictures = columns.image_id, columns.picture
+    by_name = None if pictures is None else _places_by_name(pictures, file, images, options)
+    if by_name is not None and by_name.is_known.all() and _are_ids_repeated(images):
+        return by_name
     by_id = None if ids is None else _places_by_id(ids, file, images, options)
-    if pictures is not None:
-        by_name = _places_by_name(pictures, file, images, options)
+    if pictures is not None and by_name is not None:
         if by_id is None or not by_name.is_known.all():
             return by_name if by_id is None or by_name.is_known.any() else by_id
         given = pd.Series([]) if ids is None else ids
@@ -301,8 +310,12 @@ def _places_by_id(
             "a truth with an image list (COCO)",
             file=file.name,
         )
-    if images["image_id"].duplicated().any():
+    if _are_ids_repeated(images):
         # the truth is several files with ids of their own: the file's name must say which
+        if not is_integer_dtype(ids.dtype):
+            by_name = _places_by_name(ids, file, images, options)
+            if by_name.is_known.all():
+                return by_name
         name = recording_of(file.name, tuple(images["recording"].unique()))
         images = images[images["recording"] == name]
         if images["image_id"].duplicated().any() or images.empty:
@@ -312,6 +325,11 @@ def _places_by_id(
             )
     places = places_of_rows(images, rows_by_id(ids, images["image_id"]))
     return _Places(*places, "recording and frame from the image list by image_id")
+
+
+def _are_ids_repeated(images: pd.DataFrame | None) -> bool:
+    """Whether the truth is several files that number their images alike."""
+    return images is not None and bool(images["image_id"].duplicated().any())
 
 
 def _has_numeric_names(images: pd.DataFrame | None) -> bool:

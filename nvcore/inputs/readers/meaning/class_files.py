@@ -129,7 +129,7 @@ def names_of_yaml(text: str, file: SourceFile) -> dict[str, str]:
     if not keys:
         return {}
     at, match = keys[-1]
-    value = (match["value"] or "").strip()
+    value = re.sub(r"^&\S+\s*", "", (match["value"] or "").strip())  # a mark to refer to
 
     def fault(line: int) -> FormatError:
         return file.fault(

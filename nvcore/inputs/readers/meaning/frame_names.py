@@ -43,6 +43,9 @@ LONG_GAP: Final = 1000
 """Numbers without a picture, inside a list of pictures, that divide recordings ..."""
 LONG_GAP_STEPS: Final = 50
 """... if they are so many usual steps, too: a list may hold every hundredth picture."""
+MOST_ENDINGS: Final = 8
+"""Most cameras, by what stands behind the number in the names of their pictures."""
+_ENDING: Final = re.compile(r"(.*?)(\d+)([_\-. ]+[A-Za-z][A-Za-z_\-. ]*)")
 LATE_START: Final = 100
 """Frame up to which a scene may begin, where most begin at 0 or 1."""
 
@@ -191,6 +194,15 @@ def _by_themselves(names: Sequence[str], options: ReadOptions) -> NamedPictures:
         named = _by_times(recordings, names, times, options, divide=options.role == "truth")
         return replace(named, facts=(*facts, *named.facts))
     places = [place_of_stem(tuple(folders), stem, known) for folders, stem in parts]  # text
+    endings = [match for stem in stems if (match := _ENDING.fullmatch(stem)) is not None]
+    is_of_cameras = len(endings) == len(stems) and None in places
+    if is_of_cameras and len({match[3] for match in endings}) <= MOST_ENDINGS:
+        # of several cameras in one folder, such as 0001_left and 0001_right
+        stems = [f"{match[1]}{match[3]}_{match[2]}".lstrip("_-. ") for match in endings]
+        places = [
+            place_of_stem(tuple(folders), stem, known)
+            for (folders, _), stem in zip(parts, stems, strict=True)
+        ]
     if None in places:
         return replace(NO_NAMES, strange=places.index(None))
     placed = [place for place in places if place is not None]
