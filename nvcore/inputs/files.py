@@ -157,7 +157,7 @@ def _in_folder(path: Path, text: str, role: Role, declared: Format | None) -> li
     readable = (".txt", ".csv", ".json", ".xml", ".tsv", ".parquet", ".pq")
     endings = declared.suffixes if declared is not None else readable
     files = [file for file in files if suffix_of(file.path) in endings]
-    notes = ("readme", "license", "classes", "index")
+    notes = ("readme", "license", "classes", "index", "label_colors", "labelmap")
     files = [file for file in files if _stem(file.path).lower() not in notes] or files
     if not files:
         raise InputError(

@@ -60,7 +60,7 @@ SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
         *("video", "video_id", "video_name", "clip", "scene"),
     ),
     "picture": (
-        *("image_name", "file_name", "filename", "im_name"),
+        *("image_name", "file_name", "filename", "im_name", "frame_name"),
         *("image_path", "image_file", "image", "file", "picture"),
     ),
     "attributes": ("attributes", "attribute"),

@@ -190,7 +190,8 @@ def _read_one(file: SourceFile, number: int, name: str, options: ReadOptions) ->
             columns["score"] = conf
         elif len(table):
             rows.facts.append("score column is -1 throughout: no scores")
-    base = 0 if is_visdrone else 1
+    # CVAT and Datumaro write the corners that they draw, frames from 1 all the same
+    base = 0 if is_visdrone or _labels_beside(file).names else 1
     boxes = table.lines.boxes(
         (left - base, top - base, width, height),
         keep=rows.keep,
@@ -201,7 +202,7 @@ def _read_one(file: SourceFile, number: int, name: str, options: ReadOptions) ->
         ignore=rows.ignore,
         **columns,
     )
-    pixels = "VisDrone's pixels kept (0-based)" if base == 0 else "pixels from 1-based to 0-based"
+    pixels = "pixels from 1-based to 0-based" if base else "pixels kept (0-based)"
     return _Content(boxes, frame, rows, [pixels, *rows.facts], [*findings, *rows.findings])
 
 

@@ -28,6 +28,7 @@ from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
 from nvcore.inputs.readers.meaning.sizes import recordings_with_sizes
+from nvcore.inputs.readers.parse.unknown import foreign_format
 from nvcore.inputs.readers.parse.xml import Element, is_true, number, read_elements, root_of
 
 CORNERS: Final = ("xmin", "ymin", "xmax", "ymax")
@@ -38,9 +39,9 @@ _COLUMNS = ("file", "line", *CORNERS, "difficult", "occluded", "score")
 
 
 def recognise(name: str, head: str, role: Role) -> bool:
-    """Whether the outermost element is ``<annotation>``."""
+    """Whether the outermost element is ``<annotation>``, and it is not LabelMe's."""
     del name, role
-    return root_of(head) == "annotation"
+    return root_of(head) == "annotation" and foreign_format(head) is None
 
 
 @dataclass

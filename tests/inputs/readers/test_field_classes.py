@@ -236,6 +236,13 @@ def test_cvats_labels_number_the_classes_of_its_mot_export_from_1(tmp_path):
     assert compared(session_of(tmp_path, ".txt")) == RIGHT
 
 
+def test_pixels_of_cvats_mot_export_count_from_0(tmp_path):
+    (tmp_path / "gt.txt").write_text("1,1,60,180,50,130,1,1,1.0\n")
+    (tmp_path / "labels.txt").write_text("person\n")
+    boxes = read_source(Source("gt.txt"), role="truth", folder=tmp_path).boxes
+    assert boxes[[*"xywh"]].to_numpy().tolist() == [[60, 180, 50, 130]]
+
+
 @pytest.mark.parametrize("header", ["class,name", "class_id,class_name"])
 def test_a_name_goes_before_the_number_of_a_class_in_csv(tmp_path, header):
     row = "{frame},{x},{y},{w},{h},{track},{score},{kind},{name}"
@@ -441,6 +448,13 @@ FOREIGN = {
     "VIA": "filename,file_size,file_attributes,region_count\na.jpg,1,{},1",
     "Oxford Town Centre": "1,0,1,1,60.0,180.0,70.0,190.0,60.0,180.0,110.0,310.0",
     "Cartucho": "person 60 180 110 310",
+    "supervision": '[{"x_min": 60.0, "y_min": 180.0, "x_max": 110.0, "class_id": 0}]',
+    "Ultralytics' JSON": '[{"name": "person", "class": 0, "box": {"x1": 60.0}}]',
+    "Ultralytics' CSV": "name,class,confidence,box\nperson,0,0.6,\"{'x1': 60.41}\"",
+    "Label Studio's CSV": '"annotation_id","id","image","label","lead_time"\n1,1,"a.png","[]",1',
+    "Open Images' CSV": "ImageID,Source,LabelName,Confidence,XMin,XMax\na,,person,1,0,1",
+    "Open Images' tree": '{"LabelName": "/m/0bl9f", "Subcategory": []}',
+    "LabelMe's XML": "<annotation><filename>a.png</filename><imagesize></imagesize></annotation>",
     "Pascal VOC's results": "000012 0.687 60.04 181.35 108.97 312.7",
 }
 

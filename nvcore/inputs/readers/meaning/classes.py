@@ -169,7 +169,7 @@ def choose_classes(
         words("Name the classes that are pedestrians."),
         role=options.role,
         example=lambda row: str(label[row]),
-        steps=(Step(Remedy.CLASSES),),
+        steps=(Step(Remedy.CLASSES, ",".join(filter(options.objects.counts, map(str, classes)))),),
     )
     if options.classes is None and len(label):
         present = [name for name in classes if name.casefold() in counted_names]

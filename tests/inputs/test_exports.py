@@ -1,4 +1,4 @@
-"""Sets that tools divided (train, val), and annotations of the same pictures for several tasks."""
+"""Exports as tools write them: divided sets, several tasks, names and files of their own."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import pytest
 from field_scene import FPS, N_FRAMES, RIGHT, SIZE, coco_truth, detections, found, truth, write_yolo
 
 import nvcore as nv
-from nvcore.inputs.load import load
+from nvcore.findings import Remedy, Step
+from nvcore.inputs.load import load, read_source
 from nvcore.inputs.session import Session, Source, SystemSource
 
 SIDES = ("truth", "x", "y")
@@ -101,3 +102,24 @@ def test_the_same_pictures_for_other_tasks_are_passed_over(tmp_path: Path) -> No
     dataset = loaded(tmp_path, {"truth": name, **write_csv(tmp_path)})
     assert found(nv.compare(dataset)) == RIGHT
     assert "other tasks passed over" in dataset.inputs["conversion"].iloc[0]
+
+
+def test_names_that_are_none_of_kittis_are_named_by_the_step_that_lets_them_count(
+    tmp_path: Path,
+) -> None:
+    """Datumaro and CVAT write their own names, and their colours into a text beside the folders."""
+    row = "{} 0.0 0 -1 60 180 110 310 -1 -1 -1 -1 -1 -1 -1"
+    (tmp_path / "label_colors.txt").write_text("0 0 0 person\n")
+    (tmp_path / "000000.txt").write_text(f"{row.format('person')}\n{row.format('car')}\n")
+    reading = read_source(Source("."), role="truth", folder=tmp_path)
+    steps = [step for finding in reading.findings for step in finding.steps]
+    assert Step(Remedy.CLASSES, "person") in steps
+    counted = read_source(Source(".", classes=("person",)), role="truth", folder=tmp_path)
+    assert counted.boxes["ignore"].tolist() == [False]
+
+
+def test_a_column_frame_name_names_the_picture(tmp_path: Path) -> None:
+    header = "x_min,y_min,x_max,y_max,class_id,confidence,tracker_id,frame_name"
+    (tmp_path / "sink.csv").write_text(f"{header}\n60,180,110,310,0,0.9,,frame_000012.PNG\n")
+    boxes = read_source(Source("sink.csv"), role="detections", folder=tmp_path).boxes
+    assert boxes[["frame", *"xywh"]].to_numpy().tolist() == [[12, 60, 180, 50, 130]]
