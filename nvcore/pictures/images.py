@@ -20,6 +20,7 @@ from nvcore.pictures.base import Picture, RecentPictures, check_index
 from nvcore.pictures.header import image_size, tiff_pages, with_first_page
 from nvcore.pictures.notes import PictureNote, PictureTrait
 from nvcore.pictures.series import Series, is_stray, series_of
+from nvcore.pictures.stretch import measured
 from nvcore.wording import MOST_NAMED, one_line
 
 _MAX_BYTES: Final = 1 << 29
@@ -156,6 +157,7 @@ def _as_uint16(picture: NDArray[np.generic]) -> NDArray[np.uint16]:
     near = values[np.isfinite(values)]
     if not len(near):
         return np.zeros(picture.shape, np.uint16)
+    near = measured(near)
     for shares in ((25, 75), (5, 95), (0.5, 99.5)):  # the quartiles of a plain background are one
         lower, upper = np.percentile(near, shares)
         if upper > lower:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from base64 import b64encode
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import cv2
 import numpy as np
@@ -13,6 +13,10 @@ from numpy.typing import NDArray
 from nvcore.errors import ParameterError
 from nvcore.pictures.base import Picture
 
+_MANY: Final = 0.002
+"""Share of the pixels: fewer are left to the percentiles."""
+_FEWEST: Final = 8
+_APART: Final = 3
 _SAMPLED: Final = 1 << 16
 """Approximate number of pixels sampled for the percentiles."""
 
@@ -21,7 +25,8 @@ def stretch(picture: Picture, lo: float = 0.0, hi: float = 100.0) -> NDArray[np.
     """The picture with the grey levels between two percentiles spread over 0..255.
 
     An 8-bit picture with ``lo`` 0 and ``hi`` 100 stays as it is; a 16-bit one is spread from its
-    least to its greatest value. Colours are spread together, so that hues stay. Where both
+    least to its greatest value, without those that stand for no measurement (`measured`), as of a
+    masked border. Colours are spread together, so that hues stay. Where both
     percentiles are the same value, that becomes 128, what is darker 0 and what is brighter 255.
 
     Parameters
@@ -42,8 +47,10 @@ def stretch(picture: Picture, lo: float = 0.0, hi: float = 100.0) -> NDArray[np.
         return picture
     step = max(1, math.ceil(math.sqrt(picture.shape[0] * picture.shape[1] / _SAMPLED)))
     sample = picture[::step, ::step]
-    low = float(np.percentile(sample, lo)) if lo > 0 else float(picture.min())
-    high = float(np.percentile(sample, hi)) if hi < 100 else float(picture.max())
+    near = sample if picture.dtype == np.uint8 else measured(sample)
+    whole = picture if near.size == sample.size else near
+    low = float(np.percentile(near, lo)) if lo > 0 else float(whole.min())
+    high = float(np.percentile(near, hi)) if hi < 100 else float(whole.max())
     levels = np.arange(np.iinfo(picture.dtype).max + 1, dtype=np.float64)
     if high > low:
         spread = np.round((levels - low) * (255 / (high - low)))
@@ -51,6 +58,28 @@ def stretch(picture: Picture, lo: float = 0.0, hi: float = 100.0) -> NDArray[np.
         spread = np.where(levels < low, 0, np.where(levels > low, 255, 128))
     table = np.clip(spread, 0, 255).astype(np.uint8)
     return table[picture]
+
+
+def measured(values: NDArray[Any]) -> NDArray[Any]:
+    """The values without a least or greatest one that stands for no measurement, such as -9999.
+
+    Many pixels, yet no more than half, share it: 0 or less, or more than twice all others (of
+    whole numbers the greatest there is), and further from them than `_APART` times their range.
+    """
+    for is_least in (True, False):
+        extreme = float(values.min() if is_least else values.max())
+        n_alike = int(np.count_nonzero(values == extreme))
+        if not max(_FEWEST, _MANY * values.size) <= n_alike <= values.size / 2:
+            continue
+        others = values[values != extreme]
+        nearest = float(others.min() if is_least else others.max())
+        low, high = np.percentile(others, (0.5, 99.5))
+        is_usual = extreme > 0 if is_least else extreme <= 2 * nearest
+        if values.dtype.kind == "u" and not is_least:
+            is_usual = extreme < np.iinfo(values.dtype).max
+        if high > low and abs(nearest - extreme) > _APART * (high - low) and not is_usual:
+            values = others
+    return values
 
 
 def jpeg(picture: Picture, lo: float = 0.0, hi: float = 100.0, quality: int = 85) -> bytes:

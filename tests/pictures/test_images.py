@@ -108,6 +108,19 @@ def test_a_masked_border_or_a_wrong_pixel_leaves_the_contrast_of_the_others(
     assert np.abs(shown[is_right] - whole[is_right].astype(float)).max() < 255 * 0.04
 
 
+@pytest.mark.parametrize("mask", [np.nan, -9999.0, 0.0, 65535.0])
+@pytest.mark.parametrize("side", [np.s_[:16], np.s_[28:]])
+def test_a_mask_over_a_third_of_a_picture_takes_no_contrast(mask: float, side: slice):
+    columns = np.tile(np.linspace(290, 300, 64, dtype=np.float32), (48, 1))
+    values = columns.copy()
+    values[side] = mask
+    shown, whole = (
+        stretch(decode_image(encoded(v, ".tiff"), "a"), *STRETCH) for v in (values, columns)
+    )
+    is_right = values == columns
+    assert np.abs(shown[is_right] - whole[is_right].astype(float)).max() < 255 * 0.04
+
+
 @pytest.mark.parametrize("plain", [np.nan, 295.0])
 def test_temperatures_without_a_difference_are_a_plain_picture(plain: float):
     values = np.full((48, 64), plain, np.float32)

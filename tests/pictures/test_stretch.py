@@ -26,6 +26,23 @@ def test_16_bit_pictures_are_spread_from_least_to_greatest():
     assert stretch(picture).tolist() == [[0, 128], [255, 0]]
 
 
+@pytest.mark.parametrize("border", [0, 65535])
+@pytest.mark.parametrize("lo_hi", [(0, 100), (0.5, 99.8)])
+def test_a_border_without_measurements_takes_no_contrast(border: int, lo_hi: tuple[float, float]):
+    picture = np.tile(np.linspace(6743, 7077, 60).astype(np.uint16), (40, 1))
+    masked = picture.copy()
+    masked[:8] = border
+    assert (stretch(masked, *lo_hi)[8:] == stretch(picture, *lo_hi)[8:]).all()
+    assert (stretch(masked, *lo_hi)[:8] == (border and 255)).all()
+
+
+@pytest.mark.parametrize("far", [0, 3000])
+def test_a_pedestrian_or_a_background_of_one_grey_level_stays_part_of_the_contrast(far: int):
+    picture = np.tile(np.linspace(1000, 1010, 60).astype(np.uint16), (40, 1))
+    (picture[10:20, 20:25] if far else picture[:, 10:])[:] = far
+    assert np.ptp(stretch(picture)[picture != far].astype(int)) < 5
+
+
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
 def test_a_picture_of_one_grey_level_is_mid_grey(dtype: type):
     assert set(stretch(np.full((4, 4), 77, dtype), 1, 99).ravel().tolist()) == {128}
