@@ -25,6 +25,9 @@ MIN_BOXES: Final = 30
 """Fewer frames or boxes are too few to judge."""
 FITTING: Final = 0.8
 """Mean IoU from which on no other rate is looked for."""
+STEADY: Final = (0.5, 0.7)
+"""The same where it is as high in each third of the frames, up to this share of the best third: at
+another rate boxes fit at one moment, and the less the farther from it."""
 GAIN: Final = 0.1
 """Gain in mean IoU that another rate has to bring, if it fits well."""
 MIN_IOU: Final = 0.4
@@ -77,7 +80,7 @@ def find_rate(source: BoxSource, detections: BoxColumns) -> list[Finding]:
         Those of its detections that count.
     """
     trial = _Trial.of(source.dataset, detections)
-    if trial is None or (now := trial.best_offset()).iou >= FITTING:
+    if trial is None or (now := trial.best_offset()).iou >= FITTING or trial.is_steady(now):
         return []
     step, taken = trial.step, _corrections(source)[1]
     offsets = sorted(range(-MAX_OFFSET, MAX_OFFSET + 1), key=abs)
@@ -167,6 +170,18 @@ class _Trial:
             moved = replace(self, detections=replace(det, x=det.x + dx, y=det.y + dy))
             rates.append(moved.rate(1.0, rate.offset))
         return max(rates, key=lambda rate: rate.iou)
+
+    def is_steady(self, now: _Rate) -> bool:
+        """Whether boxes fit as well from the first to the last frame number."""
+        least, share = STEADY
+        if now.iou < least:
+            return False
+        by_number = np.argsort(self.dataset.frame_columns.frame[self.rows], kind="stable")
+        thirds = [
+            replace(self, rows=np.sort(self.rows[part])).rate(1.0, now.offset).iou
+            for part in np.array_split(by_number, 3)
+        ]
+        return min(thirds) >= share * max(thirds) > 0  # 0: too few to judge
 
     def targets(self, factor: float, offset: int) -> tuple[np.ndarray, np.ndarray]:
         """Rows of the detections' frames and of those that they would be, where these are listed.
