@@ -10,6 +10,7 @@ wrote and what OpenCV decodes.
 from __future__ import annotations
 
 import struct
+from collections import Counter
 from dataclasses import dataclass
 from typing import Final
 
@@ -203,9 +204,10 @@ class TiffPage:
 
 
 def tiff_pages(content: bytes, most: int | None = None) -> list[TiffPage]:
-    """The pages of a TIFF that are pictures of the first one's size; empty: it is none, or damaged.
+    """The pages of a TIFF that are pictures of the commonest size; empty: it is none, or damaged.
 
-    A file of many such pages is a recording; pages of other sizes are previews.
+    A file of many such pages is a recording; pages of other sizes are previews. Of sizes that are
+    equally common, the largest.
 
     Parameters
     ----------
@@ -229,11 +231,10 @@ def tiff_pages(content: bytes, most: int | None = None) -> list[TiffPage]:
                 pages.append(page)
     except struct.error:
         pass  # the pages before can be read
-    return [
-        page
-        for page in pages
-        if not page.is_extra and (page.width, page.height) == (pages[0].width, pages[0].height)
-    ]
+    pages = [page for page in pages if not page.is_extra]
+    sizes = Counter((page.width, page.height) for page in pages)
+    usual = max(sizes, key=lambda size: (sizes[size], size[0] * size[1]), default=None)
+    return [page for page in pages if (page.width, page.height) == usual]
 
 
 def with_first_page(content: bytes, page: TiffPage) -> bytes:

@@ -196,7 +196,8 @@ def session_pictures(
         try:
             pictures = (opener or open_pictures)(session.folder / path)
         except MediaError as error:
-            notes[number] = f"{path}: {error.message}"
+            inner = f"{error.file}: " if error.file and error.file not in path else ""
+            notes[number] = f"{path}: {inner}{error.message}"
             folder = str(PurePosixPath(path).parent) if glob.has_magic(path) else path.rstrip("/")
             steps[number] = tuple(
                 replace(step, value=f"{folder}/{step.value}", subject=name) for step in error.steps

@@ -108,6 +108,15 @@ def test_each_page_of_a_tiff_shows_its_frame(tmp_path: Path):
     assert "frame 30 shows picture 30" in result.stdout
 
 
+def test_a_picture_that_makes_the_others_unreadable_is_named(tmp_path: Path):
+    write_folder(tmp_path / "img", [f"img_{n:05}.png" for n in range(60)], range(60))
+    (tmp_path / "img" / "img_00000.png").write_bytes(b"")
+    assert (
+        "img: img_00000.png: is no PNG"
+        in found(drive(tmp_path, "img"))["pictures-unreadable"].message
+    )
+
+
 def test_a_video_that_cannot_be_read_is_an_error(tmp_path: Path):
     path = write_numbered_video(tmp_path / "drive.mp4", n=60)
     content = path.read_bytes()

@@ -366,6 +366,18 @@ def test_pages_of_another_size_are_previews_and_no_pictures(tmp_path: Path):
     assert (pictures.n, number_in(pictures.read(0)), pictures.notes) == (1, 5, ())
 
 
+@pytest.mark.parametrize("n_previews", [1, 11])
+def test_previews_before_the_pages_are_no_pictures(tmp_path: Path, n_previews: int):
+    pages = [numbered(number) for number in range(9, 20)]
+    for at in range(n_previews):
+        pages.insert(2 * at, np.zeros((12, 16), np.uint8))
+    done, content = cv2.imencodemulti(".tif", pages)
+    assert done
+    (tmp_path / "seq.tif").write_bytes(bytes(content))
+    pictures = open_pictures(tmp_path / "seq.tif")
+    assert [number_in(pictures.read(index)) for index in range(pictures.n)] == [*range(9, 20)]
+
+
 def test_of_files_of_many_pages_each_shows_its_first_and_that_is_told(tmp_path: Path):
     for number in (1, 2):
         done, content = cv2.imencodemulti(".tif", [numbered(number), numbered(99)])
