@@ -49,6 +49,8 @@ class _Objects:
     """The objects of all files, before the classes are sorted."""
 
     base: int = 1
+    n_fractions: int = 0
+    """Corners written with a decimal point."""
     numbers: array[float] = field(default_factory=lambda: array("d"))
     label: list[str] = field(default_factory=list)
     shapes: list[tuple[str, int, int]] = field(default_factory=list)
@@ -60,8 +62,9 @@ class _Objects:
 def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     """Read Pascal VOC files, one per picture; a file without objects is an evaluated frame.
 
-    Corners are inclusive pixels counted from 1, as VOC defines them; with ``box_base=0`` they are
-    edges counted from 0, as many other programs write them; KAIST's x, y, w, h are kept.
+    Corners are inclusive pixels counted from 1, as VOC defines them; with ``box_base=0``, or where
+    most have a decimal point, they are edges counted from 0, as many other programs write them;
+    KAIST's x, y, w, h are kept.
     Difficult objects are ignore regions.
 
     Raises
@@ -72,12 +75,14 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         With file and line of what is not Pascal VOC.
     """
     named = listed_frames(files, options)
-    base = 1 if options.box_base is None else options.box_base
-    objects = _Objects(base)
+    objects = _Objects(1 if options.box_base is None else options.box_base)
     # a loop over files, each of which is a picture
     for position, file in enumerate(files):
         _read_one(file, position, objects)
     table = np.frombuffer(objects.numbers, dtype=np.float64).reshape(-1, len(_COLUMNS))
+    # the number of a pixel is whole: CVAT and Datumaro write edges, "60.0"
+    usual_base = 0 if objects.n_fractions > len(table) * len(CORNERS) / 2 else 1
+    base = usual_base if options.box_base is None else options.box_base
     column = {name: table[:, i] for i, name in enumerate(_COLUMNS)}
     lines = Lines(files, column["file"].astype(np.int64), column["line"].astype(np.int64))
     label = object_array(objects.label)
@@ -102,7 +107,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         "frame numbers from the file names",
         "inclusive corners to width and height, pixels from 1-based to 0-based"
         if base
-        else "corners taken as edges, pixels 0-based (box base 0)",
+        else "corners taken as edges, pixels 0-based (box base 0)"
+        + ", as they have fractions" * (options.box_base is None),
         choice.fact,
         "difficult = ignore" if is_truth else "",
         "occluded = partial occlusion, truncated not used",
@@ -137,7 +143,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
         labels=labels,
         left_out=choice.left_out,
         layout="corners",
-        usual={"box_base": 1},
+        usual={"box_base": usual_base},
     )
 
 
@@ -177,6 +183,7 @@ def _add_object(
         values += [x + objects.base, y + objects.base, x + w, y + h]
     for name in CORNERS if len(values) < len(CORNERS) else ():
         edge = facts.get(f"bndbox/{name}")
+        objects.n_fractions += edge is not None and "." in edge.text
         values.append(
             number(
                 None if edge is None else edge.text,

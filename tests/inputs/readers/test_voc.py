@@ -48,6 +48,18 @@ def test_box_base_0_takes_the_corners_as_edges() -> None:
     assert "pixels 0-based (box base 0)" in reading.conversion
 
 
+@pytest.mark.parametrize(
+    ("options", "box"), [({}, [60, 0, 50, 130]), ({"box_base": 1}, [59, -1, 51, 131])]
+)
+def test_corners_with_fractions_are_edges_counted_from_0(
+    tmp_path: Path, options: dict[str, object], box: list[float]
+) -> None:
+    reading = read_xml(tmp_path, object_at("60.0", "0.0", "110.0", "130.0"), **options)
+    assert rows(reading.boxes, "x y w h") == [box]
+    assert ("they have fractions" in reading.conversion) == (not options)
+    assert reading.usual == {"box_base": 0}
+
+
 def test_difficult_detections_are_not_ignored() -> None:
     assert read_golden(role="detections").boxes["ignore"].tolist() == [False, False]
 
