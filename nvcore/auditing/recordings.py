@@ -28,6 +28,9 @@ FPS_RANGE: Final = (0.1, 240.0)
 """Frame rates outside of this range are mistakes rather than cameras."""
 MIN_STEPS: Final = 10
 """Steps between frames from which on their evenness is no chance."""
+LIKE_TIMES: Final = "frame-numbers-like-times"
+SAME_PERIOD: Final = 0.03
+"""Difference up to which a step is the time from frame to frame, as a share."""
 LEAST_STEP: Final = 10
 """Usual step from which on numbers may be times: milliseconds at 100 Hz."""
 STEP_JITTER: Final = 0.1
@@ -177,30 +180,48 @@ def audit_fps(dataset: Dataset) -> list[Finding]:
 
 
 def audit_frame_steps(dataset: Dataset) -> list[Finding]:
-    """Frame numbers that rise in nearly, not quite, even steps, as times do: 0, 33, 67, 100."""
+    """Frame numbers that rise as times do.
+
+    In nearly, not quite, even steps (0, 33, 67, 100), or in steps of as many milliseconds, micro-
+    or nanoseconds as the frame rate has between two frames: then it is an error. Looked at are the
+    frames that are listed, and those with pedestrians, as the list may have been made from these.
+    """
     frames = dataset.frame_columns
-    odd, steps_of = [], ""
+    fps = dataset.recordings["fps"].to_numpy()
+    has_box = np.diff(dataset.truth.offsets) > 0
+    odd, steps_of, is_period = [], "", False
     for number, (start, stop) in enumerate(pairwise(frames.first)):  # a loop over recordings
-        steps = np.diff(frames.frame[start:stop])
-        if len(steps) < MIN_STEPS:
-            continue
-        usual = float(np.median(steps))
-        is_near = np.abs(steps - usual) <= max(1.0, STEP_JITTER * usual)
-        if usual >= LEAST_STEP and steps.min() < steps.max() and is_near.mean() >= NEAR_SHARE:
-            steps_of = steps_of or ", ".join(map(str, frames.frame[start : start + 4]))
-            odd.append(number)
+        listed = frames.frame[start:stop]
+        for numbers in (listed, listed[has_box[start:stop]]):
+            steps = np.diff(numbers)
+            if len(steps) < MIN_STEPS:
+                continue
+            usual = float(np.median(steps))
+            is_near = np.abs(steps - usual) <= max(1.0, STEP_JITTER * usual)
+            is_same = any(
+                abs(usual * fps[number] / unit - 1) < SAME_PERIOD for unit in (1e3, 1e6, 1e9)
+            )
+            is_rising = usual >= LEAST_STEP and is_near.mean() >= NEAR_SHARE
+            if is_rising and (steps.min() < steps.max() or is_same):
+                steps_of = steps_of or ", ".join(map(str, numbers[:4]))
+                odd.append(number)
+                is_period |= is_same
+                break
     if not odd:
         return []
+    how = "in the steps of milliseconds at this frame rate" if is_period else "in nearly even steps"
     [finding] = recording_findings(
         dataset,
-        Severity.WARNING,
-        "frame-numbers-like-times",
+        Severity.ERROR if is_period else Severity.WARNING,
+        LIKE_TIMES,
         TRUTH_NAME,
         np.array(odd),
-        f"frame numbers that rise in nearly even steps (first: {steps_of}), as times do",
+        f"frame numbers that rise {how} (first: {steps_of}), as times do",
         "If they are times, every length in seconds is wrong by the step: say that they are.",
     )
-    return [replace(finding, steps=(Step(Remedy.FRAME_NAMES, "times"),))]
+    ways = [Step(Remedy.FRAME_NAMES, "times")]
+    ways += [Step(Remedy.ACCEPT, LIKE_TIMES)] if is_period else []
+    return [replace(finding, steps=tuple(ways))]
 
 
 def audit_frame_list(dataset: Dataset) -> list[Finding]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 import pandas as pd
 
@@ -17,6 +19,9 @@ from nvcore.findings import TRUTH_NAME, Cases, Finding, Severity
 from nvcore.inputs.session import Session
 from nvcore.schema import DETECTABILITY
 from nvcore.wording import count_text
+
+HARDLY: Final = 0.1
+"""Share of a system's rows, and of the frames with pedestrians, below which hardly any is left."""
 
 
 def audit_left_out(dataset: Dataset) -> list[Finding]:
@@ -42,6 +47,17 @@ def audit_left_out(dataset: Dataset) -> list[Finding]:
 
 def _no_box(dataset: Dataset, subject: str, reason: str, rows: pd.DataFrame) -> Finding:
     what = count_text(len(rows), "row is left out", "rows are left out")
+    box = rows[[*"xywh"]].to_numpy(float)
+    if np.all(np.isnan(box) if reason == "not a number" else box == 0):
+        return _finding(
+            dataset,
+            Severity.WARNING if subject == TRUTH_NAME else Severity.NOTE,
+            "empty-box",
+            subject,
+            rows,
+            f"{what}: none of the numbers of a box is there.",
+            "Nothing to do if they say that nothing is in these frames.",
+        )
     if reason == "not a number":
         code = "not-a-number"
         message = f"{what}: a coordinate is no finite number."
@@ -93,12 +109,13 @@ def _not_listed(dataset: Dataset, subject: str, rows: pd.DataFrame) -> list[Find
             f"{count_text(len(odd), 'row is', 'rows are')} left out, in "
             f"{count_text(len(numbers), 'frame number')} not evaluated."
         )
-        if nothing:
-            message += " Nothing is left to compare."
+        hardly = not nothing and _hardly_anything_left(dataset, subject, len(odd))
+        if nothing or hardly:
+            message += f" {'Hardly anything' if hardly else 'Nothing'} is left to compare."
         findings.append(
             _finding(
                 dataset,
-                Severity.ERROR if nothing else Severity.WARNING,
+                Severity.ERROR if nothing or hardly else Severity.WARNING,
                 "frame-not-listed",
                 subject,
                 odd,
@@ -219,6 +236,17 @@ def _nothing_left(dataset: Dataset, subject: str) -> bool:
     if subject == TRUTH_NAME:
         return not len(dataset.truth)
     return subject in dataset.systems and not len(dataset.system(subject))
+
+
+def _hardly_anything_left(dataset: Dataset, subject: str, n_lost: int) -> bool:
+    """Whether a system keeps a tenth of its rows, in a tenth of the frames with pedestrians."""
+    if subject not in dataset.systems:
+        return False
+    system = dataset.system(subject)
+    has_truth, has_own = (np.diff(boxes.offsets) > 0 for boxes in (dataset.truth, system))
+    n_frames = np.count_nonzero(has_truth)
+    are_few = np.count_nonzero(has_truth & has_own) < HARDLY * n_frames
+    return bool(are_few and len(system) < HARDLY * (len(system) + n_lost))
 
 
 def _finding(

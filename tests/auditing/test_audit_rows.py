@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from audit_comparison import N, codes, dataset, find, reported, with_left_out
 from builders import Box
 from inputs import drive, session_of
 
+from nvcore.auditing import audit
 from nvcore.auditing.cases import place
 from nvcore.auditing.rows import audit_left_out
 from nvcore.dataset import Dataset
@@ -27,6 +29,14 @@ def test_rows_without_numbers_or_area_are_an_error() -> None:
     assert "2 files" in find(made, "not-a-number").message
     made = with_left_out(dataset(), ("truth", "r0", 7, "no area"))
     assert reported(made, "no-area") == ("error", "truth", 1)
+
+
+def test_rows_that_say_that_nothing_is_there_are_a_note() -> None:
+    made = with_left_out(dataset(), ("x", "r0", 7, "not a number"), ("truth", "r0", 9, "no area"))
+    made.left_out[[*"xywh"]] = [[math.nan] * 4, [0.0] * 4]
+    findings = [finding for finding in audit(made) if finding.code == "empty-box"]
+    severities = {finding.subject: finding.severity for finding in findings}
+    assert severities == {"x": Severity.NOTE, "truth": Severity.WARNING}
 
 
 @pytest.mark.parametrize(

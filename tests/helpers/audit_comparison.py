@@ -68,7 +68,10 @@ def with_left_out(made: Dataset, *rows: tuple[str, str, int, str]) -> Dataset:
     table = pd.DataFrame(rows, columns=["subject", "recording", "frame", "reason"])
     lines = np.arange(1, len(rows) + 1)
     files = table["subject"].map({"truth": 0, "x": 1, "y": 2})
-    return dataclasses.replace(with_lines(made), left_out=table.assign(file=files, line=lines))
+    box = {"x": 1.0, "y": 1.0, "w": 0.0, "h": np.nan}
+    return dataclasses.replace(
+        with_lines(made), left_out=table.assign(file=files, line=lines, **box)
+    )
 
 
 def codes(made: Dataset, params: Params | None = None, **names: str) -> list[str]:

@@ -264,16 +264,36 @@ def _sahi(side: str, table: pd.DataFrame) -> Files:
     return {f"{side}.json": json.dumps(named)}
 
 
+def _people(table: pd.DataFrame) -> pd.DataFrame:
+    return table[table["name"] == "person"].drop(columns="name")
+
+
+def _cvat_mot(side: str, table: pd.DataFrame) -> Files:
+    """CVAT's MOT export: the names of its classes in the folder ``gt``, or above it."""
+    lines = [
+        f"{row['frame'] + 1},{row.get('track', -1)},{row['x'] + 1:g},{row['y'] + 1:g},{row['w']:g},"
+        f"{row['h']:g},{row.get('score', 1)},{IDS[row['name']]},1.0"
+        for row in table.to_dict("records")
+    ]
+    return {"gt/gt.txt": "\n".join(lines) + "\n", "labels.txt": "\n".join(NAMES) + "\n"}
+
+
+def _with_empty_row(side: str, table: pd.DataFrame) -> Files:
+    """A row with a frame and no box, as some write that nothing was detected."""
+    empty = pd.DataFrame({"frame": [39]})
+    return csv(_people(table) if side == "truth" else pd.concat([_people(table), empty]), side)
+
+
 def _flipped(side: str, table: pd.DataFrame) -> Files:
     """Both systems ran on pictures that were turned left to right."""
-    people = table[table["name"] == "person"].drop(columns="name")
+    people = _people(table)
     if side != "truth":
         people = people.assign(x=WIDTH - people["x"] - people["w"])
     return csv(people, side)
 
 
 def _camel_centres(side: str, table: pd.DataFrame) -> Files:
-    people = table[table["name"] == "person"].drop(columns="name")
+    people = _people(table)
     middle = {"CenterX": people["x"] + people["w"] / 2, "CenterY": people["y"] + people["h"] / 2}
     people = people.assign(**middle).drop(columns=["x", "y"])
     return csv(people.rename(columns={"w": "Width", "h": "Height"}), side)
@@ -359,4 +379,29 @@ CASES: Final[Mapping[str, Case]] = {
         exit_code=1,
     ),
     "centres-in-capitals": Case(each(_camel_centres)),
+    "cvat-mot-names-above": Case(each(_cvat_mot)),
+    "rows-without-a-box": Case(each(_with_empty_row)),
+    "milliseconds-as-frames": Case(
+        each(lambda s, t: csv(_people(t).assign(frame=t["frame"] * 100), s)),
+        right=None,
+        says=("milliseconds at this frame rate",),
+        exit_code=1,
+    ),
+    "results-by-milliseconds": Case(
+        each(
+            lambda s, t: csv(_people(t).assign(frame=t["frame"] * (1 if s == "truth" else 100)), s)
+        ),
+        right=None,
+        says=("Hardly anything is left to compare",),
+        exit_code=1,
+    ),
+    "size-behind-the-number": Case(
+        each(lambda _, t: yolo_people(t, lambda frame: f"frame_{frame:04d}_640x480"))
+    ),
+    "checksums-as-names": Case(
+        each(lambda _, t: yolo_people(t, lambda frame: f"{frame * 7919 + 10:016x}"[::-1] + "a")),
+        right=None,
+        says=("checksums",),
+        exit_code=2,
+    ),
 }

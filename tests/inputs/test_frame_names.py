@@ -25,7 +25,7 @@ from inputs import nvcore
 import nvcore as nv
 from nvcore.auditing.recordings import audit_frame_steps
 from nvcore.errors import InputError
-from nvcore.findings import Remedy
+from nvcore.findings import Remedy, Severity
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session, write_session
@@ -360,7 +360,13 @@ def test_short_numbers_that_look_like_times_are_doubted_and_are_times_where_it_i
     names = as_yolo(tmp_path, every=lambda i: f"{since_start_ms(i):06d}.txt")
     numbers, dataset = compared(tmp_path, names, fps=30)
     (doubt,) = audit_frame_steps(dataset)
-    assert [(step.remedy, step.value) for step in doubt.steps] == [(Remedy.FRAME_NAMES, "times")]
+    assert doubt.severity is Severity.ERROR
+    assert [(step.remedy, step.value) for step in doubt.steps] == [
+        (Remedy.FRAME_NAMES, "times"),
+        (Remedy.ACCEPT, doubt.code),
+    ]
+    (doubt,) = audit_frame_steps(compared(tmp_path, names, fps=12)[1])
+    assert doubt.severity is Severity.WARNING
     numbers, dataset = compared(tmp_path, names, fps=None, frame_names="times")
     assert numbers == RIGHT
     assert dataset.recordings["fps"].tolist() == [30]

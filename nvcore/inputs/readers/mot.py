@@ -297,9 +297,13 @@ def _by_name(
 
 
 def _labels_beside(file: SourceFile) -> ClassNames:
-    """Names of CVAT's ``labels.txt`` in the folder of the file, which number from 1."""
-    labels = SourceFile(file.path.parent / LABELS, LABELS)
-    if not labels.path.is_file():
+    """Names of CVAT's ``labels.txt`` in the folder of the file or above, which number from 1."""
+    folder = file.path.absolute().parent
+    places = [folder, folder.parent] if folder.name.lower() in ("gt", "det") else [folder]
+    labels = next(
+        (f for f in (SourceFile(p / LABELS, LABELS) for p in places) if f.path.is_file()), None
+    )
+    if labels is None:
         return ClassNames()
     names = names_in(labels)
     return ClassNames({str(int(number) + 1): name for number, name in names.items()}, LABELS)

@@ -46,6 +46,7 @@ LONG_GAP_STEPS: Final = 50
 MOST_ENDINGS: Final = 8
 """Most cameras, by what stands behind the number in the names of their pictures."""
 _ENDING: Final = re.compile(r"(.*?)(\d+)([_\-. ]+[A-Za-z][A-Za-z_\-. ]*)")
+_HASH: Final = re.compile(r"[0-9a-f\-]{16,}$", re.IGNORECASE)
 LATE_START: Final = 100
 """Frame up to which a scene may begin, where most begin at 0 or 1."""
 
@@ -60,6 +61,13 @@ def listed_frames(files: Sequence[SourceFile], options: ReadOptions) -> NamedPic
         understood in several ways.
     """
     named = named_pictures([file.name for file in files], options)
+    if named.strange >= 0 and all(_HASH.match(stem) for stem in _stems([f.name for f in files])):
+        raise InputError(
+            "expected one file per frame with the frame number at the end of its name; found "
+            "names such as checksums, which do not tell the order of the pictures",
+            file=files[named.strange].name,
+            steps=(Step(Remedy.TABLE),),
+        )
     if named.strange >= 0:
         raise InputError(
             "expected one file per frame with the frame number at the end of its name, as in "

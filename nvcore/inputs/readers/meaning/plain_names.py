@@ -29,6 +29,8 @@ _KIND = re.compile(
     re.IGNORECASE,
 )
 """Cityscapes' and the cameras' words, on one side often and on the other not."""
+_SIZE = re.compile(r"(?<=\d)[_\-]\d{3,4}x\d{3,4}$")
+"""Of a picture that was written in another size: ``frame_0012_640x480``."""
 _OF_VIDEO = re.compile(rf"[_.](?:{_VIDEO})(?=[-_. ]?(?:frame|f)?[-_. ]?\d+$)", re.IGNORECASE)
 _FLIR = re.compile(r"(?:^|.*/)video-(?P<video>[^/]+?)-frame-(?P<frame>\d+)(?:[-.][^/]*)?$")
 _WORDS = re.compile(r"(?:[_\-. ][A-Za-z]+\d{0,2}[A-Za-z]*)+|[A-Za-z]+")
@@ -56,7 +58,7 @@ def plain_name(name: str) -> str:
     stem, before = _ENDINGS.sub("", last), ""
     while stem != before:  # of pictures exported twice each time once more
         before = stem
-        for added in (_ROBOFLOW, _COPY, _KIND):
+        for added in (_ROBOFLOW, _COPY, _KIND, _SIZE):
             stem = added.sub("", stem) or stem
     return folders + slash + _OF_VIDEO.sub("", stem)
 
