@@ -47,6 +47,8 @@ LARGE: Final = 0.1
 """How far a box of truth or system may stick out of the picture, as a share of it."""
 MIN_CORNERS: Final = 20
 """Fewer boxes may look like corners by chance ..."""
+NEARLY_ALL: Final = 0.9
+"""Share of the pedestrians that are wider than tall from which on they are none."""
 MANY_STICKING_OUT: Final = 0.2
 """... or if a smaller share of them sticks out of the picture as they were read."""
 NO_AREA: Final = REASONS[-1]
@@ -134,7 +136,7 @@ class _Boxes:
 def audit_layouts(dataset: Dataset) -> list[Finding]:
     """Truth or systems whose boxes fit once their numbers mean another thing."""
     fits = find_layouts(dataset)
-    findings = [] if fits else _corners_of_all(dataset)
+    findings = [] if fits else _corners_of_all(dataset) or _lying(dataset)
     for subject, fit in fits.items():
         files = dataset.inputs["file"][dataset.inputs["subject"] == subject]
         is_truth = subject == TRUTH_NAME
@@ -186,6 +188,36 @@ def _corners_of_all(dataset: Dataset) -> list[Finding]:
             steps=tuple(Step(Remedy.BOXES, value, name) for name in names),
         )
     ]
+
+
+def _lying(dataset: Dataset) -> list[Finding]:
+    """An error where nearly all pedestrians are wider than tall: another class, or swapped axes.
+
+    All sources may have that in common, so that their boxes fit one another.
+    """
+    truth = truth_source(dataset)
+    rows = np.flatnonzero(~dataset.truth.ignore)
+    are_wide = dataset.truth.w[rows] > dataset.truth.h[rows]
+    if len(rows) < MIN_CORNERS or not dataset.objects.are_pedestrians:
+        return []
+    if np.mean(are_wide) < NEARLY_ALL:
+        return []
+    was = parse_layout(dataset.read_as.get(TRUTH_NAME, ReadAs()).boxes)
+    n_wide = np.count_nonzero(are_wide)
+    findings = truth.findings(
+        Severity.ERROR,
+        "lying-pedestrians",
+        rows[are_wide],
+        f"{n_wide:,} of {count_text(len(rows), 'pedestrian')} are wider than tall: they are "
+        "objects of another class, or the vertical number of each pair comes first.",
+        "Look at one of them in its picture.",
+    )
+    steps = (
+        Step(Remedy.CLASSES),
+        Step(Remedy.BOXES, str(replace(was, is_yx=not was.is_yx))),
+        Step(Remedy.ACCEPT, "lying-pedestrians"),
+    )
+    return [replace(finding, steps=steps) for finding in findings]
 
 
 def _are_corners(source: BoxSource) -> bool:

@@ -69,6 +69,11 @@ OF_ALL: dict[str, tuple[Change, str, str]] = {
         "they seem to be corners",
         "--boxes=corners",
     ),
+    "vertical numbers first": (
+        lambda t: t.rename(columns={"x": "y", "y": "x", "w": "h", "h": "w"}),
+        "wider than tall",
+        "--boxes=sizes-yx",
+    ),
     "thousandths of the picture": (
         lambda t: t.assign(x=t["x"] / 0.64, y=t["y"] / 0.48, w=t["w"] / 0.64, h=t["h"] / 0.48),
         "outside the picture",

@@ -43,6 +43,7 @@ CAVEATS: Final = {
     "box-layout": "boxes seem to be written in another way than they were read",
     "no-match": "a system matches not a single pedestrian",
     "agreed-by-both-alone": "both systems match hardly anybody and agree with one another",
+    "lying-pedestrians": "nearly all pedestrians are wider than tall",
     "time-offset": "a system seems to be off in time",
     "pixel-offset": "a system's boxes seem to be displaced",
     "scale-mismatch": "a system's boxes seem to be of another resolution",
