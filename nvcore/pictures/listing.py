@@ -167,9 +167,11 @@ def list_pictures(
 
     shown, times_s, notes = np.arange(len(times)), None, []
     chunks = None
-    if is_avi and len(moments) == n_listed:
+    if is_avi and (is_sure or is_guess) and not packets.is_packed and len(moments) == n_listed:
         # the time of decoding is the number of the chunk, that of showing a guess
         moments = moments[: len(times)]
+        if is_reordered and len(moments) > 1:  # some encoders fill their delay behind the first one
+            moments[0] = moments[1] - 1
         is_whole = not is_cut and moments[0] == packets.decoded_at[0]
         chunks = _chunks(moments, n_stated if is_whole else 0)
     if chunks is not None:

@@ -167,6 +167,17 @@ def test_an_empty_chunk_repeats_the_picture_before_whatever_its_time_of_showing(
     assert [note.trait for note in video.notes] == [PictureTrait.REPEATED]
 
 
+@pytest.mark.parametrize("is_packed", [False, True])
+def test_empty_chunks_that_fill_the_delay_of_an_encoder_are_no_pictures(
+    tmp_path: Path, is_packed: bool
+):
+    path = write_numbered_video(tmp_path / "a.avi", "mpeg4", n=61, g="12", bf="1")
+    path = with_packed_pictures(path) if is_packed else path
+    video = Video(rewrite_chunks(path, lambda chunks: [chunks[0], b"", b"", *chunks[1:-2]]))
+    assert numbers_of(video) == captured(path) == played(path)
+    assert video.notes == ()
+
+
 def test_empty_chunks_that_fill_a_rate_of_no_pictures_are_none(tmp_path: Path):
     path = write_numbered_video(tmp_path / "a.avi", "mjpeg", n=20, pixels="yuvj420p")
     path = rewrite_chunks(path, lambda chunks: [part for c in chunks for part in (c, *[b""] * 9)])
