@@ -75,8 +75,10 @@ def unpacked_name(name: str) -> str:
     >>> unpacked_name("night/truth.csv.gz"), unpacked_name("truth.csv")
     ('night/truth.csv', 'truth.csv')
     """
-    ending = next((end for end in PACKED_ENDINGS if name.lower().endswith(end)), "")
-    return name[: len(name) - len(ending)]
+    lowered = name.lower()
+    if not lowered.endswith(PACKED_ENDINGS):
+        return name
+    return name[: -len(next(end for end in PACKED_ENDINGS if lowered.endswith(end)))]
 
 
 def suffix_of(path: PurePath) -> str:

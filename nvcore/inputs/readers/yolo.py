@@ -11,7 +11,6 @@ from typing import Final
 import numpy as np
 
 from nvcore.errors import FormatError, InputError, MissingFactError
-from nvcore.file_kinds import unpacked_name
 from nvcore.findings import Finding
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
@@ -26,7 +25,7 @@ from nvcore.inputs.readers.base import (
     recordings_table,
 )
 from nvcore.inputs.readers.meaning.categories import choose_categories, names_of_numbers
-from nvcore.inputs.readers.meaning.class_files import class_names_beside, is_class_file
+from nvcore.inputs.readers.meaning.class_files import class_names_beside, is_class_file, last_part
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.labels import labelled
 from nvcore.inputs.readers.parse.text import (
@@ -184,8 +183,7 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
 
 def _is_extra(name: str) -> bool:
     """Whether the file is no picture's: names of classes, lists of files, settings."""
-    last = unpacked_name(PurePosixPath(name).name.casefold())
-    return is_class_file(name) or _OTHER_FILES.fullmatch(last) is not None
+    return is_class_file(name) or _OTHER_FILES.fullmatch(last_part(name)) is not None
 
 
 def _rows_of(frames: Sequence[SourceFile]) -> tuple[NumberTable, bool]:

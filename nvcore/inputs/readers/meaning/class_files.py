@@ -39,7 +39,7 @@ _ENTRY: Final = re.compile(
 
 def is_class_file(name: str) -> bool:
     """Whether a file of this name lists classes, and no boxes."""
-    return _LISTS.fullmatch(_last(name)) is not None
+    return _LISTS.fullmatch(last_part(name)) is not None
 
 
 def class_names_beside(files: Sequence[SourceFile]) -> ClassNames:
@@ -90,12 +90,12 @@ def _places(files: Sequence[SourceFile]) -> Iterator[list[SourceFile]]:
 
 
 def _may_name(name: str) -> bool:
-    return is_class_file(name) or _YAML.fullmatch(_last(name)) is not None
+    return is_class_file(name) or _YAML.fullmatch(last_part(name)) is not None
 
 
-def _last(name: str) -> str:
-    """The last part of a file's name, as its unpacked file would be called."""
-    return unpacked_name(PurePosixPath(name).name.casefold())
+def last_part(name: str) -> str:
+    """The last part of a file's name, as its unpacked file would be called, in lower case."""
+    return unpacked_name(name.rpartition("/")[2].casefold())
 
 
 def names_in(file: SourceFile) -> dict[str, str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import takewhile
 from typing import Final
 
@@ -40,6 +41,7 @@ MIN_NAMES: Final = 4
 """Names from which on a common ending with a number of its own is one."""
 
 
+@lru_cache(maxsize=1 << 15)  # each list of pictures is gone through several times
 def plain_name(name: str) -> str:
     """Folders and stem of a picture's name, without what tools add to it.
 
@@ -65,7 +67,7 @@ def plain_name(name: str) -> str:
 
 def plain_names(names: Sequence[str]) -> tuple[list[str], str]:
     """`plain_name` of each, without the ending that all of them share, and that ending."""
-    plain = [plain_name(name) for name in names]
+    plain = [name if name.isdecimal() else plain_name(name) for name in names]
     if len(plain) > 1 and all(map(_LABEL_STUDIO.match, (_last(name) for name in plain))):
         starts = {_last(name)[:8] for name in plain}
         if len(starts) > len(plain) / 2:  # not a date
