@@ -15,7 +15,7 @@ from nvcore.dataset import Dataset
 from nvcore.findings import TRUTH_NAME, Cases, Finding, Remedy, Severity, Step
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.kernels.pairs import pair_frames
-from nvcore.metrics.matching import Matches, iou_of_pairs, match_system
+from nvcore.metrics.matching import Matches, iou_of_pairs
 from nvcore.params import Params
 from nvcore.wording import count_text
 
@@ -122,16 +122,6 @@ LEAST_OF_TRUTH: Final = 0.2
 """... and on so many boxes for each pedestrian."""
 MANY_BOXES: Final = 20
 """Fewer boxes than this stay a note."""
-
-
-def match_pair(
-    dataset: Dataset, x: BoxSource, y: BoxSource, params: Params
-) -> tuple[Matches, Matches]:
-    """Matches of X and Y with their thresholds."""
-    return (
-        match_system(dataset, x.name, params.threshold_x, params),
-        match_system(dataset, y.name, params.threshold_y, params),
-    )
 
 
 def find_disagreement(

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.auditing.cases import BoxSource, all_sources, system_source, truth_source
-from nvcore.auditing.overlaps import Correction, Sample, rows_in_ranges, take_sample
+from nvcore.auditing.overlaps import Correction, rows_in_ranges, take_sample
 from nvcore.dataset import Dataset
 from nvcore.dataset.sources import ReadAs
 from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
@@ -255,7 +255,7 @@ def _find_layouts(dataset: Dataset) -> dict[str, LayoutFit]:
     for name in dataset.systems:
         sample = take_sample(dataset, dataset.system(name))
         frames = np.unique(dataset.truth.frame_index[sample.rows])
-        if not len(frames) or _fit_as_they_are(sample):
+        if not len(frames) or np.mean(sample.overlaps(Correction()).iou >= FIT_IOU) > POOR_SHARE:
             of_truth.append(None)
             continue
         truth = _boxes(truth_source(dataset), frames)
@@ -281,11 +281,6 @@ def _find_layouts(dataset: Dataset) -> dict[str, LayoutFit]:
             return fits
         return {name: replace(fit, of_truth=whole.layout) for name, fit in fits.items()}
     return {TRUTH_NAME: whole}
-
-
-def _fit_as_they_are(sample: Sample) -> bool:
-    fitting = sample.overlaps(Correction()).iou >= FIT_IOU
-    return bool(np.mean(fitting) > POOR_SHARE)
 
 
 def _boxes(source: BoxSource, frames: np.ndarray) -> _Boxes:

@@ -16,6 +16,7 @@ from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, Remedy, Severity, Step
 from nvcore.inputs.session import Session
+from nvcore.metrics.matching import iou_of_pairs
 
 RATE_CODE: Final = "frame-rate"
 MOST_FRAMES: Final = 150
@@ -215,7 +216,9 @@ class _Trial:
         # every detection of a frame with every pedestrian of the other
         number, d = rows_in_ranges(det.offsets[ours], n_ours)
         pair, g = rows_in_ranges(truth.offsets[theirs][number], n_theirs[number])
-        iou = _iou(det, d[pair], truth, g)
+        iou = iou_of_pairs(
+            *(tuple(side[rows] for side in of.xywh) for of, rows in ((det, d[pair]), (truth, g)))
+        )
         used, pedestrian = np.unique(g, return_inverse=True)
         counts = ~truth.ignore[used]
         if min(len(d), counts.sum()) < MIN_BOXES:
@@ -235,15 +238,6 @@ class _Trial:
             )
         ]
         return _Rate(factor, offset, float(mean), (moved[0], moved[1]))
-
-
-def _iou(a: BoxColumns, i: np.ndarray, b: BoxColumns, j: np.ndarray) -> np.ndarray:
-    """IoU of pairs of boxes, by their rows."""
-    across = np.minimum(a.x[i] + a.w[i], b.x[j] + b.w[j]) - np.maximum(a.x[i], b.x[j])
-    down = np.minimum(a.y[i] + a.h[i], b.y[j] + b.h[j]) - np.maximum(a.y[i], b.y[j])
-    common = np.maximum(across, 0) * np.maximum(down, 0)
-    iou: np.ndarray = common / (a.w[i] * a.h[i] + b.w[j] * b.h[j] - common)
-    return iou
 
 
 def _finding(source: BoxSource, now: _Rate, best: _Rate) -> Finding:

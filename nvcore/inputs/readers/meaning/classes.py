@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
 
 import numpy as np
 import pandas as pd
@@ -15,9 +14,6 @@ from nvcore.findings import Finding, Remedy, Severity, Step
 from nvcore.inputs.readers.base import LeftOut, Lines, ReadOptions
 from nvcore.wording import listed
 from nvcore.wording.objects import Objects
-
-_MAX_NAMED: Final = 8
-"""Most labels that a conversion text names."""
 
 
 @dataclass(frozen=True)
