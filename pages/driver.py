@@ -29,8 +29,7 @@ def draw(result: Result) -> None:
         return
     run.draw(is_known=True)
     draw_warnings(result)
-    equal, is_awaited = wait_for_equal_alarms(result)
-    shown = choose_comparison(result, equal, "driver", is_awaited=is_awaited)
+    shown = choose_comparison(result, wait_for_equal_alarms(result), "driver")
     if shown is None:
         return
     if doubt := describe_doubt(shown):

@@ -21,12 +21,12 @@ def draw(result: Result) -> None:
         room.draw(findings, before, known, plan.known_sentence(result))
         is_drawn = True
     with room.headline:
-        equal, is_awaited = companions.wait_for_equal_alarms(result)
+        other = companions.wait_for_equal_alarms(result)
     if not is_drawn:  # the words come last: they wait for the audit
-        room.draw_known(before, equal, is_awaited=is_awaited)
+        room.draw_known(before, other)
     left, right = st.columns([1.15, 1], gap="large")
     with left:
-        table = scorecard.scorecard(result, before, equal, is_awaited=is_awaited)
+        table = scorecard.scorecard(result, before, other)
     with right:
         venn.draw(result)
     strip.draw(result)

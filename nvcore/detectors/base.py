@@ -13,7 +13,7 @@ from nvcore.extras import needs
 
 with needs("detectors", "detectors need"):
     from nvcore.pictures import Picture, stretch
-    from nvcore.pictures.recordings import STRETCH
+    from nvcore.pictures.stretch import STRETCH
 
 __all__ = ["About", "Detections", "Detector", "Setting", "TrainedOn", "to_8_bits"]
 

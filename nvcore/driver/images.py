@@ -35,7 +35,7 @@ from nvcore.inputs.readers.parse.table import TextTable
 from nvcore.pictures import Picture, is_below, stretch
 from nvcore.pictures.images import decode_image, file_bytes
 from nvcore.pictures.passes import PictureClock, in_order
-from nvcore.pictures.recordings import STRETCH
+from nvcore.pictures.stretch import STRETCH
 from nvcore.progress import Progress, no_progress
 from nvcore.wording import count_text, did_you_mean, listed
 

@@ -30,7 +30,7 @@ from nvcore.driver.settings import DriverSettings
 from nvcore.inputs.session import Session
 from nvcore.pictures import Picture, stretch
 from nvcore.pictures.passes import PictureClock, in_order, pictures_of
-from nvcore.pictures.recordings import STRETCH
+from nvcore.pictures.stretch import STRETCH
 from nvcore.progress import Progress, no_progress
 from nvcore.schema import NO_TRACK, integers_of
 from nvcore.wording import MOST_NAMED, capitalised, count_text, duration_text, listed, one_line

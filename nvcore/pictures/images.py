@@ -20,13 +20,11 @@ from nvcore.pictures.base import Picture, RecentPictures, check_index
 from nvcore.pictures.header import image_size, tiff_pages, with_first_page
 from nvcore.pictures.notes import PictureNote, PictureTrait
 from nvcore.pictures.series import Series, is_stray, series_of
-from nvcore.pictures.stretch import measured
+from nvcore.pictures.stretch import STRETCH, measured
 from nvcore.wording import MOST_NAMED, one_line
 
 _MAX_BYTES: Final = 1 << 29
 _SHOWN_FOLDERS: Final = 5
-_DARK_AND_BRIGHT: Final = (0.5, 99.8)
-"""Percentiles: where the contrast is stretched, a border of these values does not weaken it."""
 _FAR: Final = 25
 """The sun in a picture of a night in kelvin is nearer than that, 0 for a masked border is not."""
 
@@ -167,7 +165,7 @@ def _as_uint16(picture: NDArray[np.generic]) -> NDArray[np.uint16]:
     low, high = float(near.min()), float(near.max())
     if not low < high:
         return np.zeros(picture.shape, np.uint16)
-    dark, bright = np.percentile(near, _DARK_AND_BRIGHT)
+    dark, bright = np.percentile(near, STRETCH)  # a border of these does not weaken the contrast
     values = np.where(values > high, bright, np.where(values >= low, values, dark))
     scaled: NDArray[np.float64] = (values - low) / (high - low) * 65535
     return scaled.astype(np.uint16)

@@ -18,13 +18,12 @@ from nvcore.inputs.session import Session
 from nvcore.pictures.base import Pictures
 from nvcore.pictures.index import FrameMap, Rule, map_frames, map_note, size_note
 from nvcore.pictures.open import open_pictures
+from nvcore.pictures.stretch import STRETCH
 from nvcore.wording import MOST_NAMED, listed, one_line
 
 Source = Literal["pictures", "visible"]
 """Key of a session's ``[[recording]]`` that names pictures."""
 NO_PICTURES: Final = "no evaluated frame has a picture"
-STRETCH: Final = (0.5, 99.8)
-"""Percentiles of the grey levels between which contrast is stretched: night pictures are dim."""
 
 
 @dataclass(frozen=True)
@@ -119,10 +118,7 @@ class RecordingPictures:
 
 
 def picture_names(
-    frames: FrameColumns,
-    rows: Iterable[int],
-    sources: Mapping[int, Pictures],
-    indices: Mapping[int, np.ndarray],
+    frames: FrameColumns, rows: Iterable[int], pictures: RecordingPictures
 ) -> dict[int, str]:
     """File name of the picture that shows a frame, by the row of the frame.
 
@@ -134,19 +130,19 @@ def picture_names(
         Of the dataset.
     rows
         Rows of frames.
-    sources, indices
-        As in `RecordingPictures`.
+    pictures
+        Those of the recordings.
     """
     names: dict[int, str] = {}
     every = np.unique(np.asarray([*rows], dtype=np.int64))
     for recording in np.unique(frames.recording[every]):
-        if recording not in sources or recording not in indices:
+        if recording not in pictures.sources:
             continue
         mine = every[frames.recording[every] == recording]
-        index = indices[recording][mine - frames.first[recording]]
+        index = pictures.indices[recording][mine - frames.first[recording]]
         mine, index = mine[index >= 0], index[index >= 0]
         try:
-            file_names = sources[recording].file_names([*map(int, index)])
+            file_names = pictures.sources[recording].file_names([*map(int, index)])
         except MediaError:  # they were there when they were opened
             continue
         names |= zip(map(int, mine), file_names or (), strict=False)

@@ -17,6 +17,8 @@ _MANY: Final = 0.002
 """Share of the pixels: fewer are left to the percentiles."""
 _FEWEST: Final = 8
 _APART: Final = 3
+STRETCH: Final = (0.5, 99.8)
+"""Percentiles of the grey levels between which contrast is stretched: night pictures are dim."""
 _SAMPLED: Final = 1 << 16
 """Approximate number of pixels sampled for the percentiles."""
 

@@ -36,6 +36,7 @@ from nvcore.inputs.session_toml import read_session, write_session
 from nvcore.measures import MEASURES
 from nvcore.pictures.archive import Archive, ArchiveLimits
 from nvcore.pictures.open import open_pictures
+from nvcore.pictures.recordings import RecordingPictures
 from nvcore.pictures.stretch import jpeg
 from nvcore.report.gate.measures import measure_names
 from nvcore.report.gate.outcomes import judge
@@ -342,8 +343,7 @@ def _served() -> tuple[Any, Any]:
     from ui.session.workspace import Workspace
 
     space = Workspace()
-    space.pictures = {0: _OnePicture()}
-    space.picture_rows = {0: np.array([0, -1])}
+    space.pictures = RecordingPictures({0: _OnePicture()}, {0: np.array([0, -1])})
     return Starlette(routes=ROUTES), space
 
 

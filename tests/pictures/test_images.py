@@ -17,8 +17,7 @@ from nvcore.pictures import is_below, open_pictures
 from nvcore.pictures.header import image_size
 from nvcore.pictures.images import decode_image
 from nvcore.pictures.notes import PictureNote, PictureTrait
-from nvcore.pictures.recordings import STRETCH
-from nvcore.pictures.stretch import stretch
+from nvcore.pictures.stretch import STRETCH, stretch
 
 GREY = (np.arange(48 * 64) % 251).astype(np.uint8).reshape(48, 64)
 

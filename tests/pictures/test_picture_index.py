@@ -16,7 +16,7 @@ from picture_files import number_in, numbered, write_numbered_video, write_pictu
 import nvcore as nv
 from nvcore.pictures import Pictures, open_pictures, picture_index, size_note
 from nvcore.pictures.index import Rule, map_frames
-from nvcore.pictures.recordings import picture_names
+from nvcore.pictures.recordings import RecordingPictures, picture_names
 
 
 def folder_of(folder: Path, names: list[str]) -> Pictures:
@@ -236,11 +236,11 @@ def test_frames_have_the_names_of_their_picture_files_and_those_of_a_video_none(
     folder = folder_of(tmp_path / "a", ["I00019", "I00039", "I00059"])
     video = open_pictures(write_numbered_video(tmp_path / "b.mp4", n=5))
     made = make_dataset(places=[Place([19, 20, 59]), Place(range(5))])
-    sources = {0: folder, 1: video}
     indices = {0: np.array([0, -1, 2]), 1: np.arange(5)}
-    names = picture_names(made.frame_columns, [2, 0, 1, 4, 2], sources, indices)
+    pictures = RecordingPictures({0: folder, 1: video}, indices)
+    names = picture_names(made.frame_columns, [2, 0, 1, 4, 2], pictures)
     assert names == {0: "I00019.png", 2: "I00059.png"}
-    assert picture_names(made.frame_columns, [], sources, indices) == {}
+    assert picture_names(made.frame_columns, [], pictures) == {}
 
 
 @pytest.mark.parametrize("chosen", [[1, 2], [3], [1, 3, 5]])

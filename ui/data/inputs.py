@@ -46,14 +46,15 @@ def draw() -> None:
     draw_trouble("session")
     names.draw_done()
     _draw_picture_troubles(space)
-    notes = {state.recording_names()[row]: note for row, note in space.picture_notes.items()}
+    notes = {state.recording_names()[row]: note for row, note in space.pictures.notes.items()}
     editor.draw(*_all_pictures(space), notes)
     horizon.draw()
 
 
 def _draw_picture_troubles(space: Workspace) -> None:
     """Pictures that cannot be opened."""
-    troubles = {row: note for row, note in space.picture_notes.items() if row not in space.pictures}
+    own = space.pictures
+    troubles = {row: note for row, note in own.notes.items() if row not in own.sources}
     if not troubles:
         return
     every = state.recording_names()

@@ -98,7 +98,7 @@ def picture() -> tuple[Picture | None, str]:
     space = state.workspace()
     pictures, index = space.picture_of(*place())
     if pictures is None or index < 0:
-        note = space.picture_notes.get(state.recording(), "")
+        note = space.pictures.notes.get(state.recording(), "")
         return None, note or "This frame has no picture."
     try:
         return pictures.read(index), ""

@@ -21,7 +21,7 @@ def draw(own: DetectorSpec) -> OnScreen | None:
     what = choose.checked(spec)
     if what is None:
         return None
-    if not state.workspace().pictures:
+    if not state.workspace().pictures.sources:
         _draw_no_pictures()
         return None
     st.header("Try it on a frame")
@@ -51,7 +51,7 @@ def _draw_picture(spec: DetectorSpec, what: DetectorFacts, picture: Picture) -> 
 
 def _draw_no_pictures() -> None:
     """What is missing, and where it is to be had."""
-    notes = {note for note in state.workspace().picture_notes.values() if note}
+    notes = {note for note in state.workspace().pictures.notes.values() if note}
     link = docs_link("how", "the-session-file", doc="formats")
     st.info(
         "A detector needs pictures, and none of the open recordings has any. Send them with ground "

@@ -78,7 +78,7 @@ def _choose_recordings(seen: Sequence[str]) -> tuple[str, ...]:
     seen
         Those that it was trained on: they are not chosen at first, unless there is no other.
     """
-    names, pictures = state.recording_names(), state.workspace().pictures
+    names, pictures = state.recording_names(), state.workspace().pictures.sources
     usable = [name for number, name in enumerate(names) if number in pictures]
     unseen = [name for name in usable if name not in seen]
     first = unseen or usable
@@ -203,12 +203,7 @@ def n_threads() -> int:
 def _pictures(space: Workspace, names: tuple[str, ...]) -> RecordingPictures:
     """The pictures of these recordings, numbered as in a dataset of them alone."""
     rows = [number for number, name in enumerate(state.recording_names()) if name in names]
-    number_of = {row: number for number, row in enumerate(rows)}
-    return RecordingPictures(
-        {number_of[row]: space.pictures[row] for row in rows},
-        {number_of[row]: space.picture_rows[row] for row in rows},
-        notes={number_of[row]: space.picture_notes.get(row, "") for row in rows},
-    )
+    return space.pictures.renumbered({row: number for number, row in enumerate(rows)})
 
 
 def _start_run(key: RunKey, about: About, levels: Levels) -> None:

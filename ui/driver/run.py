@@ -129,7 +129,7 @@ def _choose_recordings() -> tuple[str, ...]:
     usable = [
         name
         for number, name in enumerate(names)
-        if number in space.visible.sources or number in space.pictures
+        if number in space.visible.sources or number in space.pictures.sources
     ]
     chosen = st.multiselect(
         "Recordings",

@@ -122,7 +122,7 @@ def _ask_for_first_page() -> Inscription:
 def _start(result: Result, key: ReportKey) -> None:
     space = state.workspace()
     space.drop_job(JOB)
-    pictures = RecordingPictures(dict(space.pictures), dict(space.picture_rows), drawing.stretch())
+    pictures = replace(space.pictures, stretch=drawing.stretch())
     public = path_remover()
     findings = public_findings(input_findings(), public)
     path = new_path(space, ".html")

@@ -154,7 +154,7 @@ def start_job(
     labels: bool,
 ) -> FileJob:
     """Start writing; it ends with the session, and when the session opens something else."""
-    pictures, indices = space.pictures, space.picture_rows.get(recording)
+    pictures, indices = space.pictures.sources, space.pictures.indices.get(recording)
     start = int(result.dataset.frame_columns.first[recording])
 
     def write(progress: Progress) -> None:

@@ -6,7 +6,7 @@ Pages that show what the verdict is about let a person choose between that and X
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
+from typing import Final, NamedTuple
 
 import pandas as pd
 import streamlit as st
@@ -50,26 +50,31 @@ def wait_for_companions(result: Result, evidence: pd.DataFrame) -> Companions | 
     return _wait_for(result, KIND, lambda _: find_companions(result, evidence))
 
 
-def wait_for_equal_alarms(result: Result) -> tuple[EqualAlarms | None, bool]:
-    """The comparison that the verdict is about instead of the one as set; None: there is none.
+class Alternative(NamedTuple):
+    """What the verdict is about instead of the comparison as set."""
+
+    equal: EqualAlarms | None = None
+    """None: there is none, or not yet."""
+    is_awaited: bool = False
+    """Whether it is still being computed."""
+
+
+def wait_for_equal_alarms(result: Result) -> Alternative:
+    """The comparison at equal false alarms, where the verdict is about that.
 
     It takes a part of the time of the companions, which have it with its evidence.
-
-    Returns
-    -------
-    The comparison, and whether it is still being computed in the background.
     """
     if not are_unequal(result):
-        return None, False
+        return Alternative()
     known = known_companions(result)
     if known is not None:
-        return equal_alarms_of(result, known), False
+        return Alternative(equal_alarms_of(result, known))
     with st.spinner("Comparing at equal false alarms"):
         found = _wait_for(result, ALIKE, lambda _: (find_equal_alarms(result),))
     if found is not None:
-        return found[0], False
+        return Alternative(found[0])
     job = state.workspace().job(ALIKE)
-    return None, job is not None and job.is_busy
+    return Alternative(None, job is not None and job.is_busy)
 
 
 def _wait_for(result: Result, kind: str, compute: Callable[[Progress], Output]) -> Output | None:
@@ -89,26 +94,23 @@ def _wait_for(result: Result, kind: str, compute: Callable[[Progress], Output]) 
     return output
 
 
-def choose_comparison(
-    result: Result, equal: EqualAlarms | None, page: str, *, is_awaited: bool
-) -> Result | None:
+def choose_comparison(result: Result, other: Alternative, page: str) -> Result | None:
     """The comparison that is shown, with what it is: that of the verdict unless another is chosen.
 
     Parameters
     ----------
-    equal
-        What the verdict is about instead of the one as set; None: there is none, or not yet, and
-        the one as set is shown, which may be at unequal operating points.
+    other
+        What `wait_for_equal_alarms` gives; without one, that as set is shown, which may be at
+        unequal operating points.
     page
         Begins the keys of the widgets.
-    is_awaited
-        Whether `equal` is still being computed.
 
     Returns
     -------
     None while the one that was chosen is being computed: the other does not take its place.
     """
-    if equal is None and not is_awaited:
+    equal = other.equal
+    if equal is None and not other.is_awaited:
         draw_as_set_note(result)
         return result
     basis = choose_side_by_side(

@@ -8,18 +8,14 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.evidence.operating_points import EqualAlarms
 from nvcore.figures.paired import recordings_plot
 from nvcore.measures import MeasureTable, count_recordings
-from nvcore.report.equal_alarms import (
-    detected_text,
-    weights_text,
-)
+from nvcore.report.equal_alarms import detected_text, weights_text
 from nvcore.report.terminal import SHORT_ROWS
 from nvcore.tables.influence import lead_text
 from nvcore.tables.result import recordings_table
 from nvcore.tables.scorecard import score_rows
-from ui.jobs.companions import choose_comparison
+from ui.jobs.companions import Alternative, choose_comparison
 from ui.session import state
 from ui.shell.messages import draw_as_set_note
 from ui.shell.navigate import open_frame
@@ -53,11 +49,7 @@ def _widths(evidence: pd.DataFrame) -> dict[str, float]:
 
 
 def scorecard(
-    result: Result,
-    evidence: pd.DataFrame | None,
-    equal: EqualAlarms | None,
-    *,
-    is_awaited: bool,
+    result: Result, evidence: pd.DataFrame | None, other: Alternative
 ) -> Scorecard | None:
     """Every measure of X beside that of Y, the difference, and which way is better.
 
@@ -67,7 +59,7 @@ def scorecard(
     ----------
     evidence
         Of the comparison; None: not known yet, or not needed.
-    equal, is_awaited
+    other
         Of `ui.jobs.companions.wait_for_equal_alarms`.
 
     Returns
@@ -75,7 +67,7 @@ def scorecard(
     The table of the comparison as set, which the evidence is about; None: another is drawn.
     """
     st.header("Scorecard")
-    shown = choose_comparison(result, equal, "scorecard", is_awaited=is_awaited)
+    shown = choose_comparison(result, other, "scorecard")
     if shown is None:
         return None
     if shown is result:

@@ -20,6 +20,7 @@ from nvcore.report.verdict import verdict
 from nvcore.report.verdict.driver import describe_weighting
 from nvcore.report.words import sampling_note
 from nvcore.wording import count_text
+from ui.jobs.companions import Alternative
 from ui.overview.tiles import tiles_html
 from ui.session import state
 from ui.shell.navigate import open_page
@@ -52,9 +53,7 @@ class Room:
         """What the last headline was about; it stays, in grey, until that of other settings."""
         return state.opened().dataset.fingerprint, self._result.x.name, self._result.y.name
 
-    def draw_known(
-        self, evidence: pd.DataFrame | None, equal: EqualAlarms | None, *, is_awaited: bool
-    ) -> None:
+    def draw_known(self, evidence: pd.DataFrame | None, other: Alternative) -> None:
         """The tiles with what is known so far, and the last headline until there is a new one.
 
         Without numbers while those that the tiles will be of are being computed.
@@ -63,10 +62,11 @@ class Room:
         is_of_these = opening == self._opening()
         words = last if is_of_these else "The differences are being tested."
         self._words.markdown(f"## :gray[{words}]")
+        equal = other.equal
         self._basis.caption(_short_extent(self._result, equal))
         shown, of_shown = (self._result, evidence) if equal is None else (equal.result, None)
         four = tiles(shown, of_shown, None, untested="being tested")
-        if is_awaited:
+        if other.is_awaited:
             four = tuple(replace(tile, **AWAITED) for tile in four)
         self._tiles.html(tiles_html(four))
 

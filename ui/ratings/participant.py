@@ -9,7 +9,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError
-from nvcore.pictures.recordings import STRETCH
+from nvcore.pictures.stretch import STRETCH
 from nvcore.studies.participants import MOST_NAME
 from nvcore.studies.ratings.store import RatingStore, Study
 from ui.ratings import links

@@ -15,7 +15,7 @@ from nvcore.overlay.annotate import LAYERS, annotate
 from nvcore.params.metadata import COST
 from nvcore.pictures.base import PictureReader
 from nvcore.pictures.mapped import MappedPictures
-from nvcore.pictures.recordings import STRETCH
+from nvcore.pictures.stretch import STRETCH
 from ui.session import state
 from ui.session.look import VisiblePictures
 from ui.session.results.driver import clock_of
@@ -118,7 +118,7 @@ def viewer_arguments(
     space, frames = state.workspace(), result.dataset.frame_columns
     in_recording = frames.rows_of(recording)
     numbers = frames.frame[in_recording]
-    rows = space.picture_rows.get(recording)
+    rows = space.pictures.indices.get(recording)
     return {
         "token": space.token,
         "recording": recording,

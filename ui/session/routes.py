@@ -62,7 +62,8 @@ async def frame(request: Request, space: Workspace | None) -> Response:
     if space is None:
         return not_found("the session has ended; load the page again")
     recording, row = index_in(request, "recording"), index_in(request, "row")
-    rows, pictures = space.picture_rows.get(recording), space.pictures.get(recording)
+    own = space.pictures
+    rows, pictures = own.indices.get(recording), own.sources.get(recording)
     return await _picture(space, pictures, rows, row, lambda read: stretch(read, lo, hi))
 
 

@@ -6,7 +6,6 @@ import secrets
 import shutil
 import threading
 import weakref
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path, PurePosixPath
@@ -150,11 +149,7 @@ class Workspace(Caching):
     compared
         The newest result, which the routes read boxes from, with its version.
     pictures
-        Picture source by recording index; a recording without pictures is absent.
-    picture_rows
-        Which picture shows each frame of a recording (-1: none), by recording index.
-    picture_notes
-        By which rule, in words, by recording index.
+        Those of the recordings that are open, by recording index.
     visible
         Pictures of visible light that some recordings have beside these.
     stored
@@ -186,10 +181,7 @@ class Workspace(Caching):
         self.opened: Opened | None = None
         self.n_opened = 0
         self.compared: Compared | None = None
-        self.pictures: Mapping[int, Pictures] = {}
-        self.picture_rows: Mapping[int, np.ndarray] = {}
-        self.picture_notes: Mapping[int, str] = {}
-        self.own_pictures = RecordingPictures()
+        self.pictures = RecordingPictures()
         self.visible = RecordingPictures()
         self._all_pictures = RecordingPictures()
         self._all_visible = RecordingPictures()
@@ -254,10 +246,8 @@ class Workspace(Caching):
 
     def picture_of(self, recording: int, row: int) -> tuple[Pictures | None, int]:
         """Pictures of a recording, and which of them shows a frame (row within it); -1: none."""
-        pictures, indices = self.pictures.get(recording), self.picture_rows.get(recording)
-        if pictures is None or indices is None:
-            return None, -1
-        return pictures, int(indices[row])
+        pictures = self.pictures.sources.get(recording)
+        return pictures, -1 if pictures is None else int(self.pictures.indices[recording][row])
 
     def show(
         self,
@@ -281,9 +271,7 @@ class Workspace(Caching):
     def _look_at(self, opened: Opened) -> None:
         self.opened = opened
         number_of = {int(row): number for number, row in enumerate(opened.rows)}
-        pictures = self._all_pictures.renumbered(number_of)
-        self.pictures, self.picture_rows = pictures.sources, pictures.indices
-        self.picture_notes, self.own_pictures = pictures.notes, pictures
+        self.pictures = self._all_pictures.renumbered(number_of)
         self.visible = self._all_visible.renumbered(number_of)
         self._n_changes += 1
 
@@ -291,9 +279,8 @@ class Workspace(Caching):
         """Close the picture files; no recording has pictures until new ones are set."""
         opened = (*self._all_pictures.sources.values(), *self._all_visible.sources.values())
         sources = {id(source): source for source in opened}
-        self._all_pictures = self._all_visible = self.visible = RecordingPictures()
-        self.own_pictures = RecordingPictures()
-        self.pictures, self.picture_rows, self.picture_notes = {}, {}, {}
+        self._all_pictures = self._all_visible = RecordingPictures()
+        self.pictures = self.visible = RecordingPictures()
         self._n_changes += 1
         for source in sources.values():
             source.close()

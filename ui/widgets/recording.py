@@ -31,7 +31,7 @@ def _draw_recordings(left: DeltaGenerator, right: DeltaGenerator) -> None:
     if recording != state.recording():
         state.go_to(recording, 0)
         st.rerun()
-    note = state.workspace().picture_notes.get(state.recording())
+    note = state.workspace().pictures.notes.get(state.recording())
     if note not in USUAL:
         right.caption(plain(note or "This recording has no pictures: boxes are drawn on a blank."))
 

@@ -12,7 +12,7 @@ import plotly.graph_objects as go
 from nvcore.figures.style import HEADING_PX, HIDDEN_AXIS, LOOK, draw, plain, written
 from nvcore.palette import Theme
 from nvcore.pictures import Picture, jpeg, picture_address, stretch
-from nvcore.pictures.recordings import STRETCH
+from nvcore.pictures.stretch import STRETCH
 
 WIDEST_PX: Final = 1280
 """Of a picture in a figure: larger ones are shrunk."""

@@ -22,7 +22,7 @@ from nvcore.detectors.icf.channels import (
 )
 from nvcore.errors import DetectorError
 from nvcore.pictures import stretch
-from nvcore.pictures.recordings import STRETCH
+from nvcore.pictures.stretch import STRETCH
 
 PLAIN = IcfSettings(blur=False)
 TO_XYZ = np.array(

@@ -87,13 +87,13 @@ def test_a_video_proposes_size_and_rate_finds_its_recording_and_can_be_shifted(
     press(page, "open_upload")
     assert sizes_of(page) == [(640, 480)]
     assert recordings_of(page)["pictures"].tolist() == ["drive.mp4"]
-    assert (space_of(page).picture_rows[0] == range(60)).all()
+    assert (space_of(page).pictures.indices[0] == range(60)).all()
     edit.apply(page, first_picture=1)
-    assert space_of(page).picture_rows[0].tolist() == list(range(-1, 59))
+    assert space_of(page).pictures.indices[0].tolist() == list(range(-1, 59))
     assert "1 of 60 listed frames have no picture" in recordings_of(page)["note"][0]
     assert recordings_of(page)["first_picture"].tolist() == [1]
     edit.apply(page, first_picture=None)
-    assert (space_of(page).picture_rows[0] == range(60)).all()
+    assert (space_of(page).pictures.indices[0] == range(60)).all()
 
 
 def picture_choices(page: AppTest) -> str:
@@ -107,9 +107,9 @@ def test_pictures_sent_later_can_be_chosen_and_taken_away_again(edit: Edit):
     checked(page.slider(key="midpoint").set_value(60.0).run())
     assert "more.mp4" in str(picture_choices(page))
     edit.apply(page, pictures="more.mp4")
-    assert space_of(page).pictures[0].name == "more.mp4"
+    assert space_of(page).pictures.sources[0].name == "more.mp4"
     edit.apply(page, pictures="no pictures")
-    assert 0 not in space_of(page).pictures
+    assert 0 not in space_of(page).pictures.sources
     press(page, "remove_pictures")
     assert "more.mp4" not in str(picture_choices(page))
     assert page.session_state["params"].midpoint == 60  # outlives corrections of the session

@@ -14,6 +14,7 @@ from streamlit.testing.v1 import AppTest
 
 from nvcore.findings import Cases, Finding, Severity
 from nvcore.pictures import open_pictures
+from nvcore.pictures.recordings import RecordingPictures
 from pages import checked, press, texts
 from ui.data.audit import entries
 
@@ -87,10 +88,12 @@ def test_pictures_of_a_folder_have_their_files_names_for_annotators(tmp_path: Pa
     made = make_dataset([Box(frame, 5, 5, 5, 9, 1) for frame in range(3)])
     cases = Cases("boxes", np.array([2]))
     finding = Finding(Severity.NOTE, "odd", "truth", 1, "m", "a", cases=cases)
-    space = SimpleNamespace(pictures={0: open_pictures(tmp_path)}, picture_rows={0: np.arange(3)})
+    space = SimpleNamespace(
+        pictures=RecordingPictures({0: open_pictures(tmp_path)}, {0: np.arange(3)})
+    )
     assert b'name="I02.png"' in entries._cvat(space, made, finding, cases)
     assert b'name="r0/000002.png"' in entries._cvat(
-        SimpleNamespace(pictures={}, picture_rows={}), made, finding, cases
+        SimpleNamespace(pictures=RecordingPictures()), made, finding, cases
     )
 
 

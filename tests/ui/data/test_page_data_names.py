@@ -147,7 +147,7 @@ def test_a_recording_is_called_otherwise_without_reading_it_again(
     assert recordings_of(page).loc[0, ["name", "tags"]].tolist() == ["Crossing", "wet"]
     entry = space.opened.session.recordings[0]
     assert (entry.name, entry.title, entry.tags) == ("urban_crossing", "Crossing", ("wet",))
-    assert space.pictures[0].name == "urban_crossing.mp4"  # they stay open
+    assert space.pictures.sources[0].name == "urban_crossing.mp4"  # they stay open
 
 
 def test_a_rename_keeps_who_is_chosen_and_which_preset(edit: Edit):
@@ -230,7 +230,7 @@ def test_a_tag_chosen_in_the_sidebar_holds_for_what_is_compared():
     assert space_of(page).opened.dataset.recordings["name"].tolist() == [
         *("rural_road", "rural_child", "rural_cyclist")
     ]
-    assert space_of(page).pictures[0].name == "rural_road.mp4"
+    assert space_of(page).pictures.sources[0].name == "rural_road.mp4"
     assert page.query_params["tags"] == "rural"
     assert page.query_params["recording"] == "rural_road"
     page = checked(page.multiselect(key="tags_chosen").set_value([]).run())

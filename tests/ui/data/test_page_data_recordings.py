@@ -159,7 +159,7 @@ def test_a_table_sent_names_no_pictures_of_the_machine(tmp_path: Path):
     page = with_table(tmp_path, lines.encode())
     press(page, "open_upload")
     assert recordings_of(page)["pictures"].tolist() == ["no pictures"] * 2
-    assert space_of(page).pictures == {}
+    assert space_of(page).pictures.sources == {}
 
 
 def test_a_session_file_finds_its_table_among_the_files_sent(tmp_path: Path):

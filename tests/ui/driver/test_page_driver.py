@@ -165,7 +165,7 @@ def test_of_other_objects_the_page_speaks_as_of_pedestrians_and_of_the_driver_as
 
 def test_without_detectability_the_page_says_how_to_get_it():
     page = checked(alone("driver").run())
-    assert "is not known here" in texts(page)
+    assert "Whether the driver sees the pedestrians is not known yet" in texts(page)
     assert "nvcore driver estimate" in page.code[0].value
     assert not page.dataframe
 

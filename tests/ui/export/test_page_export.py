@@ -7,6 +7,7 @@ import threading
 import zipfile
 from collections.abc import Callable
 from concurrent.futures import CancelledError
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from urllib.parse import parse_qs, urlsplit
@@ -175,7 +176,8 @@ def test_the_picture_of_a_frame_is_that_of_the_timeline(
     page = opened(recording="rural_child", frame="120")
     space = page.session_state["workspace"]
     place, _ = page.session_state["place"]
-    space.picture_rows = {**space.picture_rows, place: space.picture_rows[place] - 7}
+    indices = space.pictures.indices
+    space.pictures = replace(space.pictures, indices={**indices, place: indices[place] - 7})
     checked(page.run())
     assert shown == [120, 113]
 
@@ -196,7 +198,7 @@ def test_a_video_has_the_pictures_of_the_timeline(tmp_path: Path, monkeypatch: p
 
     monkeypatch.setattr("ui.export.video.write_video", written)
     video_of(page, 3, Interval(0, 10, 20), tmp_path / "v.mp4").join()
-    assert given[0] is space.picture_rows[3]
+    assert given[0] is space.pictures.indices[3]
 
 
 def test_the_link_keeps_recording_and_frame_which_can_be_gone_to():

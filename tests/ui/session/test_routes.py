@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import threading
+from dataclasses import replace
 from typing import Any
 
 import cv2
@@ -56,8 +57,7 @@ def space(space: Workspace) -> Workspace:
     """With a comparison of which the first frame has no picture, and the fourth a broken one."""
     dataset = make_dataset(truth=[at(3, 50)], x=[at(3, 50)], n_frames=N_ROWS)
     space.compared = Compared(result_of(dataset), "v1")
-    space.pictures = {0: Grey()}
-    space.picture_rows = {0: np.array([-1, 0, 1, 2])}
+    space.pictures = RecordingPictures({0: Grey()}, {0: np.array([-1, 0, 1, 2])})
     return space
 
 
@@ -78,7 +78,7 @@ def test_a_row_gives_the_picture_that_shows_it_to_its_browser_alone(space: Works
 
 def test_pictures_that_take_long_keep_no_thread_from_other_visitors(space: Workspace):
     slow = Slow()
-    space.pictures = {0: slow}
+    space.pictures = replace(space.pictures, sources={0: slow})
     url = f"{address(space)}/frame/0/1.jpg"
 
     async def visit() -> list[int]:

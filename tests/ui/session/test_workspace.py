@@ -71,7 +71,7 @@ def test_pictures_that_several_recordings_share_are_closed_once():
     before = space.pictures_version
     space.close_pictures()
     assert source.times_closed == 1
-    assert space.pictures == {}
+    assert space.pictures.sources == {}
     assert space.pictures_version != before
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from streamlit.testing.v1 import AppTest
 
 from nvcore.findings import Cases, Finding, Severity
+from nvcore.pictures.recordings import RecordingPictures
 from pages import checked, opened, press, texts, to_page
 from ui.session.chosen import CHOSEN
 from ui.shell.review import Review
@@ -37,9 +39,9 @@ def test_how_frames_are_numbered_is_said_only_where_it_is_unusual(monkeypatch):
     assert "counted from 0" not in texts(app)
     space = app.session_state["workspace"]
     note = "Picture i, counted from 0, shows frame i + 1: the frames count from 1."
-    monkeypatch.setattr(space, "picture_notes", {0: note})
+    monkeypatch.setattr(space, "pictures", replace(space.pictures, notes={0: note}))
     assert note in texts(checked(app.run()))
-    monkeypatch.setattr(space, "picture_notes", {})
+    monkeypatch.setattr(space, "pictures", RecordingPictures())
     assert "has no pictures" in texts(checked(app.run()))
 
 

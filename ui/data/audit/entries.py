@@ -154,9 +154,8 @@ def _draw_downloads(finding: Finding, cases: Cases, table: pd.DataFrame) -> None
 
 
 def _cvat(space: Workspace, dataset: Dataset, finding: Finding, cases: Cases) -> bytes:
-    names = picture_names(
-        dataset.frame_columns, entry_frames(dataset, cases), space.pictures, space.picture_rows
-    )
+    rows = entry_frames(dataset, cases)
+    names = picture_names(dataset.frame_columns, rows, space.pictures)
     return entries_as_cvat(dataset, [finding], file_names=names)
 
 

@@ -31,7 +31,7 @@ def input_findings() -> tuple[Finding, ...]:
     of_pictures = space.cached(
         "audit_pictures",
         space.pictures_version,
-        lambda: audit_pictures(dataset, space.own_pictures),
+        lambda: audit_pictures(dataset, space.pictures),
     )
     return worst_first([*findings, *of_pictures])
 

@@ -8,7 +8,7 @@ const TEXTS = {
   kept: "The run is kept.",
   rest: "Rest as long as you like.",
   sending: "Keeping your answers …",
-  unreached: "The app does not keep your answers; trying again. Leave this page open until it does.",
+  unreached: "Your answers are not saved yet; trying again. Leave this page open until they are.",
 };
 const screens = new WeakMap();
 

@@ -209,7 +209,7 @@ def kinds_finding(
     if not kinds:
         return []
     boxes = listed([f"{name} ({n})" for name, n in kinds.items()])
-    fate = "ignored: to detect or to miss them changes nothing"
+    fate = "ignored: detecting or missing them changes nothing"
     return [
         Finding(
             severity,
@@ -218,7 +218,9 @@ def kinds_finding(
             sum(kinds.values()),
             f"Boxes of {boxes} are {fate if options.role == 'truth' else 'left out'}. "
             f"Only {listed(counted)} count{'s' if len(counted) == 1 else ''}.",
-            options.objects.words("If they are pedestrians to be found, let them count, too."),
+            options.objects.words(
+                "If pedestrians of these kinds are to be detected, let them count, too."
+            ),
             file=file,
             steps=(Step(Remedy.CLASSES, ",".join([*counted, *kinds])),),
         )

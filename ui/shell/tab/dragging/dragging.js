@@ -77,7 +77,7 @@ function mark() {
   if (sliders.length) {
     const words = sliders.map(([name, value]) => text(name, value)).join(", ");
     const grey = sliders.map(([name]) => text(name, drawn[name])).join(", ");
-    const message = `Computing for ${words}. What is grey is older: for ${grey} or values before it.`;
+    const message = `Computing for ${words}. Grey parts are older: from ${grey} or before.`;
     if (main.getAttribute(LATE) !== message) main.setAttribute(LATE, message);
   } else main.removeAttribute(LATE);
   for (const part of main.querySelectorAll(".nv-of")) {
