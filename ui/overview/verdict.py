@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 from typing import Any, Final
 
 import pandas as pd
@@ -44,9 +45,10 @@ class Room:
         self._result = result
         with st.container(border=True, key="verdict"):
             self.headline: DeltaGenerator = st.container(key="verdict_headline")
-            self._words = self.headline.empty()
-            self._tiles = st.container(key="verdict_tiles").empty()
-            self._basis = st.container(key="verdict_basis").empty()
+            # emptied when first drawn in: until then they show what they did in the last run
+            self._words = cache(self.headline.container().empty)
+            self._tiles = cache(st.container(key="verdict_tiles").empty)
+            self._basis = cache(st.container(key="verdict_basis").empty)
             self._rest = st.expander("What this rests on")
 
     def _opening(self) -> tuple[object, ...]:
@@ -61,14 +63,14 @@ class Room:
         opening, last = st.session_state.get(LAST, (None, ""))
         is_of_these = opening == self._opening()
         words = last if is_of_these else "The differences are being tested."
-        self._words.markdown(f"## :gray[{words}]")
+        self._words().markdown(f"## :gray[{words}]")
         equal = other.equal
-        self._basis.caption(_short_extent(self._result, equal))
+        self._basis().caption(_short_extent(self._result, equal))
         shown, of_shown = (self._result, evidence) if equal is None else (equal.result, None)
         four = tiles(shown, of_shown, None, untested="being tested")
         if other.is_awaited:
             four = tuple(replace(tile, **AWAITED) for tile in four)
-        self._tiles.html(tiles_html(four))
+        self._tiles().html(tiles_html(four))
 
     def draw(
         self,
@@ -81,11 +83,11 @@ class Room:
         result = self._result
         conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
         words = plain(conclusion.headline)
-        self._words.markdown(f"## {words}")
+        self._words().markdown(f"## {words}")
         st.session_state[LAST] = self._opening(), words
         four = tiles(result, evidence, companions, untested="being tested")
-        self._tiles.html(tiles_html(four))
-        with self._basis.container():
+        self._tiles().html(tiles_html(four))
+        with self._basis().container():
             st.caption(_short_extent(result, equal_alarms_of(result, companions)))
             if text := " ".join(describe_weighting(result)):
                 st.markdown(f":material/warning: {plain(state.words(text))}")

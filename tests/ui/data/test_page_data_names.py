@@ -279,7 +279,7 @@ def test_tags_are_chosen_where_the_recording_has_no_evaluated_frame(
 def test_tags_that_no_recording_has_together_are_refused():
     page = checked(scripted(FILTERED).run())
     page = checked(page.multiselect(key="tags_chosen").set_value(["rural", "summer"]).run())
-    assert "no recording has the tags rural and summer" in texts(page)
+    assert "No recording has the tags rural and summer" in texts(page)
     assert shown(page, "multiselect", "tags_chosen").value == []
 
 
