@@ -404,4 +404,10 @@ CASES: Final[Mapping[str, Case]] = {
         says=("checksums",),
         exit_code=2,
     ),
+    "times-without-a-frame": Case(
+        each(lambda s, t: csv(_people(t).rename(columns={"frame": "timestamp"}), s)),
+        right=None,
+        says=("none is the frame's number", "timestamp"),
+        exit_code=2,
+    ),
 }

@@ -23,6 +23,7 @@ from nvcore.inputs.readers.caltech.kaist_results import FORMAT as KAIST_RESULTS
 from nvcore.inputs.readers.coco.results import FORMAT as COCO_RESULTS
 from nvcore.inputs.readers.coco.truth import FORMAT as COCO
 from nvcore.inputs.readers.csv import FORMAT as PLAIN_CSV
+from nvcore.inputs.readers.csv_columns import read_header
 from nvcore.inputs.readers.cvat.images import FORMAT as CVAT_IMAGES
 from nvcore.inputs.readers.cvat.video import FORMAT as CVAT_VIDEO
 from nvcore.inputs.readers.gtsdb import FORMAT as GTSDB
@@ -172,6 +173,13 @@ def _unknown(file: SourceFile, content: bytes, head: str, role: Role) -> str:
     for candidate in FORMATS:
         if role not in candidate.roles and candidate.recognise(file.name, head, other):
             return f"expected {_HOLDS[role]}, found {candidate.title}, which holds {_HOLDS[other]}"
+    header = read_header(head.partition("\n")[0])
+    if header.has_box and not header.has_frame:
+        return (
+            f"no reader recognises this as {role}: a table of boxes with the columns "
+            f"{', '.join(header.names)}, and none is the frame's number (frame) or the picture's "
+            "name (file_name); call the one that is so"
+        )
     foreign = describe_foreign(file, head, role)
     if foreign is not None:
         return f"no reader recognises this as {role}: it is {foreign}"
