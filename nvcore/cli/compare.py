@@ -235,4 +235,4 @@ def _shortened(text: str, longest: int | None) -> str:
     if longest is None or len(text) <= longest:
         return text
     end = text.rfind("; ", 0, longest)
-    return (text[:end] if end > 0 else text[:longest]) + "; ... (all of it: nvcore check)"
+    return (text[:end] if end > 0 else text[:longest]) + "; ... (in full: nvcore check)"

@@ -116,7 +116,7 @@ def test_compare_cuts_a_long_conversion_between_facts_and_check_shows_all(tmp_pa
                 if line.startswith("truth: ")]  # fmt: skip
     (cut,) = [line for line in nvcore("compare", *arguments, "--y", x, "--name-y", "Y")
               .stdout.splitlines() if line.startswith("truth: ")]  # fmt: skip
-    start, _, more = cut.partition("; ... (all of it: nvcore check)")
+    start, _, more = cut.partition("; ... (in full: nvcore check)")
     assert more == ")"
     assert whole.startswith(start + "; ")
     assert whole.endswith("evaluated frames from the image list)")
