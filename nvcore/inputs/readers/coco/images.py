@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import PurePosixPath
 
 import numpy as np
 import pandas as pd
@@ -291,10 +290,14 @@ def _is_scattered(recording: Sequence[str]) -> bool:
 
 def _folders(names: Sequence[str], file_recording: str) -> list[str]:
     """Recording of each picture by its folder alone."""
-    parents = [PurePosixPath(name.replace("\\", "/")).parent for name in names]
+    folders = [name.replace("\\", "/").rpartition("/")[0] for name in names]
     # a made-up frame number lets the rules for folders apply
-    places = [recording_and_frame_of(str(parent / "0")) for parent in parents]
-    return [_or_whole(place[0], file_recording) if place else file_recording for place in places]
+    places = {folder: recording_and_frame_of(f"{folder}/0") for folder in {*folders}}
+    recordings = {
+        folder: _or_whole(place[0], file_recording) if place else file_recording
+        for folder, place in places.items()
+    }
+    return [recordings[folder] for folder in folders]
 
 
 def _videos(images: Records, document: dict[str, object]) -> list[str] | None:
