@@ -176,11 +176,20 @@ def _reused(source: BoxSource, rows: np.ndarray, code: np.ndarray) -> list[Findi
         (code[1:] == code[:-1]) & (frame_of[1:] - frame_of[:-1] - 1 > REUSE_FRAMES)
     )
     again = again[time_s[frame_of[again]] - time_s[frame_of[again - 1]] > REUSE_S]
+
+    def longest_gap_s(at: int) -> float:
+        """Of the track's boxes from the one before, those to be ignored among them."""
+        between = slice(boxes.offsets[frame_of[at - 1]], boxes.offsets[frame_of[at] + 1])
+        is_own = boxes.track[between] == boxes.track[rows[at]]
+        return float(np.diff(time_s[boxes.frame_index[between][is_own]]).max())
+
+    # a loop over the few long gaps
+    again = np.array([at for at in again if longest_gap_s(at) > REUSE_S], dtype=np.int64)
     if not len(again):
         return []
     n_tracks = len(np.unique(code[again]))
     again = again[np.argsort(rows[again])]
-    gap = float(time_s[frame_of[again[0]]] - time_s[frame_of[again[0] - 1]])
+    gap = longest_gap_s(again[0])
     first = rows[again]
     return source.findings(
         Severity.WARNING,

@@ -123,3 +123,12 @@ def test_boxes_mostly_outside_count_when_the_size_is_in_doubt() -> None:
 def test_a_few_boxes_mostly_outside_do_not_put_the_size_in_doubt() -> None:
     finding = find(dataset(**with_box(630)), "mostly-outside-picture")
     assert finding.advice.startswith("Nothing to do")
+
+
+def test_boxes_to_be_ignored_bridge_the_gap_of_a_track():
+    seen = [Box(frame, 10, 10, 40, 100, track=1) for frame in (*range(10), *range(200, 210))]
+    ignored = [Box(frame, 10, 10, 40, 100, track=1, ignore=True) for frame in range(10, 200)]
+    found = [Box(frame, 10, 10, 40, 100) for frame in range(210)]
+    places = [Place(range(210), fps=20.0)]
+    assert "track-reused" in codes(make_dataset(seen, found, places=places))
+    assert "track-reused" not in codes(make_dataset(seen + ignored, found, places=places))

@@ -360,3 +360,11 @@ def test_systems_whose_every_detection_counts_are_named(alike: Result):
     assert "Every detection of X and Y counts, however low its score." in verdict(alike).sentences
     limited = result_of(alike.dataset, threshold_x=0.5)
     assert "Every detection of Y counts, however low its score." in verdict(limited).sentences
+
+
+def test_nothing_is_claimed_from_inputs_with_errors(better_x: Result):
+    error = Finding(Severity.ERROR, "box-layout", "x", 1, "Corners.", "Read them so.")
+    conclusion = verdict(better_x, [error])
+    assert conclusion.headline.startswith("Nothing is claimed: the audit found errors")
+    assert conclusion.claims == ()
+    assert conclusion.points == ()

@@ -142,8 +142,25 @@ def draw() -> None:
     titles = [field.title for field in (truth, *systems)]
     checks_by_title = dict(zip(titles, [truth_check, *checks], strict=True))
     form = finish_form(PLACE, names, recording, frames, rows, pictures, checks_by_title, objects)
-    if button("Open these files", key="open_upload", type="primary"):
-        try_to_open(lambda: _session(truth, systems, stored, form), label=LABEL, place=PLACE)
+    with st.container(horizontal=True):
+        if button("Open these files", key="open_upload", type="primary"):
+            try_to_open(lambda: _session(truth, systems, stored, form), label=LABEL, place=PLACE)
+        if any(stored.ids) or sent_pictures(space):
+            st.button("Empty the form", key="empty_upload", on_click=_empty, args=(space,))
+
+
+def _key(name: str) -> str:
+    """Key of a widget of the form; each form has its own."""
+    form = state.workspace().form
+    return f"{name}_{form}" if form else name
+
+
+def _empty(space: Workspace) -> None:
+    begin_form(space)
+    for name in (_OPENED, _CHOSEN):
+        space.notes.pop(name, None)
+    st.session_state.pop(_CHOSEN, None)
+    _changed()
 
 
 def _tell_lost(space: Workspace, fields: Sequence[_Field]) -> None:
@@ -172,7 +189,7 @@ def _tell_lost(space: Workspace, fields: Sequence[_Field]) -> None:
 def _draw_truth() -> _Field:
     left, right = st.columns([1, 3])
     expander = "How to read the ground truth"
-    key = "upload_truth"
+    key = _key("upload_truth")
     return _Field("the ground truth", "truth", *_ask(right, "Ground truth", expander, key), left)
 
 
@@ -194,7 +211,7 @@ def _draw_systems() -> list[_Field]:
     for number in range(n_systems):
         left, right = st.columns([1, 3])
         title, expander = f"system {_numbered(number)}", f"How to read system {number + 1}"
-        key = f"upload_system_{number}"
+        key = _key(f"upload_system_{number}")
         answers = _ask(right, f"Detections of {title}", expander, key, "detections")
         systems.append(_Field(title, f"system-{number + 1}", *answers, left))
     st.button(
@@ -210,7 +227,9 @@ def _draw_systems() -> list[_Field]:
 def _draw_single(title: str, slot: str, label: str, help_text: str) -> _Field:
     """A field for a file of its own kind, which needs no reader."""
     _, right = st.columns([1, 3])
-    file = right.file_uploader(label, key=f"upload_{slot}", help=help_text, on_change=_changed)
+    file = right.file_uploader(
+        label, key=_key(f"upload_{slot}"), help=help_text, on_change=_changed
+    )
     files = [] if file is None else [file]
     return _Field(title, slot, files, {}, right.container(), right)
 
@@ -248,7 +267,7 @@ def _draw_names(
     )
     names = []
     for number, (system, name) in enumerate(zip(systems, proposed, strict=True)):
-        key = f"upload_name_{number}"
+        key = _key(f"upload_name_{number}")
         with system.beside:
             names.append(
                 draw_system_name(system.title, name, number + 1, key=key, changed=_changed)
@@ -262,7 +281,7 @@ def _add_system() -> None:
 
 def _draw_pictures(space: Workspace, recordings: Sequence[str]) -> ChosenPictures:
     st.markdown("Pictures (not needed for the numbers)")
-    refused = upload_pictures(space, key="upload_pictures")
+    refused = upload_pictures(space, key=_key("upload_pictures"))
     sent = sent_pictures(space)
     if sent:
         left, right = st.columns([4, 1], vertical_alignment="center")

@@ -85,6 +85,10 @@ LESSER: Final = {
 """The same of findings that no page but Overview and Data warns of."""
 
 SAME_BOXES: Final = "same-boxes"
+WRONG_INPUTS: Final = (
+    "Nothing is claimed: the audit found errors in the inputs, and the numbers are wrong until "
+    "they are mended."
+)
 NO_TWO_SYSTEMS: Final = (
     "Two of the inputs have the same boxes: this is no comparison of two systems."
 )
@@ -189,6 +193,8 @@ def verdict(
     caveat = _caveat(serious) if serious else ""
     if any(finding.code == SAME_BOXES for finding in findings):
         return Verdict(NO_TWO_SYSTEMS, (), (), Basis.NONE, caveat)
+    if any(finding.severity is Severity.ERROR for finding in serious):
+        return Verdict(WRONG_INPUTS, (), (), Basis.NONE, result.dataset.words(caveat))
     words = result.dataset.words
     support = find_claims(result, evidence, companions)
     shown, of_shown = comparison_shown(result, evidence, companions)

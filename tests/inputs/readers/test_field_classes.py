@@ -291,9 +291,8 @@ def test_masks_without_boxes_are_refused_with_a_way_on(tmp_path):
         del annotation["bbox"]
         annotation["segmentation"] = {"counts": "abc", "size": [480, 640]}
     (tmp_path / "truth.json").write_text(json.dumps(document))
-    with pytest.raises(FormatError, match=r"masks \(RLE\) alone") as caught:
+    with pytest.raises(FormatError, match=r"masks \(RLE\) alone.*add the box around each mask"):
         read_source(Source("truth.json"), role="truth", folder=tmp_path)
-    assert caught.value.steps == (Step(Remedy.TABLE),)
 
 
 @pytest.mark.parametrize(

@@ -282,6 +282,15 @@ def test_a_second_upload_starts_without_the_pictures_of_the_first(tmp_path: Path
     assert {*space.stored} == {"drive.mp4", "other.mp4"}  # the open comparison keeps its own
 
 
+def test_a_form_can_be_emptied_while_its_comparison_stays_open(tmp_path: Path):
+    page = open_files(send_video(late_page(tmp_path), "drive.mp4"))
+    press(page, "empty_upload")
+    assert not page.file_uploader(key="upload_truth_1").value
+    assert "Here: drive.mp4" not in texts(page)
+    assert "Open now: Uploaded files" in texts(page)
+    assert [*space_of(page).stored] == ["drive.mp4"]
+
+
 def test_a_video_that_cannot_be_opened_stops_until_one_goes_on_without(tmp_path: Path):
     page = send_video(late_page(tmp_path), "cut.mp4", n_bytes=1_000)
     open_files(page)

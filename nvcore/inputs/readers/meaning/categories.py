@@ -229,9 +229,11 @@ def _by_number(
     boxes += f" and {len(keys) - _MANY} more" if len(keys) > _MANY else ""
     if not given:
         if len(keys) > 1:
+            names = ", ".join(options.classes or ())
             raise UnnamedClassesError(
-                f"several classes, and no names say which of them are {options.objects.plural}: "
-                f"found {numbers} {boxes}",
+                f"several classes, and no names say which of them are {options.objects.plural}"
+                + (f", nor which is called {names}: give its number; " if names else ": ")
+                + f"found {numbers} {boxes}",
                 file=file,
                 steps=(Step(Remedy.CLASSES),),
             )

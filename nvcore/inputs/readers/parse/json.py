@@ -13,7 +13,6 @@ from typing import Final
 import numpy as np
 
 from nvcore.errors import FormatError
-from nvcore.findings import Remedy, Step
 from nvcore.inputs.readers.base import SourceFile
 from nvcore.inputs.readers.parse.text import read_text
 from nvcore.wording import shortened
@@ -187,10 +186,13 @@ class Records:
             ]
             if all(is_lacking) and values == [_NO_BOX] * len(values):
                 is_mask = isinstance(shapes[0], dict)
-                found = "masks (RLE) alone, which are not read" if is_mask else "none"
-                fault = self.error(0, f'expected the field "bbox", found {found}')
-                fault.steps = (Step(Remedy.TABLE),) if is_mask else ()
-                raise fault
+                found = "none"
+                if is_mask:
+                    found = (
+                        "masks (RLE) alone, which are not read: add the box around each mask, as "
+                        "pycocotools.mask.toBbox gives it"
+                    )
+                raise self.error(0, f'expected the field "bbox", found {found}')
         expected = "bbox [x, y, width, height]"
         self.check_types(values, {list}, expected)
         boxes: list[list[object]] = values  # type: ignore[assignment]
