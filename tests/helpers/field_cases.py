@@ -346,7 +346,7 @@ CASES: Final[Mapping[str, Case]] = {
         each(lambda s, t: coco(s, t, ids=IDS, box=_sizes if s == "truth" else _corners)),
         FPS,
         right=None,
-        says=("corners",),
+        says=("left, top, right, bottom",),
         exit_code=1,
     ),
     "roboflow-names": Case(each(lambda _, t: yolo_people(t, _roboflow))),
