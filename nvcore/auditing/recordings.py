@@ -202,7 +202,8 @@ def audit_frame_steps(dataset: Dataset) -> list[Finding]:
                 abs(usual * fps[number] / unit - 1) < SAME_PERIOD for unit in (1e3, 1e6, 1e9)
             )
             is_rising = usual >= LEAST_STEP and is_near.mean() >= NEAR_SHARE
-            if is_rising and (steps.min() < steps.max() or is_same):
+            has_jitter = is_rising and np.ptp(steps[is_near]) > 0  # gaps of whole steps are none
+            if is_rising and (has_jitter or is_same):
                 steps_of = steps_of or ", ".join(map(str, numbers[:4]))
                 odd.append(number)
                 is_period |= is_same

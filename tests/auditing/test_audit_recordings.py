@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 import pytest
 from audit_comparison import N, codes, dataset, find, truth_walk, walk
-from builders import Box, Place
+from builders import Box, Place, make_dataset
 
 from nvcore.findings import Severity
 
@@ -130,3 +130,17 @@ def test_few_frames_beyond_the_boxes_are_no_finding(given: dict[str, Any]) -> No
 def test_a_recording_without_any_box_has_no_ends() -> None:
     places = [Place(range(N), 640, 480, 10.0), Place(range(N), 640, 480, 10.0)]
     assert codes(dataset(places=places)) == ["recording-without-pedestrians"]
+
+
+@pytest.mark.parametrize(
+    ("numbers", "is_found"),
+    [
+        ([round(100 * k / 3) for k in range(40)], True),  # milliseconds at 30 Hz
+        ([20 * k for k in range(60) if k % 9], False),  # every 20th frame, some without anybody
+    ],
+    ids=["times", "every 20th frame"],
+)
+def test_frame_numbers_that_rise_as_times_do_are_told(numbers: list[int], is_found: bool):
+    truth = [Box(frame, 10, 10, 40, 80, track=frame) for frame in numbers]
+    made = make_dataset(truth, truth, places=[Place(numbers, fps=20.0)])
+    assert ("frame-numbers-like-times" in codes(made)) == is_found
