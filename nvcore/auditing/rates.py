@@ -97,9 +97,10 @@ def find_rate(source: BoxSource, detections: BoxColumns) -> list[Finding]:
         for drift, offset in product(drifts, (0, 1, -1))
         if abs(drift) <= MAX_DRIFT
     ]
-    near = max(drifting, key=lambda rate: rate.iou)
-    finer = [near.factor + k / 8 * by for k in range(-7, 8)]
-    rates += [trial.rate(*at) for at in product(finer, (near.offset, near.offset + step))]
+    if drifting:  # else the frames are too few to tell a drift
+        near = max(drifting, key=lambda rate: rate.iou)
+        finer = [near.factor + k / 8 * by for k in range(-7, 8)]
+        rates += [trial.rate(*at) for at in product(finer, (near.offset, near.offset + step))]
     for _ in range(MOST_LOOKS):
         most = max(rate.iou for rate in rates)
         if most < MIN_IOU:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from builders import Box, Place, make_dataset
 from field_scene import FPS, PERSON, SIZE, detections, truth
 
 import nvcore as nv
@@ -143,3 +144,17 @@ def test_of_several_numbers_that_come_to_one_frame_the_nearest_stays(tmp_path):
     dataset = load(replace(session, systems=(replace(session.systems[0], frame_step=0.5),)))
     assert len(dataset.system("Y")) == 40
     assert "39 boxes between the frames left out" in dataset.inputs["conversion"][1]
+
+
+def test_recordings_too_short_for_any_drift_have_no_other_rate():
+    truth_boxes, found = (
+        [
+            Box(frame, 100 * i + 5 * frame + shift, 10, 20, 40, recording=recording)
+            for recording in (0, 1)
+            for frame in range(6)
+            for i in range(4)
+        ]
+        for shift in (0, 50)
+    )
+    made = make_dataset(truth_boxes, found, places=[Place(range(6)), Place(range(6))])
+    assert RATE_CODE not in [finding.code for finding in audit(made)]

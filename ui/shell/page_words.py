@@ -25,6 +25,7 @@ _WORDS: Final = tuple(
         (r"--only, (?=--frames)", ""),
         (r" \(\[\[system\]\] in the session file(?:, or --[^)]*)?\)", " (the button does it)"),
         (r", or --(?:scale|offset-frames|offset-px)-\S*", ""),
+        (r" --offset-px-\S*", ""),
         (r" \(--(?:size|fps)\)", ""),
         (r" \(--recordings\)", " (“Recordings”, below)"),
         (r" \(--frames(?: [^)]*)?\)", f" ({_FRAMES})"),

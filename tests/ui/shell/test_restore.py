@@ -72,7 +72,7 @@ def test_what_the_page_still_shows_is_served_until_it_is_drawn_anew():
     assert claiming(after, before.token) is before
     assert after.session_state["left_workspace"] is left  # else it would be gone at once
     assert left.compared is not None
-    assert len(left.pictures) > 0
+    assert len(left.pictures.sources) > 0
 
 
 def test_an_unknown_name_or_a_closed_workspace_gives_nothing():
