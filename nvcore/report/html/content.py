@@ -220,8 +220,7 @@ def _facts(result: Result, protocol: Protocol) -> tuple[tuple[str, str], ...]:
         ),
         (
             "Encounters",
-            f"{result.venn.n_near:,} that count, and {result.venn.distant:,} distant ones that do "
-            "not",
+            f"{result.venn.n_near:,} that count, {result.venn.distant:,} too far away to count",
         ),
         ("Protocol of the detection measures", protocol.title),
         ("Program", f"nvcore {__version__}"),
