@@ -79,10 +79,22 @@ def key_of(name: str, value: Any) -> str:
     been chosen. So what others have changed is shown by another widget.
     """
     memory = f"shown_{name}"
-    number, shown = st.session_state.get(memory, (0, value))
-    key = f"{name}_{number}" if number else name
-    if st.session_state.get(key, shown) != value:
-        number += 1
-        key = f"{name}_{number}"
-    st.session_state[memory] = number, value
+    shown: dict[str, Any] = st.session_state.get(memory, {})
+    key = next(reversed(shown), name)
+    if st.session_state.get(key, shown.get(key, value)) != value:
+        key = f"{name}_{len(shown)}"
+    st.session_state[memory] = {**shown, key: value}
     return key
+
+
+def is_chosen(name: str, key: str) -> bool:
+    """Whether a widget with a key of `key_of` tells of a choice. For callbacks.
+
+    A browser sends the value of a widget that another has replaced until it has drawn that one, and
+    Streamlit, which has forgotten the value, takes it for a change.
+    """
+    memory, value = f"shown_{name}", st.session_state[key]
+    shown: dict[str, Any] = st.session_state[memory]
+    is_replaced = key != next(reversed(shown))
+    st.session_state[memory] = {**shown, key: value}
+    return not (is_replaced and value == shown[key])

@@ -79,7 +79,7 @@ def draw(moved: dict[str, Any]) -> None:
 def _take(key: str) -> None:
     """A preset was chosen; the one in use, pressed again, stays."""
     name: str | None = st.session_state[key]
-    if name is not None:
+    if settings.is_chosen(KEY, key) and name is not None:
         st.session_state[BASE] = state.workspace().n_opened, name
         live_params.set_preset(_BY_NAME[name])
 

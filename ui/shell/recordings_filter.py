@@ -68,6 +68,8 @@ def choose_tags(tags: Sequence[str]) -> None:
 
 
 def _choose(key: str) -> None:
+    if not settings.is_chosen(_KEY, key):
+        return
     try:
         choose_tags(st.session_state[key])
     except InputError as error:

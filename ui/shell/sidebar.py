@@ -248,6 +248,8 @@ def _is_set(name: str, setting: Setting) -> bool:
 
 
 def _switch(name: str, key: str) -> None:
+    if not settings.is_chosen(f"{name}_unset", key):
+        return
     value = None if st.session_state[key] else live_params.value_when_set(name)
     state.set_params(**{name: value})
 

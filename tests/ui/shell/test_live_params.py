@@ -318,6 +318,20 @@ def test_a_widget_of_what_others_changed_is_another_one(monkeypatch: pytest.Monk
     assert settings.key_of("preset", "Rural") not in (first, second)
 
 
+def test_what_a_browser_still_sends_of_a_replaced_widget_is_no_choice(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    monkeypatch.setattr(st, "session_state", {})
+    first = settings.key_of("preset", "Default")
+    st.session_state[first] = "Rural"
+    assert settings.is_chosen("preset", first)
+    second = settings.key_of("preset", None)  # a slider was moved
+    assert not settings.is_chosen("preset", first)  # which "Rural" would take back
+    st.session_state |= {first: "Default", second: "Default"}
+    assert settings.is_chosen("preset", second)
+    assert settings.is_chosen("preset", first)  # pressed before the browser drew the other one
+
+
 @pytest.mark.parametrize(
     "sent",
     [
