@@ -223,22 +223,13 @@ def test_an_answer_that_is_refused_is_told_and_the_run_is_not_offered_again(
     assert page.evaluate("told") == []
 
 
-def test_answers_that_do_not_arrive_are_told_and_sent_again(run: Callable[..., Page]):
-    page = run(is_lost=True)
+@pytest.mark.parametrize("fault", ["Lost", "Full"])
+def test_answers_that_are_not_kept_are_told_and_sent_again(run: Callable[..., Page], fault: str):
+    page = run(**{f"is_{fault.lower()}": True})
     for picture in (1, 2):
         answer(page, picture)
     expect(page.locator(".nv-bar span")).to_have_text(re.compile("trying again. Leave this page"))
-    page.evaluate("isLost = false")
-    page.wait_for_function("told.length > 0")
-    assert page.evaluate("told") == [["ended", "run 1"]]
-
-
-def test_answers_that_the_app_cannot_keep_now_are_sent_again(run: Callable[..., Page]):
-    page = run(is_full=True)
-    for picture in (1, 2):
-        answer(page, picture)
-    expect(page.locator(".nv-bar span")).to_have_text(re.compile("trying again. Leave this page"))
-    page.evaluate("isFull = false")
+    page.evaluate(f"is{fault} = false")
     page.wait_for_function("told.length > 0")
     assert page.evaluate("told") == [["ended", "run 1"]]
 

@@ -28,6 +28,7 @@ from nvcore.inputs.readers.base import (
 )
 from nvcore.inputs.readers.meaning.categories import (
     ClassNames,
+    NumberedRows,
     choose_categories,
     names_of_numbers,
 )
@@ -279,14 +280,12 @@ def _by_name(
     rows: _Rows, classes: np.ndarray, named: ClassNames, options: ReadOptions, file: SourceFile
 ) -> _Rows:
     """The rows sorted by what their classes are called."""
-    numbers, codes = np.unique(classes, return_inverse=True)
-    keys = np.array([*map(str, numbers.tolist())], dtype=object)
-    counts = dict(zip(keys, np.bincount(codes).tolist(), strict=True))
-    choice = choose_categories(counts, named, options, file=file.name)
-    is_ignored = np.isin(keys, choice.ignored)[codes]
+    numbered = NumberedRows.of(classes)
+    choice = choose_categories(numbered.counts, named, options, file=file.name)
+    is_ignored = numbered.among(choice.ignored)
     return replace(
         rows,
-        keep=is_ignored | np.isin(keys, choice.counted)[codes],
+        keep=is_ignored | numbered.among(choice.counted),
         ignore=rows.ignore | is_ignored,
         facts=[*rows.facts, choice.conversion],
         findings=[*rows.findings, *choice.findings],

@@ -20,7 +20,11 @@ from nvcore.inputs.readers.base import (
     conversion_text,
     recordings_table,
 )
-from nvcore.inputs.readers.meaning.categories import ClassNames, choose_categories
+from nvcore.inputs.readers.meaning.categories import (
+    ClassNames,
+    NumberedRows,
+    choose_categories,
+)
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.occlusion import levels_of_numbers
 from nvcore.inputs.readers.parse.text import (
@@ -85,21 +89,13 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     named = listed_frames(files, options)
     table = stacked([read_numbers(file, LAYOUT) for file in files])
     *box, score, kind, _, occlusion = table.columns[:8]
-    numbers, codes = np.unique(
-        whole_numbers(kind, table.lines, "class number"), return_inverse=True
-    )
-    keys = np.array([*map(str, numbers)], dtype=object)
-    choice = choose_categories(
-        dict(zip(keys, np.bincount(codes).tolist(), strict=True)),
-        ClassNames(NAMES),
-        options,
-        file=files[0].name,
-    )
+    numbered = NumberedRows.of(whole_numbers(kind, table.lines, "class number"))
+    choice = choose_categories(numbered.counts, ClassNames(NAMES), options, file=files[0].name)
     is_truth = options.role == "truth"
-    is_ignored = np.isin(keys, choice.ignored)[codes]
+    is_ignored = numbered.among(choice.ignored)
     boxes = table.lines.boxes(
         box,
-        keep=is_ignored | np.isin(keys, choice.counted)[codes],
+        keep=is_ignored | numbered.among(choice.counted),
         recording=named.recording[table.lines.file],
         frame=named.frame[table.lines.file],
         score=np.nan if is_truth else score,

@@ -24,7 +24,11 @@ from nvcore.inputs.readers.base import (
     object_array,
     recordings_table,
 )
-from nvcore.inputs.readers.meaning.categories import choose_categories, names_of_numbers
+from nvcore.inputs.readers.meaning.categories import (
+    NumberedRows,
+    choose_categories,
+    names_of_numbers,
+)
 from nvcore.inputs.readers.meaning.class_files import class_names_beside, is_class_file, last_part
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.inputs.readers.meaning.labels import labelled
@@ -125,20 +129,13 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     file = table.lines.file
     _check_shares(table)
     fields = _identified(table, options)
-    keys = table.columns[0]
-    numbers, codes = np.unique(
-        whole_numbers(keys, table.lines, "class number"), return_inverse=True
-    )
-    counts = dict(zip(map(str, numbers), np.bincount(codes).tolist(), strict=True))
+    numbered = NumberedRows.of(whole_numbers(table.columns[0], table.lines, "class number"))
+    counts = numbered.counts
     by_number = names_of_numbers(counts, own, options, "list")
     choice = choose_categories(counts, by_number, options, file=frames[0].name)
-    is_counted, is_ignored = (
-        np.isin([*map(str, numbers)], fate)[codes] for fate in (choice.counted, choice.ignored)
-    )
+    is_counted, is_ignored = map(numbered.among, (choice.counted, choice.ignored))
     # a number alone tells no class from another file's
-    label = object_array([by_number.names.get(str(number), "") for number in numbers.tolist()])[
-        codes
-    ]
+    label = object_array([by_number.names.get(key, "") for key in numbered.keys])[numbered.codes]
     kind, labels = labelled(label, is_counted & (label != ""), options.objects)
     keep = is_counted | is_ignored
     width, height = options.size

@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from nvcore.errors import FormatError, UnnamedClassesError
 from nvcore.findings import Finding, Remedy, Step
 from nvcore.inputs.readers.base import LeftOut, Numbering, ReadOptions, warning
@@ -88,6 +90,38 @@ def names_of_numbers(
     if own.names or not {*numbers} <= theirs.keys():
         return own
     return ClassNames(theirs, "the systems" if options.role == "truth" else "the ground truth")
+
+
+@dataclass(frozen=True)
+class NumberedRows:
+    """Rows of which each has the number of its class.
+
+    Attributes
+    ----------
+    keys
+        The different numbers as text, object, shape (n_classes,).
+    codes
+        Place of each row's class among them; int, shape (n,).
+    """
+
+    keys: np.ndarray
+    codes: np.ndarray
+
+    @classmethod
+    def of(cls, numbers: np.ndarray) -> NumberedRows:
+        """From the number of each row, whole, shape (n,)."""
+        different, codes = np.unique(numbers, return_inverse=True)
+        return cls(np.array([*map(str, different.tolist())], dtype=object), codes)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many rows have each number."""
+        return dict(zip(self.keys, np.bincount(self.codes).tolist(), strict=True))
+
+    def among(self, keys: tuple[str, ...]) -> np.ndarray:
+        """Whether each row's number is one of these; bool, shape (n,)."""
+        is_among: np.ndarray = np.isin(self.keys, keys)[self.codes]
+        return is_among
 
 
 def choose_categories(
