@@ -13,6 +13,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from nvcore.subjects import public_names, resolve
+
 __version__ = "0.1.0"
 """The version of the program, written into every output."""
 
@@ -90,11 +92,15 @@ if TYPE_CHECKING:
 def __getattr__(name: str) -> Any:
     if name in _PACKAGES:
         return import_module(f"nvcore.{name}")
-    if name not in _HOME_OF:
+    if name in _HOME_OF:
+        value = getattr(import_module(_HOME_OF[name]), name)
+    elif name in public_names():
+        value = resolve(*public_names()[name])
+    else:
         raise AttributeError(f"module 'nvcore' has no attribute {name!r}")
-    value = globals()[name] = getattr(import_module(_HOME_OF[name]), name)
+    globals()[name] = value
     return value
 
 
 def __dir__() -> list[str]:
-    return sorted([*__all__, *_PACKAGES])
+    return sorted({*__all__, *_PACKAGES, *public_names()})

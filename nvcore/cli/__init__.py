@@ -6,6 +6,8 @@ pandas and numba.
 
 from __future__ import annotations
 
+from itertools import chain
+
 import click
 
 from nvcore import __version__
@@ -22,6 +24,7 @@ from nvcore.cli.program import Program
 from nvcore.cli.report import report
 from nvcore.cli.sample import sample
 from nvcore.cli.train import train
+from nvcore.subjects import contributed
 
 
 @click.group(
@@ -38,6 +41,8 @@ def main() -> None:
 
 for command in (
     *(compare, check, convert, gate, matrix, plan, report),
-    *(train, detect, models, driver, app, sample),
+    *(train, detect, models, driver),
+    *chain(*contributed("commands")),
+    *(app, sample),
 ):
     main.add_command(command)

@@ -1,0 +1,153 @@
+"""The subjects: further questions about the same comparison. The core names them here alone.
+
+The core compares two systems. A subject asks more of that comparison (was there time left, would
+the driver have seen the pedestrian) and lives in one package, ``nvcore/<name>/``, whose
+``SUBJECT`` says what it adds to each list of the core: settings, steps of `nvcore.comparison`,
+measures, columns, findings, figures, points of the verdict, sections of the reports, commands and
+public names; its pages are in ``ui/<name>/``. Wherever the core lists such things it lists its own
+and then what is `contributed`. CONTRIBUTING has the recipe.
+
+What a subject adds is named by strings and loaded when it is first asked for, so that
+``import nvcore`` and ``nvcore --help`` need not wait for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import import_module
+from typing import Any, Final, Protocol, TypeVar
+
+SUBJECTS: Final[tuple[str, ...]] = ()
+"""The packages of the subjects, in the order in which what they add is listed."""
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What a subject adds, each by a reference: ``"module:name"`` within its package.
+
+    Attributes
+    ----------
+    name
+        Of its package; `nvcore.comparison.Result.of` knows it by this name.
+    settings
+        Class whose fields become those of `nvcore.params.Params`.
+    results
+        Stages of these settings whose results are shown (`nvcore.params.metadata.Stage`).
+    steps
+        Steps of the comparison (`nvcore.scoring.step.Step`).
+    view
+        Class of what `Result.of` returns; it is made of the result.
+    measures
+        Entries of `nvcore.measures.MEASURES`.
+    columns, entries
+        Columns of the CSV files (`nvcore.tables.added.Columns`) and keys of ``summary.json``
+        (`nvcore.tables.summary_entry.Entry`).
+    findings, caveats
+        Checks of the audit (`nvcore.auditing.Check`), and what a finding means for the verdict, by
+        its code.
+    figures
+        Figures of `nvcore.api.figures.Figures`, by name.
+    points
+        Points of the verdict (`nvcore.report.verdict.PointOf`).
+    lines, sections
+        Lines of the terminal's report and sections of the HTML report.
+    inputs
+        What it reads of a session file (`nvcore.inputs.added.Input`).
+    commands
+        Commands of ``nvcore``.
+    names
+        Public names of ``nvcore``, by reference.
+    extras
+        Extras of pyproject.toml that it needs, and the packages that each brings.
+    ui
+        Module of the dashboard with its ``PAGES``.
+    """
+
+    name: str
+    settings: str = ""
+    results: str = ""
+    steps: str = ""
+    view: str = ""
+    measures: str = ""
+    columns: str = ""
+    entries: str = ""
+    findings: str = ""
+    caveats: str = ""
+    figures: str = ""
+    points: str = ""
+    lines: str = ""
+    sections: str = ""
+    inputs: str = ""
+    commands: str = ""
+    names: Mapping[str, str] = field(default_factory=dict)
+    extras: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    ui: str = ""
+
+
+@cache
+def subjects() -> dict[str, tuple[str, Subject]]:
+    """Package and `Subject` of every subject, by its name."""
+    known = {package: import_module(package).SUBJECT for package in SUBJECTS}
+    return {subject.name: (package, subject) for package, subject in known.items()}
+
+
+def resolve(package: str, reference: str) -> Any:
+    """What a reference such as ``"measures:MEASURES"`` names in a package."""
+    module, _, name = reference.partition(":")
+    return getattr(import_module(f"{package}.{module}"), name)
+
+
+@cache
+def contributed(kind: str) -> tuple[Any, ...]:
+    """What each subject adds to a list of the core, of those that add to it.
+
+    Parameters
+    ----------
+    kind
+        An attribute of `Subject` that is a reference: ``"measures"``.
+    """
+    return tuple(
+        resolve(package, reference)
+        for package, subject in subjects().values()
+        if (reference := getattr(subject, kind))
+    )
+
+
+@cache
+def public_names() -> dict[str, tuple[str, str]]:
+    """Package and reference of every public name of ``nvcore`` that is a subject's."""
+    return {
+        name: (package, reference)
+        for package, subject in subjects().values()
+        for name, reference in subject.names.items()
+    }
+
+
+class Placed(Protocol):
+    """Something that has its place in a list."""
+
+    @property
+    def key(self) -> str:
+        """By which others find it."""
+
+    @property
+    def after(self) -> str:
+        """Key of what it follows; empty: it stands where the list puts it, a subject's last."""
+
+
+P = TypeVar("P", bound=Placed)
+
+
+def in_place(own: Sequence[P], added: Iterable[P]) -> tuple[P, ...]:
+    """The core's own entries of a list with those that subjects add, each after what it follows."""
+    entries = list(own)
+    for entry in added:
+        keys = [known.key for known in entries]
+        place = keys.index(entry.after) + 1 if entry.after in keys else len(entries)
+        # after those that were placed there before
+        while place < len(entries) and entry.after and entries[place].after == entry.after:
+            place += 1
+        entries.insert(place, entry)
+    return tuple(entries)
