@@ -39,6 +39,7 @@ from nvcore.metrics.venn import (
     count_categories,
     measure_exclusivity,
 )
+from nvcore.objects import Objects
 from nvcore.palette import Scheme, Shade, scheme_for
 from nvcore.params import Params
 from nvcore.params.metadata import (
@@ -123,6 +124,11 @@ class Result:
     def system(self, letter: str) -> SystemResult:
         """System ``x`` or ``y``."""
         return dict(self.sides)[letter]
+
+    @property
+    def objects(self) -> Objects:
+        """What the boxes are of."""
+        return self.dataset.objects
 
     def scheme(self, shade: Shade) -> Scheme:
         """Colours and lines for a light or dark page: each system of the session has its own."""

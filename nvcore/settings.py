@@ -6,10 +6,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, Self
 
+from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.published import PublishedPoint
-from nvcore.wording.objects import PEDESTRIAN, Objects
 
 MIN_FPS: Final = 0.001
 MAX_FPS: Final = 10_000.0

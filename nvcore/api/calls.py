@@ -30,13 +30,13 @@ from nvcore.inputs.conversion import convert as convert_input
 from nvcore.inputs.pipes import pipes_kept
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session, Source
+from nvcore.objects import PEDESTRIAN
 from nvcore.protocols import Protocol
 from nvcore.report.gate import run_gate
 from nvcore.report.gate.measures import measure_names
 from nvcore.report.gate.outcomes import Outcome
 from nvcore.report.gate.results import terminal_lines
 from nvcore.report.rules import read_rules
-from nvcore.wording.objects import PEDESTRIAN
 
 
 def compare(

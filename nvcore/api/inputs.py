@@ -24,11 +24,11 @@ from nvcore.inputs.session import (
     SystemSource,
 )
 from nvcore.inputs.session_toml import read_session
+from nvcore.objects import Objects, objects_from
 from nvcore.params import params_from
 from nvcore.progress import Progress, no_progress
 from nvcore.protocols import Protocol, protocol_from
 from nvcore.settings import Settings, as_names
-from nvcore.wording.objects import Objects, objects_from
 
 PathLike = str | Path
 Input = PathLike | Sequence[PathLike] | Source | pd.DataFrame

@@ -11,8 +11,8 @@ from nvcore.cli.options import examples, format_option, objects_option, reading_
 from nvcore.cli.session_options import objects_from_option, size_option, source_options
 from nvcore.cli.steps import findings_shown, pasteable_errors, shown_paths
 from nvcore.inputs.session import Source
+from nvcore.objects import PEDESTRIAN
 from nvcore.wording import one_line
-from nvcore.wording.objects import PEDESTRIAN
 
 if TYPE_CHECKING:
     from nvcore.inputs.readers.base import Role

@@ -19,10 +19,10 @@ from nvcore.inputs.session import (
     SystemSource,
 )
 from nvcore.inputs.session_toml import read_session
+from nvcore.objects import Objects, objects_from
 from nvcore.params import SETTINGS, Params, params_from
 from nvcore.protocols import PROTOCOLS
 from nvcore.wording import one_line
-from nvcore.wording.objects import Objects, objects_from
 
 OF_FILES: Final = (
     "format_",

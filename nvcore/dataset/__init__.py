@@ -25,6 +25,7 @@ from nvcore.dataset.provenance import Provenance
 from nvcore.dataset.sources import ReadAs
 from nvcore.errors import InputError
 from nvcore.findings import Finding
+from nvcore.objects import Objects, names_at_risk
 from nvcore.params import Params
 from nvcore.schema import (
     ATTRIBUTE_DTYPES,
@@ -35,7 +36,6 @@ from nvcore.schema import (
 )
 from nvcore.settings import Settings, as_names
 from nvcore.wording import MOST_NAMED, did_you_mean, listed
-from nvcore.wording.objects import Objects, names_at_risk
 
 INPUT_COLUMNS = ("subject", "file", "sha256", "format", "conversion")
 
@@ -154,7 +154,7 @@ class Dataset:
         """A text of ours, written about pedestrians, in the words for the objects of this data.
 
         Names of its systems, recordings, tags and files stay; see
-        `nvcore.wording.objects.Objects.words`.
+        `nvcore.objects.Objects.words`.
         """
         if self.objects.are_pedestrians:
             return text

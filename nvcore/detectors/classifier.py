@@ -21,8 +21,8 @@ from scipy.special import log_softmax, softmax
 
 from nvcore.detectors.base import Detections, to_8_bits
 from nvcore.errors import DetectorError
+from nvcore.objects import labels_in_order
 from nvcore.pictures import Picture
-from nvcore.wording.objects import labels_in_order
 
 Bytes = NDArray[np.uint8]
 Floats = NDArray[np.float64]

@@ -18,10 +18,10 @@ from nvcore.inputs.session import Session, SystemSource
 from nvcore.inputs.session_toml import write_session
 from nvcore.inputs.stating import stated
 from nvcore.inputs.writers.names import safe_names
+from nvcore.objects import labels_in_order
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import check_folder, write_run
 from nvcore.wording import one_line
-from nvcore.wording.objects import labels_in_order
 
 SESSION_FILE: Final = "session.toml"
 PROVENANCE_FILE: Final = "provenance.json"

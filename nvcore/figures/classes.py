@@ -9,10 +9,10 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, plain, system_label
+from nvcore.objects import labels_in_order
 from nvcore.palette import Theme
 from nvcore.tables.classes import read_share
 from nvcore.wording import count_text
-from nvcore.wording.objects import labels_in_order
 
 NO_CLASS: Final = "no class"
 """Column of the matches to which the system gives no class."""

@@ -14,7 +14,7 @@ from nvcore.inputs.readers import NOTHING
 from nvcore.inputs.readers.base import Format, Reading, Role, SourceFile
 from nvcore.inputs.session import Source
 from nvcore.inputs.writers import format_by_name, write, write_frame_lists
-from nvcore.wording.objects import PEDESTRIAN, Objects
+from nvcore.objects import PEDESTRIAN, Objects
 
 
 @dataclass(frozen=True)

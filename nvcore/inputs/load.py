@@ -40,10 +40,10 @@ from nvcore.inputs.recordings import check_names
 from nvcore.inputs.recordings_file import with_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.inputs.subsets import renamed_reading, with_subsets_joined
+from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.progress import Progress, no_progress
 from nvcore.schema import DETECTABILITY
 from nvcore.wording import count_text
-from nvcore.wording.objects import PEDESTRIAN, Objects
 
 S = TypeVar("S", bound=Source)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Final
 
+from nvcore.objects import SPEED_SIGN, Objects
 from nvcore.params import MIDPOINT_SHARE, SPREAD_SHARE, Params
-from nvcore.wording.objects import SPEED_SIGN, Objects
 
 
 @dataclass(frozen=True)

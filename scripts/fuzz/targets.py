@@ -34,6 +34,7 @@ from nvcore.inputs.recordings_file import read_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session, write_session
 from nvcore.measures import MEASURES
+from nvcore.objects import PEDESTRIAN
 from nvcore.pictures.archive import Archive, ArchiveLimits
 from nvcore.pictures.open import open_pictures
 from nvcore.pictures.recordings import RecordingPictures
@@ -43,7 +44,6 @@ from nvcore.report.gate.outcomes import judge
 from nvcore.report.rules import read_rules
 from nvcore.report.terminal import render_findings
 from nvcore.schema import READING_DTYPES
-from nvcore.wording.objects import PEDESTRIAN
 from scripts.fuzz import models, seeds, tables
 from scripts.fuzz.tables import written
 

@@ -21,8 +21,8 @@ from nvcore.inputs.readers.base import (
 from nvcore.inputs.readers.coco.results import read as read_coco_results
 from nvcore.inputs.readers.coco.truth import read as read_coco
 from nvcore.inputs.writers import write
+from nvcore.objects import SPEED_SIGN
 from nvcore.schema import NO_LABEL
-from nvcore.wording.objects import SPEED_SIGN
 
 PLACE = ["recording", "frame", "x", "y", "w", "h"]
 

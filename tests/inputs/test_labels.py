@@ -13,8 +13,8 @@ import nvcore as nv
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
 from nvcore.inputs.readers.meaning.labels import codes_of, labels_of, merged
+from nvcore.objects import PEDESTRIAN, SPEED_SIGN, labels_in_order
 from nvcore.schema import NO_LABEL
-from nvcore.wording.objects import PEDESTRIAN, SPEED_SIGN, labels_in_order
 
 TRUTH = "recording,frame,x,y,w,h,class\n"
 

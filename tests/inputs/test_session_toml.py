@@ -16,10 +16,10 @@ from inputs import write
 from nvcore.errors import SessionError
 from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session, write_session
+from nvcore.objects import PEDESTRIAN, SPEED_SIGN, Objects, objects_from
 from nvcore.params import Params
 from nvcore.protocols import OWN, PROTOCOLS, Protocol
 from nvcore.published import PublishedPoint
-from nvcore.wording.objects import PEDESTRIAN, SPEED_SIGN, Objects, objects_from
 
 MINIMAL = ('[truth]\npath = "gt.csv"', '[[system]]\npath = "fir.csv"')
 FULL = Session(

@@ -16,6 +16,7 @@ from nvcore.comparison import Result, compare
 from nvcore.dataset.estimates import EstimateRecord
 from nvcore.evidence.measures import significance_table
 from nvcore.measures.driver_doubt import WEIGHTED
+from nvcore.objects import objects_from
 from nvcore.params import Params
 from nvcore.report.gate import run_gate
 from nvcore.report.gate.measures import gate_measures, listed_names, measure_names
@@ -44,7 +45,6 @@ from nvcore.tables.encounters.driver import (
 from nvcore.tables.result import encounters_table, recordings_table
 from nvcore.tables.scorecard import score_rows
 from nvcore.tables.summary import summary
-from nvcore.wording.objects import objects_from
 
 
 def eight(n_recordings: int = 1, *, unknown: int = 1, **params: str) -> Result:

@@ -17,8 +17,8 @@ from nvcore.dataset.sources import left_out_text
 from nvcore.errors import MissingFactError, NvcoreError
 from nvcore.inputs.readers.base import Reading, Role
 from nvcore.inputs.session import Source
+from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.schema import NO_TRACK
-from nvcore.wording.objects import PEDESTRIAN, Objects
 from ui.confined.reading import find_confined, read_confined
 from ui.session import state
 from ui.session.cache import Caching

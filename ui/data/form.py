@@ -10,8 +10,8 @@ import streamlit as st
 
 from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.wording import listed
-from nvcore.wording.objects import PEDESTRIAN, Objects
 from ui.data.file_check import FileCheck, unusable
 from ui.data.frames import FrameList
 from ui.data.missing_inputs import MissingInputs, ask_for_missing, forget_missing

@@ -12,8 +12,8 @@ import streamlit as st
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.objects import Objects
 from nvcore.wording import count_text
-from nvcore.wording.objects import Objects
 from ui.confined.reading import find_confined, session_confined, with_recordings_confined
 from ui.data.file_check import FileCheck, check_files, draw_file_check
 from ui.data.form import Form, finish_form, forget_outcome

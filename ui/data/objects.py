@@ -7,8 +7,8 @@ from typing import Final
 
 import streamlit as st
 
+from nvcore.objects import KINDS, PEDESTRIAN, Objects, objects_from
 from nvcore.wording import capitalised
-from nvcore.wording.objects import KINDS, PEDESTRIAN, Objects, objects_from
 from ui.session import state
 from ui.widgets.text import plain
 

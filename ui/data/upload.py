@@ -16,8 +16,8 @@ from streamlit.runtime.uploaded_file_manager import UploadedFile
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session, Source, SystemSource
+from nvcore.objects import Objects
 from nvcore.wording import MOST_NAMED, listed
-from nvcore.wording.objects import Objects
 from ui.data.file_check import FileCheck, check_files, draw_file_check
 from ui.data.form import Form, finish_form, forget_outcome
 from ui.data.frames import FRAMES_HELP, FRAMES_LABEL, FrameList, check_frame_list, draw_frame_list

@@ -278,6 +278,11 @@ def theme() -> Scheme:
     return scheme_for(shade, opened().dataset.systems, *systems())
 
 
+def say(text: str, /, **values: object) -> str:
+    """A template of ours in the words for what is open; see `nvcore.objects.Objects.say`."""
+    return opened().dataset.objects.say(text, **values)
+
+
 def words(text: str) -> str:
     """A text of ours in the words for what is open; see `nvcore.dataset.Dataset.words`."""
     return opened().dataset.words(text)

@@ -9,8 +9,8 @@ from typing import Any, Final
 from nvcore.detectors.icf import AS_IN_REPORT, PEDESTRIANS, SIGNS, IcfSettings
 from nvcore.detectors.settings import typed_like
 from nvcore.errors import DetectorError
+from nvcore.objects import PEDESTRIAN, SPEED_SIGN, Objects
 from nvcore.wording import did_you_mean, listed
-from nvcore.wording.objects import PEDESTRIAN, SPEED_SIGN, Objects
 
 PRESETS: Final[Mapping[str, IcfSettings]] = {
     "pedestrians": PEDESTRIANS,

@@ -20,8 +20,8 @@ from nvcore.file_kinds import PACKED_HEAD_BYTES, packed_by
 from nvcore.findings import Finding, Severity, Step
 from nvcore.inputs.packed import Unpacking
 from nvcore.inputs.pipes import open_stored
+from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.schema import READING_DTYPES, conform
-from nvcore.wording.objects import PEDESTRIAN, Objects
 
 Role = Literal["truth", "detections"]
 Numbering = Literal["coco", "list", "mot"]

@@ -28,12 +28,12 @@ from nvcore.inputs.session import (
     Source,
     SystemSource,
 )
+from nvcore.objects import PEDESTRIAN, objects_from
 from nvcore.params import params_from
 from nvcore.params.traffic import parse_context
 from nvcore.protocols import protocol_from
 from nvcore.published import PublishedPoint
 from nvcore.wording import did_you_mean
-from nvcore.wording.objects import PEDESTRIAN, objects_from
 
 _T = TypeVar("_T")
 

@@ -17,12 +17,12 @@ from nvcore.inputs.writers.classes import class_names
 from nvcore.inputs.writers.coco import attribute_texts, coco_bytes
 from nvcore.inputs.writers.mot import mot_files
 from nvcore.inputs.writers.names import safe_names
+from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_whole
 from nvcore.output.packing import packed_as
 from nvcore.output.parquet import to_parquet_bytes
 from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
-from nvcore.wording.objects import PEDESTRIAN, Objects
 
 FORMATS: Final = ("csv", "parquet", "coco", "mot")
 """What `write` can write."""

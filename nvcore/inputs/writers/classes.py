@@ -6,8 +6,8 @@ import numpy as np
 
 from nvcore.errors import InputError
 from nvcore.inputs.readers.base import Reading
+from nvcore.objects import Objects
 from nvcore.schema import NO_LABEL
-from nvcore.wording.objects import Objects
 
 PERSON = "person"
 """COCO's name for pedestrians."""

@@ -11,8 +11,8 @@ from nvcore.errors import InputError
 from nvcore.inputs.evaluated_frames import own_frames
 from nvcore.inputs.readers.base import Reading, Role, image_list
 from nvcore.inputs.writers.classes import categories, category_ids
+from nvcore.objects import Objects
 from nvcore.schema import NO_TRACK, UNKNOWN_OCCLUSION
-from nvcore.wording.objects import Objects
 
 
 def attribute_texts(reading: Reading) -> np.ndarray:

@@ -11,7 +11,7 @@ from nvcore.detectors.icf import AS_IN_REPORT, PEDESTRIANS, SIGNS
 from nvcore.detectors.training.presets import PRESETS, objects_of, preset_for, preset_settings
 from nvcore.detectors.training.split import SplitBy
 from nvcore.errors import DetectorError, ParameterError
-from nvcore.wording.objects import PEDESTRIAN, SPEED_SIGN
+from nvcore.objects import PEDESTRIAN, SPEED_SIGN
 
 
 def test_the_command_line_knows_them_all():

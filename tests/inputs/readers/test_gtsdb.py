@@ -13,7 +13,7 @@ from nvcore.inputs.load import load
 from nvcore.inputs.readers.base import Reading, ReadOptions
 from nvcore.inputs.readers.gtsdb import CLASSES, read
 from nvcore.inputs.session import Session, Source
-from nvcore.wording.objects import SPEED_SIGN, objects_from
+from nvcore.objects import SPEED_SIGN, objects_from
 
 ROWS = """00003.ppm;742;443;765;466;4
 00003.ppm;742;466;764;489;9

@@ -20,8 +20,8 @@ import numpy as np
 import streamlit as st
 
 from nvcore.metrics.cost_map import CostMap
+from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.palette import TRUTH_COLOUR, Theme, scheme_of
-from nvcore.wording.objects import PEDESTRIAN, Objects
 from ui.session.look import OWN_PICTURES, Look, VisiblePictures, read_look
 from ui.settings.start import base_path
 from ui.widgets.viewer.packing import (

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from nvcore.metrics.cost_map import CostMap
-from nvcore.wording.objects import PEDESTRIAN, Objects
+from nvcore.objects import PEDESTRIAN, Objects
 
 MOST_BUCKETS = 2000
 """Points of a trace at most; the strip is not wider than this on any screen."""

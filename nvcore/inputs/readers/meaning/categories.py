@@ -20,8 +20,8 @@ from nvcore.inputs.readers.meaning.classes import (
     kinds_finding,
     rule_of,
 )
+from nvcore.objects import labels_in_order, plain_class
 from nvcore.wording import count_text, listed
-from nvcore.wording.objects import labels_in_order, plain_class
 
 _MANY = 30
 

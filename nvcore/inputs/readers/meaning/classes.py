@@ -12,8 +12,8 @@ from nvcore.dataset.sources import left_out_text
 from nvcore.errors import InputError
 from nvcore.findings import Finding, Remedy, Severity, Step
 from nvcore.inputs.readers.base import LeftOut, Lines, ReadOptions
+from nvcore.objects import Objects
 from nvcore.wording import listed
-from nvcore.wording.objects import Objects
 
 
 @dataclass(frozen=True)

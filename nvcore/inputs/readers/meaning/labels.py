@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from nvcore.objects import Objects, labels_in_order
 from nvcore.schema import NO_LABEL, names_as_categories
-from nvcore.wording.objects import Objects, labels_in_order
 
 
 def labels_of(counted: Iterable[str], objects: Objects) -> dict[str, str]:
@@ -17,7 +17,7 @@ def labels_of(counted: Iterable[str], objects: Objects) -> dict[str, str]:
 
     Examples
     --------
-    >>> from nvcore.wording.objects import SPEED_SIGN
+    >>> from nvcore.objects import SPEED_SIGN
     >>> labels_of(["speed limit 30", "50", "speed limit"], SPEED_SIGN)
     {'speed limit 30': '30', '50': '50'}
     """

@@ -1,0 +1,363 @@
+"""What the boxes are of: pedestrians, speed signs, or whatever else a session names.
+
+Texts that speak of them are templates (`nvcore.wording.objects`), filled by `Objects.say`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Final
+
+from nvcore.wording.objects import words_for
+
+NEUTRAL: Final = frozenset({"ignore", "ignored", "ignoreregion", "ignoredregions", "dontcare"})
+"""Classes of boxes that the truth itself excludes, whatever the objects are."""
+
+MOST_LETTERS: Final = 40
+_NAME: Final = re.compile(r"[^\W\d_][^\W_]*(?:[ -][^\W_]+)*")
+_UNITS: Final = frozenset({"", "kmh", "kph", "mph"})
+"""Letters beside the number of a class that is nothing but a number."""
+_JOINTS: Final = str.maketrans("", "", " _-")
+
+
+@dataclass(frozen=True)
+class Objects:
+    """What the truth's boxes are of, and the systems are to detect.
+
+    Attributes
+    ----------
+    singular, plural
+        What they are called: letters and digits, with single spaces or hyphens between words.
+    classes
+        Names of classes in files that count unless the user says otherwise, without case and
+        without what joins words.
+    lookalikes
+        Names of classes that could be taken for them: neither right nor wrong to detect.
+    kinds, manners
+        Words that name some of them, by themselves ("child") or beside a name of the class
+        ("walking"): such classes are lookalikes, too, unless the user says that they count.
+    is_numbered
+        Whether a number and what surrounds it in a class is passed over: "speed limit (50km/h)".
+    is_on_road
+        Whether they stand on the ground and a car could hit them: of others there is no time to
+        contact, and their lower edges say nothing about the horizon.
+
+    Raises
+    ------
+    ValueError
+        If a name is none.
+    """
+
+    singular: str
+    plural: str
+    classes: frozenset[str] = field(default=frozenset(), repr=False)
+    lookalikes: frozenset[str] = field(default=NEUTRAL, repr=False)
+    kinds: frozenset[str] = field(default=frozenset(), repr=False)
+    manners: frozenset[str] = field(default=frozenset(), repr=False)
+    is_numbered: bool = field(default=False, repr=False)
+    is_on_road: bool = field(default=True, repr=False)
+
+    def __post_init__(self) -> None:
+        for name in (self.singular, self.plural):
+            if len(name) > MOST_LETTERS or not _NAME.fullmatch(name):
+                raise ValueError(
+                    f"expected a name of letters, such as cyclist, of at most {MOST_LETTERS}; "
+                    f"found {name[: MOST_LETTERS + 1]!r}"
+                )
+
+    @property
+    def are_pedestrians(self) -> bool:
+        """Whether the texts can stay as they are written."""
+        return self == PEDESTRIAN
+
+    def counts(self, label: str) -> bool:
+        """Whether boxes of the class of this name count."""
+        name = plain_class(label)
+        return (re.sub(r"[^a-z]", "", name) if self.is_numbered else name) in self.classes
+
+    def label_of(self, name: str) -> str:
+        """What sets the class of this name apart from others that count; "" where nothing does.
+
+        The number of numbered classes (those of speed signs), without its unit; the singular, where
+        the name is one of those that mean the same; else the name itself.
+
+        Examples
+        --------
+        >>> SPEED_SIGN.label_of("Speed limit (50km/h)"), SPEED_SIGN.label_of("70")
+        ('50', '70')
+        >>> PEDESTRIAN.label_of("Person"), PEDESTRIAN.label_of("cyclist")
+        ('pedestrian', 'cyclist')
+        """
+        letters = re.sub(r"[^a-z]", "", plain_class(name))
+        if self.is_numbered and (self.counts(name) or letters in _UNITS):
+            number = re.search(r"[0-9]{1,9}", name)
+            return "" if number is None else number[0].lstrip("0") or "0"
+        return self.singular if self.counts(name) else name.strip()
+
+    def is_lookalike(self, label: str) -> bool:
+        """Whether the class of this name could be taken for one that counts."""
+        return plain_class(label) in self.lookalikes or self.is_kind(label)
+
+    def is_kind(self, label: str) -> bool:
+        """Whether the class of this name is some of them, and not called as all are.
+
+        Examples
+        --------
+        >>> [*map(PEDESTRIAN.is_kind, ["child", "human.pedestrian.police_officer", "person"])]
+        [True, True, False]
+        """
+        words = re.findall(r"[a-z]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", label.strip()).lower())
+        kind = "".join(word for word in words if word not in self.classes)
+        is_called_so = len(kind) < len("".join(words))
+        if not kind:
+            return is_called_so and plain_class(label) not in self.classes | self.lookalikes
+        return kind in self.kinds or (is_called_so and kind in self.manners)
+
+    def concerns(self, label: str) -> bool:
+        """Whether boxes of this class are counted or ignored."""
+        return self.counts(label) or self.is_lookalike(label)
+
+    def say(self, text: str, /, **values: object) -> str:
+        """A template of ours with the words for these objects, and with these values.
+
+        Parameters
+        ----------
+        text
+            A format template with words of `nvcore.wording.objects`, and fields for `values`. What
+            users gave, such as names of recordings, is always a value, never part of it.
+
+        Examples
+        --------
+        >>> PEDESTRIAN.say("{A_one} {whom} {system} misses", system="X")
+        'A pedestrian whom X misses'
+        >>> SPEED_SIGN.say("{A_one} {whom} {system} misses", system="{one}")
+        'A speed sign that {one} misses'
+        """
+        words = words_for(self.singular, self.plural, are_people=self.are_pedestrians)
+        return text.format_map({**words, **values})
+
+    def given(self) -> str | list[str] | None:
+        """As a session file names them; None: pedestrians, which it need not."""
+        if self.are_pedestrians:
+            return None
+        is_known = KINDS.get(self.singular) == self
+        return self.singular if is_known else [self.singular, self.plural]
+
+    def words(self, text: str, names: Iterable[str] = ()) -> str:
+        """A text of ours in the words for these objects.
+
+        Parameters
+        ----------
+        text
+            Written about pedestrians. Unchanged where the objects are pedestrians.
+        names
+            Names that users gave (systems, recordings, files), which the text may contain, escaped
+            or cut as well: they stay as they are. So does a word of ours that is such a name.
+
+        Examples
+        --------
+        >>> SPEED_SIGN.words("A pedestrian whom nothing matches is missed.")
+        'A speed sign that nothing matches is missed.'
+        >>> SPEED_SIGN.words("drive pedestrian-1: 3 pedestrians", names=["pedestrian-1"])
+        'drive pedestrian-1: 3 speed signs'
+        """
+        if self.are_pedestrians or not text:
+            return text
+        return _pattern(names_at_risk(names)).sub(self._phrase_of, text)
+
+    def _phrase_of(self, match: re.Match[str]) -> str:
+        phrase = match["ours"]
+        if phrase is None:
+            return match[0]
+        article = "an" if self.singular[0].casefold() in "aeiou" else "a"
+        words = _PHRASES[phrase.lower()].format(
+            one=self.singular,
+            a_one=f"{article} {self.singular}",
+            many=self.plural,
+            short=self.singular.rpartition(" ")[2],
+        )
+        return words[:1].upper() + words[1:] if phrase[0].isupper() else words
+
+
+def labels_in_order(labels: Iterable[str]) -> tuple[str, ...]:
+    """Each label once: numbers by their value, before other names.
+
+    Examples
+    --------
+    >>> labels_in_order(["no limit", "100", "30", "100"])
+    ('30', '100', 'no limit')
+    """
+
+    def rank(label: str) -> tuple[bool, int, str]:
+        is_number = label.isascii() and label.isdecimal()
+        return not is_number, len(label) if is_number else 0, label
+
+    return tuple(sorted(set(labels), key=rank))
+
+
+def plain_class(label: str) -> str:
+    """A class without case and without what joins its words: ``__ignore__`` is ``ignore``."""
+    return label.strip().lower().translate(_JOINTS)
+
+
+PEDESTRIAN: Final = Objects(
+    "pedestrian",
+    "pedestrians",
+    classes=frozenset({"person", "persons", "pedestrian", "pedestrians", "ped", "human"}),
+    kinds=frozenset(
+        {
+            *("child", "children", "kid", "kids", "boy", "girl", "baby", "toddler", "teenager"),
+            *("adult", "adults", "man", "men", "woman", "women", "male", "female", "elderly"),
+            *("worker", "workers", "constructionworker", "roadworker", "policeman", "firefighter"),
+            *("policeofficer", "officer", "soldier", "wheelchair", "wheelchairuser", "stroller"),
+            *("personalmobility", "skater", "skateboarder", "runner", "jogger"),
+        }
+    ),
+    manners=frozenset(
+        {
+            *("sitting", "standing", "walking", "running", "lying", "bending", "crouching"),
+            *("static", "other", "police", "inwheelchair", "onwheelchair", "withwheelchair"),
+            *("withstroller", "pushingstroller", "withbicycle", "withbike", "withdog"),
+        }
+    ),
+    lookalikes=NEUTRAL
+    | {
+        *("people", "person?", "personfa", "group", "persongroup", "crowd"),
+        *("cyclist", "bicyclist", "bicycledriver", "motorcyclist", "motorbikedriver", "rider"),
+        *("personsitting", "sittingperson", "sitting", "staticperson", "persononvehicle"),
+    },
+)
+SPEED_SIGN: Final = Objects(
+    "speed sign",
+    "speed signs",
+    classes=frozenset(
+        {
+            *("speedsign", "speedsigns", "speedlimit", "speedlimits", "speedlimitsign"),
+            *("speedlimitsigns", "speedlimitkmh", "speedlimitkph", "speedlimitmph", "maxspeed"),
+            *("maximumspeed", "maximumspeedlimit", "regulatorymaximumspeedlimitg"),
+        }
+    ),
+    lookalikes=NEUTRAL | {"sign", "signs", "trafficsign", "trafficsigns"},
+    is_numbered=True,
+    is_on_road=False,
+)
+KINDS: Final = {kind.singular: kind for kind in (PEDESTRIAN, SPEED_SIGN)}
+"""Objects whose classes the readers know by themselves."""
+
+
+def objects_from(names: str | Sequence[str] | Objects) -> Objects:
+    """The objects of these names.
+
+    Parameters
+    ----------
+    names
+        One of `KINDS`; or any other singular, with its plural after it unless that is the singular
+        with an s. The classes that count are those of either name.
+
+    Raises
+    ------
+    ValueError
+        If it is no name, or more than two.
+
+    Examples
+    --------
+    >>> objects_from("speed signs") is SPEED_SIGN, objects_from(["child", "children"]).plural
+    (True, 'children')
+    """
+    if isinstance(names, Objects):
+        return names
+    singular, *plurals = [names] if isinstance(names, str) else [*names] or [""]
+    if len(plurals) > 1:
+        raise ValueError(f"expected a singular and its plural, found {len(plurals) + 1} names")
+    plural = plurals[0] if plurals else f"{singular}s"
+    for kind in KINDS.values():
+        if singular.casefold() in (kind.singular, kind.plural) and (
+            not plurals or plural.casefold() == kind.plural
+        ):
+            return kind
+    classes = frozenset({plain_class(singular), plain_class(plural)})
+    return Objects(singular, plural, classes, NEUTRAL - classes)
+
+
+_PHRASES: Final = {
+    "a pedestrian": "{a_one}",
+    "pedestrian": "{one}",
+    "pedestrians": "{many}",
+    "pedestrian who": "{one} that",
+    "pedestrian whom": "{one} that",
+    "pedestrians who": "{many} that",
+    "pedestrians whom": "{many} that",
+    "pedestrian, who": "{one}, which",
+    "pedestrians, who": "{many}, which",
+    "a pedestrian who": "{a_one} that",
+    "a pedestrian whom": "{a_one} that",
+    "ped.": "{short}",
+    "ped": "{short}",
+    "person": "{one}",
+    "persons": "{many}",
+    "people too far": "{many} too far",
+    "people missed": "{many} missed",
+    "people or regions": "{many} or regions",
+    "people under one id": "{many} under one id",
+    "people above": "{many} above",
+    "people at the picture": "{many} at the picture",
+    "in which they are": "in which it is",
+    "nobody": "nothing",
+    "nobody annotated": "nobody annotated",
+    "nobody drives": "nobody drives",
+    "nobody knows": "nobody knows",
+    "everybody": "everything",
+    "somebody": "something",
+    "he": "it",
+    "him": "it",
+    "his": "its",
+    "detects whom": "detects what",
+    "whom it matches": "what it matches",
+    "whom each matches": "what each matches",
+    "whom it is about": "what it is about",
+    "whom": "which",
+    "the feet are": "the lower edge is",
+    "feet": "lower edge",
+}
+"""What other objects are called, by what pedestrians are; the longest that fits is taken."""
+
+_OURS: Final = "|".join(
+    "".join(f"[{sign}{sign.upper()}]" if i == 0 else re.escape(sign) for i, sign in enumerate(text))
+    + (r"\b" if text[-1].isalpha() else "")
+    for text in sorted(_PHRASES, key=len, reverse=True)
+)
+_PART: Final = re.compile(r"([^\W_]+)")
+_CUT: Final = r"[^…\n]{0,40}…"
+"""The rest of a name that is cut."""
+
+
+@lru_cache(64)
+def _pattern(names: tuple[str, ...]) -> re.Pattern[str]:
+    """Names, which stay, and what is said otherwise."""
+    theirs = "".join(f"(?:{form})|" for form in dict.fromkeys(map(_form_of, names)))
+    return re.compile(rf"(?<!\w)(?:{theirs}(?P<ours>{_OURS}))")
+
+
+def _form_of(name: str) -> str:
+    """A pattern of the name, escaped or cut as pages and figures do; any numbers for its own."""
+    form, is_ours = "", False
+    for part in _PART.split(name.strip()):
+        if not _PART.fullmatch(part):  # between two parts: with a backslash, or as an entity
+            form += "".join(rf"\\?(?:{re.escape(sign)}|&#?\w+;)" for sign in part)
+            continue
+        form += r"\d+" if part.isdecimal() else re.escape(part)
+        if not is_ours and _has_word_of_ours(part):
+            is_ours, cut = True, form + _CUT
+    return f"{form}(?!\\w)|{cut}" if is_ours else rf"{form}(?!\w)"
+
+
+def names_at_risk(names: Iterable[str]) -> tuple[str, ...]:
+    """Those of the names that have a word of ours in them, each once."""
+    return tuple(dict.fromkeys(filter(_has_word_of_ours, names)))
+
+
+def _has_word_of_ours(name: str) -> bool:
+    return _pattern(()).search(" ".join(_PART.findall(name))) is not None
