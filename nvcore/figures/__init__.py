@@ -33,7 +33,6 @@ with needs("report", "figures need"):
     from nvcore.figures.over_time.similarity import similarity_plot
     from nvcore.figures.over_time.strip import loss_strip_plot
     from nvcore.figures.paired import recordings_plot
-    from nvcore.figures.ratings import participants_plot, rating_plot
     from nvcore.figures.saliency import parts_plot, plane_plot, recency_plot
     from nvcore.figures.stability import stability_map
     from nvcore.figures.style import CONFIG
@@ -70,13 +69,11 @@ __all__ = [
     "miss_classes_plot",
     "over_speed_plot",
     "pair_ranks_plot",
-    "participants_plot",
     "parts_plot",
     "pictures_plot",
     "plane_plot",
     "position_map",
     "proximity_plot",
-    "rating_plot",
     "recency_plot",
     "recordings_plot",
     "score_map_plot",

@@ -17,6 +17,7 @@ from pathlib import Path
 import pandas as pd
 
 from nvcore.progress import Progress, no_progress
+from nvcore.ratings.reading import RATINGS_FILE
 from nvcore.sample.ratings import ratings_text, simulate_ratings
 from nvcore.sample.recordings import all_recordings
 from nvcore.sample.render import pictures
@@ -37,7 +38,6 @@ from nvcore.sample.writing import (
     write_colour_video,
     write_video,
 )
-from nvcore.studies.ratings.reading import RATINGS_FILE
 
 __all__ = ["all_recordings", "generate", "tables"]
 

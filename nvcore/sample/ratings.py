@@ -12,7 +12,7 @@ import pandas as pd
 from nvcore.comparison import compare
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
-from nvcore.studies.ratings.validation import clip_saliency
+from nvcore.ratings.validation import clip_saliency
 
 N_PARTICIPANTS: Final = 16
 LOW: Final = 1

@@ -13,6 +13,7 @@ import numpy as np
 from nvcore.driver.features import FEATURE_KEYS
 from nvcore.driver.fixation import read_gaze
 from nvcore.driver.illumination.meter import read_light
+from nvcore.driver.study.pictures import read_pictures
 from nvcore.driver.trials.table import training_table
 from nvcore.inputs.driver.reading import read_detectability
 from nvcore.inputs.driver.trials import TRIAL_COLUMNS
@@ -20,9 +21,8 @@ from nvcore.inputs.readers.base import ReadOptions, SourceFile
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.pictures.index import map_frames
 from nvcore.pictures.open import open_pictures
-from nvcore.studies.detectability.pictures import read_pictures
-from nvcore.studies.ratings.agreement import measure_agreement, rank_ratings
-from nvcore.studies.ratings.reading import parse_ratings
+from nvcore.ratings.agreement import measure_agreement, rank_ratings
+from nvcore.ratings.reading import parse_ratings
 
 PICTURE: Final = bytes(cv2.imencode(".png", np.zeros((4, 6), np.uint8))[1])
 _MOST_NAMES: Final = 40

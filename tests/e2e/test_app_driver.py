@@ -24,9 +24,9 @@ from study_visit import (
 
 import nvcore as nv
 from nvcore.api.driver_run import image_features
+from nvcore.driver.study.plan import plan_trials
+from nvcore.driver.study.settings import Timing
 from nvcore.driver.trials import Judging
-from nvcore.studies.detectability.plan import plan_trials
-from nvcore.studies.detectability.settings import Timing
 
 N_FRAMES = 30
 N_PICTURES = 16

@@ -24,7 +24,7 @@ from study_visit import (
     start,
 )
 
-from nvcore.studies.detectability.store import DetectabilityStore
+from nvcore.driver.study.store import DetectabilityStore
 
 N_PICTURES = 6  # so that every participant has three runs of two pictures
 TIMES = (0, 0.1, 0.2, 0.3, 0.4, 0.5)

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import BrowserContext, Locator, Page, Route, expect
 
-from nvcore.studies.detectability.settings import Timing
+from nvcore.driver.study.settings import Timing
 from ui.study.screen import FOLDER, SCRIPTS
 
 ADDRESS = "http://localhost:9/"  # nobody listens there: all is answered here

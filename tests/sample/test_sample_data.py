@@ -13,6 +13,7 @@ from places import ROOT
 
 from nvcore import sample
 from nvcore.inputs.session_toml import read_session
+from nvcore.ratings.reading import RATINGS_FILE
 from nvcore.sample.camera import FPS
 from nvcore.sample.ratings import ratings_text, simulate_ratings
 from nvcore.sample.study import writing as study_writing
@@ -22,7 +23,6 @@ from nvcore.sample.study.trials import TRUTH_FILE as STUDY_TRUTH_FILE
 from nvcore.sample.visible.recordings import GLOWS, light_file, light_text, visible_file
 from nvcore.sample.visible.view import VISIBLE_SIZE, visible_map
 from nvcore.sample.writing import csv_text, readme_text, session_text
-from nvcore.studies.ratings.reading import RATINGS_FILE
 
 FOLDER = ROOT / "sample_data"
 NAMES = [recording.name for recording in sample.all_recordings()]

@@ -11,8 +11,8 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.params import Params
-from nvcore.studies.participants import fold_name
-from nvcore.studies.ratings.fit import Fit
+from nvcore.people.participants import fold_name
+from nvcore.ratings.fit import Fit
 from ui.ratings.source import RatingSource
 from ui.session import state
 from ui.shell import live_params

@@ -8,7 +8,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError
-from nvcore.studies.ratings.store import CONSENT, Study
+from nvcore.ratings.store import CONSENT, Study
 from nvcore.wording import count_text
 from ui.ratings import links, participant
 from ui.ratings.participant import ENDS

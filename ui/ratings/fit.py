@@ -12,7 +12,7 @@ from nvcore.comparison import Result, compare
 from nvcore.errors import InputError
 from nvcore.params import SETTINGS, Params
 from nvcore.progress import Progress
-from nvcore.studies.ratings.fit import Fit, fit_saliency
+from nvcore.ratings.fit import Fit, fit_saliency
 from nvcore.wording import count_text, minus
 from ui.jobs.background import BackgroundJob, JobState, while_open
 from ui.jobs.progress import draw_job

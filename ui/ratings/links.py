@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
-from nvcore.studies.ratings.store import RatingStore, Study
+from nvcore.ratings.store import RatingStore, Study
 from ui.session import state
 from ui.session.studies.links import StudyLinks, answer_file
 

@@ -9,9 +9,9 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError
+from nvcore.people.participants import MOST_NAME
 from nvcore.pictures.stretch import STRETCH
-from nvcore.studies.participants import MOST_NAME
-from nvcore.studies.ratings.store import RatingStore, Study
+from nvcore.ratings.store import RatingStore, Study
 from ui.ratings import links
 from ui.session import state
 from ui.session.drawing import viewer_arguments

@@ -11,9 +11,9 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError
-from nvcore.figures.ratings import participants_plot, rating_plot
-from nvcore.studies.ratings.agreement import Agreement, measure_agreement, rank_ratings
-from nvcore.studies.ratings.validation import (
+from nvcore.ratings.agreement import Agreement, measure_agreement, rank_ratings
+from nvcore.ratings.figures import participants_plot, rating_plot
+from nvcore.ratings.validation import (
     Correlation,
     clip_saliency,
     correlate,

@@ -12,7 +12,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError
-from nvcore.studies.ratings.reading import DELAY, RATINGS_FILE, parse_ratings, read_ratings
+from nvcore.ratings.reading import DELAY, RATINGS_FILE, parse_ratings, read_ratings
 from ui.ratings import links, typed
 from ui.session import state
 from ui.settings.limits import MEBI

@@ -8,8 +8,8 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.studies.participants import MOST_NAME, fold_name
-from nvcore.studies.ratings.reading import check_ratings
+from nvcore.people.participants import MOST_NAME, fold_name
+from nvcore.ratings.reading import check_ratings
 from nvcore.wording import count_text
 from ui.session import state
 from ui.widgets.buttons import submit_button

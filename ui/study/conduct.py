@@ -8,16 +8,16 @@ from typing import Final
 import streamlit as st
 
 from nvcore.driver.estimators.nested import LEAST_PEDESTRIANS
-from nvcore.errors import InputError
-from nvcore.inputs.driver.trials import LATE_S
-from nvcore.studies.detectability.records import DetectabilityStudy
-from nvcore.studies.detectability.tables import (
+from nvcore.driver.study.records import DetectabilityStudy
+from nvcore.driver.study.tables import (
     about,
     advance_of,
     boxes_table,
     participants_table,
     trials_table,
 )
+from nvcore.errors import InputError
+from nvcore.inputs.driver.trials import LATE_S
 from ui.study import links, participant, setup
 from ui.widgets.addresses import draw_addresses
 from ui.widgets.buttons import button

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
+from nvcore.driver.study.pictures import BOXES_FILE
+from nvcore.driver.study.records import DetectabilityStudy
+from nvcore.driver.study.store import DetectabilityStore
 from nvcore.errors import InputError
-from nvcore.studies.detectability.pictures import BOXES_FILE
-from nvcore.studies.detectability.records import DetectabilityStudy
-from nvcore.studies.detectability.store import DetectabilityStore
 from ui.session import state
 from ui.session.local_files import LocalRoot, local_root
 from ui.session.studies.links import StudyLinks, answer_file

@@ -8,13 +8,13 @@ from typing import Any, Final
 
 import streamlit as st
 
+from nvcore.driver.study.plan import Trial, duration_s, plan_trials
+from nvcore.driver.study.practice import FIGURES, SIZE
+from nvcore.driver.study.records import DetectabilityStudy, Participant
+from nvcore.driver.study.settings import MOST_QUESTION
+from nvcore.driver.study.store import DetectabilityStore
 from nvcore.errors import InputError
-from nvcore.studies.detectability.plan import Trial, duration_s, plan_trials
-from nvcore.studies.detectability.practice import FIGURES, SIZE
-from nvcore.studies.detectability.records import DetectabilityStudy, Participant
-from nvcore.studies.detectability.settings import MOST_QUESTION
-from nvcore.studies.detectability.store import DetectabilityStore
-from nvcore.studies.participants import MOST_NAME
+from nvcore.people.participants import MOST_NAME
 from nvcore.wording import count_text
 from ui.session import state
 from ui.session.studies.links import PARTICIPANT, STUDY

@@ -9,10 +9,9 @@ from typing import Final
 import streamlit as st
 
 from nvcore.driver.estimators.nested import LEAST_PEDESTRIANS
-from nvcore.errors import InputError
-from nvcore.studies.detectability.pictures import BOXES_FILE, StudyPicture, read_pictures
-from nvcore.studies.detectability.plan import duration_s, plan_trials
-from nvcore.studies.detectability.settings import (
+from nvcore.driver.study.pictures import BOXES_FILE, StudyPicture, read_pictures
+from nvcore.driver.study.plan import duration_s, plan_trials
+from nvcore.driver.study.settings import (
     ADAPTATION_S,
     CONSENT,
     DESIGNS,
@@ -21,7 +20,8 @@ from nvcore.studies.detectability.settings import (
     StudySettings,
     Timing,
 )
-from nvcore.studies.terms import MOST_TEXT
+from nvcore.errors import InputError
+from nvcore.people.terms import MOST_TEXT
 from nvcore.wording import count_text
 from ui.session import state
 from ui.shell.messages import shown_error

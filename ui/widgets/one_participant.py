@@ -9,7 +9,7 @@ from typing import Any
 import streamlit as st
 
 from nvcore.errors import InputError
-from nvcore.studies.participants import MOST_NAME
+from nvcore.people.participants import MOST_NAME
 from ui.widgets.text import plain
 
 

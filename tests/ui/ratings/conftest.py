@@ -9,9 +9,9 @@ import pandas as pd
 import pytest
 
 from nvcore.comparison import Result
-from nvcore.studies.ratings import fit as fitting
-from nvcore.studies.ratings.agreement import Agreement, measure_agreement
-from nvcore.studies.ratings.validation import correlate
+from nvcore.ratings import fit as fitting
+from nvcore.ratings.agreement import Agreement, measure_agreement
+from nvcore.ratings.validation import correlate
 from ui.ratings import fit, results
 
 _made: dict[Any, Any] = {}

@@ -10,8 +10,8 @@ import pytest
 from ratings_page import SIMULATED, from_file, metrics, opened, table, words
 
 from nvcore.output.csv_text import to_csv_bytes
-from nvcore.studies.ratings.agreement import rank_ratings
-from nvcore.studies.ratings.reading import read_ratings
+from nvcore.ratings.agreement import rank_ratings
+from nvcore.ratings.reading import read_ratings
 from pages import TIMEOUT_S, checked, press
 from ui.jobs.background import JobState
 from ui.ratings import fit, results

@@ -21,7 +21,7 @@ from ratings_page import (
 from streamlit.testing.v1 import AppTest
 
 from nvcore.inputs.session_toml import read_session
-from nvcore.studies.ratings.store import RatingStore, Study
+from nvcore.ratings.store import RatingStore, Study
 from pages import begin_with, checked, press, rows, write
 from ui.ratings import participant, source
 from ui.session import state

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from nvcore.studies.ratings.store import RatingStore
+from nvcore.ratings.store import RatingStore
 from ui.serving import answers
 
 BEGUN = datetime.now(UTC) - timedelta(days=10)

@@ -189,7 +189,7 @@ def test_after_a_reload_a_map_can_be_cancelled(gated):
 
 
 def test_a_fit_goes_on_after_a_reload_and_fitted_settings_are_still_marked(gated, monkeypatch):
-    monkeypatch.setattr("nvcore.studies.ratings.fit.HEIGHT_SHARES", (0.075,))  # few are tried
+    monkeypatch.setattr("nvcore.ratings.fit.HEIGHT_SHARES", (0.075,))  # few are tried
     gate = gated(fit, "fit_saliency")
     before = press(page("ratings"), "rating_fit")
     assert gate.is_reached.wait(TIMEOUT_S)

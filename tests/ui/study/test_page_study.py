@@ -10,8 +10,8 @@ import study_pictures
 from streamlit.testing.v1 import AppTest
 
 import pages
-from nvcore.studies.detectability.records import Answer, DetectabilityStudy
-from nvcore.studies.detectability.store import DetectabilityStore
+from nvcore.driver.study.records import Answer, DetectabilityStudy
+from nvcore.driver.study.store import DetectabilityStore
 from pages import checked, press, texts
 from ui.session.studies.on_screen import NOTE, OnScreen
 from ui.study import links, participant

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from nvcore.studies.detectability.settings import Timing
+from nvcore.driver.study.settings import Timing
 from ui.study import screen
 
 NAME = "practice 1 of ABCDEFGH"

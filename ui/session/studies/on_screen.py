@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal
 
+from nvcore.driver.study.pictures import coarse, load_picture
+from nvcore.driver.study.practice import FIGURES, practice_picture
+from nvcore.driver.study.records import Answer, DetectabilityStudy
+from nvcore.driver.study.store import DetectabilityStore
 from nvcore.errors import InputError
 from nvcore.pictures.stretch import png
-from nvcore.studies.detectability.pictures import coarse, load_picture
-from nvcore.studies.detectability.practice import FIGURES, practice_picture
-from nvcore.studies.detectability.records import Answer, DetectabilityStudy
-from nvcore.studies.detectability.store import DetectabilityStore
 from ui.session.workspace import Workspace
 
 NOTE: Final = "study_on_screen"

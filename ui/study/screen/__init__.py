@@ -19,7 +19,7 @@ from typing import Any, Final
 
 import streamlit as st
 
-from nvcore.studies.detectability.settings import Timing
+from nvcore.driver.study.settings import Timing
 from ui.session import state
 from ui.session.routes import address
 

@@ -14,10 +14,10 @@ import pytest
 import study_pictures
 from asgi import ask, put
 
+from nvcore.driver.study.pictures import read_pictures
+from nvcore.driver.study.settings import StudySettings
+from nvcore.driver.study.store import DetectabilityStore
 from nvcore.errors import InputError
-from nvcore.studies.detectability.pictures import read_pictures
-from nvcore.studies.detectability.settings import StudySettings
-from nvcore.studies.detectability.store import DetectabilityStore
 from ui.session.routes import address
 from ui.session.studies.on_screen import (
     MOST_BYTES,
@@ -99,7 +99,7 @@ def test_a_report_that_is_sent_again_counts_once(space: Workspace, screen: OnScr
 def test_an_answer_that_cannot_be_kept_now_is_the_servers_fault_and_kept_later(
     space: Workspace, screen: OnScreen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr("nvcore.studies.store.WAIT_S", 0.01)
+    monkeypatch.setattr("nvcore.people.store.WAIT_S", 0.01)
     address_of = f"{address(space)}/study/1/answer"
     with closing(sqlite3.connect(tmp_path / "studies.sqlite")) as other:
         other.execute("BEGIN EXCLUSIVE")

@@ -1,0 +1,164 @@
+"""Which picture each participant is shown in which run, how long after the light has changed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from nvcore.driver.study.settings import Design, Timing
+from nvcore.errors import InputError
+
+MOST_TRIALS: Final = 3000
+"""Of one participant: 500 pictures at six times, some twenty hours."""
+SEED: Final = 20_140_051
+N_ORDERS: Final = 5
+"""Orders of runs among which the one with the fewest repeats of a picture is taken."""
+ANSWER_S: Final = 2.0
+"""Time for an answer where it has no limit, in what is said of the length of a study."""
+BETWEEN_RUNS_S: Final = 2.0
+"""Time to begin the next run, in what is said of the length of a study."""
+
+
+class Trial(NamedTuple):
+    """One picture that a participant is shown.
+
+    Attributes
+    ----------
+    order
+        Place among all trials of the participant, from 1.
+    run, position
+        Number of the run, and place in it, from 1.
+    picture
+        0-based index of the picture.
+    adaptation_s
+        Seconds from the change of light to the picture's appearance.
+    """
+
+    order: int
+    run: int
+    position: int
+    picture: int
+    adaptation_s: float
+
+
+def plan_trials(
+    n_pictures: int, participant: int, *, design: Design, timing: Timing
+) -> tuple[Trial, ...]:
+    """The trials of one participant, in their order; the same for the same number.
+
+    With ``all`` every picture is shown at every time; the two pictures of a run differ. With
+    ``latin`` every picture is shown once; over as many participants as there are times every
+    picture is shown at every time once. Where the pictures do not fill all runs, a run has one
+    picture. The order of the runs is random, but a picture comes in two runs in a row only if it
+    must.
+
+    Parameters
+    ----------
+    n_pictures
+        How many pictures there are.
+    participant
+        0-based number of the participant.
+
+    Raises
+    ------
+    InputError
+        If there is no picture, with ``all`` only one, or there are too many trials.
+
+    Examples
+    --------
+    >>> trials = plan_trials(6, 0, design="latin", timing=Timing())
+    >>> len(trials), trials[-1].run
+    (6, 3)
+    """
+    least = 2 if design == "all" else 1
+    if n_pictures < least:
+        raise InputError(f"a study of this design needs {least} pictures at least")
+    times = timing.adaptation_s
+    n_trials = n_pictures * (len(times) if design == "all" else 1)
+    if n_trials > MOST_TRIALS:
+        raise InputError(
+            f"each participant would see {n_trials:,} pictures, and {MOST_TRIALS:,} are the most; "
+            "take fewer pictures or fewer times, or show every picture once"
+        )
+    rng = np.random.default_rng([SEED, participant])
+    draw = _every_time if design == "all" else _latin_square
+    runs = _in_order(draw(n_pictures, participant, times, rng), rng)
+    trials: list[Trial] = []
+    for run, pictures in enumerate(runs, start=1):
+        for position, (picture, adaptation_s) in enumerate(pictures, start=1):
+            trials.append(Trial(len(trials) + 1, run, position, picture, adaptation_s))
+    return tuple(trials)
+
+
+_Run = list[tuple[int, float]]
+"""Picture and time of each trial of a run."""
+
+
+def _every_time(
+    n: int, _participant: int, times: Sequence[float], rng: np.random.Generator
+) -> list[_Run]:
+    """Every picture at every time: first and second pictures are one order, shifted."""
+    half = len(times) // 2
+    runs: list[_Run] = []
+    for first_s, second_s in zip(times[:half], times[half:], strict=True):
+        first = rng.permutation(n)
+        second = np.roll(first, int(rng.integers(1, n)))
+        pairs = zip(first.tolist(), second.tolist(), strict=True)
+        runs += [[(a, first_s), (b, second_s)] for a, b in pairs]
+    return runs
+
+
+def _latin_square(
+    n: int, participant: int, times: Sequence[float], rng: np.random.Generator
+) -> list[_Run]:
+    """Every picture once. Neighbours in the list of pictures are of one kind of run."""
+    half = len(times) // 2
+    cycle = [index for k in range(half) for index in (k, k + half)]
+    at_time: list[list[int]] = [[] for _ in times]
+    for picture in range(n):
+        at_time[cycle[(picture + participant) % len(times)]].append(picture)
+    runs: list[_Run] = []
+    for k in range(half):
+        first, second = (rng.permutation(at_time[i]).tolist() for i in (k, k + half))
+        for place in range(max(len(first), len(second))):
+            run = [(int(a), times[k]) for a in first[place : place + 1]]
+            run += [(int(b), times[k + half]) for b in second[place : place + 1]]
+            runs.append(run)
+    return runs
+
+
+def _in_order(runs: list[_Run], rng: np.random.Generator) -> list[_Run]:
+    """The runs in a random order; a picture comes in two runs in a row only if it must."""
+    pictures = [{picture for picture, _ in run} for run in runs]
+    orders = [_apart(pictures, rng.permutation(len(runs)).tolist()) for _ in range(N_ORDERS)]
+    best = min(orders, key=lambda order: _n_repeats(pictures, order))
+    return [runs[i] for i in best]
+
+
+def _apart(pictures: list[set[int]], order: list[int]) -> list[int]:
+    """An order in which the next run is the first left that shares no picture with the last."""
+    left, chosen = list(order), [order[0]]
+    left.remove(order[0])
+    while left:
+        last = pictures[chosen[-1]]
+        chosen.append(next((i for i in left if last.isdisjoint(pictures[i])), left[0]))
+        left.remove(chosen[-1])
+    return chosen
+
+
+def _n_repeats(pictures: list[set[int]], order: list[int]) -> int:
+    sets = [pictures[i] for i in order]
+    return sum(not a.isdisjoint(b) for a, b in pairwise(sets))
+
+
+def duration_s(trials: Sequence[Trial], timing: Timing) -> float:
+    """How long these trials last, seconds; for an answer the longest time is taken, or 2 s."""
+    answer_s = timing.answer_s or ANSWER_S
+    last_s: dict[int, float] = {}
+    for trial in trials:
+        last_s[trial.run] = max(trial.adaptation_s, last_s.get(trial.run, 0.0))
+    fixed_s = timing.bright_s + timing.cross_s + timing.show_s + answer_s + BETWEEN_RUNS_S
+    return sum(last_s.values()) + len(last_s) * fixed_s + len(trials) * timing.preview_s

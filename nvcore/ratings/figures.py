@@ -1,0 +1,191 @@
+"""Ratings of people against saliency (paper, figure 9), and how far participants agree."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+
+from nvcore.figures.marks import marks, still_line, system_marker
+from nvcore.figures.style import (
+    LOOK,
+    axis,
+    draw,
+    empty_figure,
+    faded,
+    plain,
+    rows_axis,
+    system_label,
+    write,
+)
+from nvcore.palette import Theme
+from nvcore.ratings.agreement import Agreement
+from nvcore.ratings.trend import Trend, fit_trend
+from nvcore.ratings.validation import Correlation
+from nvcore.wording import count_text
+
+MOST_CLIPS: Final = 2_000
+MOST_NAMES: Final = 5
+"""Outliers that are named."""
+MOST_PARTICIPANTS: Final = 60
+ROW_PX: Final = 20
+
+
+def rating_plot(
+    clips: pd.DataFrame,
+    correlations: Sequence[Correlation],
+    names: tuple[str, str],
+    *,
+    theme: Theme,
+) -> go.Figure:
+    """Saliency of every clip against its mean rank, with the line through the clips.
+
+    The line has its 95 % interval as a band; the clips farthest from it are named, five at most, by
+    the rule of `nvcore.ratings.trend.Trend`.
+
+    Parameters
+    ----------
+    clips
+        Of `nvcore.ratings.validation.join_clips`.
+    correlations
+        Of `nvcore.ratings.validation.correlate`; the subtitle has the first defined one.
+    names
+        Names of X and Y.
+    """
+    if clips.empty:
+        return empty_figure("No clip has both a rating and a saliency.", theme=theme)
+    trend = fit_trend(clips)
+    traces = [] if trend is None else _trend_traces(trend, theme)
+    for letter, name in zip("xy", names, strict=True):
+        mine = clips[clips["system"] == name].head(MOST_CLIPS)
+        text = [
+            f"{plain(clip)}, boxes of {letter.upper()}<br>mean rank {rank:.1f} of "
+            f"{count_text(n, 'rating')}<br>saliency {saliency:.2f} s"
+            for clip, rank, n, saliency in zip(
+                mine["clip"], mine["mean_rank"], mine["n_ratings"], mine["saliency_s"], strict=True
+            )
+        ]
+        traces.append(
+            marks(
+                mine["mean_rank"],
+                mine["saliency_s"],
+                text,
+                cliponaxis=False,
+                name=system_label(letter, name),
+                customdata=mine.index.to_numpy(),
+                **system_marker(letter, 10, theme),
+            )
+        )
+    highest_s = [clips["saliency_s"].max(), *([] if trend is None else [trend.most_s.max()])]
+    first = next(
+        (f"; {told_in_words(correlation)}" for correlation in correlations if not correlation.note),
+        "",
+    )
+    figure = draw(
+        traces,
+        theme,
+        title="Saliency against the ratings",
+        subtitle=f"{count_text(len(clips), 'clip')}{first}",
+        height=420,
+        xaxis=axis(theme, "mean rank (1 = least annoying)"),
+        # from 0, however far down the interval reaches: there is no saliency below
+        yaxis=axis(theme, "saliency (s)", range=[0, 1.06 * max(highest_s) or 1]),
+    )
+    if trend is not None:
+        _name_outliers(figure, clips, trend, names, theme)
+    return figure
+
+
+def _trend_traces(trend: Trend, theme: Theme) -> list[go.Scatter]:
+    """The interval as a band, and the line on it."""
+    look = LOOK[theme]
+    band = still_line(
+        np.concatenate([trend.rank, trend.rank[::-1]]),
+        np.concatenate([trend.most_s, trend.least_s[::-1]]),
+        "interval of the trend",
+        line={"width": 0},
+        fill="toself",
+        fillcolor=faded(look.muted, 0.18),
+    )
+    per_rank = (
+        f"trend: {trend.slope_s:+.2f} s per rank (95 %: {trend.low_s:+.2f} to {trend.high_s:+.2f})"
+    )
+    line = {"width": 2, "color": look.muted, "dash": "dot"}
+    return [band, still_line(trend.rank, trend.saliency_s, per_rank, showlegend=True, line=line)]
+
+
+def _name_outliers(
+    figure: go.Figure, clips: pd.DataFrame, trend: Trend, names: tuple[str, str], theme: Theme
+) -> None:
+    """The names of the outliers, the farthest first."""
+    order = np.argsort(-np.abs(trend.residual_s), kind="stable")
+    middle = clips["mean_rank"].mean()
+    for index in [i for i in order if trend.is_outlier[i]][:MOST_NAMES]:
+        clip = clips.iloc[index]
+        letter = "X" if clip["system"] == names[0] else "Y"
+        is_left = clip["mean_rank"] < middle
+        write(
+            figure,
+            f"{plain(clip['clip'], max_length=24)}, {letter}",
+            size=12,
+            color=LOOK[theme].ink,
+            name="outlier",
+            x=clip["mean_rank"],
+            y=clip["saliency_s"],
+            xanchor="left" if is_left else "right",
+            xshift=6 if is_left else -6,
+            yshift=11 if trend.residual_s[index] > 0 else -11,  # away from the line and its clips
+        )
+
+
+def told_in_words(correlation: Correlation) -> str:
+    """The coefficient with its interval, such as ``Pearson's r 0.81 (95 %: 0.55 to 0.93)``."""
+    if not np.isfinite(correlation.value):
+        return f"{correlation.name} –: {correlation.note}"
+    if not np.isfinite(correlation.low):
+        return f"{correlation.name} {correlation.value:.2f} ({correlation.note})"
+    interval = f"95 %: {correlation.low:.2f} to {correlation.high:.2f}"
+    return f"{correlation.name} {correlation.value:.2f} ({interval})"
+
+
+def participants_plot(agreement: Agreement, *, theme: Theme) -> go.Figure:
+    """How well each participant's ranks agree with the mean of the others', lowest on top."""
+    people = agreement.participants
+    judged = people[np.isfinite(people["agreement"])].sort_values("agreement", kind="stable")
+    if judged.empty:
+        return empty_figure(
+            "No participant rated enough clips that others rated, too.", theme=theme
+        )
+    participants = judged.head(MOST_PARTICIPANTS)
+    look = LOOK[theme]
+    is_outlier = participants["is_outlier"]
+    marker = {
+        "color": np.where(is_outlier, look.ink, look.muted),
+        "symbol": np.where(is_outlier, "x", "circle"),
+        "size": 10,
+    }
+    labels = [plain(name, max_length=24) for name in participants["participant"]]
+    n_odd = int(judged["is_outlier"].sum())
+    odd = f"; {n_odd or 'none'} going another way (marked x)" if agreement.knows_outliers else ""
+    trace = go.Scatter(
+        x=participants["agreement"],
+        y=np.arange(len(participants)),
+        mode="markers",
+        hoverinfo="skip",
+        showlegend=False,
+        marker=marker,
+    )
+    ends = [min(-0.1, float(participants["agreement"].min()) - 0.05), 1.03]
+    return draw(
+        trace,
+        theme,
+        title="Agreement of each participant with the others",
+        subtitle=f"{count_text(len(judged), 'participant')}{odd}",
+        height=130 + ROW_PX * max(len(participants), 4),
+        showlegend=False,
+        xaxis=axis(theme, "correlation with the mean rank of the others", range=ends),
+        yaxis=rows_axis(theme, labels, room=0.5, showgrid=False),
+    )

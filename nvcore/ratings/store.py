@@ -1,0 +1,357 @@
+"""Rating sessions in a database file: each rating is on disk before the next clip is shown."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Any, Final
+
+import pandas as pd
+
+from nvcore.errors import InputError
+from nvcore.people.order import counterbalanced_order
+from nvcore.people.participants import (
+    PARTICIPANTS,
+    delete_ended,
+    join,
+    known_name,
+    record_of,
+    remove,
+)
+from nvcore.people.store import AnswerFile, new_names
+from nvcore.people.terms import KEPT_DAYS, check_terms
+
+MOST_CLIPS: Final = 500
+TABLES: Final = f"""
+CREATE TABLE IF NOT EXISTS study (
+    token TEXT PRIMARY KEY, conductor TEXT NOT NULL UNIQUE, fingerprint TEXT NOT NULL,
+    clips TEXT NOT NULL, low INTEGER NOT NULL, high INTEGER NOT NULL,
+    thresholds TEXT NOT NULL, consent TEXT NOT NULL DEFAULT '', ends_at TEXT);
+{PARTICIPANTS}
+CREATE TABLE IF NOT EXISTS consent (
+    study TEXT NOT NULL, participant TEXT NOT NULL, consented_at TEXT NOT NULL,
+    PRIMARY KEY (study, participant),
+    FOREIGN KEY (study, participant) REFERENCES participant (study, name));
+CREATE TABLE IF NOT EXISTS rating (
+    study TEXT NOT NULL, participant TEXT NOT NULL, clip INTEGER NOT NULL, rating INTEGER NOT NULL,
+    rated_at TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP, n_plays INTEGER, first_rating INTEGER,
+    PRIMARY KEY (study, participant, clip),
+    FOREIGN KEY (study, participant) REFERENCES participant (study, name));
+"""
+
+ADDED: Final = {
+    "rating": {"n_plays": "INTEGER", "first_rating": "INTEGER"},
+    "study": {"consent": "TEXT NOT NULL DEFAULT ''", "ends_at": "TEXT"},
+}
+"""Columns that files of earlier versions lack, by table."""
+OF_PARTICIPANT: Final = ("consent", "rating")
+"""Tables with what a participant left."""
+CONSENT: Final = """\
+You watch short clips of drives at night, and say after each how annoying the mistakes of a driver \
+assistance system are.
+
+We keep your ratings, when you gave them, how often you played each clip, and the name or code \
+that you enter on this page; no one needs your real name. You may stop at any time, without a \
+reason. Tell the person who conducts the session your name or code, and you get a copy of your \
+ratings, or they are deleted.
+"""
+RATE: Final = """
+INSERT INTO rating (study, participant, clip, rating, n_plays) VALUES (?, ?, ?, ?, ?)
+ON CONFLICT (study, participant, clip) DO UPDATE SET
+    first_rating = CASE WHEN rating.rating = excluded.rating THEN rating.first_rating
+        ELSE COALESCE(rating.first_rating, rating.rating) END,
+    n_plays = CASE WHEN excluded.n_plays IS NULL THEN rating.n_plays
+        ELSE COALESCE(rating.n_plays, 0) + excluded.n_plays END,
+    rating = excluded.rating, rated_at = CURRENT_TIMESTAMP
+"""
+
+
+@dataclass(frozen=True)
+class Study:
+    """What participants rate.
+
+    Attributes
+    ----------
+    token
+        Name of the study for participants; cannot be guessed.
+    conductor
+        Its name for whoever conducts it and sees the ratings; cannot be derived from `token`.
+    fingerprint
+        Of the dataset that the clips are from.
+    clips
+        Recording and system (whose boxes are shown) of each clip.
+    low, high
+        Ends of the scale: not annoying at all, very annoying.
+    thresholds
+        Score threshold of each system, None where every detection is shown: all participants see
+        the same boxes.
+    consent
+        Text that participants agree to before they begin; empty: none is shown.
+    ends_at
+        When the study is deleted with all ratings, UTC; None: it is not, by itself.
+    """
+
+    token: str
+    conductor: str
+    fingerprint: str
+    clips: tuple[tuple[str, str], ...]
+    low: int
+    high: int
+    thresholds: Mapping[str, float | None]
+    consent: str = ""
+    ends_at: datetime | None = None
+
+
+class RatingStore(AnswerFile):
+    """Studies, participants and their ratings in one SQLite file.
+
+    Parameters
+    ----------
+    path
+        The file; it and its folder are created if necessary.
+    now
+        The time, UTC; None: the clock's. Studies whose time is over are deleted.
+
+    Notes
+    -----
+    A rating outlives a crash of program or machine (`nvcore.people.store`).
+
+    Raises
+    ------
+    InputError
+        Here and in every call: if the file cannot be used.
+    """
+
+    def __init__(self, path: Path, *, now: datetime | None = None):
+        super().__init__(path, TABLES, what="ratings")
+        with self.connect() as base:
+            _add_columns(base)
+            delete_ended(base, now or datetime.now(UTC), OF_PARTICIPANT)
+
+    def begin(
+        self,
+        fingerprint: str,
+        clips: Sequence[tuple[str, str]],
+        *,
+        low: int = 1,
+        high: int = 7,
+        thresholds: Mapping[str, float | None] | None = None,
+        consent: str | None = None,
+        keep_days: int = KEPT_DAYS,
+        now: datetime | None = None,
+    ) -> Study:
+        """A new study of these clips, each a recording and a system.
+
+        Parameters
+        ----------
+        consent
+            Text that participants agree to; None: they are asked elsewhere.
+        keep_days
+            After so many days the study is deleted with all ratings.
+        now
+            When it begins, UTC; None: the clock's time.
+
+        Raises
+        ------
+        InputError
+            If there is no clip, one twice or too many, the scale has no two steps, or the terms
+            cannot be.
+        """
+        if not 0 < len(clips) <= MOST_CLIPS or len(set(clips)) < len(clips):
+            raise InputError(f"a rating session needs 1 to {MOST_CLIPS} clips, each once")
+        if low >= high:
+            raise InputError(f"the scale must rise; it goes from {low} to {high}")
+        check_terms(CONSENT if consent is None else consent, keep_days)
+        thresholds_shown = dict(thresholds or {})
+        token, conductor = new_names()
+        study = Study(
+            *(token, conductor, fingerprint, tuple(clips), low, high, thresholds_shown),
+            consent=consent or "",
+            ends_at=(now or datetime.now(UTC)) + timedelta(days=keep_days),
+        )
+        with self.connect() as base:
+            base.execute(
+                "INSERT INTO study VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                (
+                    token,
+                    conductor,
+                    fingerprint,
+                    json.dumps(study.clips),
+                    low,
+                    high,
+                    json.dumps(thresholds_shown),
+                    study.consent,
+                    None if study.ends_at is None else study.ends_at.isoformat(),
+                ),
+            )
+        return study
+
+    def study(self, token: str) -> Study | None:
+        """The study that participants know by that name, if there is one."""
+        return self._study("SELECT * FROM study WHERE token = ?", token)
+
+    def study_of_conductor(self, conductor: str) -> Study | None:
+        """The study that its conductor knows by that name, if there is one."""
+        return self._study("SELECT * FROM study WHERE conductor = ?", conductor)
+
+    def _study(self, query: str, name: str) -> Study | None:
+        with self.connect() as base:
+            row = base.execute(query, (name,)).fetchone()
+        if row is None:
+            return None
+        token, conductor, fingerprint, clips, low, high, thresholds, consent, ends_at = row
+        pairs = tuple((recording, system) for recording, system in json.loads(clips))
+        return Study(
+            *(token, conductor, fingerprint, pairs, low, high, json.loads(thresholds)),
+            consent=consent,
+            ends_at=None if ends_at is None else datetime.fromisoformat(ends_at),
+        )
+
+    def agree(self, study: Study, participant: str, *, now: datetime | None = None) -> None:
+        """Keep that somebody agrees to the text of consent, and when; a new name joins.
+
+        Raises
+        ------
+        InputError
+            If the name is empty or too long.
+        """
+        when = (now or datetime.now(UTC)).isoformat()
+        with self.connect() as base:
+            join(base, study.token, participant)
+            name = known_name(base, study.token, participant)
+            base.execute(
+                "INSERT INTO consent VALUES (?, ?, ?) ON CONFLICT DO NOTHING",
+                (study.token, name, when),
+            )
+
+    def may_rate(self, study: Study, participant: str) -> bool:
+        """Whether nothing has to be agreed to first: there is no text, or it was agreed to."""
+        if not study.consent:
+            return True
+        with self.connect() as base:
+            name = known_name(base, study.token, participant)
+            query = "SELECT 1 FROM consent WHERE study = ? AND participant = ?"
+            return base.execute(query, (study.token, name)).fetchone() is not None
+
+    def record(self, study: Study, participant: str) -> dict[str, Any] | None:
+        """All that the file holds of a participant, as values of JSON; None: there is none."""
+        with self.connect() as base:
+            name = known_name(base, study.token, participant)
+            if name is None:
+                return None
+            tables = record_of(base, study.token, name, OF_PARTICIPANT)
+        for row in tables["rating"]:
+            row["clip"] = dict(zip(("recording", "system"), study.clips[row["clip"]], strict=True))
+        return {"participant": name, **tables}
+
+    def delete(self, study: Study, participant: str) -> bool:
+        """Delete a participant with all that the file holds of them; whether there was one."""
+        with self.connect() as base:
+            return remove(base, study.token, participant, OF_PARTICIPANT)
+
+    def order(self, study: Study, participant: str) -> list[int]:
+        """Clips in this participant's own order; a new participant gets the next free one.
+
+        Names that differ in capitals or spaces only are one participant, here and in every call.
+
+        Raises
+        ------
+        InputError
+            If the name is empty or too long.
+        """
+        with self.connect() as base:
+            number = join(base, study.token, participant)
+        return [int(clip) for clip in counterbalanced_order(len(study.clips), number)]
+
+    def ratings_of(self, study: Study, participant: str) -> dict[int, int]:
+        """Ratings that this participant has given, by clip."""
+        with self.connect() as base:
+            return dict(
+                base.execute(
+                    "SELECT clip, rating FROM rating WHERE study = ? AND participant = ?",
+                    (study.token, known_name(base, study.token, participant)),
+                ).fetchall()
+            )
+
+    def rate(
+        self, study: Study, participant: str, clip: int, rating: int, *, n_plays: int | None = None
+    ) -> None:
+        """Keep a rating; another one of the same clip replaces it; the first one is returned.
+
+        Parameters
+        ----------
+        n_plays
+            How often the clip was played to its end before this rating (again, for another one of
+            the same clip); None: not known.
+
+        Raises
+        ------
+        InputError
+            If there is no such clip or participant, or the rating is not on the scale.
+        """
+        if not 0 <= clip < len(study.clips):
+            raise InputError(f"there is no clip {clip + 1}")
+        if not study.low <= rating <= study.high:
+            raise InputError(f"a rating is {study.low} to {study.high}; given {rating}")
+        with self.connect() as base:
+            name = known_name(base, study.token, participant)
+            if name is None:
+                raise InputError(f"{participant} has not joined this rating session")
+            base.execute(RATE, (study.token, name, clip, rating, n_plays))
+
+    def participants(self, study: Study) -> pd.DataFrame:
+        """How far everybody has come: ``participant`` and ``n_rated``, in the order of joining."""
+        with self.connect() as base:
+            rows = base.execute(
+                "SELECT name, COUNT(clip) FROM participant LEFT JOIN rating ON rating.study = "
+                "participant.study AND rating.participant = participant.name "
+                "WHERE participant.study = ? GROUP BY number ORDER BY number",
+                (study.token,),
+            ).fetchall()
+        return pd.DataFrame(rows, columns=["participant", "n_rated"])
+
+    def ratings(self, study: Study) -> pd.DataFrame:
+        """All ratings of a study, as `read_ratings` gives them, and more.
+
+        Returns
+        -------
+        Also ``n_plays``, how often the clip was played to its end (missing: not recorded), and
+        ``first_rating``, what `rating` was before it was changed (missing: it never was); both
+        Int64.
+        """
+        with self.connect() as base:
+            rows = base.execute(
+                "SELECT participant, clip, rating, n_plays, first_rating FROM rating "
+                "JOIN participant ON "
+                "participant.study = rating.study AND participant.name = rating.participant "
+                "WHERE rating.study = ? ORDER BY number, clip",
+                (study.token,),
+            ).fetchall()
+        clips = [study.clips[row[1]] for row in rows]
+        return pd.DataFrame(
+            {
+                "participant": pd.Series([row[0] for row in rows], dtype=str),
+                "clip": pd.Series([recording for recording, _ in clips], dtype=str),
+                "system": pd.Series([system for _, system in clips], dtype=str),
+                "rating": pd.Series([row[2] for row in rows], dtype=float),
+                "n_plays": pd.Series([row[3] for row in rows], dtype="Int64"),
+                "first_rating": pd.Series([row[4] for row in rows], dtype="Int64"),
+            }
+        )
+
+
+def _add_columns(base: sqlite3.Connection) -> None:
+    """Add the columns that a file of an earlier version lacks."""
+    for table, columns in ADDED.items():
+        existing = {row[1] for row in base.execute(f"PRAGMA table_info({table})")}
+        for column, kind in columns.items():
+            if column not in existing:
+                try:
+                    base.execute(f"ALTER TABLE {table} ADD COLUMN {column} {kind}")
+                except sqlite3.OperationalError as error:
+                    if "duplicate column" not in str(error):  # somebody else has just done it
+                        raise

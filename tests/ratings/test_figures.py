@@ -1,0 +1,89 @@
+"""Figures of ratings."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from figure_parts import trace, words
+
+from nvcore.ratings.agreement import Agreement
+from nvcore.ratings.figures import participants_plot, rating_plot
+from nvcore.ratings.trend import fit_trend
+from nvcore.ratings.validation import correlate
+
+
+def clips(n: int = 12) -> pd.DataFrame:
+    rank = np.arange(1.0, n + 1)
+    return pd.DataFrame(
+        {
+            "clip": [f"<b>drive {i}" for i in range(n)],
+            "system": ["FIR", "NIR"] * (n // 2),
+            "mean_rank": rank,
+            "n_ratings": 5,
+            "saliency_s": rank**2,
+        }
+    )
+
+
+def test_each_clip_stands_at_its_rank_and_saliency_with_the_coefficient_told() -> None:
+    table = clips()
+    found = correlate(table["saliency_s"].to_numpy(), table["mean_rank"].to_numpy())
+    figure = rating_plot(table, found, ("FIR", "NIR"), theme="light")
+    of_x = trace(figure, "X: FIR")
+    assert list(of_x.x) == [1, 3, 5, 7, 9, 11]
+    assert list(of_x.y) == [1, 9, 25, 49, 81, 121]
+    assert "12 clips; Pearson's r 0.97 (95 %:" in words(figure)
+    assert "<b>" not in of_x.text[0]
+
+
+def test_the_plot_has_the_trend_with_its_interval_and_names_the_clip_far_from_it() -> None:
+    table = clips()
+    noise = np.resize([0.1, -0.1, 0.05, -0.05], 12)
+    table["saliency_s"] = 2 * table["mean_rank"] + noise
+    table.loc[3, "saliency_s"] = 30.0
+    figure = rating_plot(table, [], ("FIR", "NIR"), theme="light")
+    (line,) = [part for part in figure.data if part.name.startswith("trend: ")]
+    band = trace(figure, "interval of the trend")
+    assert "s per rank (95 %:" in line.name
+    half = len(line.x)
+    assert (np.array(band.y[:half]) >= np.array(line.y)).all()
+    assert (np.array(band.y[half:])[::-1] <= np.array(line.y)).all()
+    (named,) = [part for part in figure.layout.annotations if part.name == "outlier"]
+    assert named.text == "&lt;b&gt;drive 3, Y"
+    assert (named.x, named.y) == (4.0, 30.0)
+    assert named.yshift > 0  # away from the line
+    low, high = figure.layout.yaxis.range
+    assert low == 0
+    assert high > max(30.0, max(band.y))
+
+
+def test_five_outliers_are_named_at_most_and_few_clips_have_no_trend() -> None:
+    table = clips(64)
+    table["saliency_s"] = np.where(np.arange(64) % 8 == 0, 200.0, table["mean_rank"])
+    assert np.count_nonzero(fit_trend(table).is_outlier) == 8
+    figure = rating_plot(table, [], ("FIR", "NIR"), theme="light")
+    assert len([part for part in figure.layout.annotations if part.name == "outlier"]) == 5
+    few = rating_plot(clips(4), [], ("FIR", "NIR"), theme="light")
+    assert [part.name for part in few.data] == ["X: FIR", "Y: NIR"]
+
+
+def test_no_clips_say_so() -> None:
+    figure = rating_plot(clips().head(0), [], ("FIR", "NIR"), theme="dark")
+    assert "No clip has both" in words(figure)
+
+
+def test_participants_who_go_another_way_are_marked() -> None:
+    people = pd.DataFrame(
+        {
+            "participant": ["A", "B", "C"],
+            "n_rated": [5, 5, 5],
+            "agreement": [0.9, -0.4, np.nan],
+            "is_outlier": [False, True, False],
+        }
+    )
+    agreement = Agreement(4, 5, 0, 0.4, 0.02, "", people)
+    figure = participants_plot(agreement, theme="light")
+    assert list(figure.data[0].x) == [-0.4, 0.9]
+    assert list(figure.data[0].marker.symbol) == ["x", "circle"]
+    assert list(figure.layout.yaxis.ticktext) == ["B", "A"]
+    assert "2 participants; 1 going another way" in words(figure)

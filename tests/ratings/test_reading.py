@@ -1,0 +1,107 @@
+"""Ratings from CSV files: what is read, and what is refused with its line."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from inputs import write
+
+from nvcore.errors import FormatError
+from nvcore.ratings.reading import check_ratings, parse_ratings, read_ratings
+
+
+def test_reads_participants_clips_and_missing_ratings(tmp_path):
+    path = write(tmp_path / "r.csv", "participant,clip,rating", "P1,A,3", "P1,B,", "P2,A,1.5")
+    table = read_ratings(path)
+    assert table["participant"].tolist() == ["P1", "P1", "P2"]
+    assert table["clip"].tolist() == ["A", "B", "A"]
+    assert table["system"].tolist() == ["", "", ""]
+    np.testing.assert_array_equal(table["rating"], [3, np.nan, 1.5])
+
+
+def test_reads_the_system_and_any_order_of_columns(tmp_path):
+    path = write(tmp_path / "r.csv", "Rating, Clip ,system,participant", "7,A,FIR,P1")
+    row = read_ratings(path).iloc[0]
+    assert (row["participant"], row["clip"], row["system"], row["rating"]) == ("P1", "A", "FIR", 7)
+
+
+def test_reads_the_time_to_the_rating_where_the_file_has_it(tmp_path):
+    lines = ("participant;clip;rating;delay_s", "P1;A;3;2,5", "P1;B;4;")
+    delay_s = read_ratings(write(tmp_path / "r.csv", *lines))["delay_s"]
+    np.testing.assert_array_equal(delay_s, [2.5, np.nan])
+    without = read_ratings(write(tmp_path / "q.csv", "participant,clip,rating", "P1,A,3"))
+    assert "delay_s" not in without
+
+
+@pytest.mark.parametrize(
+    ("lines", "line", "words"),
+    [
+        (["participant,clip,rating", "P1,A,3", "P1,A,4"], 3, "a second time"),
+        (["participant,clip,rating", "P1,A,3", "P1,B,much"], 3, "'much'"),
+        (["participant,clip,rating", "P1,A,inf"], 2, "'inf'"),
+        (["participant,clip,rating,delay_s", "P1,A,3,2", "P1,B,3,soon"], 3, "'soon'"),
+        (["participant,clip,rating,delay_s", "P1,A,3,-2"], 2, "comes after the clip's end"),
+        (["participant,clip,rating", ",A,3"], 2, "the participant is empty"),
+        (["person,clip,rating", "P1,A,3"], 1, "participant is missing"),
+        (["person:clip:rating", "P1:A:3"], 1, "separated by commas, semicolons or tabs"),
+        (["participant,clip,system,rating", "P1,A,X,3", "", "P1,A,3"], 4, "found 3"),
+        (["participant,clip,rating", "P1,A,3,4"], 2, "expected 3 fields"),
+        (["participant,clip,system,rating", "P1,A,X,3", "P1,B,,3"], 3, "the system is empty"),
+        (["participant,clip,rating", "anna,A,3", "Anna ,A,4"], 3, "anna rates the clip A a second"),
+    ],
+)
+def test_says_what_is_wrong_and_in_which_line(tmp_path, lines, line, words):
+    with pytest.raises(FormatError) as caught:
+        read_ratings(write(tmp_path / "r.csv", *lines))
+    assert caught.value.line == line
+    assert words in caught.value.message
+
+
+@pytest.mark.parametrize("content", [b"", b"\x89PNG\r\n\x1a\n\x00\xff\xfe", b'a,b\n"1'])
+def test_other_files_are_refused(tmp_path, content):
+    path = tmp_path / "r.csv"
+    path.write_bytes(content)
+    with pytest.raises(FormatError):
+        read_ratings(path)
+
+
+def test_a_column_that_is_there_twice_is_refused():
+    with pytest.raises(FormatError, match="several columns rating"):
+        parse_ratings(b"participant,clip,rating,Rating\nA,a,1,2\n", name="r.csv")
+
+
+def test_rows_of_a_table_are_numbered_from_one():
+    table = pd.DataFrame({"participant": ["A", "A"], "clip": ["a", "b"], "rating": ["1", "x"]})
+    with pytest.raises(FormatError, match="line 2"):
+        check_ratings(table, name="the table")
+
+
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_fields_may_be_separated_by_semicolons_or_tabs(tmp_path, separator):
+    lines = ["participant,clip,rating", "P1,A,3", "P1,B,"]
+    path = write(tmp_path / "r.csv", *(line.replace(",", separator) for line in lines))
+    table = read_ratings(path)
+    assert table["clip"].tolist() == ["A", "B"]
+    np.testing.assert_array_equal(table["rating"], [3, np.nan])
+
+
+def test_with_semicolons_a_rating_may_have_a_decimal_comma(tmp_path):
+    path = write(tmp_path / "r.csv", "participant;clip;rating", "P1;A;1,5", "P1;B;2.5")
+    assert read_ratings(path)["rating"].tolist() == [1.5, 2.5]
+
+
+def test_blank_lines_are_skipped_and_counted(tmp_path):
+    path = write(tmp_path / "r.csv", "participant,clip,rating", "", "P1,A,3", ",,", "P1,B,x")
+    with pytest.raises(FormatError) as caught:
+        read_ratings(path)
+    assert caught.value.line == 5
+
+
+def test_participants_spelt_in_two_ways_are_one(tmp_path):
+    lines = ["participant,clip,rating", "Anna  K,A,3", "anna k,B,4", "Bob,A,1"]
+    table = read_ratings(write(tmp_path / "r.csv", *lines))
+    assert table["participant"].tolist() == ["Anna  K", "Anna  K", "Bob"]
+
+
+def test_columns_without_end_are_refused():
+    with pytest.raises(FormatError, match="expected 100 columns at the most, found 1,000,001"):
+        parse_ratings(b"a," * 1_000_000 + b"\n", name="r.csv")
