@@ -1,4 +1,4 @@
-"""Files of two runs compared to the byte, but for a list of old and new wordings."""
+"""Files of two runs compared: to the byte, but for a list of wordings, or only their facts."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from dataclasses import dataclass, field
 from itertools import zip_longest
 from pathlib import Path
 
+from scripts.facts import facts
+
 NUMBER = re.compile(r"\d+(?:\.\d+)?")
 JSON_STRING = re.compile(r'(?P<string>"(?:[^"\\]|\\.)*")(?P<colon>\s*:)?')
 JSON_BLOCK = re.compile(r'(?<=<script type="application/json">)(.*?)(?=</script>)', re.DOTALL)
@@ -22,6 +24,7 @@ FIXED_COLUMN = "figure"
 
 EXCERPT = 70
 """Characters that are shown on either side of the first difference in a line."""
+FACTS_SHOWN = 3
 
 
 class WordingError(ValueError):
@@ -135,7 +138,7 @@ def _in_markup(text: str) -> str:
     return html.escape(text).replace("&quot;", "&#34;").replace("&#x27;", "&#39;")
 
 
-def compare_files(name: str, old: bytes, new: bytes, rewording: Rewording) -> str | None:
+def compare_files(name: str, old: bytes, new: bytes, rewording: Rewording | None) -> str | None:
     """Where two files differ first, or None if they are the same.
 
     Parameters
@@ -145,7 +148,7 @@ def compare_files(name: str, old: bytes, new: bytes, rewording: Rewording) -> st
     old, new
         What the older and the newer program wrote.
     rewording
-        The wordings that may differ.
+        The wordings that may differ; None: all of them, facts are compared.
     """
     if old == new:
         return None
@@ -157,8 +160,20 @@ def compare_files(name: str, old: bytes, new: bytes, rewording: Rewording) -> st
             min(len(old), len(new)),
         )
         return f"byte {index} ({len(old)} and {len(new)} bytes)"
+    if rewording is None:
+        return _different_facts(facts(name, old_text), facts(name, new_text))
     reworded = rewording.file(name, old_text)
     return None if reworded == new_text else _first_difference(reworded, new_text)
+
+
+def _different_facts(old: dict[str, str], new: dict[str, str]) -> str | None:
+    places = [place for place in old | new if old.get(place) != new.get(place)]
+    shown = [
+        f"\n  - {place}: {_excerpt(old.get(place), new.get(place))}"
+        f"\n  + {place}: {_excerpt(new.get(place), old.get(place))}"
+        for place in places[:FACTS_SHOWN]
+    ]
+    return f"{len(places)} of {len(old)} facts" + "".join(shown) if places else None
 
 
 def _first_difference(old: str, new: str) -> str:
@@ -172,7 +187,7 @@ def _first_difference(old: str, new: str) -> str:
 def _excerpt(line: str | None, other: str | None) -> str:
     """A line around the place where it begins to differ from the other one."""
     if line is None:
-        return "(the file ends)"
+        return "(nothing)"
     pairs = enumerate(zip(line, other or "", strict=False))
     first = next((i for i, (a, b) in pairs if a != b), min(len(line), len(other or "")))
     low, high = max(first - EXCERPT, 0), first + EXCERPT
@@ -180,7 +195,7 @@ def _excerpt(line: str | None, other: str | None) -> str:
     return ("…" if low else "") + excerpt + ("…" if high < len(line) else "")
 
 
-def compare_folders(old: Path, new: Path, rewording: Rewording) -> Iterator[tuple[str, str]]:
+def compare_folders(old: Path, new: Path, rewording: Rewording | None) -> Iterator[tuple[str, str]]:
     """Files that differ, each with where it does, in the order of their names."""
     names = {
         path.relative_to(folder).as_posix()

@@ -1,13 +1,14 @@
 """Show that two checkouts of the project give the same results.
 
     python scripts/same_results.py OLD_CHECKOUT NEW_CHECKOUT
-        [--random N] [--seed S] [--only NAME ...] [--keep DIR]
+        [--numbers] [--random N] [--seed S] [--only NAME ...] [--keep DIR] [--jobs N]
 
 Each checkout needs its `.venv` (`make run` makes it). Every comparison is run by the command line
 of either checkout, with the default settings, with wrong corrections of X and Y that the audit has
 to notice, and with N random settings. What they write and print is compared to the byte, but for
-the texts listed in `scripts/wordings.toml`. Exit code 0: all the same, 1: something differs or
-could not be compared, 2: it cannot be run.
+the texts listed in `scripts/wordings.toml`; with `--numbers` only file names and the facts that
+`scripts/facts.py` tells from prose. Exit code 0: all the same, 1: something differs or could not be
+compared, 2: it cannot be run.
 
 The real recordings are those in `$NVCORE_REALDATA` (default: `../shared/realdata` beside the newer
 checkout); without them only the sample is compared. `--keep DIR` keeps all that was written; what
@@ -38,7 +39,6 @@ from scripts.comparisons import COMPARISONS, Comparison, Range
 from scripts.differences import Rewording, compare_folders, read_wordings
 
 WORDINGS = Path(__file__).with_name("wordings.toml")
-JOBS = 2
 
 USUAL: dict[str, Range] = {
     "midpoint": (10, 200),
@@ -52,6 +52,8 @@ USUAL: dict[str, Range] = {
     "tolerance": (0, 0.3),
     "lateral_tolerance": (0, 0.1),
     "recency_spread": (0.01, 1),
+    "confirm_n": (1, 5),
+    "confirm_m": (5, 20),
 }
 """Where random settings are drawn if their whole range would leave little to compare."""
 
@@ -83,9 +85,10 @@ def range_of(spec):
     setting = spec.metadata.get("setting")
     if setting is None:  # before there was nvcore.params.metadata
         return {key: spec.metadata.get(key) for key in ("choices", "low", "high", "above_low")}
+    is_whole = getattr(setting, "is_whole", False)
     choices = None if setting.words is None else list(setting.words)
     ends = {"low": setting.low, "high": setting.high, "above_low": setting.is_above_low}
-    return {"choices": choices, **ends}
+    return {"choices": choices, "is_whole": is_whole, **ends}
 
 ranges = {spec.name: range_of(spec) for spec in fields(Params)}
 print(json.dumps({"params": ranges, "protocols": list(PROTOCOLS)}))
@@ -129,7 +132,10 @@ def random_flags(
         else:
             low, high = USUAL.get(name, (low, high))
             value = low + (high - low) * (place or 0.5)
-        values[name] = f"{value:.4g}"
+        values[name] = f"{round(value) if spec.get('is_whole') else value:.4g}"
+    n_confirming = values.get("confirm_n", "3")
+    if int(values.get("confirm_m", "5")) < int(n_confirming):
+        values["confirm_m"] = n_confirming
     flags = [f"--name-x={x}", f"--name-y={y}"]
     flags += [f"--{name.replace('_', '-')}={value}" for name, value in values.items()]
     if draw.random() < SHARE_SET:
@@ -159,6 +165,8 @@ def make_tasks(
             flags = random_flags(ranges, comparison, seed=seed, index=index)
             commands = _scoring_commands(session, flags)
             tasks.append(Task(comparison, f"random-{index}", flags, commands))
+        if comparison.head is None:
+            tasks.append(Task(comparison, "subjects", (), _subject_commands(session)))
     return tasks
 
 
@@ -177,6 +185,21 @@ def _default_commands(session: str) -> tuple[tuple[str, ...], ...]:
         ("check", session, "--strict"),
         ("compare", session, "--json"),
         ("gate", "report/session.toml", "--rule", "no_such_measure == 0"),
+        ("matrix", session, "--out", "matrix"),
+        ("plan", session, "--out", "plan.json"),
+    )
+
+
+def _subject_commands(session: str) -> tuple[tuple[str, ...], ...]:
+    """Whom the driver sees, and a detector of our own, as systems of further comparisons."""
+    pictures = ("--only", "rural_child", "--frames", "100:299:4")
+    return (
+        ("driver", "estimate", session, *pictures[:2], "--model", "sample", "--out", "driver"),
+        *_scoring_commands("driver/session.toml", ("--driver-weighting", "on")),
+        ("detect", session, *pictures, "--detector", "icf:sample", "--out", "detect"),
+        ("compare", "detect/session.toml", "--out", "detected"),
+        ("models",),
+        ("convert", str(Path(session).with_name("truth.csv")), "truth.json"),
     )
 
 
@@ -257,7 +280,7 @@ def is_refused(outputs: Path) -> bool:
     return not (outputs / "report" / "summary.json").is_file()
 
 
-def report(task: Task, old: Path, new: Path, rewording: Rewording) -> bool:
+def report(task: Task, old: Path, new: Path, rewording: Rewording | None) -> bool:
     """Print a task's line of the table and what differs; whether all is the same."""
     refused = is_refused(old)
     differing = list(compare_folders(old, new, rewording))
@@ -296,13 +319,13 @@ def main() -> int:
     tasks = make_tasks(
         ranges, comparisons, old / "sample_data", count=options.random, seed=options.seed
     )
-    rewording = Rewording(read_wordings(WORDINGS))
+    rewording = None if options.numbers else Rewording(read_wordings(WORDINGS))
     began = time.monotonic()
     print(f"{'comparison':14} {'settings':12} files        bytes exit codes   result     flags")
     with tempfile.TemporaryDirectory(prefix="same_results_") as temporary:
         folder = Path(options.keep or temporary).resolve()
         runner = Runner(old, new, folder, realdata)
-        with ThreadPoolExecutor(JOBS) as pool:
+        with ThreadPoolExecutor(options.jobs) as pool:
             outputs = pool.map(runner.run, tasks)
             are_same = [
                 report(task, *folders, rewording)
@@ -310,9 +333,10 @@ def main() -> int:
             ]
     minutes = (time.monotonic() - began) / 60
     print(f"{sum(are_same)} of {len(are_same)} the same; {minutes:.1f} minutes")
-    for wording in rewording.wordings:
-        if wording not in rewording.needed:
-            print(f"not needed: {wording.old!r} -> {wording.new!r}")
+    if rewording:
+        for wording in rewording.wordings:
+            if wording not in rewording.needed:
+                print(f"not needed: {wording.old!r} -> {wording.new!r}")
     return 0 if all(are_same) else 1
 
 
@@ -323,12 +347,14 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("old", type=Path, metavar="OLD_CHECKOUT")
     parser.add_argument("new", type=Path, metavar="NEW_CHECKOUT")
+    parser.add_argument("--numbers", action="store_true", help="compare facts, not wordings")
     parser.add_argument("--random", type=int, default=2, metavar="N", help="random settings (2)")
     parser.add_argument("--seed", type=int, default=1, metavar="S", help="of the settings (1)")
     parser.add_argument(
         "--only", nargs="+", metavar="NAME", choices=[item.name for item in COMPARISONS],
         help="of these comparisons: %(choices)s",
     )  # fmt: skip
+    parser.add_argument("--jobs", type=int, default=2, metavar="N", help="at a time (2)")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="keep what is written there")
     return parser
 

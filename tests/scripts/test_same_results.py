@@ -1,4 +1,4 @@
-"""Comparison of two runs: what it must notice, and what the list of wordings allows."""
+"""Comparison of two runs: what it must notice, what the list of wordings and prose allow."""
 
 from __future__ import annotations
 
@@ -31,6 +31,7 @@ RANGES = {
         "spread": {"choices": None, "low": 0, "high": 10_000, "above_low": True},
         "threshold_x": {"choices": None, "low": -float("inf"), "high": float("inf"),
                         "above_low": False},
+        "confirm_n": {"choices": None, "low": 1, "high": 100, "above_low": False, "is_whole": True},
         "match": {"choices": ["iou", "lateral"]},
     },
     "protocols": ["all", "near"],
@@ -39,6 +40,10 @@ RANGES = {
 
 def where(name: str, old: bytes, new: bytes, *wordings: Wording) -> str | None:
     return compare_files(name, old, new, Rewording(wordings))
+
+
+def which_facts(name: str, old: str, new: str) -> str | None:
+    return compare_files(name, old.encode(), new.encode(), None)
 
 
 def write(folder: Path, **files: str) -> Path:
@@ -159,4 +164,115 @@ def test_random_settings_are_in_their_ranges():
     assert {"0", "1"} < given["--alpha"]
     assert all(0 <= float(value) <= 1 for value in given["--alpha"])
     assert all(0 < float(value) <= 10_000 for value in given["--spread"])
+    assert {"1", "3", "100"} < given["--confirm-n"] <= {str(n) for n in range(1, 101)}
+    assert "100" in given["--confirm-m"]  # never fewer than confirm
     assert all(-0.9 <= float(value) <= 8.6 for value in given["--threshold-x"])
+
+
+FACTS = {
+    "significance.csv": 'figure,note,x,better\nlamr,"too few, they say",0.5,\nap,,1,higher\n',
+    "summary.json": '{"x": {"name": "FIR", "lamr": 0.5}, "label": "miss rate", "notes": ["a b"]}',
+    "session.toml": '[[system]]\nname = "FIR"\nthreshold = 0.5\n',
+    "gate.xml": '<testsuites><testsuite tests="1" failures="1"><testcase name="lamr_y &lt;= 0.1">'
+    '<failure message="lamr_y is 0.5">lamr_y is 0.5</failure></testcase></testsuite></testsuites>',
+    "gate.md": "## Gate: 1 of 2 rules failed\n\n| `lamr_y <= 0.1` | 0.5 | **failed** |\n",
+    "compare.txt": "In short: 3 are missed.\n         X: FIR   Y: NIR\nmiss rate   0.5   -0.6\n",
+    "compare.exit.txt": "1\n",
+    "SHA256SUMS": "48de5  frames.csv\n",
+    "report.html": '<h2>Misses</h2><section id="misses"><p>In 3 frames</p>'
+    '<span class="y better"><i>Y</i>0.5</span><span style="width:5.5%"></span>'
+    "<table><tr><td>set06/V000</td><td>of 38 encounters</td><td>\u22126.4 pp</td>"
+    "<td>From 10 recordings, a bootstrap of them all</td></tr></table>"
+    '<figure id="chart-misses"><img src="data:picture"><script type="application/json">'
+    '{"data": [{"y": [0.5], "name": "X misses"}], "layout": {"title": "Misses"}}'
+    "</script></figure></section>",
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("significance.csv", "0.5", "0.51"),
+        ("significance.csv", "lamr", "miss_rate"),
+        ("significance.csv", "higher", "lower"),
+        ("significance.csv", '"too few, they say"', ""),
+        ("significance.csv", "better", "best"),
+        ("significance.csv", "ap,,1,higher\n", ""),
+        ("significance.csv", "ap,,1,higher\n", "ap,,1,higher\nap,,1,higher\n"),
+        ("summary.json", "0.5", "0.51"),
+        ("summary.json", '"lamr"', '"miss_rate"'),
+        ("summary.json", "FIR", "NIR"),
+        ("summary.json", ', "label": "miss rate"', ""),
+        ("session.toml", "FIR", "NIR"),
+        ("session.toml", "threshold", "score"),
+        ("session.toml", "0.5", "0.6"),
+        ("gate.xml", "&lt;=", "&lt;"),
+        ("gate.xml", "0.5", "0.6"),
+        ("gate.xml", 'failures="1"', 'failures="0"'),
+        ("gate.xml", '<failure message="lamr_y is 0.5">lamr_y is 0.5</failure>', "lamr_y is 0.5"),
+        ("gate.md", "0.5", "0.6"),
+        ("gate.md", "lamr_y", "lamr_x"),
+        ("compare.txt", "-0.6", "0.6"),
+        ("compare.txt", "miss rate   0.5   -0.6\n", ""),
+        ("compare.exit.txt", "1", "0"),
+        ("SHA256SUMS", "frames", "events"),
+        ("report.html", 'id="misses"', 'id="missed"'),
+        ("report.html", "</i>0.5", "</i>0.6"),
+        ("report.html", "y better", "y"),
+        ("report.html", "5.5%", "6%"),
+        ("report.html", "set06/V000", "set06/V001"),
+        ("report.html", "38", "39"),
+        ("report.html", "\u22126.4", "6.4"),
+        ("report.html", "<td>set06/V000</td>", ""),
+        ("report.html", "data:picture", "data:another"),
+        ("report.html", "[0.5]", "[0.51]"),
+        ("report.html", '"y"', '"x"'),
+    ],
+)
+def test_a_number_name_key_column_row_or_outcome_is_a_fact(name: str, old: str, new: str):
+    assert which_facts(name, FACTS[name], FACTS[name].replace(old, new)) is not None
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("significance.csv", "too few, they say", "3 are too few"),
+        ("summary.json", "miss rate", "rate of misses"),
+        ("summary.json", '["a b"]', '["a", "b"]'),
+        ("session.toml", "name", "# of the system\nname"),
+        ("gate.xml", "lamr_y is 0.5<", "0.5 is what lamr_y is<"),
+        ("gate.md", "1 of 2 rules failed", "one failed"),
+        ("gate.md", "**failed**", "failed"),
+        ("compare.txt", "In short: 3 are missed.", "Three are missed."),
+        ("compare.txt", "miss rate   ", "rate of misses      "),
+        ("SHA256SUMS", "48de5", "49de5"),
+        ("report.html", "<h2>Misses</h2>", "<h2>Who is missed</h2>"),
+        ("report.html", "In 3 frames", "Three"),
+        ("report.html", "of 38 encounters", "encounters (38)"),
+        ("report.html", "\u22126.4 pp", "-6.4 points"),
+        ("report.html", "From 10 recordings, a bootstrap of them all", "Bootstrap"),
+        ("report.html", "X misses", "missed by X"),
+        ("report.html", '"Misses"', '"Missed"'),
+    ],
+)
+def test_prose_is_no_fact(name: str, old: str, new: str):
+    changed = FACTS[name].replace(old, new)
+    assert changed != FACTS[name]
+    assert which_facts(name, FACTS[name], changed) is None
+
+
+def test_columns_may_stand_in_another_order_and_a_cell_that_differs_is_shown_by_its_place():
+    assert which_facts("a.csv", "track,x\n1,0.5\n", "x,track\n0.5,1\n") is None
+    assert which_facts("a.csv", "track,x\n1,0.5\n", "x,track\n0.6,1\n") == (
+        "1 of 4 facts\n  - row 1, x: 0.5\n  + row 1, x: 0.6"
+    )
+
+
+def test_facts_of_folders_are_compared_with_their_file_names(tmp_path: Path):
+    old = write(tmp_path / "old", frames="x,note\n1,few\n", events="y\n2\n")
+    same = write(tmp_path / "same", frames="x,note\n1,too few\n", events="y\n2\n")
+    other = write(tmp_path / "other", frames="x,note\n1,few\n", encounters="y\n2\n")
+    assert not dict(compare_folders(old, same, None))
+    assert set(dict(compare_folders(old, other, None))) == {
+        "report/events.csv", "report/encounters.csv",
+    }  # fmt: skip
