@@ -15,6 +15,7 @@ from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
 from nvcore.errors import InputError
+from nvcore.measures import MEASURES, Measure
 from nvcore.metrics import kernels
 from nvcore.params import SETTINGS, Params, settings_for
 from nvcore.params.metadata import (
@@ -158,6 +159,18 @@ def test_a_parameter_changes_what_its_stage_makes(busy: Dataset, name: str) -> N
     before, after = changed(name)
     differences = differing(compare(busy, before), compare(busy, after))
     assert differences & MADE_BY[SETTINGS[name].stage]
+
+
+@pytest.mark.parametrize("name", SETTINGS)
+def test_a_parameter_changes_only_measures_that_depend_on_it(busy: Dataset, name: str) -> None:
+    results = [compare(busy, params) for params in changed(name)]
+
+    def values(measure: Measure) -> list[list[float]]:
+        return [[measure.of(one, system) for _, system in one.sides] for one in results]
+
+    of_systems = [measure for measure in MEASURES if measure.of is not None]
+    differ = {measure.key for measure in of_systems if not _is_same(*values(measure))}
+    assert differ <= {measure.key for measure in MEASURES if measure.depends_on(name)}
 
 
 @pytest.mark.parametrize("name", SETTINGS)

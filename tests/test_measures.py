@@ -24,6 +24,9 @@ from nvcore.measures import (
     label_words,
     measure_of,
 )
+from nvcore.report.matrix import PAIR_MEASURES
+from nvcore.report.tiles import KINDS
+from nvcore.report.verdict.words import QUALITIES
 
 OF_SYSTEMS = [measure for measure in MEASURES if measure.of is not None]
 OF_CURVES = [measure for measure in MEASURES if measure.of_curve is not None]
@@ -102,6 +105,56 @@ def test_a_perfect_curve_is_never_the_worse_one(measure: Measure, perfect: Resul
         assert x >= y
     if measure.better == "lower":
         assert x <= y
+
+
+@pytest.fixture(scope="module")
+def alarming() -> Result:
+    """Y is X with a false alarm of the highest score in every frame, of help to no pedestrian.
+
+    The driver does not see the first pedestrian, who becomes urgent and is detected late; the
+    second one, farther to the side, is missed in half of the frames.
+    """
+    frames = range(40)
+    first = [box._replace(detectability=0.1) for box in approach(frames, 5, centre=15)]
+    second = [at(frame, 5, track=2, detectability=0.9) for frame in frames]
+    x = [box._replace(score=0.5) for box in [*only(first, range(20, 40)), *second[::2]]]
+    x.append(at(0, 90, score=0.2))
+    y = [*x, *(at(frame, 60, score=1.0) for frame in frames)]
+    ignored = at(3, 80, ignore=True)
+    return result_of(make_dataset([*first, *second, ignored], x, y), low=0.95)
+
+
+@pytest.mark.parametrize("measure", [*OF_SYSTEMS, *OF_CURVES], ids=key_of)
+def test_a_measure_says_whether_false_alarms_worsen_it(measure: Measure, alarming: Result):
+    if measure.of_curve is None:
+        without, with_alarms = (measure.of(alarming, system) for _, system in alarming.sides)
+    else:
+        curves = (
+            detection_curve(alarming.dataset, system.name, alarming.params)
+            for _, system in alarming.sides
+        )
+        without, with_alarms = (measure.of_curve(summarise_curve(curve, 0.1)) for curve in curves)
+    if not measure.is_worsened_by_alarms:
+        assert with_alarms == without
+    elif measure.better == "higher":
+        assert with_alarms < without
+    else:
+        assert with_alarms > without
+
+
+def test_measures_of_one_hypothesis_rest_on_the_same():
+    for measure in MEASURES:
+        if measure.inference is not None and measure.inference.repeats:
+            tested = measure_of(measure.inference.repeats)
+            assert measure.stages == tested.stages
+            assert measure.is_worsened_by_alarms == tested.is_worsened_by_alarms
+
+
+def test_what_displays_choose_among_the_measures_exists():
+    chosen = [*QUALITIES, *PAIR_MEASURES, *KINDS]
+    assert {one.key for one in chosen} | {kind.judged for kind in KINDS if kind.judged} <= {
+        measure.key for measure in MEASURES
+    }
 
 
 @pytest.mark.parametrize("measure", OF_RECORDINGS, ids=key_of)

@@ -36,7 +36,7 @@ from nvcore.report.gate import run_gate
 from nvcore.report.gate.measures import measure_names
 from nvcore.report.gate.outcomes import Outcome
 from nvcore.report.gate.results import terminal_lines
-from nvcore.report.rules import read_rules
+from nvcore.report.gate.rules import read_rules
 
 
 def compare(

@@ -32,7 +32,7 @@ from nvcore.output.files import write_whole
 from nvcore.wording import one_line
 
 if TYPE_CHECKING:
-    from nvcore.report.rules import Rule
+    from nvcore.report.gate.rules import Rule
 
 RULES = "Rules"
 EXIT_FAILED = 1
@@ -213,7 +213,7 @@ def _takes_standard_output(files: Sequence[Path], lists: bool) -> bool:
 def _read(texts: Iterable[str], file: Path | None, session: Path | None) -> list[Rule]:
     """The rules of the flags and of the file, or all that is wrong with them."""
     from nvcore.report.gate.measures import measure_names
-    from nvcore.report.rules import SOME_SESSION, read_rules
+    from nvcore.report.gate.rules import SOME_SESSION, read_rules
 
     lines = [("--rule", text) for text in texts]
     if file is not None:

@@ -13,7 +13,7 @@ from scipy.stats import t as student
 
 from nvcore.comparison import Result
 from nvcore.evidence.bootstrap import CONFIDENCE
-from nvcore.evidence.companions import STRICT_KEYS, Companions
+from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import are_unequal, count_alarms, has_scores
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.units import RECORDINGS
@@ -110,8 +110,8 @@ def find_claims(
     else:
         basis_result, candidates = result, _candidates(result, evidence)
         withheld = _not_confirmed(result, candidates, companions)
-    for key in STRICT_KEYS:
-        if key in candidates and is_turned(key, basis_result, companions.strict):
+    for key in candidates:
+        if is_turned_strictly(key, basis_result, companions.strict):
             withheld[key] = "the other way round if paired strictly"
     claims = tuple(claim for key, claim in candidates.items() if key not in withheld)
     return Support(basis, claims, withheld | doubts)
@@ -149,7 +149,7 @@ def find_within(
         withheld |= {
             key for key in claims if measure_of(key).of and is_turned(key, result, equal.result)
         }
-    withheld |= {key for key in STRICT_KEYS if key in claims and is_turned(key, result, strict)}
+    withheld |= {key for key in claims if is_turned_strictly(key, result, strict)}
     ranked = sorted(claims.values(), key=lambda claim: -clearness[claim.key])
     return tuple(claim for claim in ranked if claim.key not in withheld)
 
@@ -238,10 +238,15 @@ def _not_dominant(result: Result, candidates: Mapping[str, Claim]) -> dict[str, 
     return reasons
 
 
-def is_turned(key: str, basis: Result, strict: Result) -> bool:
-    """Whether strict pairing turns the sign of a measure's difference."""
-    differences = (np.subtract(*values_of(key, result)) for result in (basis, strict))
+def is_turned(key: str, result: Result, other: Result) -> bool:
+    """Whether the sign of a measure's difference is opposite in two comparisons."""
+    differences = (np.subtract(*values_of(key, each)) for each in (result, other))
     return bool(np.prod(np.sign([*differences])) < 0)
+
+
+def is_turned_strictly(key: str, result: Result, strict: Result) -> bool:
+    """Whether strict pairing turns the sign of a measure's difference."""
+    return measure_of(key).depends_on("pairing") and is_turned(key, result, strict)
 
 
 def values_of(key: str, result: Result) -> tuple[float, float]:

@@ -28,8 +28,6 @@ from nvcore.evidence.operating_points import (
 )
 from nvcore.evidence.paired_tests import SIGNIFICANT
 
-STRICT_KEYS: Final = ("mean_similarity", "saliency")
-"""Measures that strict pairing changes."""
 STANDARD_ERRORS: Final = 1.96
 """By so many, the systems' false alarms may be apart where they are counted as equal. With 0,
 verdicts claimed a difference in 17 % of pairs of equal systems (16 recordings)."""

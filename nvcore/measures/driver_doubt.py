@@ -14,16 +14,6 @@ MOST_OUTSIDE: Final = 0.5
 """From this share of encounters on that are decided outside the range of the training, nothing is
 claimed (ours)."""
 
-WEIGHTED: Final = frozenset(
-    {
-        *("mean_similarity", "min_similarity", "percentile_5_similarity", "share_low"),
-        *("lost_s_per_min", "worst_window_similarity", "worst_window_lost_s"),
-        *("saliency", "saliency_largest_event", "saliency_relevant_share"),
-        *("severity_s", "severity_s_per_min", "severity_s_per_encounter", "worst_severity_s"),
-    }
-)
-"""Measures on which `driver_weighting` acts."""
-
 
 def is_stated(result: Result) -> bool:
     """Whether all that is known of the driver is the ground truth's, whatever record there is."""
@@ -102,6 +92,6 @@ def doubt_of(result: Result, measure: Measure) -> str:
     """Why no claim can rest on a measure, nor a value be the better one; empty: no reason."""
     if measure.is_optional:
         return doubt_of_seen(result)
-    if measure.key in WEIGHTED and is_weighted(result):
+    if measure.depends_on("driver_weighting") and is_weighted(result):
         return doubt_of_estimator(result)
     return ""

@@ -12,6 +12,8 @@ import numpy as np
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import CurveSummary
 from nvcore.metrics.venn import Venn
+from nvcore.params import SETTINGS
+from nvcore.params.metadata import Stage
 from nvcore.scoring import SystemResult
 
 Better = Literal["higher", "lower", ""]
@@ -140,6 +142,11 @@ class Measure:
         Format specification of its values; ``d``: whole numbers.
     better
         ``higher``, ``lower``; empty: neither.
+    stages
+        Steps of the comparison that it is computed from.
+    is_worsened_by_alarms
+        Whether false alarms can worsen it (or raise it, where neither way is better), so that a
+        rule about it can stop a system that fires everywhere.
     of
         Its value for a system; NaN undefined.
     of_curve
@@ -162,6 +169,8 @@ class Measure:
         Whether files lack it where no detectability is known.
     rule
         Its name in rules of the gate, for detection curves; others go by their key.
+    leads
+        Whether the scorecard in short has it.
     inference
         How its difference is judged; None: it is not in the table of evidence.
     """
@@ -170,6 +179,8 @@ class Measure:
     label: str
     form: str
     better: Better
+    stages: tuple[Stage, ...]
+    is_worsened_by_alarms: bool
     of: Callable[[Result, SystemResult], float] | None = None
     of_curve: Callable[[CurveSummary], float] | None = None
     unit: str = ""
@@ -183,4 +194,9 @@ class Measure:
     applies: Callable[[Result], bool] | None = None
     is_optional: bool = False
     rule: str = ""
+    leads: bool = False
     inference: Inference | None = None
+
+    def depends_on(self, setting: str) -> bool:
+        """Whether a setting of `Params` can change it."""
+        return SETTINGS[setting].moves(self.stages)

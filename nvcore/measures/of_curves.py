@@ -3,18 +3,34 @@
 from __future__ import annotations
 
 from operator import attrgetter
-from typing import Any, Final
+from typing import Final
 
 from nvcore.measures.entry import HIGHER, LOWER, AxisScale, Better, Inference, Measure, MeasureTable
+from nvcore.params.metadata import MATCH
 
 
 def _of_curve(
-    key: str, label: str, better: Better, form: str, rule: str = "", **more: Any
+    key: str,
+    label: str,
+    better: Better,
+    form: str,
+    rule: str = "",
+    *,
+    is_worsened_by_alarms: bool = True,
+    inference: Inference | None = None,
 ) -> Measure:
     """A measure of the detection curve; its key is the attribute of `CurveSummary`."""
-    tables = (MeasureTable.DETECTION,)
     return Measure(
-        key, label, form, better, of_curve=attrgetter(key), rule=rule, tables=tables, **more
+        key,
+        label,
+        form,
+        better,
+        stages=(MATCH,),
+        is_worsened_by_alarms=is_worsened_by_alarms,
+        of_curve=attrgetter(key),
+        tables=(MeasureTable.DETECTION,),
+        rule=rule,
+        inference=inference,
     )
 
 
@@ -38,9 +54,17 @@ CURVE_MEASURES: Final[tuple[Measure, ...]] = (
     _of_curve("average_precision", "average precision (area, monotone)", HIGHER, ".4f", "ap_area"),
     _of_curve("pr_auc", "area under precision-recall (Davis, Goadrich)", HIGHER, ".4f", "pr_auc"),
     _of_curve("best_f1", "best F1 over all thresholds", HIGHER, ".4f"),
-    _of_curve("recall", "recall at the threshold", HIGHER, ".4f", "recall"),
+    _of_curve(
+        "recall", "recall at the threshold", HIGHER, ".4f", "recall", is_worsened_by_alarms=False
+    ),
     _of_curve("precision", "precision at the threshold", HIGHER, ".4f", "precision"),
     _of_curve("f1", "F1 at the threshold", HIGHER, ".4f", "f1"),
     _of_curve("fppi", "false positives per image at the threshold", LOWER, ".4f", "fppi"),
-    _of_curve("n_absorbed", "detections absorbed by ignored boxes at the threshold", "", "d"),
+    _of_curve(
+        "n_absorbed",
+        "detections absorbed by ignored boxes at the threshold",
+        "",
+        "d",
+        is_worsened_by_alarms=False,
+    ),
 )

@@ -20,6 +20,7 @@ from nvcore.measures.entry import (
 )
 from nvcore.measures.values import is_in_time, per_recording
 from nvcore.metrics.driver import split_unseen
+from nvcore.params.metadata import DRIVER, ENCOUNTERS, TIME_LEFT, Stage
 from nvcore.schema import integers_of
 from nvcore.scoring import SystemResult
 
@@ -138,6 +139,8 @@ def _count(
     meaning: str,
     *,
     part: str = "",
+    stages: tuple[Stage, ...] = (ENCOUNTERS, DRIVER),
+    leads: bool = False,
     is_judged: Callable[[Result], np.ndarray] = _is_known,
     empty_by_recording: str = "it is known of no encounter whether the driver sees it",
     inference: Inference | None = None,
@@ -155,6 +158,9 @@ def _count(
         part=part,
         form="d",
         better=better,
+        stages=stages,
+        is_worsened_by_alarms=False,
+        leads=leads,
         of=lambda result, system: int(np.count_nonzero(members(result, system))),
         unit="encounters",
         meaning=meaning,
@@ -176,6 +182,7 @@ DRIVER_MEASURES: Final[tuple[Measure, ...]] = (
         "useful alerts: detected, of {n_unseen:,} that the driver does not see",
         HIGHER,
         "Encounters that the system detects and the driver does not see by himself.",
+        leads=True,
         inference=Inference(
             test="encounters",
             scale=_SHARE,
@@ -191,6 +198,8 @@ DRIVER_MEASURES: Final[tuple[Measure, ...]] = (
         label="share detected of whom the driver does not see, by {units}",
         form=".1%",
         better=HIGHER,
+        stages=(ENCOUNTERS, DRIVER),
+        is_worsened_by_alarms=False,
         applies=has_driver,
         is_optional=True,
         inference=Inference(
@@ -208,6 +217,7 @@ DRIVER_MEASURES: Final[tuple[Measure, ...]] = (
         LOWER,
         "Encounters that neither the driver sees by himself nor the system detects.",
         part="unprotected: seen by neither driver nor system",
+        leads=True,
     ),
     _count(
         "redundant_alerts",
@@ -226,6 +236,7 @@ DRIVER_MEASURES: Final[tuple[Measure, ...]] = (
         "Urgent encounters that the system confirmed in time, and neither the driver by himself "
         "nor the other system.",
         part="urgent, in time by it alone",
+        stages=(TIME_LEFT, DRIVER),
         is_judged=is_judged_in_time,
         empty_by_recording="it is known of no urgent encounter whether the driver sees it",
     ),

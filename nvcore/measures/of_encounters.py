@@ -29,6 +29,7 @@ from nvcore.measures.values import (
     severity_by_recording,
     severity_parts,
 )
+from nvcore.params.metadata import ENCOUNTERS, EVENTS, MATCH, SALIENCY, SEVERITY
 from nvcore.schema import Category, MissClass
 from nvcore.scoring import SystemResult
 
@@ -50,6 +51,8 @@ def _miss_class(kind: MissClass) -> Measure:
         part=words,
         form="d",
         better=HIGHER if kind is MissClass.NONE else LOWER,
+        stages=(ENCOUNTERS,),
+        is_worsened_by_alarms=False,
         of=count,
         unit="encounters",
         meaning=f"Encounters with the miss class `{kind.value}`, those too far to count left out.",
@@ -63,6 +66,9 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         label="saliency, mean {aggregate} (s)",
         form=".3f",
         better=LOWER,
+        stages=(SALIENCY,),
+        is_worsened_by_alarms=False,
+        leads=True,
         of=lambda _, system: system.saliency_s,
         unit="s",
         meaning="Mean over the recordings of each one's saliency: its largest saliency event, or "
@@ -91,6 +97,8 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         part="largest event of all (s)",
         form=".3f",
         better=LOWER,
+        stages=(EVENTS,),
+        is_worsened_by_alarms=False,
         of=lambda _, system: largest_event(system),
         unit="s",
         meaning="Saliency of the most salient event of all recordings; 0 without any.",
@@ -103,6 +111,8 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         part="of the events' time, pedestrian counts",
         form=".0%",
         better="",
+        stages=(EVENTS,),
+        is_worsened_by_alarms=False,
         of=lambda _, system: relevant_share(system),
         unit="0 to 1",
         meaning="Share of the events' time in which the missed pedestrian counts (k >= 0.5). The "
@@ -115,6 +125,9 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         label="encounters detected, of {n_near:,}",
         form="d",
         better=HIGHER,
+        stages=(ENCOUNTERS,),
+        is_worsened_by_alarms=False,
+        leads=True,
         of=lambda _, system: int(system.encounters["is_detected"].sum()),
         unit="encounters",
         meaning="Encounters that the system detected.",
@@ -135,6 +148,8 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         label="share of encounters detected, by {units}",
         form=".1%",
         better=HIGHER,
+        stages=(ENCOUNTERS,),
+        is_worsened_by_alarms=False,
         inference=Inference(
             test="units",
             scale=AxisScale(".0%", least=1.0, least_reach=1.0),
@@ -148,6 +163,9 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         label="severity of missed pedestrians (s)",
         form=".2f",
         better=LOWER,
+        stages=(SEVERITY,),
+        is_worsened_by_alarms=False,
+        leads=True,
         of=lambda _, system: float(system.failures["severity_s"].sum()),
         unit="s",
         meaning="What the failures weigh: the sum of cost * time step over the frames that count "
@@ -162,6 +180,8 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         part="per minute (s)",
         form=".2f",
         better=LOWER,
+        stages=(SEVERITY,),
+        is_worsened_by_alarms=False,
         of=lambda result, system: (
             60 * ratio_of(system.failures["severity_s"].sum(), result.duration_s)
         ),
@@ -177,6 +197,9 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         part="per encounter (s)",
         form=".3f",
         better=LOWER,
+        stages=(SEVERITY,),
+        is_worsened_by_alarms=False,
+        leads=True,
         of=lambda result, system: ratio_of(system.failures["severity_s"].sum(), result.venn.n_near),
         unit="s",
         meaning="The same per encounter, those too far to count left out.",
@@ -199,6 +222,9 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         part="worst encounter (s)",
         form=".2f",
         better=LOWER,
+        stages=(SEVERITY,),
+        is_worsened_by_alarms=False,
+        leads=True,
         of=lambda result, system: (
             float(system.failures["severity_s"].max()) if result.venn.n_near else nan
         ),
@@ -213,6 +239,8 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         label="boxes matched, near or far, of {n_boxes:,}",
         form="d",
         better=HIGHER,
+        stages=(MATCH,),
+        is_worsened_by_alarms=False,
         of=lambda _, system: int(system.matched.sum()),
         unit="boxes",
         meaning="Annotated pedestrian boxes matched, those too far to count as well.",

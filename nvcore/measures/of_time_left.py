@@ -24,6 +24,7 @@ from nvcore.measures.values import (
     split_in_time,
     time_left_by_recording,
 )
+from nvcore.params.metadata import TIME_LEFT
 from nvcore.schema import TimeLeft
 from nvcore.scoring import SystemResult
 
@@ -52,6 +53,9 @@ def _count(
         part="" if inference else label,
         form="d",
         better=better,
+        stages=(TIME_LEFT,),
+        is_worsened_by_alarms=False,
+        leads=kind is TimeLeft.IN_TIME,
         of=lambda _, system: count_time_left(system, kind),
         unit="encounters",
         meaning=meaning,
@@ -84,6 +88,8 @@ TIME_LEFT_MEASURES: Final[tuple[Measure, ...]] = (
         label="share of urgent encounters in time, by {units}",
         form=".1%",
         better=HIGHER,
+        stages=(TIME_LEFT,),
+        is_worsened_by_alarms=False,
         applies=has_urgent,
         inference=Inference(
             test="units",
@@ -106,6 +112,9 @@ TIME_LEFT_MEASURES: Final[tuple[Measure, ...]] = (
         label="mean impact speed (km/h)",
         form=".1f",
         better=LOWER,
+        stages=(TIME_LEFT,),
+        is_worsened_by_alarms=False,
+        leads=True,
         of=lambda _, system: float(system.time_left["impact_kmh"].mean()),
         unit="km/h",
         meaning="Mean speed with which the car reaches the pedestrians of all urgent encounters: 0 "
@@ -129,6 +138,8 @@ TIME_LEFT_MEASURES: Final[tuple[Measure, ...]] = (
         label="median margin, where both confirm (s)",
         form=".2f",
         better="",  # the median says nothing of those confirmed too late
+        stages=(TIME_LEFT,),
+        is_worsened_by_alarms=False,
         of=_median_margin_s,
         unit="s",
         meaning="Median time from confirmation to the last chance, of the urgent encounters that "

@@ -11,26 +11,12 @@ from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.operating_points import EqualAlarms, are_unequal
 from nvcore.evidence.table import evidence_table
+from nvcore.measures import MEASURES
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.schema import Category
 from nvcore.tables.scorecard import ScoreRow, score_rows
 from nvcore.tables.summary import system_summary
 
-SHORT_KEYS: Final = (
-    "mean_similarity",
-    "saliency",
-    "encounters_detected",
-    "severity_s",
-    "severity_s_per_encounter",
-    "worst_severity_s",
-    "in_time",
-    "mean_impact_kmh",
-    "useful_alerts",
-    "unprotected",
-    "false_alarms_per_frame",
-    "false_alert_episodes",
-)
-"""Measures that the verdict puts side by side, and what the systems were set alike in."""
 COUNTED: Final = {
     Category.BOTH: "both",
     Category.X_ONLY: "only X",
@@ -46,7 +32,7 @@ def equal_alarms_of(result: Result, companions: Companions | None) -> EqualAlarm
 
 def short_rows(result: Result) -> list[ScoreRow]:
     """The scorecard in short."""
-    return score_rows(result, keys=SHORT_KEYS)
+    return score_rows(result, keys=[measure.key for measure in MEASURES if measure.leads])
 
 
 def detected_text(result: Result) -> str:

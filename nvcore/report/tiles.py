@@ -79,7 +79,7 @@ class _Kind:
     form: str
 
 
-_KINDS: Final = (
+KINDS: Final = (
     _Kind(
         "encounters_detected",
         "encounters_detected_by_unit",
@@ -125,7 +125,7 @@ def tiles(
     support = find_claims(result, evidence, companions)
     rows = {} if of_shown is None else {row["figure"]: row for row in of_shown.to_dict("records")}
     words = result.dataset.words
-    of_kinds = (_tile(kind, shown, rows.get(kind.judged), support, untested) for kind in _KINDS)
+    of_kinds = (_tile(kind, shown, rows.get(kind.judged), support, untested) for kind in KINDS)
     return tuple(replace(tile, title=words(tile.title), chip=words(tile.chip)) for tile in of_kinds)
 
 

@@ -41,7 +41,7 @@ from nvcore.pictures.recordings import RecordingPictures
 from nvcore.pictures.stretch import jpeg
 from nvcore.report.gate.measures import measure_names
 from nvcore.report.gate.outcomes import judge
-from nvcore.report.rules import read_rules
+from nvcore.report.gate.rules import read_rules
 from nvcore.report.terminal import render_findings
 from nvcore.schema import READING_DTYPES
 from scripts.fuzz import models, seeds, tables

@@ -15,13 +15,13 @@ from builders import NAN, Place, at, make_dataset, result_of
 from nvcore.comparison import Result, compare
 from nvcore.dataset.estimates import EstimateRecord
 from nvcore.evidence.measures import significance_table
-from nvcore.measures.driver_doubt import WEIGHTED
+from nvcore.measures import MEASURES
 from nvcore.objects import objects_from
 from nvcore.params import Params
 from nvcore.report.gate import run_gate
 from nvcore.report.gate.measures import gate_measures, listed_names, measure_names
+from nvcore.report.gate.rules import parse_rule
 from nvcore.report.html.driver_section import driver_section
-from nvcore.report.rules import parse_rule
 from nvcore.report.terminal import render_scorecard
 from nvcore.report.tiles import tiles
 from nvcore.report.verdict import verdict
@@ -472,17 +472,18 @@ def test_where_half_is_decided_outside_of_the_training_nothing_is_claimed_nor_pa
 
 
 def test_of_what_is_weighted_by_simulated_subjects_no_value_is_the_better_one():
-    plain, weighted = eight(unknown=0), eight(unknown=0, driver_weighting="on")
-    rows = zip(score_rows(plain), score_rows(weighted), strict=True)
+    plain, result = eight(unknown=0), eight(unknown=0, driver_weighting="on")
+    rows = zip(score_rows(plain), score_rows(result), strict=True)
     moved = {
         one.key
         for one, other in rows
         if not np.array_equal((one.x, one.y), (other.x, other.y), equal_nan=True)
     }
-    assert {"mean_similarity", "severity_s_per_encounter"} <= moved <= WEIGHTED
-    simulated = with_estimate(weighted, EstimateRecord("m", "", "all", 3))
+    weighted = {measure.key for measure in MEASURES if measure.depends_on("driver_weighting")}
+    assert {"mean_similarity", "severity_s_per_encounter"} <= moved <= weighted
+    simulated = with_estimate(result, EstimateRecord("m", "", "all", 3))
     marked = {row.key for row in score_rows(simulated) if row._replace(x=1, y=2).winner}
-    assert marked.isdisjoint(WEIGHTED | {"useful_alerts", "unprotected"})
+    assert marked.isdisjoint(weighted | {"useful_alerts", "unprotected"})
     assert "encounters_detected" in marked
     worst = {tile.key: tile.better for tile in tiles(simulated, None, None)}
     assert worst["worst_severity_s"] == ""

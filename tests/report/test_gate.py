@@ -15,6 +15,7 @@ from places import ROOT
 from nvcore.comparison import Result
 from nvcore.errors import ParameterError
 from nvcore.findings import Finding, Severity
+from nvcore.measures import MEASURES, Measure
 from nvcore.protocols import PROTOCOLS
 from nvcore.report.gate import audit_rules, run_gate
 from nvcore.report.gate.details import encounters_of, explain
@@ -27,8 +28,9 @@ from nvcore.report.gate.results import (
     markdown,
     markdown_error,
     terminal_lines,
+    what_is_not_asked,
 )
-from nvcore.report.rules import Rule, parse_rule, read_rules
+from nvcore.report.gate.rules import Rule, parse_rule, read_rules
 from nvcore.schema import Category
 
 HOSTILE = "</failure>|<b>`x`\n# [a](http://b)\x1b[31m"
@@ -348,3 +350,23 @@ def test_only_counts_of_encounters_have_classes():
 
 def test_a_value_of_minus_nothing_is_nothing():
     assert (value_text(-0.0), value_text(-0.5)) == ("0", "-0.5")
+
+
+@pytest.mark.parametrize("measure", MEASURES, ids=lambda measure: measure.key)
+def test_a_rule_that_a_system_firing_everywhere_passes_gets_a_hint(measure: Measure):
+    of_misses = [parse_rule("new_misses == 0")]
+    of_measure = [parse_rule(f"{measure.rule or measure.key}_x <= 0")]
+    assert what_is_not_asked(of_misses)
+    if measure.is_worsened_by_alarms:
+        assert not what_is_not_asked(of_measure)
+        assert not what_is_not_asked([*of_misses, *of_measure])
+    else:
+        assert what_is_not_asked(of_measure)
+        assert what_is_not_asked([*of_misses, *of_measure])
+
+
+def test_counts_by_who_detects_and_limits_of_how_much_worse_get_the_hint_like_their_measures():
+    for name in ("venn.x_only", "driver_venn.nobody", "new_misses.child", "useful_alerts_worse_y"):
+        assert what_is_not_asked([parse_rule(f"{name} <= 0")])
+    for name in ("claims_x", "lamr_worse_y", "encounters", "audit_errors"):
+        assert not what_is_not_asked([parse_rule(f"{name} <= 0")])

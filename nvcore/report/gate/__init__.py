@@ -9,7 +9,7 @@ from nvcore.findings import Finding
 from nvcore.report.gate.details import explain
 from nvcore.report.gate.measures import gate_measures
 from nvcore.report.gate.outcomes import Outcome, judge
-from nvcore.report.rules import Rule, parse_rule
+from nvcore.report.gate.rules import Rule, parse_rule
 
 
 def run_gate(

@@ -22,7 +22,7 @@ from nvcore.report.gate.measures import (
     members,
 )
 from nvcore.report.gate.outcomes import Outcome
-from nvcore.report.rules import class_in
+from nvcore.report.gate.rules import class_in
 from nvcore.report.verdict.driver import describe_doubt, describe_known
 from nvcore.schema import Category
 

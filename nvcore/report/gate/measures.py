@@ -24,8 +24,8 @@ from nvcore.measures.driver_doubt import doubt_of, doubt_of_seen
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.venn import Venn, count_categories
 from nvcore.protocols import Protocol
+from nvcore.report.gate.rules import OF_CLASSES, class_in
 from nvcore.report.plan import evidence_of
-from nvcore.report.rules import OF_CLASSES, class_in
 from nvcore.report.verdict import verdict
 from nvcore.schema import Category, DriverRegion
 from nvcore.tables.column import Column, Kind

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from nvcore.report.rules import COMPARISONS, Rule, check_name
+from nvcore.report.gate.rules import COMPARISONS, Rule, check_name
 
 
 def value_text(value: float) -> str:

@@ -2,19 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterable, Sequence
 from typing import Final
 from xml.etree import ElementTree
 
 from nvcore.findings import Finding
-from nvcore.report.gate.measures import COUNTED_FINDINGS
+from nvcore.measures import MEASURES
+from nvcore.report.gate.measures import (
+    COUNTED_CLAIMS,
+    COUNTED_ENCOUNTERS,
+    COUNTED_FINDINGS,
+    COUNTED_REGIONS,
+)
 from nvcore.report.gate.outcomes import Outcome, value_text
-from nvcore.report.rules import what_is_not_asked
+from nvcore.report.gate.rules import Rule
 from nvcore.report.terminal import render_findings
 from nvcore.wording import markdown_text, one_line
 
 JUNIT_HEAD: Final = b"<?xml version='1.0' encoding='utf-8'?>\n<testsuites name=\"nvcore gate\""
 MARKDOWN_HEAD: Final = b"## Gate: "
+
+
+def _stem(name: str) -> str:
+    """What a measure's name in rules begins with: ``saliency`` of ``saliency_worse_y``."""
+    return re.sub(r"(_worse)?_(x|y|difference)$", "", name).partition(".")[0]
+
+
+_BLIND_TO_ALARMS: Final = {
+    *map(_stem, (*COUNTED_ENCOUNTERS, *COUNTED_REGIONS, "exclusivity", "boxes", "lead_time_s")),
+    *(_stem(one.rule or one.key) for one in MEASURES if not one.is_worsened_by_alarms),
+}
+"""Stems of measures that false alarms do not worsen."""
+_WORSENED_BY_ALARMS: Final = {
+    *map(_stem, COUNTED_CLAIMS),
+    *(_stem(one.rule or one.key) for one in MEASURES if one.is_worsened_by_alarms),
+}
+"""Stems of measures that false alarms worsen."""
+
+
+def what_is_not_asked(rules: Iterable[Rule]) -> str:
+    """That no rule would stop a system that detects everything everywhere.
+
+    Returns
+    -------
+    With a rule to add; empty: every measure asked for is none of misses, or one is of false alarms.
+    """
+    stems = {_stem(rule.name) for rule in rules}
+    if not stems & _BLIND_TO_ALARMS or stems & _WORSENED_BY_ALARMS:
+        return ""
+    return (
+        "no rule is about false alarms: a system that sees a pedestrian everywhere would pass. Add "
+        "one such as 'false_alert_episodes_difference >= 0' (Y has no more than X)"
+    )
 
 
 def terminal_lines(outcomes: Sequence[Outcome]) -> list[str]:

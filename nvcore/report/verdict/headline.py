@@ -15,8 +15,8 @@ from nvcore.evidence.operating_points import are_unequal, has_scores
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS
 from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
-from nvcore.measures import count_recordings, evidence_form, inference_of
-from nvcore.measures.driver_doubt import WEIGHTED, is_weighted
+from nvcore.measures import count_recordings, evidence_form, inference_of, measure_of
+from nvcore.measures.driver_doubt import is_weighted
 from nvcore.report.verdict.words import shown_value
 from nvcore.wording import capitalised, count_text, listed, p_text
 
@@ -100,7 +100,7 @@ def _weighting(result: Result, claims: Sequence[Claim]) -> str:
     """That claims are of measures weighted by what the driver does not see; empty: none is."""
     if not is_weighted(result):
         return ""
-    if all(claim.key not in WEIGHTED for claim in claims):
+    if not any(measure_of(claim.key).depends_on("driver_weighting") for claim in claims):
         return ""
     return " (similarity, saliency and severity weighted by 1 - detectability)"
 

@@ -14,11 +14,11 @@ from nvcore.evidence.claims import (
     Claim,
     Support,
     count_tests,
-    is_turned,
+    is_turned_strictly,
     values_of,
     winner_of,
 )
-from nvcore.evidence.companions import STRICT_KEYS, Companions
+from nvcore.evidence.companions import Companions
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
 from nvcore.evidence.operating_points import are_unequal, describe_alarms, has_scores
 from nvcore.evidence.units import RECORDINGS
@@ -296,7 +296,7 @@ def describe_strict(result: Result, strict: Result) -> tuple[str, ...]:
     """Where strict pairing puts the other system first, and which; empty where it agrees."""
     parts: dict[str, list[str]] = {"x": [], "y": []}
     for quality in QUALITIES:
-        if quality.key in STRICT_KEYS and is_turned(quality.key, result, strict):
+        if is_turned_strictly(quality.key, result, strict):
             values = values_of(quality.key, strict)
             x, y = (format(value, quality.form) for value in values)
             winner = winner_of(values[0] - values[1], measure_of(quality.key).better)

@@ -39,22 +39,6 @@ OF_CLASSES: Final = ("new_misses", "mended_misses", "missed_by_both", "encounter
 """Measures that a rule may ask of one class of encounters: ``new_misses.child``."""
 SOME_SESSION: Final = "SESSION_FILE"
 """What stands in a command for the file of a session that is not known."""
-_ENDING: Final = re.compile(r"(_worse)?_(x|y|difference)$")
-_BLIND_TO_ALARMS: Final = {
-    *("new_misses", "mended_misses", "missed_by_both", "venn", "exclusivity", "boxes", "recall"),
-    *("encounters_detected", "boxes_matched", "miss_classes", "severity_s", "severity_s_per_min"),
-    *("severity_s_per_encounter", "worst_severity_s", "venn_severity_s", "lead_time_s", "in_time"),
-    *("late", "never", "mean_impact_kmh", "median_margin_s"),
-}
-"""Measures of misses, without their endings: false alarms do not worsen them."""
-_SEEING_ALARMS: Final = {
-    *("false_alarms", "false_alarms_per_frame", "false_alarms_per_minute", "false_alert_episodes"),
-    *("false_alert_episodes_per_hour", "mean_episode_s", "longest_episode_s", "precision", "f1"),
-    *("fppi", "lamr", "ap", "ap_area", "pr_auc", "mean_similarity", "min_similarity", "share_low"),
-    *("percentile_5_similarity", "lost_s_per_min", "worst_window_similarity", "saliency"),
-    *("worst_window_lost_s", "saliency_largest_event", "detections", "claims"),
-}
-"""Measures that false alarms worsen, likewise."""
 
 
 @dataclass(frozen=True)
@@ -162,20 +146,4 @@ def check_name(rule: Rule, names: Iterable[str], *, session: str = SOME_SESSION)
     raise ParameterError(
         f"{rule.text!r}: there is no measure {rule.name!r}{hint} (nvcore gate {session} --list "
         "shows all)"
-    )
-
-
-def what_is_not_asked(rules: Iterable[Rule]) -> str:
-    """That rules about misses alone let a system pass that detects everything everywhere.
-
-    Returns
-    -------
-    With a rule to add; empty: none is about misses, or one is about false alarms, too.
-    """
-    stems = {_ENDING.sub("", rule.name).partition(".")[0] for rule in rules}
-    if not stems & _BLIND_TO_ALARMS or stems & _SEEING_ALARMS:
-        return ""
-    return (
-        "no rule is about false alarms: a system that sees a pedestrian everywhere would pass. Add "
-        "one such as 'false_alert_episodes_difference >= 0' (Y has no more than X)"
     )
