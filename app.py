@@ -13,8 +13,9 @@ from ui.serving.life import lifespan
 from ui.serving.starting import check_start
 from ui.serving.styles import OwnStyles
 from ui.serving.visitors import VisitorLimits
-from ui.session.routes import ROUTES
+from ui.session.routes import routes_below
 from ui.settings.limits import limits_of_environment
+from ui.settings.start import base_path
 from ui.shell.messages import error_banner
 from ui.shell.pages import SECTIONS
 
@@ -28,7 +29,7 @@ check_start()
 app = st.App(
     Path(__file__).parent / "ui" / "main.py",
     secrets=None if log_in is None else {"auth": dict(log_in.section)},
-    routes=ROUTES,
+    routes=routes_below(base_path()),
     middleware=[
         Middleware(SecureHeaders),
         Middleware(OwnPages),

@@ -19,7 +19,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any, Final, Protocol, TypeVar
 
-SUBJECTS: Final[tuple[str, ...]] = ("nvcore.ratings",)
+SUBJECTS: Final[tuple[str, ...]] = ("nvcore.driver", "nvcore.ratings")
 """The packages of the subjects, in the order in which what they add is listed."""
 
 

@@ -3,8 +3,8 @@
 import streamlit as st
 
 from nvcore.comparison import Result
+from ui.people.studies import is_participant
 from ui.ratings import conduct, participant, results
-from ui.session.studies import links
 from ui.shell.messages import needs_comparison
 from ui.widgets.text import docs_link
 
@@ -25,7 +25,7 @@ def draw(result: Result) -> None:
         conduct.draw(result)
 
 
-if links.is_participant():
+if is_participant():
     participant.draw()
 else:
     st.title("Ratings")

@@ -2,11 +2,11 @@
 
 import streamlit as st
 
-from ui.session.studies import links
-from ui.study import conduct, participant
+from ui.driver.study import conduct, participant
+from ui.people.studies import is_participant
 from ui.widgets.text import docs_link
 
-if links.is_participant():
+if is_participant():
     participant.draw()
 else:
     st.title("Study")

@@ -6,9 +6,8 @@ import streamlit as st
 
 from nvcore.errors import NvcoreError
 from ui.driver import finished
+from ui.people.studies import is_participant, leave_screen
 from ui.session import state
-from ui.session.studies import links
-from ui.session.studies.on_screen import leave_screen
 from ui.shell import (
     account,
     live_params,
@@ -42,7 +41,7 @@ if not account.is_welcome():
 
 pages = all_pages()
 page = st.navigation(pages, position="hidden")
-if not links.is_participant():
+if not is_participant():
     draw_bar(pages)
 
 wrong_params = failure = None
@@ -50,16 +49,15 @@ try:
     follow_wish()
     state.begin_run()
     back.follow()
-    if page.url_path != "study" or not links.is_participant():
-        leave_screen(state.workspace())
-    if not links.is_participant():
+    leave_screen(state.workspace(), page.url_path if is_participant() else "")
+    if not is_participant():
         with st.sidebar:  # before the page, so that its room is kept from the start
             systems.draw()
             finished.draw_aside(page.url_path)
     wrong_params = live_params.read()
-    if not links.is_participant() and page.url_path not in WRITE_ADDRESS:
+    if not is_participant() and page.url_path not in WRITE_ADDRESS:
         state.write_address()
-    if not links.is_participant():
+    if not is_participant():
         title.draw(page.title, page.url_path)
     if wrong := state.bad_link():
         st.warning(f"The link could not be followed in all: {wrong}.", icon=":material/link_off:")
@@ -69,7 +67,7 @@ except Exception as error:  # noqa: BLE001  # the sidebar is drawn, or its widge
     error_banner(error)
     failure = error
 forget_clicks()
-if wrong_params is not None and not links.is_participant():  # something is open
+if wrong_params is not None and not is_participant():  # something is open
     try:
         sidebar.draw(wrong_params, shown_on(page), own=own_of(page), is_folded=is_folded_on(page))
     except Exception as error:  # noqa: BLE001  # what follows is drawn
@@ -84,12 +82,12 @@ if wrong_params is not None and not links.is_participant():  # something is open
         figure_menu.draw()
         narrow.draw()
         theme.draw()
-if failure is None and not links.is_participant():
+if failure is None and not is_participant():
     try:
         finished.take_over()  # all is drawn: nobody's click is lost
     except Exception as error:  # noqa: BLE001  # a fault of ours: it is not tried again
         finished.give_up()
         error_banner(error)
         failure = error
-if failure is not None and not links.is_participant():
+if failure is not None and not is_participant():
     way_out.draw(is_fault=not isinstance(failure, NvcoreError))

@@ -98,7 +98,7 @@ def ratings(content: bytes, _folder: Path) -> None:
 
 def answers(content: bytes, _folder: Path) -> None:
     """What a participant's browser sends as an answer."""
-    from ui.session.studies.on_screen import answer_of, sent_by_browser
+    from ui.driver.study.on_screen import answer_of, sent_by_browser
 
     answer = answer_of(sent_by_browser(content), "a screen")
     assert math.isfinite(answer.measured_s + answer.shown_s), "no number"

@@ -339,12 +339,12 @@ def _served() -> tuple[Any, Any]:
     """An app with the routes, and a workspace with a picture."""
     from starlette.applications import Starlette
 
-    from ui.session.routes import ROUTES
+    from ui.session.routes import routes_below
     from ui.session.workspace import Workspace
 
     space = Workspace()
     space.pictures = RecordingPictures({0: _OnePicture()}, {0: np.array([0, -1])})
-    return Starlette(routes=ROUTES), space
+    return Starlette(routes=routes_below("")), space
 
 
 class _OnePicture:
@@ -418,7 +418,7 @@ TARGETS: Final = {
     "boxes": Target(tables.study_boxes, tables.study_boxes_seeds, 0.5),
     "ratings": Target(tables.ratings, tables.ratings_seeds, 0.5),
     "answers": Target(
-        tables.answers, tables.answers_seeds, 0.25, 2000, "ui.session.studies.on_screen"
+        tables.answers, tables.answers_seeds, 0.25, 2000, "ui.driver.study.on_screen"
     ),
     "names": Target(tables.names_of_frames, tables.names_seeds, 0.5, 2048),
     "folders": Target(tables.names_of_pictures, tables.names_seeds, 0.5, 2048),

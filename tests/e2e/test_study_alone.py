@@ -12,7 +12,7 @@ import pytest
 from playwright.sync_api import BrowserContext, Locator, Page, Route, expect
 
 from nvcore.driver.study.settings import Timing
-from ui.study.screen import FOLDER, SCRIPTS
+from ui.driver.study.screen import FOLDER, SCRIPTS
 
 ADDRESS = "http://localhost:9/"  # nobody listens there: all is answered here
 # Pictures are grey; what is sent is listed, and kept at once, or when the test says so.

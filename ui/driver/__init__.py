@@ -1,1 +1,6 @@
-"""The parts of the Driver page."""
+"""The pages Driver and Study, and what they add to the dashboard."""
+
+from typing import Final
+
+ROUTES: Final = "study.routes:ROUTES"
+STUDIES: Final = "study.files:STUDIES"

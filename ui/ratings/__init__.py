@@ -1,1 +1,5 @@
-"""The parts of the Ratings page."""
+"""The page Ratings, and what it adds to the dashboard."""
+
+from typing import Final
+
+STUDIES: Final = "sessions:SESSIONS"

@@ -10,15 +10,16 @@ from nvcore.comparison import Result
 from nvcore.errors import InputError
 from nvcore.ratings.store import CONSENT, Study
 from nvcore.wording import count_text
-from ui.ratings import links, participant
+from ui.people.addresses import draw_addresses
+from ui.people.one_participant import draw_one_participant
+from ui.people.studies import CONDUCT
+from ui.people.terms import ask_consent, ask_days
+from ui.ratings import participant
 from ui.ratings.participant import ENDS
+from ui.ratings.sessions import SESSIONS, shown_thresholds
 from ui.session import state
-from ui.session.studies.links import CONDUCT
-from ui.widgets.addresses import draw_addresses
 from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side, download_csv
-from ui.widgets.one_participant import draw_one_participant
-from ui.widgets.terms import ask_consent, ask_days
 from ui.widgets.text import plain
 
 RESULTS: Final = "Results"
@@ -37,7 +38,7 @@ def choose_part() -> str:
 def draw(result: Result) -> None:
     """The rating session that is open, else the form that begins one."""
     try:
-        study = links.conducted()
+        study = SESSIONS.conducted()
     except InputError as error:
         st.error(plain(str(error)))
         study = None
@@ -77,23 +78,23 @@ def _begin(result: Result) -> None:
         keep_days = ask_days("Days until the session is deleted with all ratings", "rating")
     if button("Start a rating session", type="primary", key="rating_start"):
         try:
-            study = links.store().begin(
+            study = SESSIONS.store().begin(
                 dataset.fingerprint,
                 clips,
-                thresholds=links.shown_thresholds(),
+                thresholds=shown_thresholds(),
                 consent=consent,
                 keep_days=keep_days,
             )
         except InputError as error:
             st.error(plain(str(error)))
             return
-        links.conduct(study)
+        SESSIONS.conduct(study)
         st.rerun()
 
 
 def _conduct(study: Study) -> None:
     st.header("The rating session")
-    for_participants, for_conductor = links.links(study)
+    for_participants, for_conductor = SESSIONS.addresses(study)
     draw_addresses(for_participants, for_conductor)
     if study.ends_at is not None:
         st.caption(
@@ -110,10 +111,10 @@ def _conduct(study: Study) -> None:
         if button("Rate on this screen", key="rating_here", icon=":material/play_circle:"):
             participant.enter(study.token)
         if button("Close, and start another", key="rating_close", type="tertiary"):
-            links.close()
+            SESSIONS.close()
             st.rerun()
         # outside the part that is redrawn every few seconds: a click would miss its button
-        store = links.store()
+        store = SESSIONS.store()
         download_csv("Ratings (CSV)", lambda: store.ratings(study), "ratings.csv", "rating_export")
     _draw_progress(study)
     draw_one_participant(
@@ -130,7 +131,7 @@ def _conduct(study: Study) -> None:
 @st.fragment(run_every=NEWS_S)
 def _draw_progress(study: Study) -> None:
     st.header("Progress")
-    store = links.store()
+    store = SESSIONS.store()
     people = store.participants(study)
     n_ratings, n_clips = int(people["n_rated"].sum()), len(study.clips)
     n_done = int((people["n_rated"] == n_clips).sum())

@@ -12,13 +12,13 @@ from nvcore.errors import InputError
 from nvcore.people.participants import MOST_NAME
 from nvcore.pictures.stretch import STRETCH
 from nvcore.ratings.store import RatingStore, Study
-from ui.ratings import links
+from ui.people.studies import PARTICIPANT, STUDY
+from ui.people.terms import draw_consent
+from ui.ratings.sessions import SESSIONS, set_thresholds, thresholds_apart
 from ui.session import state
 from ui.session.drawing import viewer_arguments
-from ui.session.studies.links import PARTICIPANT, STUDY
 from ui.shell.navigate import open_page
 from ui.widgets.buttons import button, submit_button
-from ui.widgets.terms import draw_consent
 from ui.widgets.text import plain
 from ui.widgets.viewer import n_plays_in, viewer
 
@@ -36,7 +36,7 @@ Letter = Literal["x", "y"]
 def draw() -> None:
     """The page for somebody who takes part: nothing else of the app is in sight."""
     token = st.query_params[STUDY]
-    store = links.store()
+    store = SESSIONS.store()
     study = store.study(token)
     if study is None:
         st.title("Rate clips")
@@ -71,7 +71,7 @@ def draw_waiting() -> None:
     if WAITING not in st.session_state:
         return
     token, name = st.session_state[WAITING]
-    study = links.store().study(token)
+    study = SESSIONS.store().study(token)
     if study is None:
         del st.session_state[WAITING]
         return
@@ -107,14 +107,14 @@ def _is_open(study: Study) -> bool:
 
 def _show_its_boxes(study: Study) -> None:
     """Take the study's thresholds: everybody sees the same boxes."""
-    apart = links.thresholds_apart(study)
+    apart = thresholds_apart(study)
     if not apart:
         return
-    if links.is_own(study):
+    if SESSIONS.is_own(study):
         mine = st.session_state.setdefault(BEFORE, {})
         for name, (_, live) in apart.items():
             mine.setdefault(name, live)
-    links.set_thresholds({name: of_clips for name, (of_clips, _) in apart.items()})
+    set_thresholds({name: of_clips for name, (of_clips, _) in apart.items()})
     st.rerun()
 
 
@@ -273,10 +273,10 @@ def _thanks(study: Study) -> None:
 
 def _back(study: Study) -> None:
     """The way back for who conducts on this very screen."""
-    if links.is_own(study) and button(
+    if SESSIONS.is_own(study) and button(
         "Back to the results", key="rating_back", type="tertiary", icon=":material/arrow_back:"
     ):
         st.query_params.clear()
-        links.conduct(study)
-        links.set_thresholds(st.session_state.pop(BEFORE, {}))
+        SESSIONS.conduct(study)
+        set_thresholds(st.session_state.pop(BEFORE, {}))
         st.rerun()

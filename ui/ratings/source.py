@@ -13,7 +13,8 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.errors import InputError
 from nvcore.ratings.reading import DELAY, RATINGS_FILE, parse_ratings, read_ratings
-from ui.ratings import links, typed
+from ui.ratings import typed
+from ui.ratings.sessions import SESSIONS, set_thresholds, thresholds_apart
 from ui.session import state
 from ui.settings.limits import MEBI
 from ui.widgets.choices import choose_side_by_side
@@ -109,15 +110,15 @@ def _file(_: Result) -> pd.DataFrame | None:
 
 
 def _session(result: Result) -> pd.DataFrame | None:
-    study = links.conducted()
+    study = SESSIONS.conducted()
     if study is None:
         st.info('None is open. Start one under "Rating session", or open the conductor\'s link.')
         return None
     if study.fingerprint != result.dataset.fingerprint:
         st.warning("These ratings are of another comparison than the one that is open.")
-    elif apart := links.thresholds_apart(study):
+    elif apart := thresholds_apart(study):
         _draw_apart(result, apart)
-    return links.store().ratings(study)
+    return SESSIONS.store().ratings(study)
 
 
 def _draw_apart(result: Result, apart: dict[str, tuple[float | None, float | None]]) -> None:
@@ -136,7 +137,7 @@ def _draw_apart(result: Result, apart: dict[str, tuple[float | None, float | Non
         "Set the thresholds of the clips",
         key="ratings_thresholds",
         icon=":material/undo:",
-        on_click=links.set_thresholds,
+        on_click=set_thresholds,
         args=({name: of_clips for name, (of_clips, _) in apart.items()},),
     )
 

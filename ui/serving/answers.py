@@ -7,8 +7,7 @@ import logging
 from typing import Final
 
 from nvcore.errors import InputError
-from ui.ratings import links as ratings
-from ui.study import links as studies
+from ui.subjects import contributed
 
 EVERY_S: Final = 3600.0
 """A study that ends on a day is gone on that day."""
@@ -23,11 +22,11 @@ async def keep_deleting_ended() -> None:
 
 
 def delete_ended() -> None:
-    """Delete the studies and rating sessions that are over, with all answers."""
-    for answers in (ratings, studies):
-        if not answers.file().is_file():
+    """Delete the studies that are over, with all answers."""
+    for studies in contributed("STUDIES"):
+        if not studies.file().is_file():
             continue
         try:
-            answers.store()  # which deletes them
+            studies.store()  # which deletes them
         except InputError as error:
             _LOG.warning("Answers that are over could not be deleted: %s", error)

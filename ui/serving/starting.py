@@ -11,12 +11,11 @@ import os
 from nvcore.errors import InputError
 from nvcore.inputs.files import find_all
 from nvcore.inputs.session_toml import read_session
-from ui.ratings import links as ratings
 from ui.session import folders
 from ui.session.local_files import local_root
 from ui.settings.limits import limits_of_environment
 from ui.settings.start import start_file
-from ui.study import links as studies
+from ui.subjects import contributed
 
 
 def check_start() -> None:
@@ -34,9 +33,9 @@ def check_start() -> None:
     session = start_file()
     if session is not None:
         find_all(read_session(session))
-    for answers in (ratings, studies):
-        if os.environ.get(answers.VARIABLE):
-            answers.store()
+    for studies in contributed("STUDIES"):
+        if os.environ.get(studies.variable):
+            studies.store()
     try:
         folders.process_folder(folders.base_folder())
     except OSError as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
 from functools import wraps
 from http import HTTPStatus
 from typing import Final
@@ -18,6 +19,23 @@ from ui.session.workspace import Workspace, workspace_of
 Route = Callable[[Request], Awaitable[Response]]
 Handler = Callable[[Request, Workspace | None], Awaitable[Response]]
 MOST_DIGITS: Final = 12
+
+
+@dataclass(frozen=True)
+class Place:
+    """A place below the addresses of a session, and who answers there.
+
+    Attributes
+    ----------
+    path
+        As Starlette writes it: ``"frame/{recording}/{row}.jpg"``.
+    """
+
+    path: str
+    answer: Route
+    method: str = "GET"
+
+
 _GUARDS: Final = {
     "X-Content-Type-Options": "nosniff",
     "Cross-Origin-Resource-Policy": "same-origin",

@@ -12,7 +12,7 @@ has one.
     GET /nv/TOKEN/reasons/RECORDING/ROW              what each box of a row counts and costs, why
     PUT /nv/TOKEN/upload/SLOT?name=                  one file of pictures, or a video
 
-and those of a study, for its participant (`ui.session.studies.routes`).
+and those of the subjects, in their rooms of the dashboard.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ import math
 from collections.abc import Callable
 from dataclasses import asdict
 from http import HTTPStatus
+from itertools import chain
 from typing import Final
 
 import numpy as np
@@ -39,15 +40,16 @@ from ui.session.packed_boxes import pack_boxes
 from ui.session.requests import (
     CACHED,
     NOT_CACHED,
+    Place,
     for_owner,
     index_in,
     not_found,
     say,
 )
-from ui.session.studies.routes import study_answer, study_picture
 from ui.session.uploads import SLOTS, UploadError, receive
 from ui.session.workspace import Workspace
 from ui.settings.start import base_path
+from ui.subjects import contributed
 
 ROWS_PER_CHUNK: Final = 1024
 QUALITY: Final = 85
@@ -172,24 +174,28 @@ async def overview(request: Request) -> Response:
     return RedirectResponse(f"./{'?' if query else ''}{query}", headers=NOT_CACHED)
 
 
+OWN: Final = (
+    Place("frame/{recording}/{row}.jpg", frame),
+    Place("visible/{recording}/{row}.jpg", visible),
+    Place("boxes/{recording}/{chunk}", boxes),
+    Place("reasons/{recording}/{row}", reasons),
+    Place("upload/{slot}", upload, "PUT"),
+)
+
+
 def routes_below(start: str) -> list[Route]:
-    """All routes, for an app whose addresses start so, as `base_path` says."""
+    """All routes, for an app whose addresses start so, as `base_path` says.
+
+    ``st.App(routes=...)`` does not put the base path before them by itself.
+    """
+    places = chain(OWN, *contributed("ROUTES"))
     return [
         Route(f"{start}/overview", overview, methods=["GET"]),
-        Route(f"{start}/nv/{{token}}/frame/{{recording}}/{{row}}.jpg", frame, methods=["GET"]),
-        Route(f"{start}/nv/{{token}}/visible/{{recording}}/{{row}}.jpg", visible, methods=["GET"]),
-        Route(f"{start}/nv/{{token}}/boxes/{{recording}}/{{chunk}}", boxes, methods=["GET"]),
-        Route(f"{start}/nv/{{token}}/reasons/{{recording}}/{{row}}", reasons, methods=["GET"]),
-        Route(f"{start}/nv/{{token}}/upload/{{slot}}", upload, methods=["PUT"]),
-        Route(
-            f"{start}/nv/{{token}}/study/{{picture}}/{{view}}.png", study_picture, methods=["GET"]
+        *(
+            Route(f"{start}/nv/{{token}}/{place.path}", place.answer, methods=[place.method])
+            for place in places
         ),
-        Route(f"{start}/nv/{{token}}/study/{{place}}/{{kind}}", study_answer, methods=["PUT"]),
     ]
-
-
-ROUTES: Final = routes_below(base_path())
-"""For ``st.App(routes=...)``, which does not put the base path before them by itself."""
 
 
 def address(space: Workspace) -> str:

@@ -9,14 +9,15 @@ from starlette.middleware import Middleware
 
 from ui.serving.styles import OwnStyles
 from ui.session import state
-from ui.session.routes import ROUTES
+from ui.session.routes import routes_below
+from ui.settings.start import base_path
 from ui.shell.messages import error_banner
 
 gc.freeze()  # as app.py does
 state.SAMPLE = Path(os.environ["NVCORE_TEST_SESSION"])
 app = st.App(
     state.ROOT / "ui" / "main.py",
-    routes=ROUTES,
+    routes=routes_below(base_path()),
     middleware=[Middleware(OwnStyles)],
     on_script_error=error_banner,
 )

@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 from starlette.applications import Starlette
 from starlette.types import ASGIApp
 
-from ui.session.routes import ROUTES
+from ui.session.routes import routes_below
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ async def asked(
     async def send(message: Any) -> None:
         answered.append(message)
 
-    await (app or Starlette(routes=ROUTES))(scope, receive, send)
+    await (app or Starlette(routes=routes_below("")))(scope, receive, send)
     start, *rest = answered
     return Answer(
         start["status"],

@@ -23,10 +23,10 @@ from streamlit.testing.v1 import AppTest
 from nvcore.inputs.session_toml import read_session
 from nvcore.ratings.store import RatingStore, Study
 from pages import begin_with, checked, press, rows, write
+from ui.people import addresses
 from ui.ratings import participant, source
 from ui.session import state
-from ui.session.studies import links as study_links
-from ui.widgets import addresses, viewer
+from ui.widgets import viewer
 
 STRANGE = "there is no rating session of the name in the address"
 
@@ -276,19 +276,6 @@ def test_ratings_of_clips_with_other_thresholds_are_told_and_can_be_mended(store
     assert page.slider(key="threshold_x").value == 0.5
     assert "clips at" not in warnings(page)
     assert "ratings_thresholds" not in keys(page)
-
-
-@pytest.mark.parametrize(
-    ("address", "is_local"),
-    [
-        ("http://localhost:8501/ratings", True),
-        ("http://127.0.0.1/ratings", True),
-        ("http://[::1]:8501/ratings", True),
-        ("http://lab-3:8501/ratings", False),
-    ],
-)
-def test_an_address_of_this_computer_is_told_from_others(address: str, is_local: bool):
-    assert study_links.is_local(address) is is_local
 
 
 def test_an_address_of_this_computer_only_is_told(

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Any, ClassVar, Final, Literal
 
 from nvcore.driver.study.pictures import coarse, load_picture
 from nvcore.driver.study.practice import FIGURES, practice_picture
@@ -15,10 +15,7 @@ from nvcore.driver.study.records import Answer, DetectabilityStudy
 from nvcore.driver.study.store import DetectabilityStore
 from nvcore.errors import InputError
 from nvcore.pictures.stretch import png
-from ui.session.workspace import Workspace
 
-NOTE: Final = "study_on_screen"
-"""Name among the workspace's notes."""
 PRACTICE: Final = "practice-"
 """Start of the names of pictures for practice."""
 POINTERS: Final = ("touch", "pen", "mouse", "keyboard")
@@ -39,6 +36,8 @@ class OnScreen:
         Of the study's pictures.
     screen
         Size and distance of the screen, in words.
+    page
+        On which this is.
     """
 
     store: DetectabilityStore
@@ -46,6 +45,7 @@ class OnScreen:
     code: str
     folder: Path
     screen: str = ""
+    page: ClassVar[str] = "study"
 
     def picture(self, name: str, view: View) -> bytes:
         """A picture, by its index or of the practice, as PNG.
@@ -96,11 +96,6 @@ class OnScreen:
             name = name if isinstance(name, str) else ""
             self.store.note_showing(self.study, self.code, place, name)
         return True
-
-
-def leave_screen(space: Workspace) -> None:
-    """Nobody takes part before this screen any more: the browser gets and sends nothing."""
-    space.notes.pop(NOTE, None)
 
 
 def sent_by_browser(content: bytes) -> Mapping[str, Any]:

@@ -13,8 +13,9 @@ import pages
 from nvcore.driver.study.records import Answer, DetectabilityStudy
 from nvcore.driver.study.store import DetectabilityStore
 from pages import checked, press, texts
-from ui.session.studies.on_screen import NOTE, OnScreen
-from ui.study import links, participant
+from ui.driver.study import files, participant
+from ui.driver.study.on_screen import OnScreen
+from ui.people.studies import ON_SCREEN
 
 SEEN = Answer(measured_s=1, shown_s=0.5, touch_x=30, touch_y=80, response_s=1)
 Run = Callable[[], None]
@@ -23,7 +24,7 @@ Run = Callable[[], None]
 @pytest.fixture(autouse=True)
 def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> DetectabilityStore:
     """A folder with six pictures, and the file of answers; the sample's pictures are not there."""
-    monkeypatch.setattr(links, "sample_folder", lambda: tmp_path / "sample" / "study")
+    monkeypatch.setattr(files, "sample_folder", lambda: tmp_path / "sample" / "study")
     study_pictures.write(tmp_path / "root" / "dusk", 6)
     monkeypatch.setenv("NVCORE_LOCAL_ROOT", str(tmp_path / "root"))
     monkeypatch.setenv("NVCORE_STUDIES", str(tmp_path / "kept" / "studies.sqlite"))
@@ -152,7 +153,7 @@ def test_the_samples_pictures_need_no_folder_of_ones_own(
     study_pictures.write(tmp_path / "sample" / "study", 3)
     study = begun(store)
     assert (study.folder, len(study.pictures)) == ("sample", 3)
-    assert links.folder_of(study.folder) == tmp_path / "sample" / "study"
+    assert files.folder_of(study.folder) == tmp_path / "sample" / "study"
 
 
 def test_a_table_with_a_wrong_line_is_told_without_paths(tmp_path: Path):
@@ -168,10 +169,10 @@ def test_folders_below_the_root_are_offered_and_none_outside(tmp_path: Path):
     study_pictures.write(root / "a" / "b", 1)
     study_pictures.write(tmp_path / "outside", 1)
     (root / "way_out").symlink_to(tmp_path / "outside")
-    assert list(links.folders()) == ["local:dusk", "local:a/b"]
+    assert list(files.folders()) == ["local:dusk", "local:a/b"]
     for path in ("local:../outside", "local:way_out", "/etc", "local:gone"):
         with pytest.raises(Exception, match=r"no such file|started with"):
-            links.folder_of(path)
+            files.folder_of(path)
 
 
 def test_nobody_takes_part_without_agreeing(store: DetectabilityStore):
@@ -263,7 +264,7 @@ def test_the_browser_may_answer_for_this_participant_only(
 ):
     study = begun(store)
     page = joined(study)
-    note = page.session_state["workspace"].notes[NOTE]
+    note = page.session_state["workspace"].notes[ON_SCREEN]
     assert isinstance(note, OnScreen)
     assert note.code == store.participants(study)[0].code
     assert note.folder.name == "dusk"
@@ -276,7 +277,7 @@ def test_who_has_left_the_screen_can_no_longer_be_answered_for(
     study = begun(store)
     page = joined(study)
     notes = page.session_state["workspace"].notes
-    assert NOTE in notes
+    assert ON_SCREEN in notes
     if way in ("next", "conductor"):
         page.query_params.clear()
         page.query_params.update(
@@ -289,7 +290,7 @@ def test_who_has_left_the_screen_can_no_longer_be_answered_for(
         if way == "ratings":
             page.query_params["study"] = "guess"
         checked(pages.to_page(page, "ratings"))
-    assert NOTE not in notes
+    assert ON_SCREEN not in notes
 
 
 def test_whoever_has_seen_all_pictures_answers_no_more(store: DetectabilityStore, runs: list[dict]):
@@ -301,7 +302,7 @@ def test_whoever_has_seen_all_pictures_answers_no_more(store: DetectabilityStore
         store.answer(study, person.code, trial.order, SEEN)
     checked(page.run())
     assert page.title[0].value == "Thank you"
-    assert NOTE not in page.session_state["workspace"].notes
+    assert ON_SCREEN not in page.session_state["workspace"].notes
 
 
 def test_strange_links_and_codes_lead_nowhere(store: DetectabilityStore, runs: list[dict]):

@@ -18,14 +18,14 @@ from nvcore.driver.study.pictures import read_pictures
 from nvcore.driver.study.settings import StudySettings
 from nvcore.driver.study.store import DetectabilityStore
 from nvcore.errors import InputError
-from ui.session.routes import address
-from ui.session.studies.on_screen import (
+from ui.driver.study.on_screen import (
     MOST_BYTES,
-    NOTE,
     OnScreen,
     answer_of,
     sent_by_browser,
 )
+from ui.people.studies import ON_SCREEN
+from ui.session.routes import address
 from ui.session.workspace import Workspace
 
 TOUCH = {
@@ -42,7 +42,7 @@ def screen(space: Workspace, tmp_path: Path) -> OnScreen:
     study = store.begin(StudySettings(), read_pictures(folder), folder="local:dusk")
     person = store.join(study, {})
     screen = OnScreen(store, study, person.code, folder, "24 inch")
-    space.notes[NOTE] = screen
+    space.notes[ON_SCREEN] = screen
     return screen
 
 
@@ -142,7 +142,7 @@ def test_nobody_else_gets_pictures_or_sends_answers(space: Workspace, screen: On
     assert put("/nv/guess/study/1/answer", json.dumps(TOUCH).encode()).status == 404
     assert put(f"{start}/other", b"{}").status == 404
     assert put(f"{start}/answer", b" " * (MOST_BYTES + 1)).status == 413
-    del space.notes[NOTE]
+    del space.notes[ON_SCREEN]
     assert put(f"{start}/answer", json.dumps(TOUCH).encode()).status == 404
     assert ask(f"{start}/full.png").status == 404
     assert screen.store.answers(screen.study) == {}

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from nvcore.driver.study.settings import Timing
-from ui.study import screen
+from ui.driver.study import screen
 
 NAME = "practice 1 of ABCDEFGH"
 

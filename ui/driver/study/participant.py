@@ -16,15 +16,15 @@ from nvcore.driver.study.store import DetectabilityStore
 from nvcore.errors import InputError
 from nvcore.people.participants import MOST_NAME
 from nvcore.wording import count_text
+from ui.driver.study.files import STUDIES, folder_of
+from ui.driver.study.on_screen import PRACTICE, OnScreen
+from ui.driver.study.screen import draw_run
+from ui.driver.study.setup import LIMITS, length_text
+from ui.people.studies import ON_SCREEN, PARTICIPANT, STUDY, leave_screen
+from ui.people.terms import draw_consent
 from ui.session import state
-from ui.session.studies.links import PARTICIPANT, STUDY
-from ui.session.studies.on_screen import NOTE, PRACTICE, OnScreen, leave_screen
 from ui.shell.messages import shown_error
-from ui.study import links
-from ui.study.screen import draw_run
-from ui.study.setup import LIMITS, length_text
 from ui.widgets.buttons import button, submit_button
-from ui.widgets.terms import draw_consent
 from ui.widgets.text import plain
 
 PRACTISED: Final = "study_practised"
@@ -38,7 +38,7 @@ CHOICES: Final = {
 
 def draw() -> None:
     """The page for somebody who takes part: nothing else of the app is in sight."""
-    store = links.store()
+    store = STUDIES.store()
     study = store.study(st.query_params[STUDY])
     if study is None:
         leave_screen(state.workspace())
@@ -53,14 +53,14 @@ def draw() -> None:
         _welcome(study, store)
         return
     try:
-        folder = links.folder_of(study.folder)
+        folder = folder_of(study.folder)
     except InputError as error:
         leave_screen(state.workspace())
         st.error(shown_error(error))
         return
     screen = study.settings.facts.screen_text(dict(participant.form))
     note = OnScreen(store, study, participant.code, folder, screen)
-    state.workspace().notes[NOTE] = note
+    state.workspace().notes[ON_SCREEN] = note
     _next(note, participant)
 
 
@@ -243,9 +243,9 @@ def _thanks(study: DetectabilityStudy, person: Participant) -> None:
 
 def _back(study: DetectabilityStudy) -> None:
     """The way back for who conducts on this very screen."""
-    if links.LINKS.is_own(study) and button(
+    if STUDIES.is_own(study) and button(
         "Back to the study", key="study_back", type="tertiary", icon=":material/arrow_back:"
     ):
         st.query_params.clear()
-        links.LINKS.conduct(study)
+        STUDIES.conduct(study)
         st.rerun()

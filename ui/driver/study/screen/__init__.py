@@ -55,7 +55,7 @@ def draw_run(
         ``place`` (0: practice, nothing is kept), ``picture`` (name in the route), ``width``,
         ``height`` (px) and ``adaptation_s`` of each picture, in their order.
     whose
-        The participant, as answers say it; see `ui.session.studies.on_screen.OnScreen.whose`.
+        The participant, as answers say it; see `ui.driver.study.on_screen.OnScreen.whose`.
     on_end
         Called with the name of a run that was seen to its end; after one that was stopped, or
         when answers from before were kept, the page is only drawn again.

@@ -1,4 +1,4 @@
-"""Detectability studies in addresses and on disk, and the folders of their pictures."""
+"""The file of all detectability studies, and the folders of their pictures."""
 
 from __future__ import annotations
 
@@ -9,11 +9,10 @@ from nvcore.driver.study.pictures import BOXES_FILE
 from nvcore.driver.study.records import DetectabilityStudy
 from nvcore.driver.study.store import DetectabilityStore
 from nvcore.errors import InputError
+from ui.people.studies import Studies
 from ui.session import state
 from ui.session.local_files import LocalRoot, local_root
-from ui.session.studies.links import StudyLinks, answer_file
 
-VARIABLE: Final = "NVCORE_STUDIES"
 SAMPLE: Final = "sample"
 LOCAL: Final = "local:"
 """Start of the name of a folder below the one that the app was started with."""
@@ -21,26 +20,13 @@ DEEPEST: Final = 3
 """Folders so far below that one are looked into."""
 MOST_FOLDERS: Final = 500
 """Folders that are looked into."""
-
-
-def file() -> Path:
-    """The file of all studies: ``$NVCORE_STUDIES``, or in the user's own folder."""
-    return answer_file(VARIABLE, "studies.sqlite")
-
-
-def store() -> DetectabilityStore:
-    """All studies, in their file; those that are over are deleted.
-
-    Raises
-    ------
-    InputError
-        If it cannot be used.
-    """
-    return DetectabilityStore(file())
-
-
-LINKS: Final = StudyLinks[DetectabilityStudy](
-    "study", "study", "study", lambda secret: store().study_of_conductor(secret)
+STUDIES: Final = Studies[DetectabilityStudy, DetectabilityStore](
+    page="study",
+    what="study",
+    prefix="study",
+    variable="NVCORE_STUDIES",
+    file_name="studies.sqlite",
+    open=DetectabilityStore,
 )
 
 

@@ -23,12 +23,12 @@ from nvcore.driver.study.settings import (
 from nvcore.errors import InputError
 from nvcore.people.terms import MOST_TEXT
 from nvcore.wording import count_text
+from ui.driver.study.files import STUDIES, folder_of, folders
+from ui.people.terms import ask_consent, ask_days
 from ui.session import state
 from ui.shell.messages import shown_error
-from ui.study import links
 from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side
-from ui.widgets.terms import ask_consent, ask_days
 from ui.widgets.text import docs_link, plain
 
 LIMITS: Final = (
@@ -80,17 +80,17 @@ def draw() -> None:
     st.info(LIMITS, icon=":material/info:")
     if button("Start the study", type="primary", key="study_start"):
         try:
-            study = links.store().begin(settings, pictures, folder=folder)
+            study = STUDIES.store().begin(settings, pictures, folder=folder)
         except InputError as error:
             st.error(shown_error(error))
             return
-        links.LINKS.conduct(study)
+        STUDIES.conduct(study)
         st.rerun()
 
 
 def _choose_folder() -> str | None:
     try:
-        folders = links.folders()
+        names = folders()
     except InputError as error:
         st.error(shown_error(error))
         return None
@@ -99,7 +99,7 @@ def _choose_folder() -> str | None:
         "(image, pedestrian, x, y, w, h in pixels). It has to stay where it is while the study "
         f"runs ({docs_link('more', 'pictures', doc='study')})."
     )
-    if not folders:
+    if not names:
         st.info(
             "There is no such folder here. Whoever runs the app names the folder that holds it: "
             "`nvcore app --local-root DIR`. Pictures are not sent for this: participants open the "
@@ -108,13 +108,13 @@ def _choose_folder() -> str | None:
         )
         return None
     folder: str = st.selectbox(
-        "Pictures", list(folders), format_func=folders.__getitem__, key="study_folder", width=420
+        "Pictures", list(names), format_func=names.__getitem__, key="study_folder", width=420
     )
     return folder
 
 
 def _pictures(name: str) -> tuple[StudyPicture, ...]:
-    folder: Path = links.folder_of(name)
+    folder: Path = folder_of(name)
     try:
         changed = (folder / BOXES_FILE).stat().st_mtime_ns
     except OSError as error:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import streamlit as st
 
-from ui.session.studies.links import is_local
+from ui.people.studies import is_local
 
 
 def draw_addresses(for_participants: str, for_conductor: str) -> None:

@@ -18,11 +18,12 @@ from nvcore.driver.study.tables import (
 )
 from nvcore.errors import InputError
 from nvcore.inputs.driver.trials import LATE_S
-from ui.study import links, participant, setup
-from ui.widgets.addresses import draw_addresses
+from ui.driver.study import participant, setup
+from ui.driver.study.files import STUDIES
+from ui.people.addresses import draw_addresses
+from ui.people.one_participant import draw_one_participant
 from ui.widgets.buttons import button
 from ui.widgets.choices import download_csv
-from ui.widgets.one_participant import draw_one_participant
 from ui.widgets.text import docs_link, plain
 
 COMMANDS: Final = """\
@@ -36,7 +37,7 @@ NEWS_S: Final = 5.0
 def draw() -> None:
     """The study that is open, else the form that begins one."""
     try:
-        study = links.LINKS.conducted()
+        study = STUDIES.conducted()
     except InputError as error:
         st.error(plain(str(error)))
         study = None
@@ -48,17 +49,17 @@ def draw() -> None:
 
 def _conduct(study: DetectabilityStudy) -> None:
     st.header("The study")
-    draw_addresses(*links.LINKS.addresses(study))
+    draw_addresses(*STUDIES.addresses(study))
     st.caption(
         f"All answers are deleted on {study.ends_at:%d %B %Y}. Save them before: then this address "
         "leads nowhere."
     )
-    store = links.store()
+    store = STUDIES.store()
     with st.container(horizontal=True):
         if button("Take part on this screen", key="study_here", icon=":material/play_circle:"):
             participant.enter(study.token)
         if button("Close, and start another", key="study_close", type="tertiary"):
-            links.LINKS.close()
+            STUDIES.close()
             st.rerun()
     with st.container(horizontal=True):
         # outside the part that is redrawn every few seconds: a click would miss its button
@@ -104,7 +105,7 @@ def _conduct(study: DetectabilityStudy) -> None:
 @st.fragment(run_every=NEWS_S)
 def _draw_progress(study: DetectabilityStudy) -> None:
     st.header("Progress")
-    people = participants_table(links.store(), study)
+    people = participants_table(STUDIES.store(), study)
     so_far = advance_of(people)
     columns = st.columns(4)
     columns[0].metric("participants", f"{so_far.n_participants:,}")

@@ -1,4 +1,4 @@
-"""Addresses of studies: who takes part, who conducts.
+"""The studies of a page: the file of their answers, addresses of participants and conductor.
 
 A participant's address is ``PAGE?study=TOKEN&participant=NAME``, the conductor's
 ``PAGE?conduct=SECRET``; neither follows from the other.
@@ -10,22 +10,25 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, Generic, Protocol, TypeVar
+from typing import Any, Final, Generic, Protocol, TypeVar
 from urllib.parse import quote, urlsplit
 
 import click
 import streamlit as st
 
 from nvcore.errors import InputError
+from ui.session.workspace import Workspace
 
 STUDY: Final = "study"
 PARTICIPANT: Final = "participant"
 CONDUCT: Final = "conduct"
+ON_SCREEN: Final = "on_screen"
+"""Name among a workspace's notes of what a participant has on the screen; it knows its ``page``."""
 LOCAL: Final = ("localhost", "127.0.0.1", "::1")
 
 
-class Named(Protocol):
-    """A study, with its names for participants and for its conductor."""
+class Study(Protocol):
+    """A study, with its names in addresses."""
 
     @property
     def token(self) -> str:
@@ -36,12 +39,33 @@ class Named(Protocol):
         """For its conductor."""
 
 
-StudyKind = TypeVar("StudyKind", bound=Named)
+class Store(Protocol):
+    """A file with the answers of all studies of a page."""
+
+    def study_of_conductor(self, secret: str, /) -> Any:
+        """The study of a conductor's name; None: there is none."""
+
+
+StudyKind = TypeVar("StudyKind", bound=Study)
+StoreKind = TypeVar("StoreKind", bound=Store)
 
 
 def is_participant() -> bool:
     """Whether the address is a participant's: then nothing else of the app is shown."""
     return STUDY in st.query_params
+
+
+def leave_screen(space: Workspace, page: str = "") -> None:
+    """Forget what a participant has on the screen, so that the browser gets and sends nothing.
+
+    Parameters
+    ----------
+    page
+        What is on the screen of this page stays.
+    """
+    screen = space.notes.get(ON_SCREEN)
+    if screen is not None and screen.page != page:
+        space.notes.pop(ON_SCREEN, None)
 
 
 def is_local(address: str) -> bool:
@@ -55,14 +79,8 @@ def is_local(address: str) -> bool:
     return urlsplit(address).hostname in LOCAL
 
 
-def answer_file(variable: str, name: str) -> Path:
-    """Where answers are kept: as the environment says, or in the user's own folder."""
-    path = os.environ.get(variable)
-    return Path(path) if path else Path(click.get_app_dir("nvcore")) / name
-
-
 @dataclass(frozen=True)
-class StudyLinks(Generic[StudyKind]):
+class Studies(Generic[StudyKind, StoreKind]):
     """The studies of one page.
 
     Attributes
@@ -73,14 +91,19 @@ class StudyLinks(Generic[StudyKind]):
         What a study is called.
     prefix
         Of the names in ``st.session_state``.
-    find
-        The study of a conductor's name; None: there is none.
+    variable, file_name
+        Where answers are kept: the file that this variable of the environment names, else the one
+        of this name in the user's own folder.
+    open
+        Opens that file, which deletes what is over.
     """
 
     page: str
     what: str
     prefix: str
-    find: Callable[[str], StudyKind | None]
+    variable: str
+    file_name: str
+    open: Callable[[Path], StoreKind]
 
     @property
     def _own(self) -> str:
@@ -89,6 +112,21 @@ class StudyLinks(Generic[StudyKind]):
     @property
     def _open(self) -> str:
         return f"{self.prefix}_open"
+
+    def file(self) -> Path:
+        """The file of all answers."""
+        path = os.environ.get(self.variable)
+        return Path(path) if path else Path(click.get_app_dir("nvcore")) / self.file_name
+
+    def store(self) -> StoreKind:
+        """All studies, in their file; those that are over are deleted.
+
+        Raises
+        ------
+        InputError
+            If it cannot be used.
+        """
+        return self.open(self.file())
 
     def conducted(self) -> StudyKind | None:
         """The study that this person conducts, from the address or this session.
@@ -102,7 +140,7 @@ class StudyLinks(Generic[StudyKind]):
         secret: str | None = key or st.session_state.get(self._open)
         if secret is None:
             return None
-        study = self.find(secret)
+        study: StudyKind | None = self.store().study_of_conductor(secret)
         if study is None:
             st.session_state.pop(self._open, None)
             st.query_params.pop(CONDUCT, None)

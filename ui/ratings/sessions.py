@@ -1,42 +1,22 @@
-"""Rating sessions in addresses and on disk; whether clips show what is compared."""
+"""The file of all rating sessions; whether clips show what is compared."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Final
 
 from nvcore.ratings.store import RatingStore, Study
+from ui.people.studies import Studies
 from ui.session import state
-from ui.session.studies.links import StudyLinks, answer_file
 
-VARIABLE: Final = "NVCORE_RATINGS"
-
-
-def file() -> Path:
-    """The file of all rating sessions: ``$NVCORE_RATINGS``, or in the user's own folder."""
-    return answer_file(VARIABLE, "ratings.sqlite")
-
-
-def store() -> RatingStore:
-    """All rating sessions, in their file; those that are over are deleted.
-
-    Raises
-    ------
-    InputError
-        If it cannot be used.
-    """
-    return RatingStore(file())
-
-
-LINKS: Final = StudyLinks[Study](
-    "ratings", "rating session", "rating", lambda secret: store().study_of_conductor(secret)
+SESSIONS: Final = Studies[Study, RatingStore](
+    page="ratings",
+    what="rating session",
+    prefix="rating",
+    variable="NVCORE_RATINGS",
+    file_name="ratings.sqlite",
+    open=RatingStore,
 )
-conducted = LINKS.conducted
-conduct = LINKS.conduct
-is_own = LINKS.is_own
-close = LINKS.close
-links = LINKS.addresses
 
 
 def shown_thresholds() -> dict[str, float | None]:

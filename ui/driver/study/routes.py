@@ -22,14 +22,16 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import Response
 
 from nvcore.errors import InputError, StoreError
+from ui.driver.study.on_screen import MOST_BYTES, OnScreen
+from ui.people.studies import ON_SCREEN
 from ui.session.requests import (
     NOT_CACHED,
+    Place,
     for_owner,
     index_in,
     not_found,
     say,
 )
-from ui.session.studies.on_screen import MOST_BYTES, NOTE, OnScreen
 from ui.session.workspace import Workspace
 
 ENDED: Final = "the page has ended; load it again"
@@ -39,7 +41,7 @@ _LOG = logging.getLogger("nvcore.ui")
 @for_owner()
 async def study_picture(request: Request, space: Workspace | None) -> Response:
     """A picture of the study, or its coarse version."""
-    screen: OnScreen | None = None if space is None else space.notes.get(NOTE)
+    screen: OnScreen | None = None if space is None else space.notes.get(ON_SCREEN)
     name, view = request.path_params["picture"], request.path_params["view"]
     if space is None or screen is None or view not in ("full", "coarse"):
         return not_found(ENDED)
@@ -53,7 +55,7 @@ async def study_picture(request: Request, space: Workspace | None) -> Response:
 @for_owner(sent="answers")
 async def study_answer(request: Request, space: Workspace | None) -> Response:
     """Keep that a picture appears, or its answer; then it is on disk."""
-    screen: OnScreen | None = None if space is None else space.notes.get(NOTE)
+    screen: OnScreen | None = None if space is None else space.notes.get(ON_SCREEN)
     kind, place = request.path_params["kind"], index_in(request, "place")
     if screen is None or kind not in ("shown", "answer"):
         return not_found(ENDED)
@@ -73,3 +75,9 @@ async def study_answer(request: Request, space: Workspace | None) -> Response:
     except InputError as error:
         return say(HTTPStatus.BAD_REQUEST, str(error))
     return Response(status_code=HTTPStatus.NO_CONTENT, headers=NOT_CACHED)
+
+
+ROUTES: Final = (
+    Place("study/{picture}/{view}.png", study_picture),
+    Place("study/{place}/{kind}", study_answer, "PUT"),
+)

@@ -1,1 +1,0 @@
-"""Studies with people, between addresses, the file of answers and the browser."""
