@@ -11,8 +11,6 @@ from nvcore import comparison
 from nvcore.api.comparison import Comparison
 from nvcore.api.inputs import (
     Input,
-    PathLike,
-    Size,
     load,
     objects_named,
     refuse_for_loaded,
@@ -20,6 +18,7 @@ from nvcore.api.inputs import (
     with_choices,
     with_params,
 )
+from nvcore.arguments import PathLike, Size
 from nvcore.auditing import audit as audit_dataset
 from nvcore.auditing import picture_findings
 from nvcore.dataset import Dataset

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nvcore.api.inputs import Part, PathLike, Size, keywords_named, load_part
+from nvcore.api.inputs import keywords_named, load_part
+from nvcore.arguments import PathLike, called_with
 from nvcore.dataset import Dataset
-from nvcore.dataset.provenance import Setting, TrainedOn
+from nvcore.dataset.provenance import TrainedOn
+from nvcore.detectors.arguments import DetectArguments
 from nvcore.errors import InputError
 from nvcore.extras import needs
 from nvcore.inputs.facts import frame_range, is_frame_range
 from nvcore.inputs.pipes import pipes_kept
-from nvcore.inputs.session import Session
 from nvcore.progress import Progress, no_progress
 from nvcore.report.protect_inputs import files_read, refuse_among_inputs, refuse_to_replace
 from nvcore.settings import as_names
@@ -27,25 +28,9 @@ if TYPE_CHECKING:
     from nvcore.pictures import RecordingPictures
 
 
+@called_with(DetectArguments)
 @pipes_kept()
-def detect(
-    source: PathLike | Session | Dataset,
-    detector: PathLike,
-    out: PathLike,
-    *,
-    settings: Mapping[str, Setting | Sequence[Setting]] | None = None,
-    trained_on: str | Sequence[str] = (),
-    name: str | None = None,
-    threshold: float | None = None,
-    against: str | None = None,
-    only: str | Sequence[str] = (),
-    tags: str | Sequence[str] = (),
-    size: Size | None = None,
-    fps: float | None = None,
-    frames: str | range | None = None,
-    n_threads: int | None = None,
-    progress: Progress = no_progress,
-) -> WrittenRun:
+def detect(arguments: DetectArguments) -> WrittenRun:
     """Run a detector over the pictures of recordings, as a system like any other.
 
     Parameters
@@ -98,20 +83,8 @@ def detect(
     >>> hog = detect("night.toml", "hog", "hog", settings={"upscale": 2})  # doctest: +SKIP
     >>> compare(hog.session)  # doctest: +SKIP
     """
-    with (
-        keywords_named(),
-        detector_job(
-            *(source, detector, out),
-            settings=settings,
-            trained_on=trained_on,
-            name=name,
-            threshold=threshold,
-            against=against,
-            part=Part(only=only, tags=tags, size=size, fps=fps, frames=frames),
-            n_threads=n_threads,
-        ) as job,
-    ):
-        return job.run(progress)
+    with keywords_named(), detector_job(arguments) as job:
+        return job.run(arguments.progress)
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,32 +93,26 @@ class DetectorJob:
 
     Attributes
     ----------
+    arguments
+        Of the call.
     detector
         Ready to run, with all that is known of its training.
     dataset
         The recordings.
     pictures
         Theirs, open.
-    out
-        Folder for what comes out.
-    name, threshold, against, n_threads
-        As in `detect`.
     """
 
+    arguments: DetectArguments
     detector: Detector
     dataset: Dataset
     pictures: RecordingPictures
-    out: Path
-    name: str | None
-    threshold: float | None
-    against: str | None
-    n_threads: int | None
 
     def expect(self) -> Expectation:
         """How long the run will take; errors as `detect`."""
         from nvcore.detectors.timing import expect
 
-        return expect(self.detector, self.pictures, n_threads=self.n_threads)
+        return expect(self.detector, self.pictures, n_threads=self.arguments.n_threads)
 
     def cautions(self) -> list[str]:
         """What is to be known of the detector's training before it is run on these frames."""
@@ -156,48 +123,37 @@ class DetectorJob:
         words = self.dataset.words
         return [words(f"{finding.message} {finding.advice}") for finding in found]
 
-    def run(self, progress: Progress = no_progress) -> WrittenRun:
+    def run(self, progress: Progress) -> WrittenRun:
         """Run the detector and write what comes out; errors as `detect`."""
         from nvcore.detectors.run import run_detector
         from nvcore.detectors.writing import write_detections
 
+        arguments = self.arguments
         run = run_detector(
-            *(self.detector, self.dataset, self.pictures),
-            n_threads=self.n_threads,
+            self.detector,
+            self.dataset,
+            self.pictures,
+            n_threads=arguments.n_threads,
             progress=progress,
         )
         return write_detections(
-            *(run, self.dataset, self.out),
-            name=self.name,
-            threshold=self.threshold,
-            against=self.against,
+            run,
+            self.dataset,
+            Path(arguments.out),
+            name=arguments.name,
+            threshold=arguments.threshold,
+            against=arguments.against,
         )
 
 
 @contextmanager
 def detector_job(
-    source: PathLike | Session | Dataset,
-    detector: PathLike,
-    out: PathLike,
-    *,
-    settings: Mapping[str, Setting | Sequence[Setting]] | None = None,
-    trained_on: str | Sequence[str] = (),
-    name: str | None = None,
-    threshold: float | None = None,
-    against: str | None = None,
-    part: Part | None = None,
-    n_threads: int | None = None,
-    inputs: Sequence[Path] = (),
-    loading: Progress = no_progress,
+    arguments: DetectArguments, *, inputs: Sequence[Path] = (), loading: Progress = no_progress
 ) -> Iterator[DetectorJob]:
     """All that a run needs, opened; what cannot be done is refused before anything runs.
 
     Parameters
     ----------
-    source, detector, out, settings, trained_on, name, threshold, against, n_threads
-        See `detect`.
-    part
-        Of the source; None: all of it.
     inputs
         Further files that are read, and must not be replaced.
     loading
@@ -214,19 +170,21 @@ def detector_job(
         from nvcore.detectors.writing import check_target, outputs
         from nvcore.pictures import session_pictures
 
-    opened, folder = open_detector(detector, settings), Path(out)
-    dataset, session = load_part(source, part or Part(), progress=loading)
-    parts = _parts(as_names(trained_on), dataset)
-    opened.about = replace(opened.about, trained_on=(*opened.about.trained_on, *parts))
-    check_target(dataset, folder, name=name, against=against)
-    files = [*inputs, *(Path(path) for path in (source, detector) if isinstance(path, PathLike))]
-    refuse_to_replace(outputs(folder, dataset), [*files, *files_read(session)], instead="folder")
-    refuse_among_inputs(folder, session)
+    source, out = arguments.source, Path(arguments.out)
+    detector = open_detector(arguments.detector, arguments.settings)
+    dataset, session = load_part(source, arguments, progress=loading)
+    parts = _parts(as_names(arguments.trained_on), dataset)
+    detector.about = replace(detector.about, trained_on=(*detector.about.trained_on, *parts))
+    check_target(dataset, out, name=arguments.name, against=arguments.against)
+    read = (source, arguments.detector)
+    files = [*inputs, *(Path(path) for path in read if isinstance(path, PathLike))]
+    refuse_to_replace(outputs(out, dataset), [*files, *files_read(session)], instead="folder")
+    refuse_among_inputs(out, session)
     pictures = session_pictures(session, dataset)
     try:
         if not any((index >= 0).any() for index in pictures.indices.values()):
             raise no_pictures(pictures, dataset)
-        yield DetectorJob(opened, dataset, pictures, folder, name, threshold, against, n_threads)
+        yield DetectorJob(arguments, detector, dataset, pictures)
     finally:
         pictures.close()
 

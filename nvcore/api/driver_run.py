@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nvcore.api.inputs import Part, PathLike, Size, keywords_named, load_part
+from nvcore.api.inputs import keywords_named, load_part
+from nvcore.arguments import Part, PathLike, Size
 from nvcore.dataset import Dataset
 from nvcore.extras import needs
 from nvcore.inputs.pipes import pipes_kept

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
 import pandas as pd
 
+from nvcore.arguments import Part, PathLike, Size
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, MissingFactError
-from nvcore.inputs.facts import is_frame_range, parse_size
+from nvcore.inputs.facts import frames_from, parse_size
 from nvcore.inputs.load import load as load_session
 from nvcore.inputs.overriding import override_recordings
 from nvcore.inputs.pipes import pipes_kept
@@ -30,11 +31,8 @@ from nvcore.progress import Progress, no_progress
 from nvcore.protocols import Protocol, protocol_from
 from nvcore.settings import Settings, as_names
 
-PathLike = str | Path
 Input = PathLike | Sequence[PathLike] | Source | pd.DataFrame
 """Ground truth or detections: files, folders or globs, the same with settings, or a table."""
-Size = tuple[int, int] | str
-"""Width and height in pixels: (640, 480) or "640x480"."""
 
 KEYWORDS: Final = {
     "size": "size=(WIDTH, HEIGHT)",
@@ -149,25 +147,6 @@ def keywords_named() -> Iterator[None]:
             facts=error.facts,
             steps=error.steps,
         ) from error
-
-
-@dataclass(frozen=True, kw_only=True)
-class Part:
-    """Which recordings and frames of a session a detector is run over or trained on.
-
-    Attributes
-    ----------
-    only, tags
-        Names of recordings, and tags that they all have; empty: all that the session compares.
-    size, fps, frames
-        See `load`.
-    """
-
-    only: str | Sequence[str] = ()
-    tags: str | Sequence[str] = ()
-    size: Size | None = None
-    fps: float | None = None
-    frames: str | range | None = None
 
 
 def load_part(
@@ -296,24 +275,6 @@ def with_params(dataset: Dataset, changes: Mapping[str, Any]) -> Dataset:
         )
         settings = replace(settings, systems=systems)
     return dataset.with_settings(settings)
-
-
-def frames_from(frames: str | range | None) -> str | None:
-    """As a session says it; the name of a file starts where Python runs, not at the session.
-
-    Raises
-    ------
-    InputError
-        If a range is empty.
-    """
-    if isinstance(frames, range):
-        if not frames:
-            raise InputError(f"frames: expected at least one, got {frames}")
-        first, last = sorted((frames[0], frames[-1]))
-        return f"{first}:{last}:{abs(frames.step)}"
-    if frames is None or is_frame_range(frames):
-        return frames
-    return str(Path.cwd() / frames)
 
 
 def _session_of(

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from nvcore.arguments import OUTPUT
 from nvcore.cli.options import (
-    OUTPUT,
     GroupedCommand,
     audit_options,
     examples,

@@ -3,54 +3,22 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import click
 
-from nvcore.cli.options import (
-    OUTPUT,
-    GroupedCommand,
-    examples,
-    grouped_option,
-    pair_of,
-    part_options,
-)
+from nvcore.cli.options import GroupedCommand, examples, options_of
 from nvcore.cli.program import program
 from nvcore.cli.progress import ShareProgress, TerminalProgress
-from nvcore.cli.steps import errors_of, part_from
+from nvcore.cli.steps import errors_of
+from nvcore.detectors.arguments import DetectArguments
 from nvcore.extras import needs
 from nvcore.inputs.session_toml import read_session
 from nvcore.wording import one_line
 
 # As in nvcore/cli/__init__.py, numpy and OpenCV are imported by the command only.
-
-DETECTOR: Final = "Detector"
-SYSTEM: Final = "System"
-_AS_IN_PYTHON: Final = ("trained_on", "name", "threshold", "against", "n_threads")
-"""Options that `nvcore.detect` has by the same names."""
-
-_detector_options = (
-    grouped_option(
-        DETECTOR,
-        "--set",
-        "settings",
-        multiple=True,
-        metavar="KEY=VALUE",
-        help="A setting of the detector, such as upscale=2; may be given again. nvcore models "
-        "NAME or FILE lists them.",
-    ),
-    grouped_option(
-        DETECTOR,
-        "--trained-on",
-        multiple=True,
-        metavar="RECORDING[=F:L]",
-        help="A recording, or frames of it, on which the model was trained, where it does not say "
-        "so itself; may be given again.",
-    ),
-)
 
 
 @click.command(
@@ -63,45 +31,8 @@ _detector_options = (
     ),
 )
 @click.argument("session_file", type=click.Path(dir_okay=False, path_type=Path))
-@grouped_option(
-    DETECTOR,
-    "--detector",
-    required=True,
-    metavar="NAME|FILE",
-    help="hog, hog:daimler, icf:sample, or a model: one that was trained here (.npz) or an ONNX "
-    "file (.onnx).",
-)
-@_detector_options[0]
-@_detector_options[1]
-@grouped_option(
-    DETECTOR,
-    "--threads",
-    "n_threads",
-    type=click.IntRange(1, 256),
-    help="Pictures at a time. Default: as many as there are cores.",
-)
-@grouped_option(
-    OUTPUT,
-    "--out",
-    required=True,
-    type=click.Path(file_okay=False, path_type=Path),
-    metavar="DIR",
-    help="Write the boxes, how they were made, and session.toml into this folder.",
-)
-@grouped_option(
-    SYSTEM, "--name", metavar="NAME", help="Name of the new system. Default: the detector's."
-)
-@grouped_option(
-    SYSTEM, "--threshold", type=float, help="Its score threshold. Default: the detector's."
-)
-@grouped_option(
-    SYSTEM,
-    "--against",
-    metavar="SYSTEM",
-    help="The system that it is compared with, as X. Default: the session's X.",
-)
-@part_options("Evaluated frames")
-def detect(session_file: Path, detector: str, settings: Sequence[str], **options: Any) -> None:
+@options_of(DetectArguments)
+def detect(session_file: Path, **options: Any) -> None:
     """Run a detector over the recordings of a session; its boxes are one system more.
 
     SESSION_FILE (TOML) names the ground truth and the pictures of each recording; it need not name
@@ -114,16 +45,8 @@ def detect(session_file: Path, detector: str, settings: Sequence[str], **options
     session = read_session(session_file, needs_system=False)
     with errors_of(session), ExitStack() as stack:
         with TerminalProgress(2 + len(session.systems)) as steps:
-            job = stack.enter_context(
-                detector_job(
-                    *(session, detector, options["out"]),
-                    settings=dict(pair_of(text, "--set") for text in settings),
-                    part=part_from(options),
-                    inputs=[session_file],
-                    loading=steps,
-                    **{name: options[name] for name in _AS_IN_PYTHON},
-                )
-            )
+            arguments = DetectArguments(session, **options)
+            job = stack.enter_context(detector_job(arguments, inputs=[session_file], loading=steps))
         for caution in job.cautions():
             click.echo(one_line(caution), err=True)
         click.echo(job.expect(), err=True)
@@ -149,8 +72,8 @@ def detect(session_file: Path, detector: str, settings: Sequence[str], **options
     ),
 )
 @click.argument("detector", required=False, metavar="[NAME|FILE]")
-@_detector_options[0]
-def models(detector: str | None, settings: Sequence[str]) -> None:
+@options_of(DetectArguments, "settings")
+def models(detector: str | None, settings: dict[str, str]) -> None:
     """List the models that are built in, or describe one: by its NAME, or the FILE it is in.
 
     Of a detector: what it detects, what it was trained on, and its settings with their meaning;
@@ -188,5 +111,4 @@ def models(detector: str | None, settings: Sequence[str]) -> None:
             raise click.UsageError("--set is about a detector; this is an estimator")
         click.echo(render_estimator(read_estimator(path)))
         return
-    given = dict(pair_of(text, "--set") for text in settings)
-    click.echo(render_about(open_detector(detector, given), detector))
+    click.echo(render_about(open_detector(detector, settings), detector))

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from nvcore.arguments import OUTPUT
 from nvcore.cli.options import (
-    OUTPUT,
     GroupedCommand,
     examples,
     grouped_option,

@@ -7,8 +7,8 @@ from typing import Any
 
 import click
 
+from nvcore.arguments import OUTPUT
 from nvcore.cli.options import (
-    OUTPUT,
     GroupedCommand,
     examples,
     grouped_option,

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import MISSING, fields
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import click
 
+from nvcore.arguments import CORRECTIONS, FACTS, FRAMES, INPUTS, OUTPUT, READING, Part
 from nvcore.inputs.facts import FRAME_NAMES
 from nvcore.params import SETTINGS
 from nvcore.protocols import PROTOCOLS
@@ -15,14 +17,9 @@ from nvcore.wording import listed, one_line
 
 # Nothing here imports numpy, pandas or numba: `nvcore --help` need not wait for them.
 
-INPUTS = "Inputs"
-READING = "How files are read"
-FACTS = "What the files do not say"
-CORRECTIONS = "Corrections"
-OUTPUT = "Output"
-"""Headings of the help, beside those of the parameters and click's own."""
 DETECTION = "Detection measures"
 OTHER = "Other"
+"""Headings of the help, beside those of `nvcore.arguments` and of the parameters."""
 AUDIT_SETTINGS = (
     *("threshold_x", "threshold_y", "match", "iou", "lateral_tolerance", "match_class"),
     *("proximity", "midpoint", "spread", "midpoint_m", "spread_m", "missing_distance", "horizon"),
@@ -71,20 +68,6 @@ def examples(*lines: str) -> str:
     return "\n".join(["\b", title, *(f"  {line}" for line in lines)])
 
 
-def pair_of(text: str, flag: str) -> tuple[str, str]:
-    """Key and value of ``KEY=VALUE``.
-
-    Raises
-    ------
-    click.UsageError
-        If it is of another form; with the flag's name.
-    """
-    key, sign, value = text.partition("=")
-    if not sign or not key.strip():
-        raise click.UsageError(f"{flag}: expected KEY=VALUE, found {one_line(text)!r}")
-    return key.strip(), value.strip()
-
-
 def check_html_name(flag: str, file: Path) -> None:
     """Refuse a name that is not of an HTML file: an input named by mistake stays as it is.
 
@@ -104,18 +87,6 @@ def grouped_option(group: str, *names: str, **settings: Any) -> Callable[..., An
     return click.option(*names, cls=GroupedOption, group=group, **settings)
 
 
-def tag_option(lead: str = "Only") -> Callable[..., Any]:
-    """``--tag``, whose help begins with these words."""
-    return grouped_option(
-        INPUTS,
-        "--tag",
-        "tags",
-        multiple=True,
-        metavar="TAG",
-        help=f"{lead} recordings with this tag; may be given again: with all of them.",
-    )
-
-
 def with_options(
     *options: Callable[..., Any],
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -129,51 +100,31 @@ def with_options(
     return decorate
 
 
-def only_option(lead: str = "Only") -> Callable[..., Any]:
-    """``--only``, whose help begins with these words."""
-    return grouped_option(
-        INPUTS,
-        "--only",
-        multiple=True,
-        metavar="RECORDING",
-        help=f"{lead} this recording; may be given again.",
-    )
-
-
-def frames_option(what: str, default: str) -> Callable[..., Any]:
-    """``--frames``, whose help begins with what it chooses."""
-    return grouped_option(
-        FACTS,
-        "--frames",
-        metavar="FILE|F:L[:S]",
-        help=f"{what}: first:last[:step], both included, either may be missing; or a file with a "
-        f"number a line. Default: {default}.",
-    )
-
-
-def part_options(frames: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Flags that choose recordings and frames of a session, and give the facts which they lack.
+def options_of(kind: type, *names: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Flags for the fields that `argument` made of a class of arguments, in their order.
 
     Parameters
     ----------
-    frames
-        What ``--frames`` chooses.
+    names
+        Of these fields alone; none: of all.
     """
-    options = (
-        *(only_option(), tag_option(), frames_option(frames, "the session's")),
-        *(size_option, fps_option),
-    )
-
+    options = []
+    for spec in fields(kind):
+        if "flag" not in spec.metadata or (names and spec.name not in names):
+            continue
+        facts = dict(spec.metadata["facts"])
+        if spec.default is MISSING:
+            facts["required"] = True
+        elif spec.default not in (None, ()):
+            facts |= {"default": spec.default, "show_default": spec.default != ""}
+        flag = spec.metadata["flag"] or flag_of(spec.name)
+        options.append(grouped_option(facts.pop("group"), flag, spec.name, **facts))
     return with_options(*options)
 
 
-PART_NAMES: Final = ("only", "tags", "size", "fps", "frames")
-"""Parameters of the flags of `part_options`."""
-
-
 def refuse_without_session(options: Mapping[str, Any], *more: str) -> None:
-    """Refuse flags of `part_options`, and `more` of that kind, where no session is named."""
-    names = (*PART_NAMES, *more)
+    """Refuse flags of `Part`, and `more` of that kind, where no session is named."""
+    names = (*(spec.name for spec in fields(Part)), *more)
     if any(options[name] for name in names):
         flags = listed([flag_of("tag" if name == "tags" else name) for name in names])
         raise click.UsageError(f"{flags} are about a session; name its file")
@@ -263,23 +214,6 @@ objects_option = grouped_option(
 )
 """The flag for the kind of objects."""
 
-size_option = grouped_option(
-    FACTS,
-    "--size",
-    metavar="WxH",
-    help="Image size in pixels, such as 640x480. Default: as in the data.",
-)
-"""The flag for the size of all pictures."""
-
-fps_option = grouped_option(
-    FACTS,
-    "--fps",
-    type=float,
-    help="Frames per second of the camera, also where only every n-th frame is annotated. "
-    "Default: as in the data.",
-)
-"""The flag for the frame rate of all recordings."""
-
 reading_options = (
     grouped_option(
         READING,
@@ -288,7 +222,7 @@ reading_options = (
         help="Class names or numbers that count, with commas. Default: the usual ones of the "
         "format and of --objects.",
     ),
-    size_option,
+    options_of(Part, "size"),
     grouped_option(
         READING,
         "--frame-base",
@@ -375,7 +309,7 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
             for end, whose in (("truth", "the ground truth"), ("x", "X"), ("y", "Y"))
         ),
         objects_option,
-        fps_option,
+        options_of(Part, "fps"),
         grouped_option(
             FACTS,
             "--recordings",
@@ -384,12 +318,28 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
             "speed_kmh,horizon,tags,title,pictures,first_picture (docs/formats.md). --size and "
             "--fps go before it.",
         ),
-        frames_option(
-            "Evaluated frames",
-            "the truth's own list, or from its first to its last annotated frame",
+        grouped_option(
+            FACTS,
+            "--frames",
+            metavar="FILE|F:L[:S]",
+            help=f"Evaluated frames: {FRAMES} Default: the truth's own list, or from its first to "
+            "its last annotated frame.",
         ),
-        tag_option("Compare only"),
-        only_option("Compare only"),
+        grouped_option(
+            INPUTS,
+            "--tag",
+            "tags",
+            multiple=True,
+            metavar="TAG",
+            help="Compare only recordings with this tag; may be given again: with all of them.",
+        ),
+        grouped_option(
+            INPUTS,
+            "--only",
+            multiple=True,
+            metavar="RECORDING",
+            help="Compare only this recording; may be given again.",
+        ),
         grouped_option(
             OUTPUT,
             "--accept",
@@ -432,6 +382,4 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
                 help=f"By which {system}'s boxes are multiplied (across, down).",
             ),
         ]
-    for option in reversed(options):
-        command = option(command)
-    return command
+    return with_options(*options)(command)

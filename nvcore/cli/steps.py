@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nvcore.cli.options import PART_NAMES
+from nvcore.arguments import Part
 from nvcore.cli.remedies import ways_text
 from nvcore.errors import InputError, MissingFactError
 from nvcore.findings import TRUTH_NAME
@@ -17,7 +17,6 @@ from nvcore.progress import Progress, no_progress
 from nvcore.wording import one_line
 
 if TYPE_CHECKING:
-    from nvcore.api.inputs import Part
     from nvcore.comparison import Result
     from nvcore.dataset import Dataset
     from nvcore.findings import Finding
@@ -56,10 +55,8 @@ def exit_on_findings(findings: Iterable[Finding], strict: bool) -> None:
 
 
 def part_from(options: Mapping[str, Any]) -> Part:
-    """What `part_options` choose of a session."""
-    from nvcore.api.inputs import Part
-
-    return Part(**{name: options[name] for name in PART_NAMES})
+    """What the flags of `Part` choose of a session."""
+    return Part(**{spec.name: options[spec.name] for spec in fields(Part)})
 
 
 def as_loaded(session: Session, dataset: Dataset) -> Session:

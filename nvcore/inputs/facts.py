@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final
 
 from nvcore.errors import InputError, SessionError
@@ -96,3 +97,21 @@ def frame_range(frames: str) -> FrameRange:
         f"frames {frames!r}: expected {FRAME_RANGE} with last >= first and step >= 1, such as "
         "0:299, 0:299:5, :399 or 400:"
     )
+
+
+def frames_from(frames: str | range | None) -> str | None:
+    """As a session says it; the name of a file starts where Python runs, not at the session.
+
+    Raises
+    ------
+    InputError
+        If a range is empty.
+    """
+    if isinstance(frames, range):
+        if not frames:
+            raise InputError(f"frames: expected at least one, got {frames}")
+        first, last = sorted((frames[0], frames[-1]))
+        return f"{first}:{last}:{abs(frames.step)}"
+    if frames is None or is_frame_range(frames):
+        return frames
+    return str(Path.cwd() / frames)

@@ -105,7 +105,7 @@ def test_features_of_pictures_are_written_into_a_file(tmp_path: Path):
         ((SAMPLE, "--boxes", "b.csv"), "--images and --boxes belong together"),
         (
             ("--images", ".", "--boxes", "b.csv", "--only", "a"),
-            "--only, --tag, --size, --fps and --frames are about a session",
+            "--only, --tag, --frames, --size and --fps are about a session",
         ),
         ((SAMPLE, "--surround", "1"), "surround: expected 1.1 to 10, found 1"),
         ((SAMPLE, "--fixation", "2,0"), "fixation: expected x as a share of the picture"),

@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from nvcore.arguments import INPUTS, OUTPUT
 from nvcore.cli.driver.options import (
     LIGHT_OPTIONS,
     RUN_OPTIONS,
@@ -16,8 +17,6 @@ from nvcore.cli.driver.options import (
     run_on_session,
 )
 from nvcore.cli.options import (
-    INPUTS,
-    OUTPUT,
     GroupedCommand,
     examples,
     grouped_option,

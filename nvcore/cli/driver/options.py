@@ -8,7 +8,8 @@ from typing import Any, Final, TypeVar
 
 import click
 
-from nvcore.cli.options import PairOf, grouped_option, part_options
+from nvcore.arguments import Part
+from nvcore.cli.options import PairOf, grouped_option, options_of
 from nvcore.cli.progress import ShareProgress, TerminalProgress
 from nvcore.cli.steps import errors_of, part_from
 from nvcore.inputs.session_toml import read_session
@@ -93,7 +94,7 @@ LIGHT_OPTIONS: Final = (
 )
 """What the adaptation period depends on."""
 RUN_OPTIONS: Final = (
-    part_options("Evaluated frames"),
+    options_of(Part),
     grouped_option(
         VIEW,
         "--threads",

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
+from nvcore.arguments import INPUTS, OUTPUT
 from nvcore.cli.options import (
-    INPUTS,
-    OUTPUT,
     GroupedCommand,
     check_html_name,
     examples,

@@ -8,23 +8,14 @@ from pathlib import Path
 
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import TrainedOn
+from nvcore.detectors.arguments import TrainArguments
 from nvcore.detectors.icf import IcfSettings
 from nvcore.detectors.training.folders import folder_shots
 from nvcore.detectors.training.recordings import session_shots
 from nvcore.detectors.training.shots import Shot
-from nvcore.detectors.training.split import Choice
 from nvcore.errors import InputError
 from nvcore.pictures import RecordingPictures
 from nvcore.wording import count_text, one_line
-
-
-@dataclass(frozen=True, kw_only=True)
-class Folders:
-    """Folders of a training; see `nvcore.detectors.training.folders.folder_shots`."""
-
-    crops: Path | None = None
-    background: Path | None = None
-    crop_share: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,8 +47,7 @@ def gather(
     dataset: Dataset | None,
     pictures: RecordingPictures | None,
     settings: IcfSettings,
-    choice: Choice,
-    folders: Folders,
+    arguments: TrainArguments,
 ) -> TrainingData:
     """Everything that a training learns from; no picture of a recording is read.
 
@@ -73,20 +63,24 @@ def gather(
     ParameterError
         If the split is not possible.
     """
+    crops, background = (
+        None if folder is None else Path(folder)
+        for folder in (arguments.crops, arguments.background)
+    )
     from_folders = folder_shots(
-        folders.crops,
-        folders.background,
+        crops,
+        background,
         settings,
-        crop_share=folders.crop_share,
-        share=choice.share,
-        seed=choice.seed,
+        crop_share=arguments.crop_share,
+        share=arguments.share,
+        seed=arguments.seed,
     )
     if dataset is None or pictures is None:
         if not from_folders.shots:
             raise InputError("there is nothing to learn from; name a session, or folders")
         _check_held_out(from_folders.shots, from_folders.split)
         return TrainingData(from_folders.shots, from_folders.trained_on, 1, from_folders.split)
-    of_session = session_shots(dataset, pictures, settings, choice)
+    of_session = session_shots(dataset, pictures, settings, arguments)
     shots = [*of_session.shots, *from_folders.shots]
     held_out = "; ".join(text for text in (of_session.split, from_folders.split) if text)
     _check_held_out(shots, held_out)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any, Final
 
+from nvcore.detectors.arguments import Preset
 from nvcore.detectors.icf import AS_IN_REPORT, PEDESTRIANS, SIGNS, IcfSettings
 from nvcore.detectors.settings import typed_like
 from nvcore.errors import DetectorError
@@ -17,10 +18,10 @@ PRESETS: Final[Mapping[str, IcfSettings]] = {
     "signs": SIGNS,
     "as-in-report": AS_IN_REPORT,
 }
-"""By the names that the command line knows (`PRESET_NAMES` of nvcore/cli/train.py)."""
+"""By the names of `nvcore.detectors.arguments.Preset`."""
 
 
-def preset_for(objects: Objects | None) -> str:
+def preset_for(objects: Objects | None) -> Preset:
     """The preset for what a session is of, unless the user names one; None: there is no session."""
     return "signs" if objects == SPEED_SIGN else "pedestrians"
 

@@ -15,12 +15,14 @@ from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import TrainedOn
 from nvcore.dataset.training import trained_part
 from nvcore.detection.filtered_truth import filter_truth
+from nvcore.detectors.arguments import TrainArguments
 from nvcore.detectors.icf import IcfSettings
 from nvcore.detectors.run import no_pictures
 from nvcore.detectors.training.shots import Shot
-from nvcore.detectors.training.split import Choice, HeldOut
+from nvcore.detectors.training.split import HeldOut
 from nvcore.errors import InputError
 from nvcore.inputs.evaluated_frames import frames_there, parse_frames
+from nvcore.inputs.facts import frames_from
 from nvcore.pictures import RecordingPictures
 from nvcore.protocols import Protocol
 from nvcore.schema import NO_LABEL
@@ -57,13 +59,13 @@ class SessionShots:
 
 
 def session_shots(
-    dataset: Dataset, pictures: RecordingPictures, settings: IcfSettings, choice: Choice
+    dataset: Dataset, pictures: RecordingPictures, settings: IcfSettings, arguments: TrainArguments
 ) -> SessionShots:
     """The frames of a session to learn from.
 
     Boxes that the session's protocol leaves out, that are mostly hidden, cut off by the picture's
-    edge or lower than `Choice.least_height` are neither object nor background, like those that the
-    truth flags as ignored.
+    edge or lower than `TrainArguments.least_height` are neither object nor background, like those
+    that the truth flags as ignored.
 
     Raises
     ------
@@ -72,9 +74,9 @@ def session_shots(
     ParameterError
         If the split is not possible.
     """
-    rows, notes = _rows(dataset, pictures, choice)
-    counts = _counting(dataset, settings, choice)
-    every = choice.every or _sparse(dataset, rows, counts)
+    rows, notes = _rows(dataset, pictures, frames_from(arguments.frames))
+    counts = _counting(dataset, settings, arguments)
+    every = arguments.every or _sparse(dataset, rows, counts)
     trained_on = _parts(dataset, rows)
     rows = _thinned(dataset, rows, every)
     is_here = np.zeros(len(dataset.frames), np.bool_)
@@ -85,11 +87,11 @@ def session_shots(
             "no box of the truth can be learned: all are ignored, mostly hidden, cut off by the "
             "picture's edge or too low; choose other recordings or frames, or lower boxes"
         )
-    split = HeldOut(dataset, rows, objects, choice)
+    split = HeldOut(dataset, rows, objects, arguments)
     shots = [
         _shot(dataset, pictures, int(row), counts, split) for row in rows[~split.is_left_out[rows]]
     ]
-    notes += _left_out(dataset, is_here, counts, _least_height(settings, choice))
+    notes += _left_out(dataset, is_here, counts, _least_height(settings, arguments))
     return SessionShots(shots, trained_on, every, split.words, tuple(notes))
 
 
@@ -110,7 +112,7 @@ def _left_out(
 
 
 def _rows(
-    dataset: Dataset, pictures: RecordingPictures, choice: Choice
+    dataset: Dataset, pictures: RecordingPictures, frames_asked: str | None
 ) -> tuple[NDArray[np.int64], list[str]]:
     """Rows of the frames table that have a picture, and which have none."""
     frames = dataset.frame_columns
@@ -118,7 +120,7 @@ def _rows(
     has_picture = np.zeros(len(frames), np.bool_)
     for number, index in pictures.indices.items():
         has_picture[frames.rows_of(number)] = index >= 0
-    asked = np.flatnonzero(_asked(dataset, choice.frames))
+    asked = np.flatnonzero(_asked(dataset, frames_asked))
     rows = asked[has_picture[asked]]
     if not len(rows):
         raise no_pictures(pictures, dataset)
@@ -155,10 +157,12 @@ def _asked(dataset: Dataset, frames: str | None) -> NDArray[np.bool_]:
     return is_asked
 
 
-def _counting(dataset: Dataset, settings: IcfSettings, choice: Choice) -> NDArray[np.bool_]:
+def _counting(
+    dataset: Dataset, settings: IcfSettings, arguments: TrainArguments
+) -> NDArray[np.bool_]:
     """Boxes of the truth that are learned; bool, (n_truth,)."""
     of_session: Protocol = dataset.settings.protocol
-    least = _least_height(settings, choice)
+    least = _least_height(settings, arguments)
     low, high = of_session.height_px
     left, top, right, bottom = of_session.border_px or (1.0,) * 4
     protocol = replace(
@@ -172,11 +176,11 @@ def _counting(dataset: Dataset, settings: IcfSettings, choice: Choice) -> NDArra
     return filter_truth(dataset, protocol).counts
 
 
-def _least_height(settings: IcfSettings, choice: Choice) -> float:
+def _least_height(settings: IcfSettings, arguments: TrainArguments) -> float:
     """Lower boxes are left out, px."""
-    if choice.least_height is None:
+    if arguments.least_height is None:
         return settings.object_height * settings.scales[0]
-    return choice.least_height
+    return arguments.least_height
 
 
 def _sparse(dataset: Dataset, rows: NDArray[np.int64], counts: NDArray[np.bool_]) -> int:

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
-from nvcore.cli.train import PRESET_NAMES, SPLITS
+from nvcore.detectors.arguments import Preset
 from nvcore.detectors.icf import AS_IN_REPORT, PEDESTRIANS, SIGNS
 from nvcore.detectors.training.presets import PRESETS, objects_of, preset_for, preset_settings
-from nvcore.detectors.training.split import SplitBy
 from nvcore.errors import DetectorError, ParameterError
 from nvcore.objects import PEDESTRIAN, SPEED_SIGN
 
 
 def test_the_command_line_knows_them_all():
-    assert tuple(PRESETS) == PRESET_NAMES
-    assert SplitBy.__args__ == SPLITS  # type: ignore[attr-defined]
+    assert tuple(PRESETS) == get_args(Preset)
 
 
 def test_the_preset_follows_the_objects():

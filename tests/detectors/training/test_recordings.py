@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,9 +13,9 @@ from places import SAMPLE
 import nvcore as nv
 from nvcore.dataset import Dataset
 from nvcore.dataset.training import trained_part
+from nvcore.detectors.arguments import TrainArguments
 from nvcore.detectors.icf import PEDESTRIANS
 from nvcore.detectors.training.recordings import MOST_OBJECTS, SessionShots, session_shots
-from nvcore.detectors.training.split import Choice
 from nvcore.errors import InputError, ParameterError
 from nvcore.pictures import RecordingPictures, session_pictures
 
@@ -37,13 +38,17 @@ def made(rows: list[tuple[str, int, float, float, float, float, int, int]]) -> D
                    frames=range(N_FRAMES))  # fmt: skip
 
 
-def shots_of(dataset: Dataset, **choice: object) -> SessionShots:
+def learned(**changes: Any) -> TrainArguments:
+    return TrainArguments(None, "model.npz", **changes)
+
+
+def shots_of(dataset: Dataset, **choice: Any) -> SessionShots:
     n = len(dataset.recordings)
     pictures = RecordingPictures(
         {number: Still() for number in range(n)},  # type: ignore[misc]
         {number: np.arange(N_FRAMES) for number in range(n)},
     )
-    return session_shots(dataset, pictures, PEDESTRIANS, Choice(**choice))  # type: ignore[arg-type]
+    return session_shots(dataset, pictures, PEDESTRIANS, learned(**choice))
 
 
 def walkers(*recordings: str, tracks: int = 2) -> Dataset:
@@ -156,7 +161,7 @@ def test_what_is_noted_is_what_the_audit_knows_also_of_thinned_frames():
 def test_many_frames_are_thinned_out():
     dataset = nv.load(SAMPLE)
     pictures = session_pictures(dataset.settings, dataset)  # type: ignore[arg-type]
-    given = session_shots(dataset, pictures, PEDESTRIANS, Choice(least_height=8))
+    given = session_shots(dataset, pictures, PEDESTRIANS, learned(least_height=8))
     n_boxes = sum(len(shot.learned) + len(shot.held_out) for shot in given.shots)
     assert given.every == 2
     assert MOST_OBJECTS / 2 < n_boxes < MOST_OBJECTS
@@ -190,10 +195,10 @@ def test_frames_without_a_picture_are_counted():
         {0: Still(), 1: Still()},  # type: ignore[dict-item]
         {0: np.where(index < 5, -1, index), 1: index},
     )
-    assert session_shots(dataset, pictures, PEDESTRIANS, Choice()).notes == (
+    assert session_shots(dataset, pictures, PEDESTRIANS, learned()).notes == (
         "5 of 40 frames of a: no picture",
     )
-    asked = session_shots(dataset, pictures, PEDESTRIANS, Choice(frames="4:"))
+    asked = session_shots(dataset, pictures, PEDESTRIANS, learned(frames="4:"))
     assert asked.notes == ("1 of 36 frames of a: no picture",)
 
 
@@ -204,8 +209,8 @@ def test_recordings_without_pictures_are_named():
         {0: np.arange(N_FRAMES)},
         notes={1: "there is no such file"},
     )
-    given = session_shots(dataset, pictures, PEDESTRIANS, Choice())
+    given = session_shots(dataset, pictures, PEDESTRIANS, learned())
     assert given.notes == ("b: there is no such file",)
     assert [part.recording for part in given.trained_on] == ["a"]
     with pytest.raises(InputError, match="no evaluated frame has a picture"):
-        session_shots(dataset, RecordingPictures(), PEDESTRIANS, Choice())
+        session_shots(dataset, RecordingPictures(), PEDESTRIANS, learned())
