@@ -11,7 +11,7 @@ import click
 
 from nvcore.arguments import CORRECTIONS, FACTS, FRAMES, INPUTS, OUTPUT, READING, Part
 from nvcore.inputs.facts import FRAME_NAMES
-from nvcore.params import SETTINGS
+from nvcore.params import AUDIT_SETTINGS, SETTINGS
 from nvcore.protocols import PROTOCOLS
 from nvcore.wording import listed, one_line
 
@@ -20,12 +20,6 @@ from nvcore.wording import listed, one_line
 DETECTION = "Detection measures"
 OTHER = "Other"
 """Headings of the help, beside those of `nvcore.arguments` and of the parameters."""
-AUDIT_SETTINGS = (
-    *("threshold_x", "threshold_y", "match", "iou", "lateral_tolerance", "match_class"),
-    *("proximity", "midpoint", "spread", "midpoint_m", "spread_m", "missing_distance", "horizon"),
-    *("distance", "speed_kmh"),
-)
-"""Parameters on which findings of the audit depend."""
 
 
 class GroupedOption(click.Option):

@@ -7,7 +7,7 @@ what it need not repeat. A new setting is a field of the topic that it belongs t
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import cache
 from typing import Any, Final
@@ -15,7 +15,7 @@ from typing import Any, Final
 from nvcore.errors import ParameterError
 from nvcore.params.driver import NEEDS_DETECTABILITY, DriverSettings, DriverWeighting
 from nvcore.params.judging import JudgingSettings, Match, MatchClass
-from nvcore.params.metadata import Setting, Stage
+from nvcore.params.metadata import AUDITED, Setting, Stage
 from nvcore.params.saliency import (
     Aggregate,
     RecencyUnit,
@@ -37,6 +37,7 @@ from nvcore.params.time_left import TimeLeftSettings
 from nvcore.wording import did_you_mean
 
 __all__ = [
+    "AUDIT_SETTINGS",
     "MIDPOINT_SHARE",
     "NEEDS_DETECTABILITY",
     "SETTINGS",
@@ -118,13 +119,24 @@ class Params(
 
     def only_for(self, *stages: Stage) -> Params:
         """The settings that the results of these stages depend on, all others by default."""
-        return Params(**dict(zip(settings_for(*stages), self.values_for(*stages), strict=True)))
+        return self._only(settings_for(*stages))
+
+    def only_for_audit(self) -> Params:
+        """The settings that findings of the audit depend on, all others by default."""
+        return self._only(AUDIT_SETTINGS)
+
+    def _only(self, names: Iterable[str]) -> Params:
+        return Params(**{name: getattr(self, name) for name in names})
 
 
 SETTINGS: Final[dict[str, Setting]] = {
     spec.name: spec.metadata["setting"] for spec in fields(Params)
 }
 """What is known of every setting, by name, in the order in which they are shown."""
+AUDIT_SETTINGS: Final = tuple(
+    name for name, known in SETTINGS.items() if known.is_audited or known.stage in AUDITED
+)
+"""Names of the settings that findings of the audit depend on."""
 
 
 @cache

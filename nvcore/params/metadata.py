@@ -63,6 +63,9 @@ DRIVER: Final = Stage(
 RESULTS: Final = (MATCH, SIMILARITY, LOW, ENCOUNTERS, SEVERITY, SALIENCY, TIME_LEFT, DRIVER)
 """The stages whose results are shown, in the order in which they are named."""
 
+AUDITED: Final = (THRESHOLD, MATCH, PROXIMITY)
+"""Stages on whose settings findings of the audit depend."""
+
 
 @dataclass(frozen=True, eq=False)
 class Setting:
@@ -98,6 +101,8 @@ class Setting:
         What holds without a value, for the switch above its slider; empty: no switch.
     is_advanced
         Whether it is rarely moved: its widget is folded away.
+    is_audited
+        Whether findings of the audit depend on it, though its stage is none of `AUDITED`.
     """
 
     stage: Stage
@@ -117,6 +122,7 @@ class Setting:
     used_with: tuple[str, tuple[str, ...]] | None = None
     unset: str = ""
     is_advanced: bool = False
+    is_audited: bool = False
 
     @property
     def label_with_unit(self) -> str:

@@ -37,6 +37,7 @@ class SimilaritySettings:
         meaning="How far a detection is from a pedestrian: sideways only (lateral) or between foot "
         "points in the picture (ground).",
         is_advanced=True,
+        is_audited=True,
     )
     pairing: Pairing = setting(
         NEAREST,

@@ -25,6 +25,7 @@ class TimeLeftSettings:
         meaning="Speed of the car in recordings that do not state their own. The faster, the "
         "earlier a warning has to come for the car to stop in time.",
         is_advanced=True,
+        is_audited=True,
     )
     reaction_s: float = setting(
         URGENCY,

@@ -10,7 +10,7 @@ from builders import Box
 from nvcore.auditing import audit
 from nvcore.errors import InputError
 from nvcore.findings import Finding, Severity
-from nvcore.params import Params
+from nvcore.params import AUDIT_SETTINGS, SETTINGS, Params
 
 
 def test_a_clean_comparison_has_no_finding() -> None:
@@ -62,3 +62,24 @@ def test_the_audit_changes_nothing() -> None:
     audit(made)
     pd.testing.assert_frame_equal(made.boxes, before[0])
     pd.testing.assert_frame_equal(made.left_out, before[1])
+
+
+class ReadParams(Params):
+    """Settings that keep which of them were read."""
+
+    def __getattribute__(self, name: str) -> object:
+        if name in SETTINGS:
+            READ.add(name)
+        return super().__getattribute__(name)
+
+
+READ: set[str] = set()
+
+
+@pytest.mark.parametrize("proximity", ["height", "horizon", "distance"])
+@pytest.mark.parametrize("match", ["iou", "lateral"])
+def test_the_audit_reads_no_setting_but_those_that_are_said_to_move_it(match, proximity) -> None:
+    params = ReadParams(match=match, proximity=proximity)
+    READ.clear()
+    audit(dataset(truth_walk(), walk(), walk()), params)
+    assert {"threshold_x", "distance", "speed_kmh"} <= READ <= {*AUDIT_SETTINGS}

@@ -18,7 +18,7 @@ from nvcore.auditing.pictures import audit_pictures
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, worst_first
 from nvcore.params import Params
-from nvcore.params.metadata import MATCH, NEAREST, PROXIMITY, THRESHOLD, URGENCY
+from nvcore.params.metadata import MATCH, PROXIMITY, THRESHOLD
 from ui.session import state
 from ui.session.results.comparison import Cached
 
@@ -75,4 +75,4 @@ def findings_kept_by(
 
 
 def _key(params: Params, x: str, y: str | None) -> tuple[Params, str, str | None]:
-    return params.only_for(THRESHOLD, MATCH, PROXIMITY, NEAREST, URGENCY), x, y
+    return params.only_for_audit(), x, y
