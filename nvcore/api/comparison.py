@@ -20,7 +20,7 @@ from nvcore.errors import InputError, ParameterError
 from nvcore.evidence.claims import Claim
 from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.operating_points import are_unequal
-from nvcore.evidence.planning import DEFAULT_KEY, POWER, Side, StudyPlan, plan_study
+from nvcore.evidence.planning import DEFAULT_KEY, POWER, Plan, Side, plan_recordings
 from nvcore.evidence.table import evidence_table
 from nvcore.extras import needs
 from nvcore.findings import Finding, worst_first
@@ -210,20 +210,20 @@ class Comparison:
         margin: float | None = None,
         candidate: Side = "y",
         n_tests: int = 1,
-    ) -> StudyPlan:
+    ) -> Plan:
         """How many recordings like these would show a difference, or non-inferiority.
 
         Parameters
         ----------
         measure, power, difference, margin, candidate, n_tests
-            See `nvcore.evidence.planning.plan_study`; a share of 3 percentage points is 0.03.
+            See `nvcore.evidence.planning.plan_recordings`; a share of 3 percentage points is 0.03.
 
         Raises
         ------
         ParameterError
             If a study cannot be planned for this measure, or a value is outside its range.
         """
-        return plan_study(
+        return plan_recordings(
             self.result,
             measure,
             power=power,

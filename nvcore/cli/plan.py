@@ -121,7 +121,7 @@ def plan(
     warnings), 2: bad input, or fewer than 6 recordings.
     """
     from nvcore.errors import InputError
-    from nvcore.evidence.planning import plan_key, plan_study
+    from nvcore.evidence.planning import plan_key, plan_recordings
     from nvcore.evidence.planning.pilot import MIN_PILOT
     from nvcore.evidence.units import RECORDINGS
     from nvcore.report.plan import plan_json, render_plan
@@ -138,7 +138,7 @@ def plan(
         refuse_to_replace([out], files_read(session))
     with errors_of(session):
         result, findings = compare_session(session)
-    study = plan_study(
+    plan = plan_recordings(
         result,
         measure,
         power=power,
@@ -148,15 +148,15 @@ def plan(
         n_tests=n_tests,
         protocol=result.dataset.settings.protocol,
     )
-    row = study.evidence
+    row = plan.evidence
     if row.unit != RECORDINGS or row.n < MIN_PILOT:
-        raise InputError(study.sizes[0].reason)
+        raise InputError(plan.sizes[0].reason)
     if out is not None:
-        write_whole(out, plan_json(study).encode())
+        write_whole(out, plan_json(plan).encode())
     path = shown_paths(session.folder, session.sources, result.dataset.systems)
     shown = findings_shown(findings, path, result.dataset.compared())
     click.echo(render_findings(shown) + "\n", err=as_json)
-    click.echo(plan_json(study) if as_json else render_plan(study), nl=not as_json)
+    click.echo(plan_json(plan) if as_json else render_plan(plan), nl=not as_json)
     if out is not None:
         click.echo(one_line(f"written to {out}"), err=True)
     exit_on_findings(findings, strict)

@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import plotly.graph_objects as go
 
-from nvcore.evidence.planning.study import StudyPlan
+from nvcore.evidence.planning.plan import Plan
 from nvcore.evidence.planning.words import ASSUMPTIONS
 from nvcore.figures.style import LOOK, axis, draw, empty_figure
 from nvcore.measures import difference_text
@@ -19,7 +19,7 @@ LOG_FACTOR: Final = 8
 """The axis is logarithmic where the numbers of recordings differ by more than this factor."""
 
 
-def power_plot(plan: StudyPlan, *, theme: Theme) -> go.Figure:
+def power_plot(plan: Plan, *, theme: Theme) -> go.Figure:
     """Share of simulated studies that show what they look for; a line for each assumption.
 
     Bars are 95 % Monte Carlo intervals; the level line is the power that is wanted.

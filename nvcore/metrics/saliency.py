@@ -202,29 +202,6 @@ def saliency_by_recording(events: pd.DataFrame, n_recordings: int, *, aggregate:
     )
 
 
-def saliency_after(events: pd.DataFrame, delay_s: np.ndarray, params: Params) -> np.ndarray:
-    """As `saliency_by_recording`, for recordings that are rated some time after their end.
-
-    With recency in seconds the delay counts beside the seconds from the event's end to that of the
-    recording; a share has no such time, and nothing changes.
-
-    Parameters
-    ----------
-    events
-        Of `find_events` with the same `params`.
-    delay_s
-        Seconds from the end of each recording to its rating; float64, shape (n_recordings,).
-    """
-    recording = events["recording"].to_numpy(dtype=np.int64)
-    tau, rest_s, weight_s = (
-        events[name].to_numpy(dtype=float) for name in ("tau", "rest_s", "weight_s")
-    )
-    saliency_s = weight_s * recency_weight(tau, rest_s + delay_s[recording], params)
-    return aggregate_events(
-        recording, saliency_s, len(delay_s), aggregate=params.saliency_aggregate
-    )
-
-
 def aggregate_events(
     recording: np.ndarray, saliency_s: np.ndarray, n_recordings: int, *, aggregate: str
 ) -> np.ndarray:

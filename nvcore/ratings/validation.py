@@ -13,7 +13,8 @@ from scipy import stats
 
 from nvcore.comparison import Result
 from nvcore.errors import InputError
-from nvcore.metrics.saliency import saliency_after
+from nvcore.metrics.saliency import aggregate_events, recency_weight
+from nvcore.params import Params
 from nvcore.ratings.reading import DELAY
 
 LEAST_CLIPS: Final = 5
@@ -78,6 +79,29 @@ def clip_saliency(result: Result, delay_s: pd.Series | None = None) -> pd.DataFr
         columns = {"clip": names, "system": system.name, "saliency_s": values, DELAY: delays}
         parts.append(pd.DataFrame(columns))
     return pd.concat(parts, ignore_index=True)
+
+
+def saliency_after(events: pd.DataFrame, delay_s: np.ndarray, params: Params) -> np.ndarray:
+    """Saliency of every recording that is rated some time after its end; float64, (n_recordings,).
+
+    With recency in seconds the delay counts beside the seconds from the event's end to that of the
+    recording; a share has no such time, and nothing changes.
+
+    Parameters
+    ----------
+    events
+        Of `nvcore.metrics.saliency.find_events` with the same `params`.
+    delay_s
+        Seconds from the end of each recording to its rating; float64, shape (n_recordings,).
+    """
+    recording = events["recording"].to_numpy(dtype=np.int64)
+    tau, rest_s, weight_s = (
+        events[name].to_numpy(dtype=float) for name in ("tau", "rest_s", "weight_s")
+    )
+    saliency_s = weight_s * recency_weight(tau, rest_s + delay_s[recording], params)
+    return aggregate_events(
+        recording, saliency_s, len(delay_s), aggregate=params.saliency_aggregate
+    )
 
 
 def mean_delay(ratings: pd.DataFrame) -> pd.Series:

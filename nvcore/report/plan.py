@@ -16,7 +16,7 @@ from nvcore.evidence.measures import Evidence
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.pilot import DEFAULT_KEY, plan_key
-from nvcore.evidence.planning.study import StudyPlan, plan_study
+from nvcore.evidence.planning.plan import Plan, plan_recordings
 from nvcore.evidence.planning.words import (
     ASSUMPTIONS,
     QUESTION,
@@ -32,7 +32,7 @@ def verdict_plan(
     evidence: pd.DataFrame | None,
     companions: Companions | None,
     *,
-    plans: Mapping[str, StudyPlan] | None = None,
+    plans: Mapping[str, Plan] | None = None,
 ) -> str:
     """How many encounters and recordings more would take, where none detects more beyond chance.
 
@@ -59,10 +59,10 @@ def verdict_plan(
     if not rows or any(row.p_holm <= SIGNIFICANT for row in rows):
         return ""
     if basis is result:
-        study = (plans or {}).get(key) or plan_study(result, evidence=rows[0])
+        plan = (plans or {}).get(key) or plan_recordings(result, evidence=rows[0])
     else:  # the companions have no intervals
-        study = plan_study(basis)
-    return plan_sentence(study)
+        plan = plan_recordings(basis)
+    return plan_sentence(plan)
 
 
 def evidence_of(evidence: pd.DataFrame, key: str) -> Evidence | None:
@@ -73,7 +73,7 @@ def evidence_of(evidence: pd.DataFrame, key: str) -> Evidence | None:
     return Evidence(**{field.name: rows[field.name].iloc[0] for field in fields(Evidence)})
 
 
-def render_plan(plan: StudyPlan) -> str:
+def render_plan(plan: Plan) -> str:
     """The plan in sentences, and the power of every size that was simulated."""
     lines = [QUESTION, *(f"  {sentence}" for sentence in describe_plan(plan))]
     for size in plan.sizes:
@@ -94,7 +94,7 @@ def render_plan(plan: StudyPlan) -> str:
     return "\n".join(lines)
 
 
-def plan_values(plan: StudyPlan) -> dict[str, Any]:
+def plan_values(plan: Plan) -> dict[str, Any]:
     """The plan as numbers and texts for JSON; None is undefined."""
     row = plan.evidence
     return {
@@ -128,7 +128,7 @@ def plan_values(plan: StudyPlan) -> dict[str, Any]:
     }
 
 
-def plan_json(plan: StudyPlan) -> str:
+def plan_json(plan: Plan) -> str:
     """The plan as JSON text."""
     return json.dumps(plan_values(plan), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 

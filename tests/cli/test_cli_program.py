@@ -101,7 +101,7 @@ WORK = {
     "compare": "nvcore.comparison.compare",
     "check": "nvcore.auditing.audit",
     "gate": "nvcore.report.gate.run_gate",
-    "plan": "nvcore.evidence.planning.plan_study",
+    "plan": "nvcore.evidence.planning.plan_recordings",
     "report": "nvcore.report.html.write_html_report",
     "convert": "nvcore.inputs.conversion.convert",
     "sample": "nvcore.sample.generate",

@@ -12,7 +12,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import are_unequal
-from nvcore.evidence.planning import DEFAULT_KEY, PLAN_KEYS, Side, StudyPlan, plan_study
+from nvcore.evidence.planning import DEFAULT_KEY, PLAN_KEYS, Plan, Side, plan_recordings
 from nvcore.evidence.planning.pilot import MIN_PILOT
 from nvcore.evidence.planning.words import QUESTION, describe_plan
 from nvcore.evidence.units import RECORDINGS
@@ -51,7 +51,7 @@ class _Asked(NamedTuple):
 
 
 class _Answer(NamedTuple):
-    plan: StudyPlan
+    plan: Plan
     sentence: str  # for the verdict
 
 
@@ -166,6 +166,6 @@ def _answer(
     asked: _Asked,
     progress: Progress,
 ) -> _Answer:
-    plan = plan_study(result, **asked._asdict(), progress=part_of(progress, 0.0, 0.7))
+    plan = plan_recordings(result, **asked._asdict(), progress=part_of(progress, 0.0, 0.7))
     progress(0.7, "the verdict")
     return _Answer(plan, verdict_plan(result, evidence, companions))

@@ -15,8 +15,8 @@ from nvcore.evidence.planning.pilot import (
     make_pilot,
     plan_key,
 )
+from nvcore.evidence.planning.plan import POWER, Plan, PlanSize, plan_recordings
 from nvcore.evidence.planning.power import PowerPoint
-from nvcore.evidence.planning.study import POWER, StudyPlan, StudySize, plan_study
 from nvcore.evidence.planning.words import describe_plan, plan_sentence
 
 __all__ = [
@@ -26,16 +26,16 @@ __all__ = [
     "SIDES",
     "NonInferiority",
     "Pilot",
+    "Plan",
+    "PlanSize",
     "PowerPoint",
     "Side",
-    "StudyPlan",
-    "StudySize",
     "describe_plan",
     "judge_key",
     "judge_noninferiority",
     "make_pilot",
     "plan_key",
+    "plan_recordings",
     "plan_sentence",
-    "plan_study",
     "worse_at_most",
 ]

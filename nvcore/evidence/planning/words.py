@@ -9,7 +9,7 @@ from nvcore.evidence.measures import Evidence
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS, NonInferiority
 from nvcore.evidence.planning.pilot import MIN_PILOT
-from nvcore.evidence.planning.study import Assumption, StudyPlan, StudySize
+from nvcore.evidence.planning.plan import Assumption, Plan, PlanSize
 from nvcore.evidence.units import RECORDINGS
 from nvcore.measures import difference_text, evidence_form, size_text
 from nvcore.wording import capitalised, count_text, difference, duration_text, number, percent
@@ -35,7 +35,7 @@ FRESH: Final = (
 )
 
 
-def describe_plan(plan: StudyPlan) -> tuple[str, ...]:
+def describe_plan(plan: Plan) -> tuple[str, ...]:
     """What these recordings show, what they exclude, and how many would show more."""
     row = plan.evidence
     sentences = [_state(plan)]
@@ -53,7 +53,7 @@ def describe_plan(plan: StudyPlan) -> tuple[str, ...]:
     return tuple(sentences)
 
 
-def plan_sentence(plan: StudyPlan) -> str:
+def plan_sentence(plan: Plan) -> str:
     """The plan for the difference as found, for the verdict; empty if nothing can be said."""
     row, size = plan.evidence, plan.sizes[-1]
     excluded = "" if row.unit != RECORDINGS or math.isnan(row.low) else describe_excluded(row)
@@ -105,7 +105,7 @@ def describe_noninferiority(answer: NonInferiority, row: Evidence) -> str:
     return f"It is {outcome} {question}: by the 95 % interval, {candidate} is {limit}."
 
 
-def _state(plan: StudyPlan) -> str:
+def _state(plan: Plan) -> str:
     row = plan.evidence
     form = evidence_form(row.figure)
     values = ", ".join(f"{letter.upper()} {number(getattr(row, letter), form)}" for letter in "xy")
@@ -123,7 +123,7 @@ def _state(plan: StudyPlan) -> str:
     )
 
 
-def _size(plan: StudyPlan, size: StudySize) -> str:
+def _size(plan: Plan, size: PlanSize) -> str:
     key = plan.evidence.figure
     amount = difference_text(size.difference, key)
     condition = ""
@@ -150,7 +150,7 @@ def _size(plan: StudyPlan, size: StudySize) -> str:
     )
 
 
-def _extent(size: StudySize) -> str:
+def _extent(size: PlanSize) -> str:
     assert size.n_recordings is not None
     assert size.n_encounters is not None
     return (
@@ -159,7 +159,7 @@ def _extent(size: StudySize) -> str:
     )
 
 
-def _level(plan: StudyPlan) -> str:
+def _level(plan: Plan) -> str:
     if plan.noninferiority is not None:
         return (
             "A study shows it where the whole 95 % interval is on the better side of the margin: a "

@@ -18,7 +18,7 @@ from nvcore.detection.miss_rate import explain_few
 from nvcore.errors import InputError
 from nvcore.evidence.bootstrap import INTERVAL_RULE
 from nvcore.evidence.companions import Companions
-from nvcore.evidence.planning.study import StudyPlan
+from nvcore.evidence.planning.plan import Plan
 from nvcore.evidence.subgroups import ALL
 from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.figures.forest import forest_in_words, subgroup_forest
@@ -79,7 +79,7 @@ def planned_verdict(
     findings: Sequence[Any],
     evidence: pd.DataFrame,
     companions: Companions,
-    plans: Mapping[str, StudyPlan],
+    plans: Mapping[str, Plan],
 ) -> Verdict:
     """What the comparison supports, and how many recordings would show more.
 

@@ -11,7 +11,7 @@ from nvcore.comparison import Result
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.pilot import MIN_PILOT, PLAN_KEYS
-from nvcore.evidence.planning.study import POWER, StudyPlan, StudySize, plan_study
+from nvcore.evidence.planning.plan import POWER, Plan, PlanSize, plan_recordings
 from nvcore.evidence.planning.words import (
     FRESH,
     OPTIMISTIC,
@@ -42,7 +42,7 @@ HEAD: Final = (
 
 def plan_measures(
     result: Result, evidence: pd.DataFrame, protocol: Protocol, *, progress: Progress
-) -> dict[str, StudyPlan]:
+) -> dict[str, Plan]:
     """A plan for each measure of which no difference is shown, by key; empty without a pilot.
 
     Parameters
@@ -64,7 +64,7 @@ def plan_measures(
     ]
     n = len(not_shown)
     return {
-        key: plan_study(
+        key: plan_recordings(
             *(result, name),
             protocol=protocol,
             evidence=row,
@@ -78,7 +78,7 @@ def _has_pilot(evidence: pd.DataFrame) -> bool:
     return bool((evidence["unit"] == RECORDINGS).any())
 
 
-def plan_section(result: Result, evidence: pd.DataFrame, plans: Mapping[str, StudyPlan]) -> Section:
+def plan_section(result: Result, evidence: pd.DataFrame, plans: Mapping[str, Plan]) -> Section:
     """A row for each plan, or why there is none.
 
     Parameters
@@ -107,7 +107,7 @@ def plan_section(result: Result, evidence: pd.DataFrame, plans: Mapping[str, Stu
     return Section("plan", QUESTION.rstrip("?"), words.PLAN, tuple(blocks))
 
 
-def _row(plan: StudyPlan) -> tuple[str, ...]:
+def _row(plan: Plan) -> tuple[str, ...]:
     key, row, (size,) = plan.evidence.figure, plan.evidence, plan.sizes
     texts = [
         difference(value, 0, evidence_form(key)) for value in (row.difference, row.low, row.high)
@@ -117,7 +117,7 @@ def _row(plan: StudyPlan) -> tuple[str, ...]:
     return (row.label, *texts, *_size(size))
 
 
-def _size(size: StudySize) -> tuple[str, ...]:
+def _size(size: PlanSize) -> tuple[str, ...]:
     return (
         f"{size.n_recordings:,}",
         f"{size.least_recordings:,} to {size.most_recordings:,}",
@@ -126,7 +126,7 @@ def _size(size: StudySize) -> tuple[str, ...]:
     )
 
 
-def _reasons(plans: Iterable[StudyPlan]) -> str:
+def _reasons(plans: Iterable[Plan]) -> str:
     """Why measures have no size."""
     return " ".join(
         f"{capitalised(plan.evidence.label)}: {plan.sizes[0].reason}."

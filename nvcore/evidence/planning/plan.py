@@ -50,7 +50,7 @@ Assumption = Literal["as found", "as named", "equal"]
 
 
 @dataclass(frozen=True)
-class StudySize:
+class PlanSize:
     """How large a study has to be if the true difference is this one.
 
     Attributes
@@ -88,7 +88,7 @@ class StudySize:
 
 
 @dataclass(frozen=True)
-class StudyPlan:
+class Plan:
     """What these recordings show of a measure, and how many would show more.
 
     Attributes
@@ -116,7 +116,7 @@ class StudyPlan:
     duration_s: float
     power: float
     n_tests: int
-    sizes: tuple[StudySize, ...]
+    sizes: tuple[PlanSize, ...]
     n_differing: int | None = None
     is_unequal: bool = False
     noninferiority: NonInferiority | None = None
@@ -164,7 +164,7 @@ CURVE_COLUMNS: Final = (
 )
 
 
-def plan_study(
+def plan_recordings(
     result: Result,
     measure: str = DEFAULT_KEY,
     *,
@@ -177,7 +177,7 @@ def plan_study(
     units: Units | None = None,
     evidence: Evidence | None = None,
     progress: Progress = no_progress,
-) -> StudyPlan:
+) -> Plan:
     """How many recordings like these would show a difference, or non-inferiority.
 
     Parameters
@@ -209,7 +209,7 @@ def plan_study(
 
     Examples
     --------
-    >>> plan_study(result, difference=0.03).sizes[0].n_recordings  # doctest: +SKIP
+    >>> plan_recordings(result, difference=0.03).sizes[0].n_recordings  # doctest: +SKIP
     212
     """
     key = plan_key(measure)
@@ -219,7 +219,7 @@ def plan_study(
         evidence = judge_key(result, key, protocol=protocol, units=units)
     pilot, why_not = make_pilot(result, key, protocol=protocol, units=units)
     is_unequal = is_undecided(result, key)
-    plan = StudyPlan(
+    plan = Plan(
         evidence=evidence,
         n_encounters=result.venn.n_near,
         duration_s=result.duration_s,
@@ -244,7 +244,7 @@ def plan_study(
             assumed.insert(0, ("as named", named))
         of_size = partial(_difference_size, level=plan.level)
     if pilot is None:
-        return replace(plan, sizes=tuple(StudySize(*size, reason=why_not) for size in assumed))
+        return replace(plan, sizes=tuple(PlanSize(*size, reason=why_not) for size in assumed))
     sizes = [
         of_size(
             pilot,
@@ -301,8 +301,8 @@ def _difference_size(
     level: float,
     target: float,
     progress: Progress,
-) -> StudySize:
-    size = StudySize(assumption, difference)
+) -> PlanSize:
+    size = PlanSize(assumption, difference)
     if difference == 0:
         return replace(size, reason="X and Y are equal in these recordings: name a difference")
     return _sized(
@@ -325,8 +325,8 @@ def _noninferiority_size(
     sign: int,
     target: float,
     progress: Progress,
-) -> StudySize:
-    size = StudySize(assumption, difference)
+) -> PlanSize:
+    size = PlanSize(assumption, difference)
     distance = sign * difference + margin
     if distance <= 0:
         reason = "the candidate is then worse by the margin or more: no study shows that it is not"
@@ -346,14 +346,14 @@ def _noninferiority_size(
 
 def _sized(
     pilot: Pilot,
-    size: StudySize,
+    size: PlanSize,
     count: Callable[[int, int], int],
     *,
     guess: float,
     least: int,
     target: float,
     progress: Progress,
-) -> StudySize:
+) -> PlanSize:
     length = find_length(count, guess=guess, least=least, target=target, progress=progress)
     n = length.n_recordings
     if n is None:
