@@ -22,7 +22,7 @@ from nvcore.detection.miss_rate import log_average_miss_rate
 from nvcore.detectors.registry import SAMPLE_MODEL
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
-from nvcore.sample.camera import N_FRAMES
+from tools.sample.camera import N_FRAMES
 
 SESSION: Final = Path(__file__).resolve().parents[1] / "sample_data" / "session.toml"
 TRAINED: Final = (

@@ -45,6 +45,7 @@ def test_the_wheel_has_the_whole_dashboard(wheel: Installed):
         ("gate", "{}/session.toml", "--rule", "encounters == 38"),
         ("plan", "{}/session.toml", "--measure", "mean_similarity"),
         ("convert", "{}/truth.csv", "truth.json", "--to", "coco", "--size", "640x480"),
+        ("sample", "copied"),
     ],
     ids=lambda arguments: arguments[0],
 )
@@ -57,7 +58,6 @@ def test_the_light_core_is_enough_for(arguments: tuple[str, ...], wheel: Install
     ("arguments", "told"),
     [
         (("report", "{}/session.toml"), f"the HTML report needs {MISSING}[report]'"),
-        (("sample", "drawn"), f"drawing the sample recordings needs {MISSING}[report]'"),
         (("app",), f"the dashboard needs {MISSING}[app]'"),
         (
             ("detect", "{}/session.toml", "--detector", "hog", "--out", "hog"),
@@ -73,7 +73,7 @@ def test_the_light_core_is_enough_for(arguments: tuple[str, ...], wheel: Install
             f"nvcore driver train needs {MISSING}[driver]'",
         ),
     ],
-    ids=["report", "sample", "app", "detect", "train", "models", "driver train"],
+    ids=["report", "app", "detect", "train", "models", "driver train"],
 )
 def test_the_light_core_names_the_extra_for(
     arguments: tuple[str, ...], told: str, wheel: Installed

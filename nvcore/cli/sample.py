@@ -1,4 +1,4 @@
-"""``nvcore sample``: the sample recordings, generated again."""
+"""``nvcore sample``: a copy of the sample recordings."""
 
 from __future__ import annotations
 
@@ -6,30 +6,30 @@ from pathlib import Path
 
 import click
 
+from nvcore.cli.app import dashboard
 from nvcore.cli.options import examples
 from nvcore.errors import InputError
-from nvcore.extras import needs
 from nvcore.wording import one_line
 
 
 @click.command(
-    short_help="Generate the sample recordings again.",
-    epilog=examples("nvcore sample somewhere/else"),
+    short_help="Copy the sample recordings.", epilog=examples("nvcore sample somewhere/else")
 )
 @click.argument("folder", default="sample_data", type=click.Path(file_okay=False, path_type=Path))
 def sample(folder: Path) -> None:
-    """Generate the sample recordings again, into FOLDER (default: sample_data)."""
-    with needs("report", "drawing the sample recordings needs"):
-        from nvcore.sample import generate
+    """Copy the sample recordings into FOLDER (default: sample_data).
 
-    def tell(share: float, name: str) -> None:
-        if name:
-            click.echo(f"{share:4.0%} {name}", err=True)
-
+    Files of the same names are replaced.
+    """
+    source = dashboard() / "sample_data"
+    if folder.resolve() == source:
+        raise InputError("is the folder that would be copied; give another one", file=folder)
+    files = [path for path in source.rglob("*") if path.is_file()]
     try:
-        generate(folder, progress=tell)
-    except BrokenPipeError:  # by who reads the progress
-        raise
+        for path in files:
+            copy = folder / path.relative_to(source)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.write_bytes(path.read_bytes())
     except OSError as error:
         raise InputError(f"cannot be written ({error.strerror})", file=folder) from error
     click.echo(one_line(f"written to {folder}"), err=True)

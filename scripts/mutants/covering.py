@@ -23,7 +23,7 @@ from scripts.mutants.trial import ROOT, file_of, make_workers, record_file
 LEFT_OUT = (
     "tests/ui", "tests/e2e", "tests/scripts", "tests/helpers",
     "tests/report/html", "tests/stability", "tests/people", "tests/ratings", "tests/driver/study",
-    "tests/sample",
+    "tests/tools",
 )  # fmt: skip
 """Tests far from the lines, which take minutes without compiled functions: a mutant that they alone
 would notice counts as survived."""

@@ -7,9 +7,7 @@ from pathlib import Path
 
 import pytest
 from inputs import FACTS, drive, mot_layout, nvcore, write
-from places import DATA
-
-import nvcore.sample as nvcore_sample
+from places import DATA, ROOT, SAMPLE
 
 TRUTH = DATA / "csv" / "truth.csv"
 """Of the recordings urban and rural."""
@@ -280,15 +278,22 @@ def test_an_output_that_cannot_be_written_gives_exit_code_2(
     assert "cannot be written" in result.stderr
 
 
-def test_sample_tells_its_progress_and_where_it_wrote(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
-    def generate(folder: Path, *, progress) -> None:
-        progress(0.25, "urban")
-        progress(1.0, "")
-        write(folder / "truth.csv", "frame")
+def test_sample_copies_every_file_and_over_older_ones(tmp_path: Path):
+    target = tmp_path / "night" / "s"
+    write(target / "truth.csv", "old")
+    result = nvcore("sample", target)
+    assert (result.exit_code, result.stdout) == (0, "")
+    assert result.stderr == f"written to {target}\n"
+    assert contents(target) == contents(SAMPLE.parent)
 
-    monkeypatch.setattr(nvcore_sample, "generate", generate)
-    result = nvcore("sample", tmp_path / "s")
-    assert result.stderr == f" 25% urban\nwritten to {tmp_path / 's'}\n"
-    assert (tmp_path / "s" / "truth.csv").exists()
+
+def contents(folder: Path) -> dict[Path, bytes]:
+    files = (path for path in folder.rglob("*") if path.is_file())
+    return {path.relative_to(folder): path.read_bytes() for path in files}
+
+
+def test_sample_does_not_copy_a_folder_onto_itself(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(ROOT)
+    result = nvcore("sample")
+    assert result.exit_code == 2
+    assert "sample_data: is the folder that would be copied; give another one" in result.stderr

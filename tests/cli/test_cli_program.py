@@ -104,7 +104,7 @@ WORK = {
     "plan": "nvcore.evidence.planning.plan_recordings",
     "report": "nvcore.report.html.write_html_report",
     "convert": "nvcore.inputs.conversion.convert",
-    "sample": "nvcore.sample.generate",
+    "sample": "pathlib.Path.rglob",
     "app": "streamlit.web.cli.main",
 }
 """What each command does its work by."""

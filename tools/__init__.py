@@ -1,0 +1,1 @@
+"""Tools that make what ships, and do not ship themselves; run from the project's folder."""
