@@ -54,7 +54,7 @@ def test_the_pages_are_linked_from_the_readme():
     assert {ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")} <= linked
 
 
-def test_every_decision_is_in_the_list_of_decisions():
+def test_every_decision_is_in_the_list_of_decisions_in_order():
     folder = ROOT / "docs" / "decisions"
-    linked = set(relative_links(folder / "README.md"))
-    assert linked >= {page.name for page in folder.glob("[0-9]*.md")}
+    linked = [link for link in relative_links(folder / "README.md") if link[0].isdigit()]
+    assert linked == sorted(page.name for page in folder.glob("[0-9]*.md"))
