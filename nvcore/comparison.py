@@ -9,12 +9,10 @@ from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
-import pandas as pd
 
 from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
-from nvcore.metrics.driver import DriverView, judge_driver, weigh_unseen
 from nvcore.metrics.encounters import Encounters, encounters_of, mostly_one_frame
 from nvcore.metrics.fusion import fuse
 from nvcore.metrics.linking import TruthTracks
@@ -28,7 +26,6 @@ from nvcore.metrics.proximity.borrowing import (
 )
 from nvcore.metrics.saliency import saliency_by_recording
 from nvcore.metrics.severity import cost_of_miss
-from nvcore.metrics.time_left import Contact, curve_over_speed, find_urgent, measure_contact
 from nvcore.metrics.venn import (
     MIN_DISCORDANT,
     BoxVenn,
@@ -42,21 +39,78 @@ from nvcore.metrics.venn import (
 from nvcore.objects import Objects
 from nvcore.palette import Scheme, Shade, scheme_for
 from nvcore.params import Params
-from nvcore.params.metadata import (
-    CONTACT,
-    COST,
-    DRIVER,
-    ENCOUNTERS,
-    MATCH,
-    PROXIMITY,
-    UNSEEN,
-    URGENCY,
+from nvcore.params.metadata import COST, ENCOUNTERS, MATCH, MISS_WEIGHTS, PROXIMITY
+from nvcore.schema import Category, DetectionState
+from nvcore.scoring import (
+    Inputs,
+    Made,
+    Memo,
+    Step,
+    SystemInputs,
+    SystemResult,
+    score_system,
+    steps_of,
+    weigh_misses,
 )
-from nvcore.schema import Category, DetectionState, Urgency
-from nvcore.scoring import Memo, SystemResult, score_system
+from nvcore.subjects import resolve, subjects
 
 LEAST_FOR_THREADS: Final = 5_000
 """With fewer boxes, starting threads takes longer than scoring the systems one after the other."""
+
+
+TRUTH_STEPS: Final[tuple[Step, ...]] = (
+    Step("n_truth", lambda at: count_per_frame(at.truth, ~at.truth.ignore), of="truth"),
+    Step(
+        "k_truth",
+        lambda at: weigh_proximity(
+            weighing_truth(at.dataset, at.params), ~at.truth.ignore, at.frames, at.params
+        ),
+        (PROXIMITY,),
+        of="truth",
+    ),
+    Step(
+        "k_miss",
+        lambda at, k_truth: weigh_misses(k_truth.k, at.dataset, at.params),
+        (MISS_WEIGHTS,),
+        ("k_truth",),
+        of="truth",
+    ),
+    Step(
+        "cost",
+        lambda at, k_miss: cost_of_miss(
+            at.truth, k_miss, at.frames, in_use(at.params, "edge_weight", at.frames)
+        ),
+        (COST,),
+        ("k_miss",),
+        of="truth",
+    ),
+)
+BOTH_STEPS: Final[tuple[Step, ...]] = (
+    Step(
+        "category",
+        lambda _, outcomes: categorise(
+            outcomes[0]["n_relevant"].to_numpy() == 0,
+            *(table["is_detected"].to_numpy() for table in outcomes),
+        ),
+        (ENCOUNTERS,),
+        ("encounters",),
+        of="both",
+    ),
+    Step(
+        "venn", lambda _, category: count_categories(category), (ENCOUNTERS,), ("category",), "both"
+    ),
+    Step(
+        "exclusivity", lambda _, venn: measure_exclusivity(venn), (ENCOUNTERS,), ("venn",), "both"
+    ),
+    Step(
+        "boxes",
+        lambda at, matches: count_boxes(~at.truth.ignore, *(of.is_matched for of in matches)),
+        (MATCH,),
+        ("matches",),
+        of="both",
+    ),
+)
+"""The core's own steps; those of subjects and of each system are in `nvcore.scoring`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,22 +130,19 @@ class Result:
     k_truth
         Proximity weight of every truth box.
     k_miss
-        What missing each truth box weighs: its proximity weight, less where the driver sees it by
-        himself if `driver_weighting` says so (`nvcore.metrics.driver.weigh_unseen`).
+        What missing each truth box weighs: its proximity weight, and what subjects make of it
+        (`nvcore.scoring.weigh_misses`).
     cost
         What missing each truth box would cost (`nvcore.metrics.severity.cost_of_miss`).
-    contact
-        Time to contact of every truth box (`nvcore.metrics.time_left.measure_contact`).
-    urgency
-        Whether and when each encounter becomes urgent (`nvcore.metrics.time_left.find_urgent`).
-    detectable
-        How detectable each encounter is to the driver (`nvcore.metrics.driver.judge_driver`).
     category
         Venn category of every encounter; object, shape (n_encounters,).
     venn, exclusivity, boxes
         Counts of encounters, how exclusive the misses are, counts of boxes.
     duration_s
         Recording time of all recordings.
+    made
+        What the steps about the truth and about both systems made, those of subjects too, by the
+        step's name; those about a system are its own (`SystemResult.made`).
     stages
         What `compare` can reuse when only some settings change.
     """
@@ -105,16 +156,25 @@ class Result:
     k_truth: Weights
     k_miss: np.ndarray
     cost: np.ndarray
-    contact: Contact
-    urgency: pd.DataFrame
-    detectable: pd.DataFrame
     n_truth: np.ndarray
     category: np.ndarray
     venn: Venn
     exclusivity: Exclusivity
     boxes: BoxVenn
     duration_s: float
+    made: Mapping[str, Any] = field(repr=False)
     stages: Mapping[tuple[Any, ...], Any] = field(repr=False)
+    _views: dict[str, Any] = field(init=False, repr=False, default_factory=dict)
+
+    def of(self, subject: str) -> Any:
+        """What a subject makes of the comparison, such as ``result.of("time_left")``.
+
+        Its type is the subject's `view`; each subject has a function that says so to type checkers.
+        """
+        if subject not in self._views:
+            package, known = subjects()[subject]
+            self._views[subject] = resolve(package, known.view)(self)
+        return self._views[subject]
 
     @property
     def sides(self) -> tuple[tuple[str, SystemResult], tuple[str, SystemResult]]:
@@ -181,43 +241,6 @@ class Result:
         return {kind: float(severity_s[self.category == kind.value].sum()) for kind in Category}
 
     @cached_property
-    def is_urgent(self) -> np.ndarray:
-        """Encounters in which the driver had to be told in time; bool, shape (n_encounters,)."""
-        urgent: np.ndarray = self.urgency["urgency"].to_numpy() == Urgency.URGENT.value
-        return urgent
-
-    def count_urgency(self) -> dict[Urgency, int]:
-        """Encounters of each urgency."""
-        return {kind: int((self.urgency["urgency"] == kind.value).sum()) for kind in Urgency}
-
-    @cached_property
-    def driver(self) -> DriverView:
-        """Whom the driver sees by himself, beside X and Y."""
-        is_near = self.category != Category.DISTANT.value
-        detected = (system.encounters["is_detected"].to_numpy() for _, system in self.sides)
-        return DriverView(self.detectable, is_near, *detected)
-
-    @property
-    def has_assumed_speed(self) -> np.ndarray:
-        """Recordings that do not state the car's speed; bool, shape (n_recordings,)."""
-        is_assumed: np.ndarray = np.isnan(self.dataset.frame_columns.speed_kmh)
-        return is_assumed
-
-    @property
-    def assumed_speed_kmh(self) -> float | None:
-        """The speed that all recordings are assumed to have; None: some state their own."""
-        return float(self.params.speed_kmh) if self.has_assumed_speed.all() else None
-
-    @cached_property
-    def over_speed(self) -> pd.DataFrame:
-        """Time left of both over the car's speed (`nvcore.metrics.time_left.curve_over_speed`)."""
-        return curve_over_speed(
-            *(self.contact, self.dataset.truth, self.encounters),
-            [system.confirmed for _, system in self.sides],
-            *(self.dataset.frame_columns, self.params),
-        )
-
-    @cached_property
     def fusion(self) -> Result:
         """The fused systems: ``X or Y`` as `x`, ``X and Y`` as `y`."""
         fused = fuse(
@@ -270,71 +293,32 @@ def compare(
     names = _pick(dataset, x, y)
     params = dataset.params_of(*names) if params is None else params
     is_same = previous is not None and _same_numbers(previous.dataset, dataset)
-    previous_stages = previous.stages if previous is not None and is_same else {}
-    memo = Memo(params, previous_stages)
-    truth, frames = dataset.truth, dataset.frame_columns
+    memo = Memo(params, previous.stages if previous is not None and is_same else {})
     tracks, encounters = encounters_of(dataset)
-    n_truth = memo.get("n_truth", lambda: count_per_frame(truth, ~truth.ignore))
-    k_truth = memo.get(
-        "k_truth",
-        lambda: weigh_proximity(weighing_truth(dataset, params), ~truth.ignore, frames, params),
-        PROXIMITY,
-    )
-    k_miss = memo.get(
-        "k_miss", lambda: weigh_unseen(k_truth.k, dataset.detectability, params), UNSEEN
-    )
-    cost = memo.get(
-        "cost",
-        lambda: cost_of_miss(truth, k_miss, frames, in_use(params, "edge_weight", frames)),
-        COST,
-    )
-    detectable = memo.get(
-        "detectable",
-        lambda: judge_driver(dataset.detectability, encounters, k_truth.k, params),
-        DRIVER,
-    )
-    contact = memo.get(
-        "contact",
-        lambda: measure_contact(
-            *(truth, encounters, frames),
-            ttc_window=params.ttc_window,
-            is_on_road=dataset.objects.is_on_road,
-        ),
-        CONTACT,
-    )
-    urgency = memo.get(
-        "urgency", lambda: find_urgent(contact, truth, encounters, frames, params), URGENCY
-    )
-    shared = (dataset, params, tracks, encounters, k_truth, k_miss, cost, contact, urgency)
-    pairs = list(zip(names, (params.threshold_x, params.threshold_y), strict=True))
+    at = Inputs(dataset, params, tracks, encounters)
+    truth = Made(steps_of("truth", TRUTH_STEPS), at, memo)
+    made = dict(truth)  # by now: X and Y need it at the same time
+    # by number: a system that is called otherwise is still the same
+    owners = [
+        (dataset.systems.index(name), threshold)
+        for name, threshold in zip(names, (params.threshold_x, params.threshold_y), strict=True)
+    ]
 
-    def score(pair: tuple[str, float | None]) -> SystemResult:
-        name, threshold = pair
-        return score_system(name, threshold, *shared, memo)
+    def score(name: str, owner: tuple[int, float | None]) -> SystemResult:
+        inputs = SystemInputs(dataset, params, tracks, encounters, name, owner[1])
+        return score_system(inputs, truth, memo, owner)
 
     if len(dataset.boxes) < LEAST_FOR_THREADS:
-        result_x, result_y = map(score, pairs)
+        result_x, result_y = map(score, names, owners)
     else:  # numpy and the kernels release the lock: the two systems run side by side
         with ThreadPoolExecutor(2) as pool:
-            result_x, result_y = pool.map(score, pairs)
-    # by number: a system that is called otherwise is still the same
-    numbered = [(dataset.systems.index(name), threshold) for name, threshold in pairs]
-    category = memo.get(
-        ("category", *numbered),
-        lambda: categorise(
-            result_x.encounters["n_relevant"].to_numpy() == 0,
-            result_x.encounters["is_detected"].to_numpy(),
-            result_y.encounters["is_detected"].to_numpy(),
-        ),
-        ENCOUNTERS,
-    )
-    venn = memo.get(("venn", *numbered), lambda: count_categories(category), ENCOUNTERS)
-    boxes = memo.get(
-        ("boxes", *numbered),
-        lambda: count_boxes(
-            ~truth.ignore, result_x.matches.is_matched, result_y.matches.is_matched
-        ),
-        MATCH,
+            result_x, result_y = pool.map(score, names, owners)
+
+    def of_systems(name: str) -> Any:
+        return made[name] if name in made else (result_x.made[name], result_y.made[name])
+
+    both = dict(
+        Made(steps_of("both", BOTH_STEPS), at, memo, owner=tuple(owners), before=of_systems)
     )
     return Result(
         dataset=dataset,
@@ -343,18 +327,10 @@ def compare(
         y=result_y,
         tracks=tracks,
         encounters=encounters,
-        k_truth=k_truth,
-        k_miss=k_miss,
-        cost=cost,
-        contact=contact,
-        urgency=urgency,
-        detectable=detectable,
-        n_truth=n_truth,
-        category=category,
-        venn=venn,
-        exclusivity=measure_exclusivity(venn),
-        boxes=boxes,
-        duration_s=frames.duration_s,
+        duration_s=dataset.frame_columns.duration_s,
+        **{step.name: made[step.name] for step in TRUTH_STEPS},
+        **{step.name: both[step.name] for step in BOTH_STEPS},
+        made=made | both,
         stages=memo.used,
     )
 

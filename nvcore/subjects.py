@@ -19,7 +19,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any, Final, Protocol, TypeVar
 
-SUBJECTS: Final[tuple[str, ...]] = ("nvcore.driver", "nvcore.ratings")
+SUBJECTS: Final[tuple[str, ...]] = ("nvcore.time_left", "nvcore.driver", "nvcore.ratings")
 """The packages of the subjects, in the order in which what they add is listed."""
 
 
@@ -38,7 +38,13 @@ class Subject:
     steps
         Steps of the comparison (`nvcore.scoring.step.Step`).
     view
-        Class of what `Result.of` returns; it is made of the result.
+        Class (or function) of what `Result.of` returns; it is made of the result.
+    miss_weights
+        Function that says by what the weight of missing each pedestrian is multiplied
+        (`nvcore.scoring.weigh_misses`).
+    restrict
+        Function that makes only some encounters count: from what the steps made and which
+        encounters these are (bool, shape (n_encounters,)) to what is made otherwise.
     measures
         Entries of `nvcore.measures.MEASURES`.
     columns, entries
@@ -70,6 +76,8 @@ class Subject:
     results: str = ""
     steps: str = ""
     view: str = ""
+    miss_weights: str = ""
+    restrict: str = ""
     measures: str = ""
     columns: str = ""
     entries: str = ""

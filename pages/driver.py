@@ -3,6 +3,7 @@
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.report.verdict.driver import describe_counts, describe_doubt, describe_view
 from ui.driver import course, listed, missing, regions, run, threshold
 from ui.jobs.companions import choose_comparison, wait_for_equal_alarms
@@ -22,7 +23,7 @@ def draw(result: Result) -> None:
         )
     )
     run.draw_notes()
-    if not result.driver.has_any:
+    if not driver_in(result).has_any:
         missing.draw()
         run.draw(is_known=False)
         missing.draw_commands()

@@ -3,6 +3,7 @@
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.time_left.steps import time_left_in
 from ui.session import state
 from ui.shell.messages import draw_as_set_note, draw_warnings, needs_comparison
 from ui.time_left import approaches, listed, numbers, speeds
@@ -32,11 +33,11 @@ def draw(result: Result) -> None:
     draw_warnings(result)
     draw_as_set_note(result)
     numbers.draw(result)
-    if result.is_urgent.any():
+    if time_left_in(result).is_urgent.any():
         urgent = approaches.urgent_of(result)
         approaches.draw(result, urgent)
     speeds.draw(result)
-    if result.is_urgent.any():
+    if time_left_in(result).is_urgent.any():
         st.header("One by one")
         approaches.draw_margins(result, urgent)
         listed.draw(urgent)

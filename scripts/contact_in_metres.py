@@ -29,9 +29,10 @@ from nvcore.figures.style import LOOK, LOSS_COLOURS, axis, layout
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.metrics.encounters import find_encounters
-from nvcore.metrics.time_left import KMH, find_urgent, measure_contact
 from nvcore.params import Params
 from nvcore.schema import Urgency
+from nvcore.time_left.judging import KMH, find_urgent, measure_contact
+from nvcore.time_left.steps import time_left_in
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "validation.md"
@@ -157,7 +158,7 @@ def measure_boxes(result: Result) -> pd.DataFrame:
             "relative_height": drawn_px / truth.h,
             "is_missed_x": ~result.x.matches.is_matched,
             "is_missed_y": ~result.y.matches.is_matched,
-            "metres": result.contact.ttc_s,
+            "metres": time_left_in(result).contact.ttc_s,
             **contacts,
             "drawn": drawn,
         }
@@ -230,12 +231,12 @@ def ratio_table(boxes: pd.DataFrame) -> str:
 def urgency_table(result: Result, boxes: pd.DataFrame) -> str:
     """Encounters by their urgency by metres, and how many have the same one by heights."""
     truth, frames = result.dataset.truth, result.dataset.frame_columns
-    by_metres = result.urgency["urgency"]
+    by_metres = time_left_in(result).urgency["urgency"]
     classes = {}
     for way in ("heights", "drawn"):
         ttc_s = np.full(len(truth), np.nan)
         ttc_s[boxes.index] = boxes[way]
-        contact = replace(result.contact, ttc_s=ttc_s)
+        contact = replace(time_left_in(result).contact, ttc_s=ttc_s)
         urgency = find_urgent(contact, truth, result.encounters, frames, result.params)
         classes[way] = urgency["urgency"]
     kinds = [kind.value for kind in Urgency if (by_metres == kind.value).any()]

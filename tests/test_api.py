@@ -248,7 +248,7 @@ def test_the_rest_passes_through_to_the_result(sample: Comparison):
     for name in ("dataset", "x", "y", "params", "venn", "exclusivity", "boxes", "duration_s"):
         assert getattr(sample, name) is getattr(sample.result, name)
     assert sample.fusion is sample.result.fusion
-    assert sample.over_speed is sample.result.over_speed
+    assert sample.of("time_left") is sample.result.of("time_left")
     assert np.array_equal(sample.lead_time_s, sample.result.lead_time_s, equal_nan=True)
 
 

@@ -14,20 +14,20 @@ from scenes import draw_scene
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
+from nvcore.driver.comparison.settings import DRIVER
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.errors import InputError
 from nvcore.measures import MEASURES, Measure
 from nvcore.metrics import kernels
 from nvcore.params import SETTINGS, Params, settings_for
 from nvcore.params.metadata import (
-    CONFIRMED,
-    CONTACT,
     COST,
     DISTANCES,
-    DRIVER,
     ENCOUNTERS,
     EVENTS,
     LOW,
     MATCH,
+    MISS_WEIGHTS,
     NEAREST,
     PROXIMITY,
     SALIENCY,
@@ -35,11 +35,10 @@ from nvcore.params.metadata import (
     SEVERITY,
     SIMILARITY,
     THRESHOLD,
-    TIME_LEFT,
-    UNSEEN,
-    URGENCY,
     Stage,
 )
+from nvcore.time_left.settings import CONFIRMED, CONTACT, TIME_LEFT, URGENCY
+from nvcore.time_left.steps import confirmed_by, time_left_in, time_left_of
 
 PARTS: dict[str, tuple[Stage, ...]] = {
     "matches": (MATCH,),
@@ -73,7 +72,7 @@ MADE_BY: dict[Stage, set[str]] = {
     CONTACT: {"ttc_s"},
     URGENCY: {"urgency"},
     CONFIRMED: {"x confirmed"},
-    UNSEEN: {"k_miss"},
+    MISS_WEIGHTS: {"k_miss"},
     DRIVER: {"detectable"},
 }
 """What a setting of a stage changes first: one of these at least."""
@@ -106,8 +105,9 @@ def figures(result: Result) -> dict[str, Any]:
     found: dict[str, Any] = {
         "venn": result.venn, "exclusivity": result.exclusivity, "boxes": result.boxes,
         "category": result.category, "k_truth": result.k_truth.k, "n_truth": result.n_truth,
-        "k_miss": result.k_miss, "detectable": result.detectable,
-        "cost": result.cost, "ttc_s": result.contact.ttc_s, "urgency": result.urgency,
+        "k_miss": result.k_miss, "detectable": driver_in(result).table,
+        "cost": result.cost, "ttc_s": time_left_in(result).contact.ttc_s,
+        "urgency": time_left_in(result).urgency,
         "track": result.tracks.track, "lead": result.lead_time_s, "duration": result.duration_s,
         "without_distance": result.k_truth.n_without_distance,
     }  # fmt: skip
@@ -119,9 +119,10 @@ def figures(result: Result) -> dict[str, Any]:
                 found[f"{letter} {part} {name}"] = value
         for name in ("similarity", "similarity_window", "salient_row", "n_det", "matched",
                      "false_alarms", "events", "encounters", "failures", "episodes", "intervals",
-                     "confirmed", "time_left",
                      "summary", "false_alarm_summary", "saliency_s"):  # fmt: skip
             found[f"{letter} {name}"] = getattr(system, name)
+        found[f"{letter} confirmed"] = confirmed_by(system)
+        found[f"{letter} time_left"] = time_left_of(system)
     return found
 
 
@@ -183,7 +184,7 @@ def test_a_parameter_leaves_the_stages_before_its_own_as_they_were(
     assert not differing(result, compare(busy, after))
     for letter in "xy":
         here, there = getattr(result, letter), getattr(previous, letter)
-        taken_over = {part for part in PARTS if getattr(here, part) is getattr(there, part)}
+        taken_over = {part for part in PARTS if here.made[part] is there.made[part]}
         assert taken_over == {
             part for part, stages in PARTS.items() if name not in depends_on(stages, letter)
         }

@@ -157,7 +157,7 @@ def test_what_is_about_the_road_is_left_out_of_signs():
     dataset = nv.load(SAMPLE).with_settings(Settings(x="FIR", y="NIR", objects=SPEED_SIGN))
     assert estimate_horizons(dataset) == (None,) * len(dataset.recordings)
     assert classes_of(dataset).members == {}
-    counts = nv.compare(dataset).result.count_urgency()
+    counts = nv.compare(dataset).time_left_in(result).count_urgency()
     assert counts[Urgency.UNKNOWN] == sum(counts.values())
 
 

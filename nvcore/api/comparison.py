@@ -26,7 +26,6 @@ from nvcore.extras import needs
 from nvcore.findings import Finding, worst_first
 from nvcore.inputs.session import Session
 from nvcore.measures import MeasureTable
-from nvcore.metrics.driver import DriverView
 from nvcore.metrics.venn import BoxVenn, Exclusivity, Venn
 from nvcore.params import Params
 from nvcore.protocols import Protocol
@@ -114,10 +113,9 @@ class Comparison:
         """Boxes of the truth by who matches them."""
         return self.result.boxes
 
-    @property
-    def driver(self) -> DriverView:
-        """Whom the driver sees by himself, beside X and Y, where detectability is known."""
-        return self.result.driver
+    def of(self, subject: str) -> Any:
+        """What a subject makes of it: ``comparison.of("time_left").over_speed``."""
+        return self.result.of(subject)
 
     @property
     def duration_s(self) -> float:
@@ -133,11 +131,6 @@ class Comparison:
     def fusion(self) -> Result:
         """The fused systems: ``X or Y`` as `x`, ``X and Y`` as `y`."""
         return self.result.fusion
-
-    @property
-    def over_speed(self) -> pd.DataFrame:
-        """Time left of both over the speed of the car, a row for each from 10 to 130 km/h."""
-        return self.result.over_speed
 
     @cached_property
     def frames(self) -> pd.DataFrame:

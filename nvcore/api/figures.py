@@ -49,6 +49,7 @@ from nvcore.tables.encounters.time_left import urgent_encounters
 from nvcore.tables.encounters.weightings import compare_weightings
 from nvcore.tables.loss_strip import loss_strip
 from nvcore.tables.result import encounters_table, recordings_table
+from nvcore.time_left.steps import time_left_in
 from nvcore.wording import MOST_NAMED, did_you_mean, listed
 
 if TYPE_CHECKING:
@@ -194,9 +195,9 @@ class Figures:
             ``"share_in_time"`` or ``"mean_impact_kmh"``.
         """
         return over_speed_plot(
-            self._result.over_speed,
+            time_left_in(self._result).over_speed,
             self._names,
-            speed_kmh=self._result.assumed_speed_kmh,
+            speed_kmh=time_left_in(self._result).assumed_speed_kmh,
             theme=self._theme,
             measure=measure,
         )

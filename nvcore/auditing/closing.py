@@ -10,9 +10,9 @@ from nvcore.auditing.cases import spelled
 from nvcore.dataset import Dataset
 from nvcore.findings import TRUTH_NAME, Cases, Finding, Severity
 from nvcore.metrics.encounters import encounters_of
-from nvcore.metrics.time_left import KMH
 from nvcore.params import Params
 from nvcore.schema import NO_TRACK
+from nvcore.time_left.judging import KMH
 from nvcore.wording import count_text
 
 MIN_BOXES: Final = 5

@@ -51,7 +51,7 @@ class GroupedCommand(click.Command):
 
 def _place(group: str) -> int:
     """Where a group stands in the help; a command's own groups after its inputs."""
-    last = (DETECTION, *(setting.stage.group for setting in SETTINGS.values()), OTHER)
+    last = (DETECTION, *(setting.group for setting in SETTINGS.values()), OTHER)
     order = (INPUTS, "", OUTPUT, FACTS, READING, CORRECTIONS, *last)
     return order.index(group if group in order else "")
 
@@ -170,7 +170,7 @@ def _with_parameters(command: Callable[..., Any], names: Iterable[str]) -> Calla
         text = setting.meaning
         if setting.default is not None:  # else the meaning says what replaces it
             text += f" Default: {setting.default} {setting.unit}".rstrip() + "."
-        option = grouped_option(setting.stage.group, flag_of(name), name, type=kind, help=text)
+        option = grouped_option(setting.group, flag_of(name), name, type=kind, help=text)
         command = option(command)
     return command
 

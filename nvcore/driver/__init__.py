@@ -2,4 +2,12 @@
 
 from nvcore.subjects import Subject
 
-SUBJECT = Subject(name="driver", ui="ui.driver")
+SUBJECT = Subject(
+    name="driver",
+    settings="comparison.settings:DriverSettings",
+    results="comparison.settings:RESULTS",
+    steps="comparison.steps:STEPS",
+    view="comparison.steps:driver_view",
+    miss_weights="comparison.judging:weigh_unseen",
+    ui="ui.driver",
+)

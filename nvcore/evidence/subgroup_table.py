@@ -29,8 +29,9 @@ from nvcore.evidence.units import Units, find_units, units_within
 from nvcore.measures import evidence_keys, inference_of
 from nvcore.metrics.venn import count_categories
 from nvcore.protocols import PROTOCOLS, Protocol
-from nvcore.schema import Category, Urgency
+from nvcore.schema import Category
 from nvcore.scoring import SystemResult
+from nvcore.subjects import contributed
 
 _COUNTS: Final = ("n", "unit", "both", "x_only", "y_only", "neither")
 _FIRST: Final = ("factor", "group", "figure", "label", "better", *_COUNTS)
@@ -161,11 +162,13 @@ def _narrow(result: Result, part: Subgroup) -> Result:
     is_of_part = part.is_member
     if part.has_frames:
         is_of_part = part.recordings[result.encounters.recording]
-    urgency = np.where(is_of_part, result.urgency["urgency"], Urgency.NOT_URGENT.value)
+    made = dict(result.made)
+    for restrict in contributed("restrict"):
+        made |= restrict(made, is_of_part)
     return replace(
         result,
         category=category,
-        urgency=result.urgency.assign(urgency=urgency),
+        made=made,
         venn=count_categories(category),
         x=_with_events_of(part, result.x),
         y=_with_events_of(part, result.y),

@@ -9,10 +9,12 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.block_length import block_length
 from nvcore.measures import EVIDENCE_KEYS, inference_of, measure_of
 from nvcore.schema import Category
 from nvcore.scoring import SystemResult
+from nvcore.time_left.steps import time_left_in
 
 RECORDINGS: Final = "recordings"
 BLOCKS: Final = "blocks"
@@ -152,8 +154,8 @@ def sum_units(result: Result, units: Units) -> pd.DataFrame:
         "duration_s": total(unit, frames.gap) / frames.fps[units.recording],
         "share_of_recording": 1 / per_recording[units.recording],
         "n_encounters": total(begin[is_near]),
-        "n_urgent": total(begin[result.is_urgent]),
-        "n_unseen": total(begin[result.driver.is_unseen]),
+        "n_urgent": total(begin[time_left_in(result).is_urgent]),
+        "n_unseen": total(begin[driver_in(result).is_unseen]),
     }
     for letter, system in result.sides:
         columns |= {

@@ -14,6 +14,7 @@ from typing import Any, Final
 import numpy as np
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.measures.entry import (
     NO_FRAMES,
     AxisScale,
@@ -31,6 +32,7 @@ from nvcore.measures.values import (
     ratio_of,
     relevant_share,
 )
+from nvcore.time_left.steps import time_left_in
 from nvcore.wording import difference
 
 __all__ = [
@@ -87,9 +89,9 @@ def label_words(result: Result, units: str = "") -> dict[str, Any]:
         "aggregate": "largest event" if is_largest else "sum of events",
         "n_near": result.venn.n_near,
         "n_boxes": int(result.n_truth.sum()),
-        "n_urgent": int(result.is_urgent.sum()),
-        "n_unseen": int(result.driver.is_unseen.sum()),
-        "n_seen": int(result.driver.is_seen.sum()),
+        "n_urgent": int(time_left_in(result).is_urgent.sum()),
+        "n_unseen": int(driver_in(result).is_unseen.sum()),
+        "n_seen": int(driver_in(result).is_seen.sum()),
         "units": units,
     }
 

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.measures.entry import Measure
 from nvcore.wording import count_text
 
@@ -37,7 +38,7 @@ def is_weighted(result: Result) -> bool:
 
 def are_all_open(result: Result) -> bool:
     """Whether no encounter is further than its standard deviation from the threshold."""
-    driver = result.driver
+    driver = driver_in(result)
     n_known = driver.venn.n_known
     return n_known > 0 and int(np.count_nonzero(driver.is_within_sd)) == n_known
 
@@ -63,10 +64,10 @@ def doubt_of_seen(result: Result) -> str:
         return why
     if why := _doubt_of_range(result):
         return why
-    is_unseen = result.driver.is_unseen
+    is_unseen = driver_in(result).is_unseen
     if are_all_open(result):
-        n, which = result.driver.venn.n_known, "of which it is known"
-    elif is_unseen.any() and bool(result.driver.is_within_sd[is_unseen].all()):
+        n, which = driver_in(result).venn.n_known, "of which it is known"
+    elif is_unseen.any() and bool(driver_in(result).is_within_sd[is_unseen].all()):
         n, which = int(np.count_nonzero(is_unseen)), "that the driver is said not to see"
     else:
         return ""
@@ -79,7 +80,7 @@ def doubt_of_seen(result: Result) -> str:
 
 def _doubt_of_range(result: Result) -> str:
     """That too many encounters are decided outside of what was trained; empty: they are not."""
-    n, n_outside = result.driver.venn.n_known, result.driver.n_outside
+    n, n_outside = driver_in(result).venn.n_known, driver_in(result).n_outside
     if not n_outside or n_outside < MOST_OUTSIDE * n:
         return ""
     return (

@@ -8,6 +8,9 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.judging import split_unseen
+from nvcore.driver.comparison.settings import DRIVER
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.measures.entry import (
     HIGHER,
     LOWER,
@@ -19,10 +22,11 @@ from nvcore.measures.entry import (
     Parts,
 )
 from nvcore.measures.values import is_in_time, per_recording
-from nvcore.metrics.driver import split_unseen
-from nvcore.params.metadata import DRIVER, ENCOUNTERS, TIME_LEFT, Stage
+from nvcore.params.metadata import ENCOUNTERS, Stage
 from nvcore.schema import integers_of
 from nvcore.scoring import SystemResult
+from nvcore.time_left.settings import TIME_LEFT
+from nvcore.time_left.steps import time_left_in
 
 Members = Callable[[Result, SystemResult], np.ndarray]
 """Encounters of a kind; bool, shape (n_encounters,)."""
@@ -30,12 +34,12 @@ Members = Callable[[Result, SystemResult], np.ndarray]
 
 def has_driver(result: Result) -> bool:
     """Whether it is known of any near encounter if the driver sees the pedestrian himself."""
-    return result.driver.has_any
+    return driver_in(result).has_any
 
 
 def is_judged_in_time(result: Result) -> np.ndarray:
     """Urgent encounters of which it is known; bool, shape (n_encounters,)."""
-    is_judged: np.ndarray = result.is_urgent & result.driver.is_known
+    is_judged: np.ndarray = time_left_in(result).is_urgent & driver_in(result).is_known
     return is_judged
 
 
@@ -49,8 +53,8 @@ def is_driver_in_time(result: Result) -> np.ndarray:
     -------
     bool, shape (n_encounters,); False, too, where it is not known (`is_judged_in_time`).
     """
-    row = result.driver.table["confirmed_row"].to_numpy()
-    is_before = (row >= 0) & (row < result.urgency["urgent_row"].to_numpy())
+    row = driver_in(result).table["confirmed_row"].to_numpy()
+    is_before = (row >= 0) & (row < time_left_in(result).urgency["urgent_row"].to_numpy())
     in_time: np.ndarray = is_before & is_judged_in_time(result)
     return in_time
 
@@ -62,7 +66,9 @@ def is_seen_too_late(result: Result) -> np.ndarray:
     -------
     bool, shape (n_encounters,).
     """
-    too_late: np.ndarray = result.is_urgent & result.driver.is_seen & ~is_driver_in_time(result)
+    too_late: np.ndarray = (
+        time_left_in(result).is_urgent & driver_in(result).is_seen & ~is_driver_in_time(result)
+    )
     return too_late
 
 
@@ -113,7 +119,7 @@ def count_in_time(result: Result) -> InTime:
 
 
 def _is_known(result: Result) -> np.ndarray:
-    return result.driver.is_known
+    return driver_in(result).is_known
 
 
 def _is_detected(system: SystemResult) -> np.ndarray:
@@ -122,7 +128,7 @@ def _is_detected(system: SystemResult) -> np.ndarray:
 
 
 def _useful(result: Result, system: SystemResult) -> np.ndarray:
-    useful: np.ndarray = result.driver.is_unseen & _is_detected(system)
+    useful: np.ndarray = driver_in(result).is_unseen & _is_detected(system)
     return useful
 
 
@@ -188,7 +194,7 @@ DRIVER_MEASURES: Final[tuple[Measure, ...]] = (
             scale=_SHARE,
             label="share detected of whom the driver does not see, within these recordings",
             form=".1%",
-            split=lambda result: split_unseen(result.driver.venn),
+            split=lambda result: split_unseen(driver_in(result).venn),
             per="n_unseen",
             repeats="useful_alerts_by_unit",
         ),
@@ -212,7 +218,7 @@ DRIVER_MEASURES: Final[tuple[Measure, ...]] = (
     ),
     _count(
         "unprotected",
-        lambda result, system: result.driver.is_unseen & ~_is_detected(system),
+        lambda result, system: driver_in(result).is_unseen & ~_is_detected(system),
         "unprotected: seen by neither the driver nor the system",
         LOWER,
         "Encounters that neither the driver sees by himself nor the system detects.",
@@ -221,7 +227,7 @@ DRIVER_MEASURES: Final[tuple[Measure, ...]] = (
     ),
     _count(
         "redundant_alerts",
-        lambda result, system: result.driver.is_seen & _is_detected(system),
+        lambda result, system: driver_in(result).is_seen & _is_detected(system),
         "redundant alerts: detected, of {n_seen:,} that the driver sees",
         "",
         "Encounters that the system detects and the driver sees by himself, if not always while "

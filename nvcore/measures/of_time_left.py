@@ -24,22 +24,23 @@ from nvcore.measures.values import (
     split_in_time,
     time_left_by_recording,
 )
-from nvcore.params.metadata import TIME_LEFT
 from nvcore.schema import TimeLeft
 from nvcore.scoring import SystemResult
+from nvcore.time_left.settings import TIME_LEFT
+from nvcore.time_left.steps import time_left_in, time_left_of
 
 _NOBODY: Final = "no encounter is urgent"
 
 
 def has_urgent(result: Result) -> bool:
     """Whether any encounter is urgent."""
-    return bool(result.is_urgent.any())
+    return bool(time_left_in(result).is_urgent.any())
 
 
 def _median_margin_s(result: Result, system: SystemResult) -> float:
-    margins_s = [side.time_left["margin_s"].to_numpy() for _, side in result.sides]
+    margins_s = [time_left_of(side)["margin_s"].to_numpy() for _, side in result.sides]
     is_confirmed_by_both = ~np.isnan(margins_s).any(axis=0)
-    margin_s = system.time_left["margin_s"].to_numpy()[is_confirmed_by_both]
+    margin_s = time_left_of(system)["margin_s"].to_numpy()[is_confirmed_by_both]
     return float(np.median(margin_s)) if len(margin_s) else np.nan
 
 
@@ -115,7 +116,7 @@ TIME_LEFT_MEASURES: Final[tuple[Measure, ...]] = (
         stages=(TIME_LEFT,),
         is_worsened_by_alarms=False,
         leads=True,
-        of=lambda _, system: float(system.time_left["impact_kmh"].mean()),
+        of=lambda _, system: float(time_left_of(system)["impact_kmh"].mean()),
         unit="km/h",
         meaning="Mean speed with which the car reaches the pedestrians of all urgent encounters: 0 "
         "if confirmed in time, its full speed if never.",

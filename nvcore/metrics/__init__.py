@@ -1,7 +1,6 @@
 """The metrics of paper 11-0360: pure functions over columns."""
 
 from nvcore.metrics.cost_map import CostMap, map_cost
-from nvcore.metrics.driver import DriverVenn, DriverView, driver_regions, judge_driver, weigh_unseen
 from nvcore.metrics.encounters import RELEVANT_K, Encounters, find_encounters, judge_encounters
 from nvcore.metrics.false_alarms import FalseAlarmSummary, find_episodes, summarise_false_alarms
 from nvcore.metrics.fusion import fuse, pair_detections
@@ -35,16 +34,6 @@ from nvcore.metrics.similarity import (
     summarise_similarity,
     trace_similarity,
 )
-from nvcore.metrics.time_left import (
-    Contact,
-    confirm,
-    curve_over_speed,
-    find_urgent,
-    judge_time_left,
-    measure_contact,
-    needed_time,
-    turning_speeds,
-)
 from nvcore.metrics.venn import (
     BoxVenn,
     Exclusivity,
@@ -59,10 +48,7 @@ __all__ = [
     "RELEVANT_K",
     "Borrowed",
     "BoxVenn",
-    "Contact",
     "CostMap",
-    "DriverVenn",
-    "DriverView",
     "Encounters",
     "Exclusivity",
     "FalseAlarmSummary",
@@ -77,13 +63,10 @@ __all__ = [
     "border_of",
     "borrowed_distances",
     "categorise",
-    "confirm",
     "cost_of_miss",
     "count_boxes",
     "count_categories",
     "count_per_frame",
-    "curve_over_speed",
-    "driver_regions",
     "estimate_horizon",
     "estimate_horizons",
     "find_encounters",
@@ -91,21 +74,16 @@ __all__ = [
     "find_events",
     "find_low_intervals",
     "find_nearest",
-    "find_urgent",
     "fuse",
-    "judge_driver",
     "judge_encounters",
-    "judge_time_left",
     "link_boxes",
     "map_cost",
     "match_boxes",
     "mean_saliency",
-    "measure_contact",
     "measure_exclusivity",
     "measure_matched",
     "measure_sets",
     "miss_terms",
-    "needed_time",
     "pair_detections",
     "qualify",
     "qualify_each",
@@ -118,8 +96,6 @@ __all__ = [
     "summarise_similarity",
     "trace_similarity",
     "track_truth",
-    "turning_speeds",
     "weigh_failures",
     "weigh_proximity",
-    "weigh_unseen",
 ]

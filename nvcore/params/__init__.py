@@ -2,7 +2,8 @@
 
 The command line makes its flags from `Params`, the dashboard its sliders, `compare` the keys of
 what it need not repeat. A new setting is a field of the topic that it belongs to (`similarity`,
-`judging`, `saliency`, `time_left`, `driver`); that is all it takes, but for its use, test and docs.
+`judging`, `saliency`, or a subject's own); that is all it takes, but for its
+use, test and docs.
 """
 
 from __future__ import annotations
@@ -10,10 +11,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import cache
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from nvcore.errors import ParameterError
-from nvcore.params.driver import NEEDS_DETECTABILITY, DriverSettings, DriverWeighting
 from nvcore.params.judging import JudgingSettings, Match, MatchClass
 from nvcore.params.metadata import AUDITED, Setting, Stage
 from nvcore.params.saliency import (
@@ -33,18 +33,16 @@ from nvcore.params.similarity import (
     Proximity,
     SimilaritySettings,
 )
-from nvcore.params.time_left import TimeLeftSettings
+from nvcore.subjects import contributed
 from nvcore.wording import did_you_mean
 
 __all__ = [
     "AUDIT_SETTINGS",
     "MIDPOINT_SHARE",
-    "NEEDS_DETECTABILITY",
     "SETTINGS",
     "SPREAD_SHARE",
     "Aggregate",
     "Distance",
-    "DriverWeighting",
     "Match",
     "MatchClass",
     "MissingDistance",
@@ -60,10 +58,19 @@ __all__ = [
 ]
 
 
+if TYPE_CHECKING:
+    OfSubjects: Any
+else:
+    OfSubjects = type("OfSubjects", contributed("settings")[::-1], {})
+
+
 @dataclass(frozen=True)
-class Params(
-    DriverSettings, TimeLeftSettings, SaliencySettings, JudgingSettings, SimilaritySettings
-):  # the last one's fields first
+class Params(  # the last one's fields first
+    OfSubjects,  # type: ignore[misc]
+    SaliencySettings,
+    JudgingSettings,
+    SimilaritySettings,
+):
     """Settings of one comparison, checked when made.
 
     The metadata of each field is a `Setting`. None means: taken from the data (`edge_weight`,
@@ -72,7 +79,7 @@ class Params(
     Raises
     ------
     ParameterError
-        If a value is outside its range, or `confirm_n` more than `confirm_m`.
+        If a value is outside its range, or values do not go together.
 
     References
     ----------
@@ -82,23 +89,28 @@ class Params(
     def __post_init__(self) -> None:
         for name, known in SETTINGS.items():
             known.check(name, getattr(self, name))
-        if self.confirm_n > self.confirm_m:
-            raise ParameterError(
-                f"confirm_n: expected at most confirm_m, which is {self.confirm_m:g}, got "
-                f"{self.confirm_n:g}: nobody would ever be confirmed"
-            )
+        for kind in contributed("settings"):
+            kind.check_together(self)
 
     def given(self) -> dict[str, float | str]:
         """Settings by name, those that are None left out (for TOML and JSON)."""
         return {name: value for name, value in asdict(self).items() if value is not None}
 
-    def stated(self, *, has_detectability: bool) -> dict[str, float | str | None]:
-        """All settings by name; those of the driver only if they matter or were changed."""
+    def stated(self, dataset: object = None) -> dict[str, float | str | None]:
+        """All settings by name; those that act on what not all data have only if these data do.
+
+        Or if they were changed.
+
+        Parameters
+        ----------
+        dataset
+            None: not known.
+        """
         return {
             name: value
             for name, value in asdict(self).items()
-            if has_detectability
-            or name not in NEEDS_DETECTABILITY
+            if (applies := SETTINGS[name].applies) is None
+            or (dataset is not None and applies(dataset))
             or value != SETTINGS[name].default
         }
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
+from itertools import chain
 from typing import Any, Final
 
 from nvcore.errors import ParameterError
+from nvcore.subjects import contributed
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +45,8 @@ THRESHOLD: Final = Stage("detections that count", "Thresholds and matching")
 MATCH: Final = Stage("matches", "Thresholds and matching", result="matches and false alarms")
 PROXIMITY: Final = Stage("weights of nearness", "Proximity")
 NEAREST: Final = Stage("nearest of the other set", "Similarity", (MATCH,))
-UNSEEN: Final = Stage("weights of a miss", "The driver", (PROXIMITY,))
-COST: Final = Stage("cost of a missed pedestrian", "Similarity", (UNSEEN,))
+MISS_WEIGHTS: Final = Stage("weights of a miss", "Similarity", (PROXIMITY,))
+COST: Final = Stage("cost of a missed pedestrian", "Similarity", (MISS_WEIGHTS,))
 DISTANCES: Final = Stage("distances of the sets", "Similarity", (NEAREST, COST))
 SIMILARITY: Final = Stage("similarity of frames", "Similarity", (DISTANCES,), "similarity")
 LOW: Final = Stage("low frames and moving mean", "Similarity", (SIMILARITY,), "low similarity")
@@ -52,16 +55,14 @@ SEVERITY: Final = Stage("severity of encounters", "Encounters", (MATCH, COST), "
 SALIENT: Final = Stage("most salient miss of frames", "Saliency", (DISTANCES,))
 EVENTS: Final = Stage("saliency events", "Saliency", (SALIENT,))
 SALIENCY: Final = Stage("saliency of recordings", "Saliency", (EVENTS,), "saliency")
-CONTACT: Final = Stage("time to contact", "Time left")
-URGENCY: Final = Stage("urgent encounters", "Time left", (CONTACT,))
-CONFIRMED: Final = Stage("pedestrians confirmed", "Time left", (MATCH,))
-TIME_LEFT: Final = Stage("time left", "Time left", (URGENCY, CONFIRMED), "time left")
-DRIVER: Final = Stage(
-    "whom the driver sees", "The driver", (PROXIMITY,), "what the driver sees by himself"
-)
 
-RESULTS: Final = (MATCH, SIMILARITY, LOW, ENCOUNTERS, SEVERITY, SALIENCY, TIME_LEFT, DRIVER)
-"""The stages whose results are shown, in the order in which they are named."""
+
+@cache
+def shown_results() -> tuple[Stage, ...]:
+    """The stages whose results are shown, in the order in which they are named."""
+    own = (MATCH, SIMILARITY, LOW, ENCOUNTERS, SEVERITY, SALIENCY)
+    return (*own, *chain(*contributed("results")))
+
 
 AUDITED: Final = (THRESHOLD, MATCH, PROXIMITY)
 """Stages on whose settings findings of the audit depend."""
@@ -103,6 +104,10 @@ class Setting:
         Whether it is rarely moved: its widget is folded away.
     is_audited
         Whether findings of the audit depend on it, though its stage is none of `AUDITED`.
+    heading
+        The heading under which it is shown, where that is not its stage's.
+    applies
+        Whether a dataset has what the setting acts on; None: all have.
     """
 
     stage: Stage
@@ -123,6 +128,13 @@ class Setting:
     unset: str = ""
     is_advanced: bool = False
     is_audited: bool = False
+    heading: str = ""
+    applies: Callable[[Any], bool] | None = None
+
+    @property
+    def group(self) -> str:
+        """The heading under which it is shown."""
+        return self.heading or self.stage.group
 
     @property
     def label_with_unit(self) -> str:
@@ -133,7 +145,7 @@ class Setting:
     @property
     def acts_on(self) -> str:
         """The results that it moves, in words: "similarity, low similarity"."""
-        return ", ".join(stage.result for stage in RESULTS if self.moves([stage]))
+        return ", ".join(stage.result for stage in shown_results() if self.moves([stage]))
 
     def moves(self, stages: Iterable[Stage]) -> bool:
         """Whether the result of any of these stages depends on it."""

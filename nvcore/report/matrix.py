@@ -201,9 +201,7 @@ def matrix_json(dataset: Dataset, params: Params, table: pd.DataFrame) -> str:
     content = {
         "version": __version__,
         "fingerprint": dataset.fingerprint,
-        "parameters": replace(params, threshold_x=None, threshold_y=None).stated(
-            has_detectability=dataset.has_detectability
-        ),
+        "parameters": replace(params, threshold_x=None, threshold_y=None).stated(dataset),
         "systems": _records(systems_of(table)),
         "pairs": [
             {**values, "text": pair_text(pair)}

@@ -9,6 +9,7 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.operating_points import are_unequal, as_set_note
 from nvcore.evidence.table import evidence_table
@@ -270,7 +271,7 @@ def _venn(result: Result) -> str:
     ]
     lines.append(describe_exclusivity(result))
     lines.append(_lead(result))
-    if result.driver.has_any:
+    if driver_in(result).has_any:
         basis = describe_basis(result)
         lines.append(f"encounters seen by: {regions_text(result)}")
         lines.append(f"the driver: {basis[0].lower()}{basis[1:-1]}")

@@ -8,10 +8,11 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.metrics.time_left import needed_time, turning_speeds
 from nvcore.params import Params
 from nvcore.schema import Urgency
 from nvcore.tables.encounters.time_left import systems_in_words
+from nvcore.time_left.judging import needed_time, turning_speeds
+from nvcore.time_left.steps import time_left_in
 from nvcore.wording import capitalised, listed
 
 FEW_URGENT: Final = 10
@@ -50,7 +51,7 @@ def describe_encounter(result: Result, encounter: int) -> str:
     encounter
         Row of ``result.encounters``.
     """
-    urgency = result.urgency.iloc[encounter]
+    urgency = time_left_in(result).urgency.iloc[encounter]
     kind, row = Urgency(urgency["urgency"]), int(urgency["urgent_row"])
     speed_kmh = _speed_of(result, encounter)
     if kind is Urgency.UNKNOWN:
@@ -72,16 +73,16 @@ def describe_encounter(result: Result, encounter: int) -> str:
 
 def why_unknown(result: Result, encounter: int) -> str:
     """Why the time to contact of an encounter is unknown."""
-    if result.contact.is_sampled[encounter]:
+    if time_left_in(result).contact.is_sampled[encounter]:
         return "not every frame is evaluated"
-    if result.contact.is_linked[encounter]:
+    if time_left_in(result).contact.is_linked[encounter]:
         return "the truth gives this pedestrian no track id"
     return "he is there for too few frames, or cut by the picture's edge"
 
 
 def _speed_of(result: Result, encounter: int) -> str:
     recording = int(result.encounters.recording[encounter])
-    if result.has_assumed_speed[recording]:
+    if time_left_in(result).has_assumed_speed[recording]:
         return f"{result.params.speed_kmh:g} km/h (assumed)"
     return f"{result.dataset.frame_columns.speed_kmh[recording]:g} km/h"
 
@@ -92,7 +93,7 @@ def describe_turns(curve: pd.DataFrame) -> tuple[str, ...]:
     Parameters
     ----------
     curve
-        Of `nvcore.metrics.time_left.curve_over_speed`.
+        Of `nvcore.time_left.judging.curve_over_speed`.
     """
     if not curve["urgent"].any():
         return ()

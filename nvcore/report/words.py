@@ -22,6 +22,7 @@ from nvcore.schema import Urgency
 from nvcore.scoring import SystemResult
 from nvcore.tables.classes import names_classes, read_share
 from nvcore.tables.scorecard import ScoreRow, score_rows
+from nvcore.time_left.steps import time_left_in
 from nvcore.wording import UNDEFINED, count_text, difference, number
 
 FEW_MISSES: Final = 5
@@ -110,7 +111,7 @@ def sampling_note(frames: FrameColumns) -> str:
 
 def describe_urgency(result: Result) -> str:
     """How many encounters leave a last chance to stop, at which speed, and why others do not."""
-    counts = result.count_urgency()
+    counts = time_left_in(result).count_urgency()
     if not len(result.encounters) or not result.dataset.objects.is_on_road:
         return ""
     others = [
@@ -140,7 +141,10 @@ def describe_urgency(result: Result) -> str:
 
 def speed_text(result: Result) -> str:
     """At which speed: "at 50 km/h (assumed)", or as the recordings say."""
-    is_assumed, assumed = result.has_assumed_speed, f"{result.params.speed_kmh:g} km/h"
+    is_assumed, assumed = (
+        time_left_in(result).has_assumed_speed,
+        f"{result.params.speed_kmh:g} km/h",
+    )
     if is_assumed.all():
         return f"at {assumed} (assumed)"
     if not is_assumed.any():
@@ -151,8 +155,8 @@ def speed_text(result: Result) -> str:
 
 def _why_unknown(result: Result) -> str:
     """Why the time to contact of encounters is unknown, in brackets."""
-    contact = result.contact
-    is_unknown = (result.urgency["urgency"] == Urgency.UNKNOWN.value).to_numpy()
+    contact = time_left_in(result).contact
+    is_unknown = (time_left_in(result).urgency["urgency"] == Urgency.UNKNOWN.value).to_numpy()
     reasons = {
         "not every frame is evaluated": contact.is_sampled,
         "the truth has no track ids": contact.is_linked & ~contact.is_sampled,

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -22,7 +24,6 @@ from nvcore.metrics.similarity import (
     smooth,
     summarise_similarity,
 )
-from nvcore.metrics.time_left import Judgement
 from nvcore.params import Params
 
 
@@ -50,8 +51,6 @@ class SystemResult:
         How the system did in each encounter (`nvcore.metrics.encounters.judge_encounters`).
     failures
         What its failures weigh in each encounter (`nvcore.metrics.severity.weigh_failures`).
-    confirmed
-        When it is sure of each pedestrian (`nvcore.metrics.time_left.confirm`).
     episodes
         False-alert episodes (`nvcore.metrics.false_alarms.find_episodes`).
     summary
@@ -61,6 +60,8 @@ class SystemResult:
     saliency_s
         Mean over the recordings of each one's saliency: its most salient event, or the sum of all
         (`saliency_aggregate`); NaN without frames.
+    made
+        What every step made, those of subjects too, by the step's name.
     """
 
     name: str
@@ -77,19 +78,13 @@ class SystemResult:
     events: pd.DataFrame
     encounters: pd.DataFrame
     failures: pd.DataFrame
-    confirmed: pd.DataFrame
     episodes: pd.DataFrame
     summary: SimilaritySummary
     false_alarm_summary: FalseAlarmSummary
     saliency_s: float
-    _judgement: Judgement = field(repr=False)
+    made: Mapping[str, Any] = field(repr=False)
     _dataset: Dataset = field(repr=False)
     _params: Params = field(repr=False)
-
-    @property
-    def time_left(self) -> pd.DataFrame:
-        """Whether that is in time (`nvcore.metrics.time_left.judge_time_left`)."""
-        return self._judgement.time_left
 
     @cached_property
     def similarity_window(self) -> np.ndarray:

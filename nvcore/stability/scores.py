@@ -10,7 +10,6 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.metrics.driver import weigh_unseen
 from nvcore.metrics.encounters import judge_encounters
 from nvcore.metrics.matching import Matches, match_system
 from nvcore.metrics.proximity import in_use, weigh_proximity
@@ -20,7 +19,7 @@ from nvcore.metrics.similarity import Nearest, SetDistances, measure_sets
 from nvcore.params import Params, settings_for
 from nvcore.params.metadata import ENCOUNTERS, MATCH, PROXIMITY, SALIENCY, SIMILARITY, Stage
 from nvcore.schema import DetectionState
-from nvcore.scoring import nearest_of
+from nvcore.scoring import nearest_of, weigh_misses
 from nvcore.stability.axes import Axis
 
 Criterion = Literal["similarity", "encounters", "saliency"]
@@ -136,7 +135,7 @@ def score_setting(
     if has_new_weights:
         truth = weighing_truth(dataset, params)
         k_truth = weigh_proximity(truth, ~truth.ignore, frames, params).k
-        k_miss = weigh_unseen(k_truth, dataset.detectability, params)
+        k_miss = weigh_misses(k_truth, dataset, params)
     scores: dict[Letter, Score] = {}
     for letter in letters:
         matches = _matches(result, letter, params, changes, full)

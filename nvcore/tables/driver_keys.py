@@ -9,8 +9,9 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.judging import count_unknown
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.measures.of_driver import is_driver_in_time, is_judged_in_time, is_seen_too_late
-from nvcore.metrics.driver import count_unknown
 from nvcore.schema import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.tables.column import Column, Kind
 from nvcore.tables.summary_entry import Entry
@@ -19,11 +20,11 @@ _NOBODY_URGENT: Final = "it is known of no urgent encounter whether the driver s
 
 
 def _count_region(result: Result, *, region: DriverRegion) -> int:
-    return result.driver.venn.counts[region]
+    return driver_in(result).venn.counts[region]
 
 
 def _count_within_sd(result: Result) -> int | None:
-    driver = result.driver
+    driver = driver_in(result)
     return int(np.count_nonzero(driver.is_within_sd)) if driver.has_sd.any() else None
 
 
@@ -48,24 +49,24 @@ DRIVER_ENTRIES: Final[tuple[Entry, ...]] = (
     _entry(
         "driver.seen",
         "Encounters that the driver sees unaided.",
-        lambda result: result.driver.venn.n_seen,
+        lambda result: driver_in(result).venn.n_seen,
     ),
     _entry(
         "driver.unseen",
         "Encounters that the driver is known not to see.",
-        lambda result: result.driver.venn.n_unseen,
+        lambda result: driver_in(result).venn.n_unseen,
     ),
     _entry(
         "driver.outside_training",
         "Of both, those decided by an estimate outside the range of the training: by the largest "
         "up to the first frame that counts, and where that is below `driver_threshold` by any.",
-        lambda result: result.driver.n_outside,
+        lambda result: driver_in(result).n_outside,
     ),
     _entry(
         "driver.adapted",
         "Of both, those decided by an estimate for adapted eyes, since no change from bright to "
         "dark is known before.",
-        lambda result: int(np.count_nonzero(result.driver.is_adapted)),
+        lambda result: int(np.count_nonzero(driver_in(result).is_adapted)),
     ),
     _entry(
         "driver.within_sd",
@@ -78,7 +79,7 @@ DRIVER_ENTRIES: Final[tuple[Entry, ...]] = (
         "driver.seldom",
         "Of those seen, the ones that the driver sees in fewer than half of the frames up to the "
         "first that counts in which it is known.",
-        lambda result: int(np.count_nonzero(result.driver.is_seldom_seen)),
+        lambda result: int(np.count_nonzero(driver_in(result).is_seldom_seen)),
     ),
     _entry(
         "driver.urgent",

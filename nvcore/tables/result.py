@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.findings import Finding
 from nvcore.measures import MEASURES, duration_of_recordings, per_recording
 from nvcore.measures.of_driver import is_driver_in_time, is_judged_in_time
@@ -16,6 +17,7 @@ from nvcore.metrics.saliency import EVENT_COLUMNS
 from nvcore.schema import NO_TRACK, Category, integers_of
 from nvcore.tables.columns import column_names
 from nvcore.tables.inputs import driver_view_table
+from nvcore.time_left.steps import confirmed_by, time_left_in, time_left_of
 
 
 def _names(result: Result, recording: np.ndarray) -> np.ndarray:
@@ -62,7 +64,7 @@ def frames_table(result: Result) -> pd.DataFrame:
 def _least_of_frames(result: Result) -> np.ndarray:
     """Least known time to contact of every frame, s; NaN: none is known."""
     least = np.full(len(result.dataset.frames), np.nan)
-    np.fmin.at(least, result.dataset.truth.frame_index, result.contact.ttc_s)
+    np.fmin.at(least, result.dataset.truth.frame_index, time_left_in(result).contact.ttc_s)
     return least
 
 
@@ -78,7 +80,7 @@ def encounters_table(result: Result) -> pd.DataFrame:
     """One row per encounter: category, how each system did, and facts about the encounter."""
     encounters, frame = result.encounters, result.dataset.frames["frame"].to_numpy()
     is_near = result.category != Category.DISTANT.value
-    urgency, is_judged = result.urgency, result.contact.is_judged
+    urgency, is_judged = time_left_in(result).urgency, time_left_in(result).contact.is_judged
     classes = classes_of(result.dataset)
     columns: dict[str, Any] = {
         "recording": _names(result, encounters.recording),
@@ -100,14 +102,14 @@ def encounters_table(result: Result) -> pd.DataFrame:
             f"tail_s_{letter}": outcomes["tail_s"],
             f"severity_s_{letter}": np.where(is_near, failures["severity_s"], np.nan),
             f"peak_cost_{letter}": np.where(is_near, failures["peak_cost"], np.nan),
-            f"time_left_{letter}": system.time_left["time_left"],
+            f"time_left_{letter}": time_left_of(system)["time_left"],
             f"confirmed_frame_{letter}": _frame_numbers(
-                result, np.where(is_judged, system.confirmed["confirmed_row"], -1)
+                result, np.where(is_judged, confirmed_by(system)["confirmed_row"], -1)
             ),
-            f"margin_s_{letter}": system.time_left["margin_s"],
-            f"impact_kmh_{letter}": system.time_left["impact_kmh"],
+            f"margin_s_{letter}": time_left_of(system)["margin_s"],
+            f"impact_kmh_{letter}": time_left_of(system)["impact_kmh"],
         }
-    columns |= _driver_columns(result) if result.driver.has_any else {}
+    columns |= _driver_columns(result) if driver_in(result).has_any else {}
     columns |= {
         "lead_time_s": result.lead_time_s,
         "min_ttc_s": urgency["min_ttc_s"],
@@ -129,19 +131,19 @@ def encounters_table(result: Result) -> pd.DataFrame:
 
 def _driver_columns(result: Result) -> dict[str, Any]:
     """What is known of the driver's own view of each encounter."""
-    table, is_known = result.driver.table, result.driver.is_known
+    table, is_known = driver_in(result).table, driver_in(result).is_known
     return {
         "detectability": table["detectability"],
         "detectability_sd": table["sd"],
         "detectability_frames": table["n_known"],
         "outside_training": _booleans(table["is_outside"].to_numpy(), is_known),
-        "adapted_eyes": _booleans(result.driver.is_adapted, is_known),
-        "within_sd": _booleans(result.driver.is_within_sd, result.driver.has_sd),
-        "driver_sees": _booleans(result.driver.is_seen, is_known),
+        "adapted_eyes": _booleans(driver_in(result).is_adapted, is_known),
+        "within_sd": _booleans(driver_in(result).is_within_sd, driver_in(result).has_sd),
+        "driver_sees": _booleans(driver_in(result).is_seen, is_known),
         "driver_seen_frames": integers_of(table["n_seen"].to_numpy(), is_known),
-        "driver_frame": _frame_numbers(result, result.driver.seen_row),
+        "driver_frame": _frame_numbers(result, driver_in(result).seen_row),
         "driver_in_time": _booleans(is_driver_in_time(result), is_judged_in_time(result)),
-        "driver_region": result.driver.region,
+        "driver_region": driver_in(result).region,
     }
 
 
@@ -232,17 +234,17 @@ def recordings_table(result: Result) -> pd.DataFrame:
         columns[category.value] = per_recording(
             result, is_category, result.encounters.recording
         ).astype(np.int64)
-    is_urgent, recording = result.is_urgent, result.encounters.recording
+    is_urgent, recording = time_left_in(result).is_urgent, result.encounters.recording
     columns["urgent"] = per_recording(result, is_urgent, recording).astype(np.int64)
-    if result.driver.has_any:
-        is_known = result.driver.is_known
+    if driver_in(result).has_any:
+        is_known = driver_in(result).is_known
         columns["driver_known"] = per_recording(result, is_known, recording).astype(np.int64)
     for letter, system in result.sides:
         columns |= {
             f"{measure.key}_{letter}": measure.by_recording(result, system)
             for measure in MEASURES
             if measure.by_recording is not None
-            and (result.driver.has_any or not measure.is_optional)
+            and (driver_in(result).has_any or not measure.is_optional)
         }
     return pd.DataFrame(columns)
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from nvcore import __version__
 from nvcore.comparison import Result
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.measures import MEASURES
 from nvcore.schema import Category, Urgency
 from nvcore.scoring import SystemResult
@@ -19,6 +20,7 @@ from nvcore.tables.column import Column, Kind, measure_column
 from nvcore.tables.columns import VENN_COLUMNS
 from nvcore.tables.driver_keys import DRIVER_ENTRIES
 from nvcore.tables.summary_entry import Entry
+from nvcore.time_left.steps import time_left_in
 
 _TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
 _NO_LEAD: Final = "no such encounter"
@@ -52,7 +54,7 @@ def _severity_of(result: Result, *, kind: Category, letter: str) -> float:
 
 
 def _count_urgency(result: Result, *, kind: Urgency) -> int:
-    return result.count_urgency()[kind]
+    return time_left_in(result).count_urgency()[kind]
 
 
 _URGENCY: Final = (
@@ -91,7 +93,7 @@ _URGENCY: Final = (
             "recordings",
             "Recordings that do not state the car's speed: the parameter `speed_kmh` is assumed.",
         ),
-        lambda result: int(np.count_nonzero(result.has_assumed_speed)),
+        lambda result: int(np.count_nonzero(time_left_in(result).has_assumed_speed)),
     ),
 )
 
@@ -161,7 +163,7 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
             "Every parameter by name, those of the driver where detectability is known or they "
             "were changed; null where it has no value.",
         ),
-        lambda result: result.params.stated(has_detectability=result.dataset.has_detectability),
+        lambda result: result.params.stated(result.dataset),
     ),
     Entry(
         Column("recordings", _INTEGER, "recordings", "Recordings compared."),
@@ -355,7 +357,7 @@ def summary(result: Result, at_equal: Mapping[str, Any] | None = None) -> dict[s
         {
             entry.column.name: entry.value(result)
             for entry in _ENTRIES
-            if result.driver.has_any or not entry.column.is_optional
+            if driver_in(result).has_any or not entry.column.is_optional
         }
     )
     content["at_equal_false_alarms"] = None if at_equal is None else dict(at_equal)
@@ -368,7 +370,7 @@ def system_summary(result: Result, system: SystemResult) -> dict[str, Any]:
     measures = {
         key: measure.of(result, system)
         for key, measure in _OF_SYSTEM.items()
-        if measure.of is not None and (result.driver.has_any or not measure.is_optional)
+        if measure.of is not None and (driver_in(result).has_any or not measure.is_optional)
     }
     return _nest({"name": system.name, "threshold": system.threshold, **measures})
 

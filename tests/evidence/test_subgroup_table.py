@@ -17,6 +17,7 @@ from nvcore.evidence.operating_points import AS_SET
 from nvcore.evidence.subgroup_table import COLUMNS, subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.measures import EVIDENCE_KEYS, evidence_keys, inference_of
+from nvcore.time_left.steps import time_left_of
 
 NIGHT = 10
 """Of the 20 recordings of `drives`, so many, the last ones, are tagged night."""
@@ -256,7 +257,7 @@ def test_urgent_encounters_belong_to_their_groups_and_have_evidence_by_recording
     whole = evidence_table(result).set_index("figure")
     assert whole.loc["in_time", ["x", "y"]].tolist() == [0.9, 0.25]
     assert whole.loc["in_time_by_unit", ["x", "y"]].tolist() == [0.9, 0.25]
-    late = result.y.time_left["impact_kmh"].max()
+    late = time_left_of(result.y)["impact_kmh"].max()
     assert whole.loc["mean_impact_kmh", ["x", "y"]].tolist() == pytest.approx([5, 0.75 * late])
     assert whole.loc["in_time_by_unit", "p"] < 0.05
     assert np.isnan(whole.loc["in_time", "p_holm"])  # asked again by recordings

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from nvcore.driver.comparison.judging import DriverVenn
 from nvcore.driver.illumination import Light, LightSource
 from nvcore.driver.illumination.clock import adaptation_clock, unknown_clock, with_change
 from nvcore.figures import (
@@ -14,7 +15,6 @@ from nvcore.figures import (
     driver_venn_plot,
 )
 from nvcore.figures.style import LOOK
-from nvcore.metrics.driver import DriverVenn
 from nvcore.schema import DriverRegion
 
 COURSE = pd.DataFrame(

@@ -19,6 +19,7 @@ from nvcore.figures.time_left.approach import approach_plot
 from nvcore.figures.time_left.margins import margins_plot
 from nvcore.figures.time_left.over_speed import over_speed_plot
 from nvcore.tables.encounters.time_left import urgent_encounters
+from nvcore.time_left.steps import time_left_in
 
 LAST_CHANCE = 29
 
@@ -85,13 +86,15 @@ def test_without_urgent_encounters_the_figures_say_so():
     assert "No encounter is urgent" in words(up_to_contact(result))
     assert "No encounter is urgent" in words(margins_plot(result, urgent, theme="light"))
     still = result_of(make_dataset([at(frame, 50, track=1) for frame in range(20)]))
-    nobody = over_speed_plot(still.over_speed, ("x", "y"), speed_kmh=50, theme="light")
+    nobody = over_speed_plot(
+        time_left_in(still).over_speed, ("x", "y"), speed_kmh=50, theme="light"
+    )
     assert "Nobody is urgent at any speed" in words(nobody)
 
 
 def test_the_curve_over_speed_has_the_numbers_and_marks_speed_and_turn():
     result = met((ALL, LATE))
-    curve = result.over_speed
+    curve = time_left_in(result).over_speed
     figure = over_speed_plot(curve, ("a", "b"), theme="dark", speed_kmh=50)
     x, y = trace(figure, "X: a"), trace(figure, "Y: b")
     urgent = curve[curve["urgent"] > 0]
@@ -113,7 +116,7 @@ def test_the_curve_over_speed_has_the_numbers_and_marks_speed_and_turn():
 
 def test_where_recordings_state_their_speed_the_axis_says_that_it_is_replaced():
     result = met((ALL, LATE), (ALL, LATE))
-    assert result.assumed_speed_kmh == 50
+    assert time_left_in(result).assumed_speed_kmh == 50
     recordings = result.dataset.recordings.assign(speed_kmh=[30.0, np.nan])
     stated = compare(replace(result.dataset, recordings=recordings), result.params)
     assert stated.assumed_speed_kmh is None

@@ -13,11 +13,11 @@ from nvcore.inputs.evaluated_frames import MIN_SAMPLED
 from nvcore.inputs.readers.meaning.occlusion import PARTIAL_OCCLUSION
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.kernels import ABSORB_SHARE
-from nvcore.metrics.kernels.time_left import EDGE_PX, LEAST_FRAMES
 from nvcore.metrics.linking import LINK_GAP, LINK_IOU
 from nvcore.metrics.proximity.borrowing import LENDING, LONGEST_GAP_S
 from nvcore.params import MIDPOINT_SHARE, SETTINGS, SPREAD_SHARE
 from nvcore.schema import Category, MissClass
+from nvcore.time_left.kernels import EDGE_PX, LEAST_FRAMES
 
 PAGE = (ROOT / "docs" / "metrics.md").read_text(encoding="utf-8")
 

@@ -16,6 +16,7 @@ from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.params import params_from
 from nvcore.scoring import SystemResult
 from nvcore.tables.result import encounters_table
+from nvcore.time_left.steps import time_left_in, time_left_of
 
 pytestmark = pytest.mark.realdata
 
@@ -156,13 +157,15 @@ def test_the_time_left_agrees(name: str, kind: str, golden: Path, realdata: Path
     expected = json.loads((golden / name / kind / "weights.json").read_text())
     result = compare_golden(name, expected["parameters"], realdata)
     columns = ["urgent_frame", "confirmed_frame", "margin_s", "impact_kmh", "min_ttc_s"]
-    urgency, ours = result.urgency, encounters_table(result)
+    urgency, ours = time_left_in(result).urgency, encounters_table(result)
     for letter, system in result.sides:
         theirs = pd.DataFrame(expected[letter]["encounters"])
-        judged = system.time_left["time_left"].where(result.is_urgent, urgency["urgency"])
+        judged = time_left_of(system)["time_left"].where(
+            time_left_in(result).is_urgent, urgency["urgency"]
+        )
         assert judged.tolist() == theirs["time_left"].tolist()
         for column in columns:
             values = ours.get(f"{column}_{letter}", ours.get(column)).to_numpy(float)
             expected_values = theirs.get(column, pd.Series(np.nan, theirs.index)).to_numpy(float)
-            rows = slice(None) if column == "min_ttc_s" else result.is_urgent
+            rows = slice(None) if column == "min_ttc_s" else time_left_in(result).is_urgent
             assert values[rows] == pytest.approx(expected_values[rows], abs=1e-6, nan_ok=True)

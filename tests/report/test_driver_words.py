@@ -14,6 +14,7 @@ from builders import NAN, Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result, compare
 from nvcore.dataset.estimates import EstimateRecord
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.measures import significance_table
 from nvcore.measures import MEASURES
 from nvcore.objects import objects_from
@@ -336,8 +337,8 @@ def test_every_name_of_a_rule_has_a_value_with_and_without_a_driver():
         measures = gate_measures(result, (), result.dataset.settings.protocol, measure_names())
         assert set(measure_names()) <= set(measures)
         listed = listed_names(result, measures)
-        assert (listed == sorted(measures)) is result.driver.has_any
-        assert ("useful_alerts_worse_y" in listed) is result.driver.has_any
+        assert (listed == sorted(measures)) is driver_in(result).has_any
+        assert ("useful_alerts_worse_y" in listed) is driver_in(result).has_any
 
 
 def test_useful_alerts_are_tested_by_mcnemar_and_by_recordings():
@@ -603,7 +604,7 @@ def test_without_a_standard_deviation_it_is_not_known_who_is_near_the_threshold(
 def test_detectability_of_none_of_the_frames_that_decide_is_said():
     near = [at(f, 50, track=1, detectability=value) for f, value in ((0, NAN), (1, 0.9))]
     result = result_of(make_dataset(near))
-    assert not result.driver.has_any
+    assert not driver_in(result).has_any
     assert describe_driver(result) == (NOTHING_KNOWN,)
 
 

@@ -15,6 +15,7 @@ from nvcore.report.time_left import (
     describe_turns,
     few_urgent,
 )
+from nvcore.time_left.steps import time_left_in
 
 
 def met(boxes=None, place=PLACE, **params) -> Result:
@@ -90,7 +91,7 @@ def test_few_urgent_encounters_are_called_few():
 
 
 def test_who_is_ahead_at_which_speed():
-    curve = met().over_speed
+    curve = time_left_in(met()).over_speed
     speeds = curve["speed_kmh"].to_numpy()
     first, second = describe_turns(curve)
     assert first == "X confirms the larger share in time at every speed."
@@ -115,4 +116,4 @@ def test_who_is_ahead_at_which_speed():
     often = curve.assign(share_in_time_x=0.5, share_in_time_y=np.where(speeds % 20 < 10, 0.0, 1.0))
     assert describe_turns(often)[0].startswith("The share in time turns ")
     still = met([at(frame, 50, track=1) for frame in range(20)])
-    assert describe_turns(still.over_speed) == ()
+    assert describe_turns(time_left_in(still).over_speed) == ()

@@ -9,6 +9,7 @@ import numpy as np
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.schema import Category, DriverRegion
 from nvcore.tables.encounters.driver import REGION_NAMES, detectability_course
 from nvcore.tables.result import encounters_table
@@ -75,7 +76,7 @@ def draw(result: Result, region: DriverRegion | None) -> int | None:
 def _why_not_listed(result: Result, encounter: int, region: DriverRegion | None) -> str:
     """Why the list does not have the chosen encounter, in words."""
     recording, _, track = name_of(result, encounter).rpartition(":")
-    own = DriverRegion(result.driver.region[encounter])
+    own = DriverRegion(driver_in(result).region[encounter])
     if own == DriverRegion.DISTANT:
         why = "the encounter stays distant"
     elif region is not None and own != region:

@@ -7,6 +7,7 @@ from typing import Any, Final
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.figures.driver.venn import driver_venn_plot
 from nvcore.schema import DriverRegion
 from nvcore.tables.encounters.driver import REGION_NAMES, driver_venn_table
@@ -31,12 +32,12 @@ def draw(result: Result) -> DriverRegion | None:
     left, right = st.columns([2, 3], gap="medium")
     names = result.x.name, result.y.name
     with left:
-        figure = driver_venn_plot(result.driver.venn, names, theme=state.theme())
+        figure = driver_venn_plot(driver_in(result).venn, names, theme=state.theme())
         clicked = clicked_chart(figure, "driver_venn")
     if clicked in [*DriverRegion]:
         st.session_state[REGION] = DriverRegion(clicked)
     table = driver_venn_table(result)
-    has_unknown = result.driver.venn.counts[DriverRegion.UNKNOWN] > 0
+    has_unknown = driver_in(result).venn.counts[DriverRegion.UNKNOWN] > 0
     table = table if has_unknown else table[table["region"] != DriverRegion.UNKNOWN]
     with right:
         st.dataframe(

@@ -12,6 +12,7 @@ from nvcore.report.time_left import describe_encounter
 from nvcore.schema import CATEGORY_TEXT, CLASS_SEPARATOR, Category
 from nvcore.tables.encounters.driver import describe_sight
 from nvcore.tables.moments import NEVER, encounter_time
+from nvcore.time_left.steps import time_left_in
 from nvcore.wording import listed as listed_words
 from nvcore.wording import minus
 from ui.encounters import picture, selection, weightings
@@ -124,8 +125,8 @@ def _draw_ways(result: Result, row: pd.Series[Any], moments: pd.Series[Any]) -> 
         ):
             open_row(place)
     encounter = int(str(row.name))
-    chance = int(result.urgency["urgent_row"].iloc[encounter])
-    if result.is_urgent[encounter] and button(
+    chance = int(time_left_in(result).urgency["urgent_row"].iloc[encounter])
+    if time_left_in(result).is_urgent[encounter] and button(
         f"Show the last chance to stop (frame {frames['frame'].iloc[chance]})",
         key="encounters_show_chance",
         width="stretch",

@@ -12,6 +12,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.metrics.encounter_classes import DERIVED
 from nvcore.schema import CATEGORY_TEXT, CLASS_SEPARATOR, MISS_CLASS_TEXT, Category, MissClass
 from nvcore.tables.encounters.driver import SIGHT_TEXT, SIGHT_WORDS, driver_sights
@@ -126,7 +127,7 @@ def key(name: str) -> str:
 
 def possible_sights(result: Result) -> tuple[str, ...]:
     """By what of the driver encounters can be filtered; nothing where nothing is known of him."""
-    return SIGHTS if result.driver.has_any else ()
+    return SIGHTS if driver_in(result).has_any else ()
 
 
 def draw(result: Result, encounters: pd.DataFrame) -> tuple[Filters, pd.DataFrame]:

@@ -8,10 +8,11 @@ from typing import Any, Final
 import numpy as np
 import streamlit as st
 
+from nvcore.driver.comparison.settings import DRIVER
 from nvcore.errors import ParameterError
 from nvcore.metrics.proximity import in_use
 from nvcore.params import SETTINGS, Params
-from nvcore.params.metadata import DRIVER, THRESHOLD, UNSEEN, Setting
+from nvcore.params.metadata import MISS_WEIGHTS, THRESHOLD, Setting
 from nvcore.params.presets import Preset
 from ui.session import settings, state
 
@@ -69,7 +70,7 @@ def value_when_set(name: str) -> float:
 
 def is_used(setting: Setting) -> bool:
     """Whether the setting has a meaning with the data and the choices that are made."""
-    if setting.stage in (DRIVER, UNSEEN) and not state.opened().dataset.has_detectability:
+    if setting.stage in (DRIVER, MISS_WEIGHTS) and not state.opened().dataset.has_detectability:
         return False
     if setting.used_with is None:
         return True

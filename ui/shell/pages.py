@@ -7,23 +7,20 @@ from typing import Final
 import streamlit as st
 from streamlit.navigation.page import StreamlitPage
 
+from nvcore.driver.comparison.settings import DRIVER
 from nvcore.params.metadata import (
-    CONFIRMED,
-    CONTACT,
-    DRIVER,
     ENCOUNTERS,
     EVENTS,
     LOW,
     MATCH,
     PROXIMITY,
-    RESULTS,
     SALIENCY,
     SEVERITY,
     SIMILARITY,
-    TIME_LEFT,
-    URGENCY,
     Stage,
+    shown_results,
 )
+from nvcore.time_left.settings import CONFIRMED, CONTACT, TIME_LEFT, URGENCY
 from ui.shell.navigate import PAGES
 
 SECTIONS: Final = {
@@ -89,7 +86,7 @@ def all_pages() -> dict[str, list[StreamlitPage]]:
 
 def shown_on(page: StreamlitPage) -> tuple[Stage, ...]:
     """The stages of the comparison whose results the page shows."""
-    return SHOWN.get(page.url_path or START, RESULTS)
+    return SHOWN.get(page.url_path or START, shown_results())
 
 
 def own_of(page: StreamlitPage) -> tuple[Stage, ...]:

@@ -195,7 +195,7 @@ def _advanced() -> None:
     names_of: dict[str, list[str]] = {}
     for name, setting in SETTINGS.items():
         if setting.is_advanced and setting.stage not in st.session_state[_OWN]:
-            names_of.setdefault(setting.stage.group, []).append(name)
+            names_of.setdefault(setting.group, []).append(name)
     quiet = _quiet_settings()
     if place.open and quiet and all(setting.is_advanced for setting in quiet):
         place.caption(GREY)

@@ -12,12 +12,14 @@ from nvcore.comparison import Result
 from nvcore.evidence.measures import Evidence, judge
 from nvcore.evidence.units import BLOCKS
 from nvcore.measures import evidence_form
-from nvcore.params.metadata import THRESHOLD, TIME_LEFT
+from nvcore.params.metadata import THRESHOLD
 from nvcore.report.time_left import describe_needed, few_urgent
 from nvcore.report.verdict.words import describe_time_left
 from nvcore.report.words import describe_urgency
 from nvcore.schema import TimeLeft, Urgency
 from nvcore.tables.scorecard import score_rows
+from nvcore.time_left.settings import TIME_LEFT
+from nvcore.time_left.steps import time_left_in
 from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number
 from ui.session import state
 from ui.widgets.html import MeasureRow, measures_html, score_row
@@ -36,7 +38,7 @@ def draw(result: Result) -> None:
     with st.container(key="time_left_headline"):
         for sentence in describe_time_left(result):
             st.header(plain(sentence), anchor=False)
-    if not result.is_urgent.any():
+    if not time_left_in(result).is_urgent.any():
         _draw_nobody(result)
         return
     st.caption(plain(describe_urgency(result)))
@@ -55,7 +57,7 @@ def _draw_nobody(result: Result) -> None:
             state.words("The truth has no pedestrians: there is nobody whom the car comes near to.")
         )
         return
-    n_unknown = result.count_urgency()[Urgency.UNKNOWN]
+    n_unknown = time_left_in(result).count_urgency()[Urgency.UNKNOWN]
     if n_unknown == len(result.encounters):
         st.info(f"{plain(describe_urgency(result))} Nothing can be said of any of them ({link}).")
     else:
@@ -80,7 +82,7 @@ def _draw_measures(result: Result) -> None:
             rows.append(with_interval(_share(evidence[SHARE]), evidence[SHARE], notes))
     st.html(measures_html(rows, key="time-left", head=HEAD))
     lines = [f"{mark}: {plain(capitalised(note))}." for note, mark in notes.marks.items()]
-    if few := few_urgent(int(result.is_urgent.sum())):
+    if few := few_urgent(int(time_left_in(result).is_urgent.sum())):
         lines.append(few)
     st.caption("  \n".join(lines))
 
@@ -117,7 +119,7 @@ def with_interval(row: MeasureRow, of: Evidence | None, notes: Footnotes) -> Mea
 def _draw_meaning(result: Result) -> None:
     """What *in time* says, and what it does not."""
     params = result.params
-    is_assumed = result.has_assumed_speed
+    is_assumed = time_left_in(result).has_assumed_speed
     if is_assumed.any():
         if not is_assumed.all():
             st.markdown("In recordings that do not state their speed:")

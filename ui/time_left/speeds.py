@@ -11,8 +11,10 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.figures.time_left.over_speed import OverSpeed, over_speed_plot
 from nvcore.params import settings_for
-from nvcore.params.metadata import THRESHOLD, TIME_LEFT
+from nvcore.params.metadata import THRESHOLD
 from nvcore.report.time_left import describe_turns
+from nvcore.time_left.settings import TIME_LEFT
+from nvcore.time_left.steps import time_left_in
 from ui.session import state
 from ui.widgets.charts import draw_chart, kept_figure
 from ui.widgets.text import docs_link, plain
@@ -32,7 +34,7 @@ def draw(result: Result) -> None:
     for sentence in describe_turns(curve):
         st.markdown(plain(sentence))
     names, theme = (result.x.name, result.y.name), state.theme()
-    speed_kmh = result.assumed_speed_kmh
+    speed_kmh = time_left_in(result).assumed_speed_kmh
     for column, measure in zip(st.columns(2, gap="medium"), MEASURES, strict=True):
         make = partial(
             over_speed_plot, curve, names, speed_kmh=speed_kmh, theme=theme, measure=measure
@@ -57,4 +59,4 @@ def _curve(result: Result) -> tuple[tuple[object, ...], pd.DataFrame]:
     names = [name for name in settings_for(THRESHOLD, TIME_LEFT) if name != "speed_kmh"]
     settings = tuple(getattr(result.params, name) for name in names)
     key = settings, result.x.name, result.y.name
-    return key, state.cached("over_speed", key, lambda: result.over_speed, most=8)
+    return key, state.cached("over_speed", key, lambda: time_left_in(result).over_speed, most=8)

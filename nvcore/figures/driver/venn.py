@@ -6,9 +6,9 @@ from typing import Any, Final
 
 import plotly.graph_objects as go
 
+from nvcore.driver.comparison.judging import DriverVenn
 from nvcore.figures.marks import marks, steady_marker
 from nvcore.figures.style import HIDDEN_AXIS, LOOK, draw, empty_figure, faded, plain, written
-from nvcore.metrics.driver import DriverVenn
 from nvcore.palette import Theme
 from nvcore.schema import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.wording import count_text

@@ -13,9 +13,10 @@ from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers, marks, steady_marker, still_line
 from nvcore.figures.over_time.similarity import decimate, evenly
 from nvcore.figures.style import LOOK, axis, faded, written
-from nvcore.metrics.time_left import needed_time
 from nvcore.palette import Theme
 from nvcore.tables.encounters.time_left import nearest_contact, systems_in_words
+from nvcore.time_left.judging import needed_time
+from nvcore.time_left.steps import time_left_in
 
 MOST_S: Final = 6.0
 """Time to contact up to which it is drawn, unless the car needs longer to stop."""
@@ -153,9 +154,9 @@ def _clicks(
 
 def last_chances(result: Result, encounters: np.ndarray, size: float, theme: Theme) -> go.Scatter:
     """A bar in the lane of each urgent encounter; `encounters` are those of the lanes, in order."""
-    lane = np.flatnonzero(result.is_urgent[encounters])
+    lane = np.flatnonzero(time_left_in(result).is_urgent[encounters])
     urgent = encounters[lane]
-    row = result.urgency["urgent_row"].to_numpy()[urgent]
+    row = time_left_in(result).urgency["urgent_row"].to_numpy()[urgent]
     frames = result.dataset.frames
     frame, time_s = frames["frame"].to_numpy()[row], frames["time_s"].to_numpy()[row]
     text = [

@@ -11,8 +11,8 @@ import plotly.graph_objects as go
 
 from nvcore.figures.marks import HOVER, system_marker
 from nvcore.figures.style import LEFT_PX, LOOK, axis, draw, empty_figure, system_label, write
-from nvcore.metrics.time_left import turning_speeds
 from nvcore.palette import Theme
+from nvcore.time_left.judging import turning_speeds
 from nvcore.wording import count_text
 
 OverSpeed = Literal["share_in_time", "mean_impact_kmh"]
@@ -61,7 +61,7 @@ def over_speed_plot(
     Parameters
     ----------
     curve
-        Of `nvcore.metrics.time_left.curve_over_speed`.
+        Of `nvcore.time_left.judging.curve_over_speed`.
     names
         Names of X and Y.
     speed_kmh

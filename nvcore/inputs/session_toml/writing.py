@@ -46,7 +46,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
                 "accept": list(session.accept) or None,
             }
         ),
-        "parameters": _given(session.params.stated(has_detectability=False)),
+        "parameters": _given(session.params.stated()),
         "protocol": session.protocol.given(),
         "recordings": {} if table is None else {"path": table.path},
         "defaults": _given(defaults),

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.operating_points import describe_alarms, is_undecided
 from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS
 from nvcore.findings import Finding
@@ -44,7 +45,7 @@ def _details(outcome: Outcome, result: Result, findings: Sequence[Finding]) -> t
             "thresholds that give equally many",
         )
     known: tuple[str, ...] = ()
-    if name in OF_DRIVER and result.driver.has_any:
+    if name in OF_DRIVER and driver_in(result).has_any:
         lines = describe_known(result, of_urgent=name in OF_URGENT), describe_doubt(result)
         known = tuple(filter(None, lines))
     if outcome.is_passed:
@@ -54,8 +55,8 @@ def _details(outcome: Outcome, result: Result, findings: Sequence[Finding]) -> t
         category = COUNTED_ENCOUNTERS[counted]
         return tuple(encounters_of(result, category, members(result, name)))
     if name in COUNTED_REGIONS:
-        is_counted = np.isin(result.driver.region, COUNTED_REGIONS[name])
-        return (*known, *_listed(result, is_counted, is_open=result.driver.is_within_sd))
+        is_counted = np.isin(driver_in(result).region, COUNTED_REGIONS[name])
+        return (*known, *_listed(result, is_counted, is_open=driver_in(result).is_within_sd))
     of_audit = (
         f"{finding.subject}: {finding.message}"
         for finding in findings

@@ -13,6 +13,7 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import detection_curve
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.companions import find_companions
 from nvcore.evidence.operating_points import is_undecided
 from nvcore.evidence.planning import PLAN_KEYS, SIDES, Side, judge_key, worse_at_most
@@ -119,7 +120,7 @@ def measure_names() -> list[str]:
 
 def listed_names(result: Result, values: Mapping[str, float]) -> list[str]:
     """Names of these measures, sorted; those of the driver only where detectability is known."""
-    if result.driver.has_any:
+    if driver_in(result).has_any:
         return sorted(values)
     return sorted(values.keys() - OF_DRIVER)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from nvcore import __version__
 from nvcore.comparison import Result
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.companions import find_companions
 from nvcore.evidence.operating_points import as_set_note
 from nvcore.evidence.subgroup_table import subgroup_table
@@ -123,7 +124,7 @@ def report_content(
         scorecard_section(result, companions),
         encounters_section(result),
         *([time_left_section(result)] if result.dataset.objects.is_on_road else []),
-        *([driver_section(result)] if result.driver.has_any else []),
+        *([driver_section(result)] if driver_in(result).has_any else []),
         similarity_section(result),
         saliency_section(result),
         false_alerts_section(result),

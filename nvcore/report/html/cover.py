@@ -9,6 +9,7 @@ from typing import Final
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import are_unequal, describe_alarms
 from nvcore.evidence.units import MIN_RECORDINGS
@@ -136,7 +137,7 @@ def _operating_points(result: Result) -> str:
 def _estimated(result: Result) -> str:
     """Why what is said of the driver is to be doubted; empty: nothing is known, or nothing said."""
     estimate = result.dataset.estimate
-    if not result.driver.has_any or estimate is None or is_stated(result):
+    if not driver_in(result).has_any or estimate is None or is_stated(result):
         return ""
     return f"Whom the driver sees is estimated: {estimate.caution}." if estimate.caution else ""
 

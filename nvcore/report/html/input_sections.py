@@ -200,7 +200,7 @@ def _driver_views(dataset: Dataset) -> list[str]:
 
 def parameters_section(result: Result) -> Section:
     """Every setting with its meaning, and the constants."""
-    stated = result.params.stated(has_detectability=result.dataset.has_detectability)
+    stated = result.params.stated(result.dataset)
     rows = []
     for name, setting in SETTINGS.items():
         if name not in stated:

@@ -14,13 +14,14 @@ from nvcore.report.time_left import describe_needed, describe_turns, few_urgent
 from nvcore.report.verdict.words import describe_time_left
 from nvcore.report.words import describe_urgency
 from nvcore.tables.encounters.time_left import urgent_encounters
+from nvcore.time_left.steps import time_left_in
 from nvcore.wording import number
 
 
 def time_left_section(result: Result) -> Section:
     """The urgent encounters up to contact, and both systems over the speed of the car."""
-    curve, urgent = result.over_speed, urgent_encounters(result)
-    needed = describe_needed(result.params) if result.has_assumed_speed.any() else ""
+    curve, urgent = time_left_in(result).over_speed, urgent_encounters(result)
+    needed = describe_needed(result.params) if time_left_in(result).has_assumed_speed.any() else ""
     sentences = (
         *describe_time_left(result),
         describe_urgency(result) or "No pedestrian is met.",
@@ -42,7 +43,7 @@ def _over_speed(result: Result, curve: pd.DataFrame, measure: OverSpeed) -> Char
     figure = over_speed_plot(
         curve,
         names_of(result),
-        speed_kmh=result.assumed_speed_kmh,
+        speed_kmh=time_left_in(result).assumed_speed_kmh,
         theme=result.scheme("light"),
         measure=measure,
     )

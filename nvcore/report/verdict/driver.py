@@ -7,6 +7,8 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.judging import SELDOM, count_unknown
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.measures.driver_doubt import (
     are_all_open,
     count_origins,
@@ -16,9 +18,9 @@ from nvcore.measures.driver_doubt import (
     is_weighted,
 )
 from nvcore.measures.of_driver import count_in_time, is_judged_in_time, is_seen_too_late
-from nvcore.metrics.driver import SELDOM, count_unknown
 from nvcore.schema import DriverRegion
 from nvcore.tables.encounters.driver import REGION_NAMES
+from nvcore.time_left.steps import time_left_in
 from nvcore.wording import capitalised, count_text, listed, one_line, percent, shortened
 
 SMALL_SHARE: Final = 0.05
@@ -46,13 +48,13 @@ def describe_weighting(result: Result) -> tuple[str, ...]:
 
 def describe_doubt(result: Result) -> str:
     """Why nothing is claimed of whom the driver sees, whatever the counts; empty: no reason."""
-    why = doubt_of_seen(result) if result.driver.has_any else ""
+    why = doubt_of_seen(result) if driver_in(result).has_any else ""
     return f"Nothing is claimed of whom the driver sees: {why}." if why else ""
 
 
 def describe_view(result: Result) -> tuple[str, ...]:
     """`describe_driver` without its doubt."""
-    if not result.driver.has_any:
+    if not driver_in(result).has_any:
         return (NOTHING_KNOWN,) if result.dataset.has_detectability else ()
     sentences = (
         _alerts(result),
@@ -75,12 +77,12 @@ def _basis(result: Result) -> tuple[str, str, str]:
 
 
 def _alerts(result: Result) -> str:
-    venn = result.driver.venn
+    venn = driver_in(result).venn
     count, n_unseen = venn.counts, venn.n_unseen
     by = capitalised(_by(result))
     of = f"{by}, the driver sees {venn.n_seen} of {count_text(venn.n_known, 'encounter')}"
     if not n_unseen:
-        is_open = doubt_of_seen(result) or result.driver.is_within_sd.any()
+        is_open = doubt_of_seen(result) or driver_in(result).is_within_sd.any()
         is_plain = not (is_open or is_seen_too_late(result).any())
         redundant = ": every alert about these is redundant" if is_plain else ""
         return f"{of} unaided{redundant}."
@@ -95,18 +97,19 @@ def _alerts(result: Result) -> str:
 
 def _seldom(result: Result) -> str:
     """How many the driver sees for a few frames only; empty: none."""
-    n = int(np.count_nonzero(result.driver.is_seldom_seen))
+    n = int(np.count_nonzero(driver_in(result).is_seldom_seen))
     if not n:
         return ""
+    n_seen = driver_in(result).venn.n_seen
     return (
-        f"One frame is enough to count as seen: {n:,} of the {result.driver.venn.n_seen:,} reach "
+        f"One frame is enough to count as seen: {n:,} of the {n_seen:,} reach "
         f"the threshold in fewer than {percent(SELDOM)} of the frames up to the first that counts."
     )
 
 
 def describe_counts(result: Result) -> str:
     """Where each encounter is counted, those too that no sentence is about."""
-    venn = result.driver.venn
+    venn = driver_in(result).venn
     n_unknown, n_distant = (
         venn.counts[region] for region in (DriverRegion.UNKNOWN, DriverRegion.DISTANT)
     )
@@ -121,12 +124,12 @@ def describe_counts(result: Result) -> str:
 
 def describe_known(result: Result, *, of_urgent: bool = False) -> str:
     """Of how many encounters it is known whether the driver sees them, and on whose word."""
-    known, near = result.driver.venn.n_known, count_text(result.venn.n_near, "encounter")
-    is_open = result.driver.is_within_sd
+    known, near = driver_in(result).venn.n_known, count_text(result.venn.n_near, "encounter")
+    is_open = driver_in(result).is_within_sd
     if of_urgent:
         is_judged = is_judged_in_time(result)
         known, is_open = int(np.count_nonzero(is_judged)), is_open & is_judged
-        near = count_text(int(np.count_nonzero(result.is_urgent)), "urgent encounter")
+        near = count_text(int(np.count_nonzero(time_left_in(result).is_urgent)), "urgent encounter")
     n_open = int(np.count_nonzero(is_open))
     return f"whether the driver sees them is known of {known:,} of {near}, {_by(result)}" + (
         f"; open in {n_open:,} of these, within one standard deviation" if n_open else ""
@@ -188,7 +191,7 @@ def _known(result: Result) -> str:
     parts = []
     if n_known < (1 - SMALL_SHARE) * n_boxes:
         parts.append(f"it is known of {n_known:,} of {n_boxes:,} pedestrian boxes")
-    if n_unknown := result.driver.venn.counts[DriverRegion.UNKNOWN]:
+    if n_unknown := driver_in(result).venn.counts[DriverRegion.UNKNOWN]:
         are = "is" if n_unknown == 1 else "are"
         encounters = count_text(n_unknown, "encounter")
         parts.append(f"{encounters} of which it is unknown {are} not counted here")
@@ -200,20 +203,21 @@ def _outside(result: Result) -> str:
     record, values = result.dataset.estimate, result.dataset.detectability
     is_known = ~(np.isnan(values.value) | result.dataset.truth.ignore)
     n_known, n = (int(np.count_nonzero(is_known & of)) for of in (True, values.is_outside))
-    n_encounters = result.driver.n_outside
+    n_encounters = driver_in(result).n_outside
     if not n_encounters and n <= SMALL_SHARE * n_known:
         return ""
     names = [shortened(one_line(name), _SHOWN_NAME) for name in (record.outside if record else ())]
     which = f" (in that run by {listed(names, most=_MOST_NAMED)})" if names else ""
     return (
         f"Outside the range of the training{which} are {n:,} of {n_known:,} values; such values "
-        f"decide {n_encounters or 'none'} of {count_text(result.driver.venn.n_known, 'encounter')}."
+        f"decide {n_encounters or 'none'} of "
+        f"{count_text(driver_in(result).venn.n_known, 'encounter')}."
     )
 
 
 def _undecided(result: Result) -> str:
     """How many encounters may as well be on the other side of the threshold."""
-    driver = result.driver
+    driver = driver_in(result)
     n, n_with_sd, n_unseen = (
         int(np.count_nonzero(which))
         for which in (driver.is_within_sd, driver.has_sd, driver.is_within_sd & driver.is_unseen)
@@ -245,10 +249,11 @@ def _adapted(result: Result) -> str:
             f"In {percent(n_unknown / n)} of all estimates of that run it is not known when the "
             "light last changed: the eyes are taken for adapted."
         )
-    if n_adapted := int(np.count_nonzero(result.driver.is_adapted)):
+    if n_adapted := int(np.count_nonzero(driver_in(result).is_adapted)):
         sentences.append(
             f"Estimates for adapted eyes, as no change from bright to dark is known before, decide "
-            f"{n_adapted:,} of {count_text(result.driver.venn.n_known, 'encounter')}."
+            f"{n_adapted:,} of "
+            f"{count_text(driver_in(result).venn.n_known, 'encounter')}."
         )
     return " ".join(sentences)
 
@@ -272,7 +277,7 @@ def weighting(result: Result) -> str:
 
 def regions_text(result: Result) -> str:
     """Encounters of each region, in one line: "driver, X and Y 3, driver and X 1, ..."."""
-    counts = result.driver.venn.counts
+    counts = driver_in(result).venn.counts
     return ", ".join(
         f"{who} {counts[region]:,}"
         for region, who in REGION_NAMES.items()

@@ -32,6 +32,7 @@ from nvcore.measures import (
 from nvcore.measures.values import count_time_left
 from nvcore.report.words import every_nth, speed_text
 from nvcore.schema import Category, TimeLeft
+from nvcore.time_left.steps import time_left_in
 from nvcore.wording import (
     capitalised,
     count_text,
@@ -170,7 +171,7 @@ def _worst_failure(result: Result) -> str:
 
 def describe_time_left(result: Result) -> tuple[str, ...]:
     """How many urgent pedestrians each system confirms in time; empty where nobody is urgent."""
-    n = int(result.is_urgent.sum())
+    n = int(time_left_in(result).is_urgent.sum())
     if not n:
         return ()
     in_time_x, in_time_y = (count_time_left(system, TimeLeft.IN_TIME) for _, system in result.sides)

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.measures.of_driver import is_in_time_alone
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.schema import DRIVER_REGION_TEXT, DriverRegion
@@ -54,7 +55,7 @@ def driver_sights(result: Result) -> np.ndarray:
     the first frame that counts is no further than its standard deviation from `driver_threshold`,
     whatever its side.
     """
-    driver = result.driver
+    driver = driver_in(result)
     claims = [~driver.is_near, ~driver.is_known, driver.is_within_sd, driver.is_seen]
     kinds: list[Sight] = ["distant", "unknown", "open", "sees"]
     return np.select(claims, kinds, default="unseen").astype(object)
@@ -73,7 +74,7 @@ def describe_sight(result: Result, encounter: int) -> str:
         return ""
     if sight == "unknown":
         return f"Driver: {SIGHT_WORDS[sight]}, as {SIGHT_TEXT[sight]}."
-    largest, sd = result.driver.table[["detectability", "sd"]].iloc[encounter]
+    largest, sd = driver_in(result).table[["detectability", "sd"]].iloc[encounter]
     value = f"{largest:.2f}" + (f" ± {sd:.2f}" if np.isfinite(sd) else "")
     record = result.dataset.estimate
     name = result.dataset.recordings["name"].iloc[result.encounters.recording[encounter]]
@@ -96,9 +97,9 @@ def driver_venn_table(result: Result) -> pd.DataFrame:
     severity_s = [system.failures["severity_s"].to_numpy() for _, system in result.sides]
     rows = []
     for region, who in REGION_NAMES.items():
-        is_here = result.driver.region == region.value
+        is_here = driver_in(result).region == region.value
         of_x, of_y = (float(values[is_here].sum()) for values in severity_s)
-        n = result.driver.venn.counts[region]
+        n = driver_in(result).venn.counts[region]
         rows.append((region.value, who, n, of_x, of_y, DRIVER_REGION_TEXT[region]))
     names = ["region", "who", "encounters", "severity_x", "severity_y", "meaning"]
     return pd.DataFrame(rows, columns=names)
@@ -117,7 +118,7 @@ def over_driver_threshold(result: Result) -> pd.DataFrame:
     himself), useful_x, useful_y (detected by the system, not seen by him; higher is better),
     nobody (neither he nor X nor Y; lower is better). No row where it is known of none.
     """
-    driver = result.driver
+    driver = driver_in(result)
     is_known, n_known = driver.is_known, driver.venn.n_known
     thresholds = DRIVER_THRESHOLDS if n_known else DRIVER_THRESHOLDS[:0]
     largest = driver.table["detectability"].to_numpy()[is_known]

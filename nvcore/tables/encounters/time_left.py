@@ -10,6 +10,7 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.schema import TimeLeft
 from nvcore.tables.result import encounters_table
+from nvcore.time_left.steps import confirmed_by, time_left_in, time_left_of
 
 QUADRANTS: Final = ("both", "only_x", "only_y", "neither")
 """Who confirmed an urgent encounter in time."""
@@ -29,9 +30,9 @@ def urgent_encounters(result: Result) -> pd.DataFrame:
     last annotated frame; negative: after it), ttc_s (last chance), confirmed_s_x, confirmed_s_y
     (NaN never). And speed_kmh, and in_time: one of `QUADRANTS`.
     """
-    rows = np.flatnonzero(result.is_urgent)
+    rows = np.flatnonzero(time_left_in(result).is_urgent)
     encounters, time_s = result.encounters, result.dataset.frames["time_s"].to_numpy()
-    urgent_row = result.urgency["urgent_row"].to_numpy()[rows]
+    urgent_row = time_left_in(result).urgency["urgent_row"].to_numpy()[rows]
     ttc_s = contact_at(result, rows, urgent_row)
     contact_s = time_s[urgent_row] + ttc_s
     first_row = encounters.first_row[rows]
@@ -39,12 +40,12 @@ def urgent_encounters(result: Result) -> pd.DataFrame:
         "first_row": first_row,
         "urgent_row": urgent_row,
         "ttc_s": ttc_s,
-        "speed_kmh": result.urgency["speed_kmh"].to_numpy()[rows],
+        "speed_kmh": time_left_in(result).urgency["speed_kmh"].to_numpy()[rows],
         "first_s": contact_s - time_s[first_row],
         "last_s": contact_s - time_s[encounters.last_row[rows]],
     }
     for letter, system in result.sides:
-        row = system.confirmed["confirmed_row"].to_numpy()[rows]
+        row = confirmed_by(system)["confirmed_row"].to_numpy()[rows]
         columns[f"confirmed_row_{letter}"] = row
         columns[f"confirmed_s_{letter}"] = np.where(row < 0, np.nan, contact_s - time_s[row])
     table = encounters_table(result).iloc[rows].assign(**columns)
@@ -80,7 +81,8 @@ def systems_in_words(result: Result, encounters: np.ndarray) -> list[tuple[str, 
         [
             f"{letter.upper()} {_in_words(*row)}"
             for row in zip(
-                *(system.time_left[name].to_numpy()[encounters] for name in columns), strict=True
+                *(time_left_of(system)[name].to_numpy()[encounters] for name in columns),
+                strict=True,
             )
         ]
         for letter, system in result.sides
@@ -108,7 +110,7 @@ def nearest_contact(result: Result, recording: int) -> pd.DataFrame:
     """
     truth, rows = result.dataset.truth, result.dataset.frame_columns.rows_of(recording)
     boxes = truth.rows_of(rows.start, rows.stop)
-    ttc_s, frame = result.contact.ttc_s[boxes], truth.frame_index[boxes] - rows.start
+    ttc_s, frame = time_left_in(result).contact.ttc_s[boxes], truth.frame_index[boxes] - rows.start
     order = np.lexsort((ttc_s, frame))  # NaN last
     frames, place = np.unique(frame[order], return_index=True)
     nearest = order[place]
@@ -135,5 +137,5 @@ def contact_at(result: Result, encounter: np.ndarray, frame_row: np.ndarray) -> 
     ttc_s = np.full(len(wanted), np.nan)
     if len(key):
         is_there = key[place] == wanted
-        ttc_s[is_there] = result.contact.ttc_s[encounters.order[place[is_there]]]
+        ttc_s[is_there] = time_left_in(result).contact.ttc_s[encounters.order[place[is_there]]]
     return ttc_s

@@ -8,14 +8,13 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.columns import Detectability
 from nvcore.comparison import Result
-from nvcore.metrics.driver import weigh_unseen
 from nvcore.metrics.encounters import RELEVANT_K, find_encounters, judge_encounters
 from nvcore.metrics.proximity import in_use, weigh_proximity
 from nvcore.metrics.proximity.borrowing import weighing_truth
 from nvcore.metrics.severity import cost_of_miss, weigh_failures
 from nvcore.params import Params, Proximity
+from nvcore.scoring import weigh_misses
 
 KINDS: Final[tuple[Proximity, ...]] = ("height", "horizon", "distance")
 """What can tell how near a pedestrian is."""
@@ -98,8 +97,7 @@ def _judge(
     if not has_own_kind.any():
         return np.zeros(len(rows)), has_own_kind, {"is_known": False}
     k = weigh_proximity(truth, ~truth.ignore, frames, params).k
-    known = Detectability(*(values[rows] for values in dataset.detectability))
-    k_miss = weigh_unseen(k, known, params)
+    k_miss = weigh_misses(k, dataset, params, rows=rows)
     cost = cost_of_miss(truth, k_miss, frames, in_use(params, "edge_weight", frames))
     occlusion = dataset.boxes["occlusion"].to_numpy()[rows]
     alone = find_encounters(truth, result.tracks.track[rows], occlusion, frames)

@@ -15,6 +15,7 @@ from nvcore.auditing import audit
 from nvcore.comparison import compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.estimates import EstimateRecord, estimate_json, read_estimate_record
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.errors import FormatError, InputError
 from nvcore.inputs.driver.session import DriverTable
 from nvcore.inputs.load import load
@@ -380,7 +381,11 @@ def test_where_truth_and_file_differ_the_file_is_taken_and_that_is_said(tmp_path
 def test_a_fusion_keeps_what_is_known_of_the_truth(tmp_path):
     dataset = load(estimated(tmp_path, *(row("urban", i, 0.9) for i in range(20))))
     result = compare(dataset, Params())
-    assert result.fusion.driver.is_seen.tolist() == result.driver.is_seen.tolist() == [True, False]
+    assert (
+        driver_in(result.fusion).is_seen.tolist()
+        == driver_in(result).is_seen.tolist()
+        == [True, False]
+    )
 
 
 @pytest.mark.parametrize("is_own", [True, False])

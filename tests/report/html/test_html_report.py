@@ -239,7 +239,7 @@ def test_audit_inputs_and_parameters(page, result):
     assert result.dataset.fingerprint in page.text
     assert f"nvcore {__version__}" in page.text
     rows = {row[0]: row for row in page.tables["Parameters"][1:]}
-    assert list(rows) == list(Params().stated(has_detectability=False))
+    assert list(rows) == list(Params().stated())
     assert rows["alpha"][1:3] == ["0.9", "0.9"]
     assert rows["midpoint"][1] == "48 px"  # 10 % of the height
     assert all(row[-1].endswith(".") for row in rows.values())

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from nvcore.comparison import Result, compare
 from nvcore.dataset.estimates import EstimateRecord
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.tables.encounters.driver import (
     DRIVER_THRESHOLDS,
     describe_sight,
@@ -105,7 +106,7 @@ def test_where_it_is_known_of_nobody_there_is_no_row_over_the_threshold(result: 
 def test_each_row_is_what_a_comparison_at_that_threshold_counts(shares, threshold, names):
     x, y = ("".join(who) for who in names)
     result = result_with(*shares, x=x, y=y)
-    anew = compare(result.dataset, replace(result.params, driver_threshold=threshold)).driver
+    anew = driver_in(compare(result.dataset, replace(result.params, driver_threshold=threshold)))
     table = over_driver_threshold(result)
     (row,) = table[table["driver_threshold"] == threshold].to_dict("records")
     counts = anew.venn.counts

@@ -17,6 +17,7 @@ from picture_files import write_picture
 
 from nvcore.api.driver_run import estimate_driver
 from nvcore.dataset.estimates import EstimateRecord
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.driver.writing import WrittenEstimates
 from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source
@@ -561,7 +562,7 @@ def test_an_estimate_that_ends_while_another_page_is_open_is_taken_over_there(he
     n_opened = held.space.n_opened
     held.ends()
     checked(page.run())
-    assert held.space.result.driver.venn.n_known == 2
+    assert driver_in(held.space.result).venn.n_known == 2
     assert [item.value for item in page.title] == ["Timeline"]
     # nothing that was chosen is lost, and a reset still goes back to what the session says
     assert page.slider(key="alpha").value == 0.25

@@ -11,7 +11,7 @@ from streamlit.testing.v1 import AppTest
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import SETTINGS, Params
-from nvcore.params.metadata import MATCH, PROXIMITY, RESULTS
+from nvcore.params.metadata import MATCH, PROXIMITY, shown_results
 from pages import FRAMES, begin_with, checked, opened, press, rows, shown, texts, write
 from ui.session import settings
 from ui.session.sample import shown_in
@@ -27,7 +27,7 @@ SCORED, CONSTANT = (
 @pytest.fixture
 def every_setting_acts(monkeypatch: pytest.MonkeyPatch) -> None:
     """The page that is quickly drawn shows nothing of the comparison: no setting acts on it."""
-    monkeypatch.setitem(pages.SHOWN, "metrics", RESULTS)
+    monkeypatch.setitem(pages.SHOWN, "metrics", shown_results())
 
 
 pytestmark = pytest.mark.usefixtures("every_setting_acts")
@@ -268,7 +268,7 @@ def test_grey_settings_are_spoken_of_only_where_some_are_in_sight(monkeypatch: p
 
 def test_every_page_of_a_comparison_has_settings_that_act():
     names = [name for section in pages.SECTIONS.values() for name in section]
-    idle = [name for name in names if not pages.SHOWN.get(name, RESULTS)]
+    idle = [name for name in names if not pages.SHOWN.get(name, shown_results())]
     assert set(pages.SHOWN) <= set(names)
     assert idle == ["study", "detectors"]
 

@@ -14,6 +14,7 @@ from streamlit.testing.v1 import AppTest
 import pages
 from nvcore.evidence.measures import Evidence
 from nvcore.evidence.units import BLOCKS
+from nvcore.time_left.steps import time_left_in
 from nvcore.wording import Footnotes
 from pages import HEAD, alone, begin_with, checked, opened, texts
 from ui.time_left import listed
@@ -94,7 +95,7 @@ def test_the_list_has_the_fastest_impact_first_and_opens_the_last_chance(
     assert table(page)["time_left_y"].iloc[0] == "late"
     result = page.session_state["workspace"].result
     encounter = int(table(page).index[0])
-    row = int(result.urgency["urgent_row"].iloc[encounter])
+    row = int(time_left_in(result).urgency["urgent_row"].iloc[encounter])
     page.session_state[listed.OPEN] = encounter, row
     checked(page.run())
     checked(page.run())

@@ -3,8 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
-from nvcore.params.metadata import CONFIRMED, CONTACT, URGENCY, setting, share
+from nvcore.errors import ParameterError
+from nvcore.params.metadata import MATCH, Stage, setting, share
+
+CONTACT: Final = Stage("time to contact", "Time left")
+URGENCY: Final = Stage("urgent encounters", "Time left", (CONTACT,))
+CONFIRMED: Final = Stage("pedestrians confirmed", "Time left", (MATCH,))
+TIME_LEFT: Final = Stage("time left", "Time left", (URGENCY, CONFIRMED), "time left")
+
+RESULTS: Final = (TIME_LEFT,)
+"""The stages whose results are shown."""
 
 
 @dataclass(frozen=True)
@@ -103,3 +113,17 @@ class TimeLeftSettings:
         "confirm him; at his first frames there are fewer.",
         is_advanced=True,
     )
+
+    def check_together(self) -> None:
+        """Refuse values that do not go together.
+
+        Raises
+        ------
+        ParameterError
+            If `confirm_n` is more than `confirm_m`.
+        """
+        if self.confirm_n > self.confirm_m:
+            raise ParameterError(
+                f"confirm_n: expected at most confirm_m, which is {self.confirm_m:g}, got "
+                f"{self.confirm_n:g}: nobody would ever be confirmed"
+            )

@@ -16,9 +16,9 @@ import pandas as pd
 
 from nvcore.columns import Detectability
 from nvcore.dataset import Dataset
+from nvcore.driver.comparison.kernels import driver_frames
 from nvcore.metrics.encounters import Encounters
 from nvcore.metrics.kernels import over_ranges
-from nvcore.metrics.kernels.driver import driver_frames
 from nvcore.metrics.venn import Venn
 from nvcore.params import Params
 from nvcore.schema import DriverRegion
@@ -104,19 +104,19 @@ def judge_driver(
     )
 
 
-def weigh_unseen(k_truth: np.ndarray, detectability: Detectability, params: Params) -> np.ndarray:
-    """What missing each pedestrian weighs in similarity, saliency and severity, 0 to 1.
+def weigh_unseen(dataset: Dataset, params: Params) -> np.ndarray | None:
+    """By what `driver_weighting` multiplies the weight of missing each pedestrian.
 
-    ``k``; with `driver_weighting` ``k * (1 - detectability)``, and ``k`` where it is unknown. Which
-    frames count (``k >= 0.5``) goes by ``k`` alone.
+    ``1 - detectability``, and 1 where that is unknown.
 
     Returns
     -------
-    float64, shape (n_truth,).
+    float64, shape (n_truth,), 0..1; None: 1 for all of them.
     """
-    if params.driver_weighting == "off" or np.isnan(detectability.value).all():
-        return k_truth
-    weights: np.ndarray = k_truth * (1 - np.nan_to_num(detectability.value, nan=0.0))
+    detectability = dataset.detectability.value
+    if params.driver_weighting == "off" or np.isnan(detectability).all():
+        return None
+    weights: np.ndarray = 1 - np.nan_to_num(detectability, nan=0.0)
     return weights
 
 

@@ -17,9 +17,9 @@ import pandas as pd
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.metrics.encounters import Encounters
 from nvcore.metrics.kernels import over_ranges
-from nvcore.metrics.kernels.time_left import confirmed_frames, contact_frames, urgent_frames
 from nvcore.params import Params
 from nvcore.schema import NO_TRACK, TimeLeft, Urgency
+from nvcore.time_left.kernels import confirmed_frames, contact_frames, urgent_frames
 
 KMH: Final = 3.6
 """Kilometres per hour in one metre per second."""

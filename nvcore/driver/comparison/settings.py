@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
-from nvcore.params.metadata import DRIVER, UNSEEN, setting, share
+from nvcore.params.metadata import MISS_WEIGHTS, PROXIMITY, Stage, setting, share
+
+DRIVER: Final = Stage(
+    "whom the driver sees", "The driver", (PROXIMITY,), "what the driver sees by himself"
+)
+
+RESULTS: Final = (DRIVER,)
+"""The stages whose results are shown."""
 
 DriverWeighting = Literal["off", "on"]
 
-NEEDS_DETECTABILITY: Final = ("driver_threshold", "driver_weighting")
-"""Settings without effect where no detectability is known."""
+
+def _has_detectability(dataset: Any) -> bool:
+    return bool(dataset.has_detectability)
 
 
 @dataclass(frozen=True)
@@ -26,14 +34,20 @@ class DriverSettings:
         "frame up to the first in which the pedestrian is near enough to count. Of no effect where "
         "no detectability is known.",
         is_advanced=True,
+        applies=_has_detectability,
     )
     driver_weighting: DriverWeighting = setting(
-        UNSEEN,
+        MISS_WEIGHTS,
         "off",
+        heading=DRIVER.group,
         words={"off": "in full", "on": "by (1 - detectability)"},
         label="Missed pedestrians weigh",
         meaning="Whether a missed pedestrian weighs in full (off) or, in similarity, saliency and "
         "severity, by (1 - detectability) (on): less, the more drivers would see the pedestrian "
         "anyway. This weighting is ours, not the papers'. In full where no detectability is known.",
         is_advanced=True,
+        applies=_has_detectability,
     )
+
+    def check_together(self) -> None:
+        """All values go together."""

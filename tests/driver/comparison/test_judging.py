@@ -13,11 +13,13 @@ from hypothesis import strategies as st
 
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
+from nvcore.driver.comparison.judging import count_driver_regions, driver_regions, split_unseen
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.measures.of_driver import is_driver_in_time, is_in_time_alone, is_seen_too_late
-from nvcore.metrics.driver import count_driver_regions, driver_regions, split_unseen
 from nvcore.params import Params
 from nvcore.schema import Category, DriverRegion
 from nvcore.stability.scores import score_setting
+from nvcore.time_left.steps import time_left_in
 
 NEAR, FAR = 40.0, 4.0
 """Heights with k above and below 0.5 in a picture of 100 px."""
@@ -37,46 +39,46 @@ def judged(truth: list[Box], **params: float | str) -> Result:
 
 def test_the_largest_detectability_up_to_the_first_relevant_frame_counts():
     result = judged(walk((FAR, 0.1), (FAR, 0.3), (NEAR, 0.2), (NEAR, 0.9)))
-    row = result.detectable.iloc[0]
+    row = driver_in(result).table.iloc[0]
     assert (row["detectability"], row["n_known"], row["seen_row"]) == (0.3, 3, -1)
     assert row["n_seen"] == 0
-    assert result.driver.is_unseen.tolist() == [True]
+    assert driver_in(result).is_unseen.tolist() == [True]
 
 
 def test_the_first_frame_at_the_threshold_is_his_confirmation():
     truth = walk((FAR, 0.1), (FAR, 0.5), (FAR, 0.4), (NEAR, 0.8))
     result = judged(truth)
-    assert result.driver.seen_row.tolist() == [1]
-    assert result.detectable["detectability"].tolist() == [0.8]
-    assert result.detectable["n_seen"].tolist() == [2]
-    assert judged(truth, driver_threshold=0.6).driver.seen_row.tolist() == [3]
-    assert judged(truth, driver_threshold=0.9).driver.is_unseen.tolist() == [True]
+    assert driver_in(result).seen_row.tolist() == [1]
+    assert driver_in(result).table["detectability"].tolist() == [0.8]
+    assert driver_in(result).table["n_seen"].tolist() == [2]
+    assert driver_in(judged(truth, driver_threshold=0.6)).seen_row.tolist() == [3]
+    assert driver_in(judged(truth, driver_threshold=0.9)).is_unseen.tolist() == [True]
 
 
 def test_a_pedestrian_who_is_near_at_once_is_judged_by_his_first_frame():
     result = judged(walk((NEAR, 0.4), (NEAR, 1.0)))
-    assert result.detectable["detectability"].tolist() == [0.4]
+    assert driver_in(result).table["detectability"].tolist() == [0.4]
 
 
 def test_frames_of_unknown_detectability_are_passed_over():
     result = judged(walk((FAR, NAN), (FAR, 0.6), (NEAR, NAN)))
-    row = result.detectable.iloc[0]
+    row = driver_in(result).table.iloc[0]
     assert (row["detectability"], row["n_known"], row["seen_row"]) == (0.6, 1, 1)
 
 
 def test_known_only_later_is_unknown_and_counted_apart():
     truth = [*walk((NEAR, NAN), (NEAR, 0.9)), *walk((NEAR, 0.9), track=2, centre=20)]
     result = judged(truth)
-    assert result.driver.is_known.tolist() == [False, True]
-    assert result.driver.venn.counts[DriverRegion.UNKNOWN] == 1
-    assert result.driver.venn.n_known == 1
+    assert driver_in(result).is_known.tolist() == [False, True]
+    assert driver_in(result).venn.counts[DriverRegion.UNKNOWN] == 1
+    assert driver_in(result).venn.n_known == 1
 
 
 def test_of_a_distant_encounter_nothing_is_judged():
     result = judged(walk((FAR, 0.9), (FAR, 0.9)))
-    assert np.isnan(result.detectable["detectability"][0])
-    assert result.driver.region.tolist() == [DriverRegion.DISTANT]
-    assert not result.driver.has_any
+    assert np.isnan(driver_in(result).table["detectability"][0])
+    assert driver_in(result).region.tolist() == [DriverRegion.DISTANT]
+    assert not driver_in(result).has_any
 
 
 def test_of_a_track_twice_in_a_frame_the_larger_detectability_counts():
@@ -89,7 +91,7 @@ def test_of_a_track_twice_in_a_frame_the_larger_detectability_counts():
 def test_without_detectability_nothing_is_known_and_no_column_takes_memory():
     dataset = make_dataset([at(0, 50, track=1)])
     assert not dataset.has_detectability
-    assert not result_of(dataset).driver.has_any
+    assert not driver_in(result_of(dataset)).has_any
     bare = Dataset(dataset.recordings, dataset.frames, dataset.boxes, dataset.systems, "")
     assert not bare.has_detectability
 
@@ -112,14 +114,14 @@ def eight() -> Result:
 def test_each_of_the_eight_regions_has_its_encounter_and_the_unknown_stands_apart():
     result = eight()
     expected = ["driver_x_y", "driver_x", "driver_y", "driver", "x_y", "x", "y", "nobody"]
-    assert result.driver.region.tolist() == [*expected, "unknown"]
-    assert [result.driver.venn.counts[DriverRegion(name)] for name in expected] == [1] * 8
-    venn = result.driver.venn
+    assert driver_in(result).region.tolist() == [*expected, "unknown"]
+    assert [driver_in(result).venn.counts[DriverRegion(name)] for name in expected] == [1] * 8
+    venn = driver_in(result).venn
     assert (venn.n_known, venn.n_seen, venn.n_unseen) == (8, 4, 4)
 
 
 def test_of_whom_the_driver_does_not_see_the_two_systems_split_as_in_their_own_diagram():
-    split = split_unseen(eight().driver.venn)
+    split = split_unseen(driver_in(eight()).venn)
     assert (split.both, split.x_only, split.y_only, split.neither) == (1, 1, 1, 1)
     assert split.distant == 5
 
@@ -141,7 +143,7 @@ def test_the_regions_add_up_to_the_categories_of_the_two_systems(rows):
 
 def test_a_higher_threshold_never_makes_him_see_more():
     truth = [b for i in range(9) for b in walk((NEAR, i / 8), track=i + 1, centre=10 + 9 * i)]
-    seen = [judged(truth, driver_threshold=t).driver.is_seen.sum() for t in (0.2, 0.5, 0.75, 1)]
+    seen = [driver_in(judged(truth, driver_threshold=t)).is_seen.sum() for t in (0.2, 0.5, 0.75, 1)]
     assert seen == [7, 5, 3, 1]
 
 
@@ -215,7 +217,7 @@ ALL, LATE = range(40), range(30, 40)
 )
 def test_neither_the_driver_nor_x_in_time_but_y(seen_from, by_driver, alone_y):
     result = met(seen_from, LATE, ALL)
-    assert result.is_urgent.tolist() == [True]
+    assert time_left_in(result).is_urgent.tolist() == [True]
     assert is_driver_in_time(result).tolist() == [by_driver]
     assert is_in_time_alone(result, result.y).tolist() == [alone_y]
     assert is_in_time_alone(result, result.x).tolist() == [False]
@@ -223,7 +225,7 @@ def test_neither_the_driver_nor_x_in_time_but_y(seen_from, by_driver, alone_y):
 
 def test_who_is_seen_after_he_counts_but_before_the_last_chance_is_in_time_though_unseen():
     result = met(27, LATE, ALL)  # counts from frame 25 on, last chance 29
-    assert result.driver.is_unseen.tolist() == [True]
+    assert driver_in(result).is_unseen.tolist() == [True]
     assert is_driver_in_time(result).tolist() == [True]
     assert not is_seen_too_late(result).any()
 

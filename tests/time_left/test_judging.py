@@ -10,8 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nvcore.comparison import Result, compare
-from nvcore.metrics.time_left import SPEEDS_KMH, turning_speeds
 from nvcore.params import Params
+from nvcore.time_left.judging import SPEEDS_KMH, turning_speeds
+from nvcore.time_left.steps import confirmed_by, time_left_in, time_left_of
 
 # At 50 km/h the car needs 1.2 s + 13.889 / 14 s = 2.1921 s: with contact after 5 s the last chance
 # is frame 29 (2.1 s left), the first of ten a second that is below.
@@ -26,7 +27,7 @@ def met(x=(), y=(), *, boxes=None, place=PLACE, **params) -> Result:
 
 
 def ttc_of(result: Result) -> list[float]:
-    return result.contact.ttc_s.round(6).tolist()
+    return time_left_in(result).contact.ttc_s.round(6).tolist()
 
 
 def test_on_an_exact_line_time_to_contact_is_exact_in_every_frame():
@@ -44,8 +45,8 @@ def test_distances_are_taken_where_every_box_has_one():
 def test_who_stands_still_relative_to_the_car_is_never_reached():
     result = result_of(make_dataset([at(f, 50, track=1) for f in range(20)]))
     assert ttc_of(result) == [np.inf] * 20
-    assert result.urgency["urgency"].tolist() == ["not_urgent"]
-    assert result.urgency["min_ttc_s"].tolist() == [np.inf]
+    assert time_left_in(result).urgency["urgency"].tolist() == ["not_urgent"]
+    assert time_left_in(result).urgency["min_ttc_s"].tolist() == [np.inf]
 
 
 def test_who_gets_smaller_or_jitters_is_not_being_approached():
@@ -65,16 +66,18 @@ def test_contact_in_the_past_is_contact_now():
 def test_fewer_than_five_boxes_in_the_window_are_unknown():
     boxes = approach(range(40), CONTACT_S)
     short = met(boxes=boxes[:4])
-    assert np.isnan(short.contact.ttc_s).all()
-    assert short.urgency["urgency"].tolist() == ["unknown"]
-    assert np.isnan(short.urgency["min_ttc_s"]).all()
-    assert not np.isnan(met(boxes=boxes[:5]).contact.ttc_s).any()
+    assert np.isnan(time_left_in(short).contact.ttc_s).all()
+    assert time_left_in(short).urgency["urgency"].tolist() == ["unknown"]
+    assert np.isnan(time_left_in(short).urgency["min_ttc_s"]).all()
+    assert not np.isnan(time_left_in(met(boxes=boxes[:5])).contact.ttc_s).any()
 
 
 def test_the_window_includes_its_edges():
     boxes = approach(range(40), CONTACT_S)
-    assert not np.isnan(met(boxes=boxes, ttc_window=0.8).contact.ttc_s[0])  # 0.4 s: frames 0 to 4
-    first = met(boxes=boxes, ttc_window=0.78).contact.ttc_s[:2]
+    assert not np.isnan(
+        time_left_in(met(boxes=boxes, ttc_window=0.8)).contact.ttc_s[0]
+    )  # 0.4 s: frames 0 to 4
+    first = time_left_in(met(boxes=boxes, ttc_window=0.78)).contact.ttc_s[:2]
     assert np.isnan(first[0])
     assert np.isfinite(first[1])
 
@@ -84,7 +87,7 @@ def test_a_cut_box_has_no_time_of_its_own_but_may_be_told_by_the_others():
     cut = [box._replace(y=1.0, h=box.h + 20) if box.frame == 10 else box for box in boxes]
     assert ttc_of(met(boxes=cut)) == ttc_of(met(boxes=boxes))
     all_cut = [box._replace(x=90.0 - box.w + 9.0) for box in boxes]  # right edges at 99 of 100 px
-    assert np.isnan(met(boxes=all_cut).contact.ttc_s).all()
+    assert np.isnan(time_left_in(met(boxes=all_cut)).contact.ttc_s).all()
     inside = [box._replace(x=box.x - 0.001) for box in all_cut]
     assert ttc_of(met(boxes=inside)) == ttc_of(met(boxes=boxes))
 
@@ -94,38 +97,42 @@ def test_a_gap_is_skipped_and_ignored_boxes_do_not_count():
     with_gap = [box for box in boxes if not 10 <= box.frame < 14]
     assert ttc_of(met(boxes=with_gap)) == [round(5 - box.frame / 10, 6) for box in with_gap]
     ignored = [box._replace(ignore=box.frame < 10) for box in boxes]
-    known = np.isnan(met(boxes=ignored).contact.ttc_s)
+    known = np.isnan(time_left_in(met(boxes=ignored)).contact.ttc_s)
     assert known.tolist() == [True] * 10 + [False] * 30
 
 
 def test_a_track_that_occurs_twice_in_a_frame_is_where_he_is_nearest():
     boxes = approach(range(40), CONTACT_S)
     twice = [*boxes, *(box._replace(h=box.h / 2, x=20.0) for box in boxes)]
-    assert met(boxes=sorted(twice)).urgency.equals(met(boxes=boxes).urgency)
+    assert time_left_in(met(boxes=sorted(twice))).urgency.equals(
+        time_left_in(met(boxes=boxes)).urgency
+    )
 
 
 def test_the_last_chance_is_the_first_frame_with_less_time_than_needed():
-    urgency = met().urgency.iloc[0]
+    urgency = time_left_in(met()).urgency.iloc[0]
     assert (urgency["urgency"], urgency["urgent_row"]) == ("urgent", LAST_CHANCE)
     assert urgency["min_ttc_s"] == pytest.approx(1.1)
-    assert met(reaction_s=0.0).urgency["urgent_row"].tolist() == [-1]  # 0.99 s are never left
-    assert met(deceleration=3.5).urgency["urgent_row"].tolist() == [19]  # 3.18 s
+    assert time_left_in(met(reaction_s=0.0)).urgency["urgent_row"].tolist() == [
+        -1
+    ]  # 0.99 s are never left
+    assert time_left_in(met(deceleration=3.5)).urgency["urgent_row"].tolist() == [19]  # 3.18 s
 
 
 def test_who_is_too_near_when_first_known_leaves_no_chance():
     near = met(boxes=approach(range(20), 2.1), place=Place(range(40), height=4000.0))
-    assert near.urgency["urgency"].tolist() == ["no_chance"]
-    assert near.x.time_left["time_left"].tolist() == [None]
-    assert near.count_urgency()["no_chance"] == 1
+    assert time_left_in(near).urgency["urgency"].tolist() == ["no_chance"]
+    assert time_left_of(near.x)["time_left"].tolist() == [None]
+    assert time_left_in(near).count_urgency()["no_chance"] == 1
 
 
 def test_who_is_outside_the_corridor_does_not_count():
     boxes = approach(range(40), CONTACT_S, centre=80)
-    assert met(boxes=boxes, corridor=0.6).urgency["urgency"].tolist() == ["urgent"]
-    assert met(boxes=boxes, corridor=0.59).urgency["urgency"].tolist() == ["outside"]
+    assert time_left_in(met(boxes=boxes, corridor=0.6)).urgency["urgency"].tolist() == ["urgent"]
+    assert time_left_in(met(boxes=boxes, corridor=0.59)).urgency["urgency"].tolist() == ["outside"]
     near = approach(range(20), 2.1, centre=80)
     outside = met(boxes=near, corridor=0.5, place=Place(range(40), height=4000.0))
-    assert outside.urgency["urgency"].tolist() == ["outside"]  # before no_chance
+    assert time_left_in(outside).urgency["urgency"].tolist() == ["outside"]  # before no_chance
 
 
 @pytest.mark.parametrize(
@@ -140,40 +147,40 @@ def test_who_is_outside_the_corridor_does_not_count():
     ],
 )
 def test_three_of_the_last_five_frames_confirm(matched, confirmed):
-    assert met(matched).x.confirmed["confirmed_row"].tolist() == [confirmed]
+    assert confirmed_by(met(matched).x)["confirmed_row"].tolist() == [confirmed]
 
 
 def test_the_last_frames_are_those_of_the_track():
     boxes = [box for box in approach(range(40), CONTACT_S) if not 3 <= box.frame < 9]
-    assert met([1, 2, 9], boxes=boxes).x.confirmed["confirmed_row"].tolist() == [9]
+    assert confirmed_by(met([1, 2, 9], boxes=boxes).x)["confirmed_row"].tolist() == [9]
 
 
 def test_in_time_late_and_never_with_margin_and_impact_speed():
     before, at_it = range(26, 40), range(27, 40)  # confirmed in frames 28 and 29
     result = met(before, at_it)
-    assert result.x.time_left.values.tolist() == [["in_time", pytest.approx(0.1), 0.0]]
-    late = result.y.time_left.iloc[0]
+    assert time_left_of(result.x).values.tolist() == [["in_time", pytest.approx(0.1), 0.0]]
+    late = time_left_of(result.y).iloc[0]
     assert (late["time_left"], late["margin_s"]) == ("late", 0)
     v = 50 / 3.6  # 2.1 s left: braking over v * 0.9 m
     assert late["impact_kmh"] == pytest.approx(3.6 * np.sqrt(v**2 - 2 * 7 * v * 0.9))
-    never = met(()).x.time_left.iloc[0]
+    never = time_left_of(met(()).x).iloc[0]
     assert (never["time_left"], never["impact_kmh"]) == ("never", pytest.approx(50))
     assert np.isnan(never["margin_s"])
 
 
 def test_who_is_confirmed_with_no_more_than_the_reaction_time_left_is_hit_at_full_speed():
-    assert met(range(36, 40)).x.time_left["impact_kmh"].tolist() == pytest.approx([50])  # 1.2 s
+    assert time_left_of(met(range(36, 40)).x)["impact_kmh"].tolist() == pytest.approx([50])  # 1.2 s
 
 
 def test_an_unknown_time_to_contact_is_that_of_the_nearest_frame_before():
     boxes = approach(range(40), CONTACT_S)
     lost = [box._replace(x=0.0) if box.frame > 32 else box for box in boxes]
     result = met(range(37, 40), boxes=lost, ttc_window=0.5)  # 5 boxes: frames 30 - 2 to 30 + 2
-    known = np.flatnonzero(~np.isnan(result.contact.ttc_s))[-1]
+    known = np.flatnonzero(~np.isnan(time_left_in(result).contact.ttc_s))[-1]
     assert known == 30
     v, left_s = 50 / 3.6, 2.0 - 1.2
     expected = 3.6 * np.sqrt(v**2 - 2 * 7 * v * left_s)
-    assert result.x.time_left["impact_kmh"].tolist() == pytest.approx([expected])
+    assert time_left_of(result.x)["impact_kmh"].tolist() == pytest.approx([expected])
 
 
 def test_a_recording_goes_by_its_own_speed_and_others_by_the_assumed_one():
@@ -182,27 +189,27 @@ def test_a_recording_goes_by_its_own_speed_and_others_by_the_assumed_one():
     own = dataset.recordings.assign(speed_kmh=[30.0, NAN])
     with_speed = type(dataset)(own, dataset.frames, dataset.boxes, dataset.systems, "f")
     result = compare(with_speed, Params(speed_kmh=80))
-    assert result.urgency["speed_kmh"].tolist() == [30, 80]
-    assert result.x.time_left["impact_kmh"].tolist() == pytest.approx([30, 80])
-    assert result.has_assumed_speed.tolist() == [False, True]
+    assert time_left_in(result).urgency["speed_kmh"].tolist() == [30, 80]
+    assert time_left_of(result.x)["impact_kmh"].tolist() == pytest.approx([30, 80])
+    assert time_left_in(result).has_assumed_speed.tolist() == [False, True]
 
 
 def test_sampled_frames_and_linked_tracks_are_unknown():
     sampled = Place(range(0, 400, 2))
     boxes = approach(range(0, 400, 2), 50.0)
     result = met(range(400), boxes=boxes, place=sampled)
-    assert result.contact.is_sampled.tolist() == [True]
+    assert time_left_in(result).contact.is_sampled.tolist() == [True]
     linked = met(range(40), boxes=[b._replace(track=-1) for b in approach(range(40), CONTACT_S)])
-    assert linked.contact.is_linked.tolist() == [True]
+    assert time_left_in(linked).contact.is_linked.tolist() == [True]
     for unknown in (result, linked):
-        assert np.isnan(unknown.contact.ttc_s).all()
-        assert unknown.urgency["urgency"].tolist() == ["unknown"]
-        assert unknown.x.time_left["time_left"].tolist() == [None]
+        assert np.isnan(time_left_in(unknown).contact.ttc_s).all()
+        assert time_left_in(unknown).urgency["urgency"].tolist() == ["unknown"]
+        assert time_left_of(unknown.x)["time_left"].tolist() == [None]
 
 
 def test_the_curve_at_the_assumed_speed_is_the_comparison():
     result = met(range(20), boxes=approach(range(30), CONTACT_S))
-    curve = result.over_speed.set_index("speed_kmh")
+    curve = time_left_in(result).over_speed.set_index("speed_kmh")
     assert tuple(curve.index) == SPEEDS_KMH
     assert curve.loc[50.0, ["urgent", "in_time_x", "in_time_y"]].tolist() == [1, 1, 0]
     assert curve.loc[50.0, "mean_impact_kmh_y"] == pytest.approx(50)
@@ -211,7 +218,7 @@ def test_the_curve_at_the_assumed_speed_is_the_comparison():
 
 
 def test_the_speed_from_which_on_the_other_system_is_ahead():
-    curve = met().over_speed
+    curve = time_left_in(met()).over_speed
     zero = np.zeros(len(curve))
     x = np.where(curve["speed_kmh"] < 70, 0.5, np.where(curve["speed_kmh"] < 90, 0, -0.5))
     turned = curve.assign(share_in_time_x=x, share_in_time_y=zero)
@@ -223,12 +230,12 @@ def test_a_moved_speed_takes_over_the_matches_and_the_time_to_contact():
     first = met(range(20), range(30))
     moved = compare(first.dataset, Params(proximity="none", speed_kmh=90), previous=first)
     assert moved.x.matches is first.x.matches
-    assert moved.contact is first.contact
-    assert moved.x.confirmed is first.x.confirmed
-    assert moved.urgency is not first.urgency
+    assert time_left_in(moved).contact is time_left_in(first).contact
+    assert confirmed_by(moved.x) is confirmed_by(first.x)
+    assert time_left_in(moved).urgency is not time_left_in(first).urgency
     brighter = compare(first.dataset, Params(proximity="none", alpha=0.5), previous=first)
-    assert brighter.urgency is first.urgency
-    assert brighter.x.time_left is first.x.time_left
+    assert time_left_in(brighter).urgency is time_left_in(first).urgency
+    assert time_left_of(brighter.x) is time_left_of(first.x)
 
 
 @given(
@@ -250,11 +257,11 @@ def test_classes_margins_and_speeds_belong_together(people, speed_kmh):
     place = Place(range(30), width=100, height=20_000.0)
     dataset = make_dataset(sorted(truth), sorted(x), [], places=[place])
     result = result_of(dataset, speed_kmh=speed_kmh)
-    judged, urgency = result.x.time_left, result.urgency
-    is_urgent = result.is_urgent
+    judged, urgency = time_left_of(result.x), time_left_in(result).urgency
+    is_urgent = time_left_in(result).is_urgent
     assert (judged["time_left"].notna() == is_urgent).all()
     assert (judged["impact_kmh"].notna() == is_urgent).all()
-    assert (result.y.time_left["time_left"][is_urgent] == "never").all()
+    assert (time_left_of(result.y)["time_left"][is_urgent] == "never").all()
     of_urgent = judged[is_urgent]
     in_time = of_urgent["time_left"] == "in_time"
     assert (of_urgent["margin_s"][in_time] > 0).all()
@@ -263,7 +270,9 @@ def test_classes_margins_and_speeds_belong_together(people, speed_kmh):
     assert of_urgent["impact_kmh"].between(0, speed_kmh * (1 + 1e-9)).all()
     has_frame = (urgency["urgent_row"] >= 0).to_numpy()
     assert (urgency["urgency"].isin(["urgent", "no_chance", "outside"]) == has_frame).all()
-    faster = result_of(dataset, speed_kmh=speed_kmh + 10).urgency["urgent_row"].to_numpy()
+    faster = (
+        time_left_in(result_of(dataset, speed_kmh=speed_kmh + 10)).urgency["urgent_row"].to_numpy()
+    )
     slower = urgency["urgent_row"].to_numpy()
     assert (faster[has_frame] <= slower[has_frame]).all()
     assert (faster[has_frame] >= 0).all()

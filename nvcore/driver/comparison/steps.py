@@ -1,0 +1,33 @@
+"""What the driver adds to a comparison: its step, and what it made beside X and Y."""
+
+from __future__ import annotations
+
+from typing import Final, cast
+
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.driver.comparison.judging import DriverView, judge_driver
+from nvcore.driver.comparison.settings import DRIVER
+from nvcore.metrics.proximity import Weights
+from nvcore.schema import Category
+from nvcore.scoring import Inputs, Step
+
+
+def _judge(at: Inputs, k_truth: Weights) -> pd.DataFrame:
+    return judge_driver(at.dataset.detectability, at.encounters, k_truth.k, at.params)
+
+
+STEPS: Final = (Step("detectable", _judge, (DRIVER,), ("k_truth",), of="truth"),)
+
+
+def driver_view(result: Result) -> DriverView:
+    """Whom the driver sees by himself, beside X and Y."""
+    is_near = result.category != Category.DISTANT.value
+    detected = (system.encounters["is_detected"].to_numpy() for _, system in result.sides)
+    return DriverView(result.made["detectable"], is_near, *detected)
+
+
+def driver_in(result: Result) -> DriverView:
+    """Whom the driver sees in a comparison: what ``result.of("driver")`` returns."""
+    return cast("DriverView", result.of("driver"))

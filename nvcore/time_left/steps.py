@@ -1,0 +1,128 @@
+"""What time left adds to a comparison: its steps, and what they made as one view."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final, cast
+
+import numpy as np
+import pandas as pd
+
+from nvcore.comparison import Result
+from nvcore.metrics.matching import Matches
+from nvcore.schema import Urgency
+from nvcore.scoring import Inputs, Step, SystemInputs, SystemResult
+from nvcore.time_left.judging import (
+    Contact,
+    Judgement,
+    confirm,
+    curve_over_speed,
+    find_urgent,
+    measure_contact,
+)
+from nvcore.time_left.settings import CONFIRMED, CONTACT, TIME_LEFT, URGENCY
+
+
+def _measure_contact(at: Inputs) -> Contact:
+    return measure_contact(
+        at.truth,
+        at.encounters,
+        at.frames,
+        ttc_window=at.params.ttc_window,
+        is_on_road=at.dataset.objects.is_on_road,
+    )
+
+
+def _find_urgent(at: Inputs, contact: Contact) -> pd.DataFrame:
+    return find_urgent(contact, at.truth, at.encounters, at.frames, at.params)
+
+
+def _confirm(at: SystemInputs, contact: Contact, matches: Matches) -> pd.DataFrame:
+    return confirm(contact, at.encounters, matches.is_matched, at.params)
+
+
+def _judge(at: SystemInputs, urgency: pd.DataFrame, confirmed: pd.DataFrame) -> Judgement:
+    return Judgement(urgency, confirmed, at.frames, at.params)
+
+
+STEPS: Final = (
+    Step("contact", _measure_contact, (CONTACT,), of="truth"),
+    Step("urgency", _find_urgent, (URGENCY,), ("contact",), of="truth"),
+    Step("confirmed", _confirm, (CONTACT, CONFIRMED), ("contact", "matches")),
+    Step("time_left", _judge, (TIME_LEFT,), ("urgency", "confirmed")),
+)
+
+
+def only_urgent_of(made: Mapping[str, Any], is_member: np.ndarray) -> dict[str, Any]:
+    """What the steps made, with no encounters urgent but these."""
+    urgency = made["urgency"]
+    kinds = np.where(is_member, urgency["urgency"], Urgency.NOT_URGENT.value)
+    return {"urgency": urgency.assign(urgency=kinds)}
+
+
+def confirmed_by(system: SystemResult) -> pd.DataFrame:
+    """When a system is sure of each pedestrian (`nvcore.time_left.judging.confirm`)."""
+    return cast("pd.DataFrame", system.made["confirmed"])
+
+
+def time_left_of(system: SystemResult) -> pd.DataFrame:
+    """Whether a system was in time (`nvcore.time_left.judging.judge_time_left`)."""
+    return cast("Judgement", system.made["time_left"]).time_left
+
+
+@dataclass(frozen=True, eq=False)
+class TimeLeftView:
+    """Time left in a comparison."""
+
+    result: Result
+
+    @property
+    def contact(self) -> Contact:
+        """Time to contact of every truth box (`nvcore.time_left.judging.measure_contact`)."""
+        return cast("Contact", self.result.made["contact"])
+
+    @property
+    def urgency(self) -> pd.DataFrame:
+        """Whether and when each encounter is urgent (`nvcore.time_left.judging.find_urgent`)."""
+        return cast("pd.DataFrame", self.result.made["urgency"])
+
+    @cached_property
+    def is_urgent(self) -> np.ndarray:
+        """Encounters in which the driver had to be told in time; bool, shape (n_encounters,)."""
+        urgent: np.ndarray = self.urgency["urgency"].to_numpy() == Urgency.URGENT.value
+        return urgent
+
+    def count_urgency(self) -> dict[Urgency, int]:
+        """Encounters of each urgency."""
+        return {kind: int((self.urgency["urgency"] == kind.value).sum()) for kind in Urgency}
+
+    @property
+    def has_assumed_speed(self) -> np.ndarray:
+        """Recordings that do not state the car's speed; bool, shape (n_recordings,)."""
+        is_assumed: np.ndarray = np.isnan(self.result.dataset.frame_columns.speed_kmh)
+        return is_assumed
+
+    @property
+    def assumed_speed_kmh(self) -> float | None:
+        """The speed that all recordings are assumed to have; None: some state their own."""
+        return float(self.result.params.speed_kmh) if self.has_assumed_speed.all() else None
+
+    @cached_property
+    def over_speed(self) -> pd.DataFrame:
+        """Time left of both over the car's speed (`nvcore.time_left.judging.curve_over_speed`)."""
+        result = self.result
+        return curve_over_speed(
+            self.contact,
+            result.dataset.truth,
+            result.encounters,
+            [confirmed_by(system) for _, system in result.sides],
+            result.dataset.frame_columns,
+            result.params,
+        )
+
+
+def time_left_in(result: Result) -> TimeLeftView:
+    """Time left in a comparison: what ``result.of("time_left")`` returns."""
+    return cast("TimeLeftView", result.of("time_left"))
