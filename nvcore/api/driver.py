@@ -2,37 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from nvcore.arguments import called_with
+from nvcore.driver.arguments import EvaluateArguments, TrainArguments, TrialArguments
 from nvcore.extras import needs
 from nvcore.output.files import check_file, check_folder, write_run
-from nvcore.progress import Progress, no_progress
 from nvcore.report.protect_inputs import refuse_to_replace
 from nvcore.wording import one_line
 
 if TYPE_CHECKING:
-    from nvcore.driver.estimators import Training
+    from nvcore.driver.estimators import Search, Training
     from nvcore.driver.evaluation import Evaluation
-    from nvcore.driver.trials import Judging
+    from nvcore.driver.trials import TrainingTable
 
 
-def train_driver(
-    trials: str | Path,
-    features: str | Path,
-    out: str | Path,
-    *,
-    boxes: str | Path | None = None,
-    judging: Judging | None = None,
-    leave_out: Sequence[str] = (),
-    quick: bool = False,
-    seed: int = 0,
-    name: str | None = None,
-    n_threads: int | None = None,
-    progress: Progress = no_progress,
-) -> Training:
+@called_with(TrainArguments)
+def train_driver(arguments: TrainArguments) -> Training:
     """Train an estimator of how well drivers see pedestrians, on trials with people.
 
     The same data and seed give the same file.
@@ -82,44 +70,24 @@ def train_driver(
     >>> training = train_driver("trials.csv", "features.csv", "model.npz")  # doctest: +SKIP
     """
     with needs("driver", "training an estimator needs"):
-        from nvcore.driver.estimators import QUICK, Search, train_estimator, write_estimator
-        from nvcore.driver.trials import training_table
+        from nvcore.driver.estimators import train_estimator, write_estimator
 
-    path = Path(out)
-    refuse_to_replace([path], _paths(trials, features, boxes))
-    check_file(path, "model.npz")
-    table = training_table(
-        Path(trials),
-        Path(features),
-        boxes=None if boxes is None else Path(boxes),
-        judging=judging,
-        leave_out=leave_out,
-    )
+    out = Path(arguments.out)
+    refuse_to_replace([out], _inputs(arguments))
+    check_file(out, "model.npz")
     training = train_estimator(
-        table,
-        name=name or one_line(path.stem),
-        search=replace(QUICK if quick else Search(), seed=seed),
-        n_threads=n_threads,
-        progress=progress,
+        _table(arguments),
+        name=arguments.name or one_line(out.stem),
+        search=_search(arguments),
+        n_threads=arguments.n_threads,
+        progress=arguments.progress,
     )
-    write_estimator(training.estimator, path)
+    write_estimator(training.estimator, out)
     return training
 
 
-def evaluate_driver(
-    trials: str | Path,
-    features: str | Path,
-    out: str | Path | None = None,
-    *,
-    html: str | Path | None = None,
-    boxes: str | Path | None = None,
-    judging: Judging | None = None,
-    leave_out: Sequence[str] = (),
-    quick: bool = False,
-    seed: int = 0,
-    n_threads: int | None = None,
-    progress: Progress = no_progress,
-) -> Evaluation:
+@called_with(EvaluateArguments)
+def evaluate_driver(arguments: EvaluateArguments) -> Evaluation:
     """How well estimators do on pedestrians that they have not seen, leaving out one at a time.
 
     Parameters
@@ -150,39 +118,50 @@ def evaluate_driver(
     >>> evaluation = evaluate_driver("trials.csv", "features.csv", "tables")  # doctest: +SKIP
     """
     with needs("driver", "evaluating an estimator needs"):
-        from nvcore.driver.estimators import QUICK, Search
         from nvcore.driver.evaluation import evaluate_estimators
-        from nvcore.driver.trials import training_table
         from nvcore.report.driver import EVALUATION_FILES, evaluation_files
+    out, html = (None if path is None else Path(path) for path in (arguments.out, arguments.html))
     if html is not None:
         with needs("report", "the HTML page of an evaluation needs"):
             from nvcore.report.html.evaluation import write_evaluation_html
 
-    files = [] if out is None else [Path(out) / name for name in EVALUATION_FILES]
-    refuse_to_replace([*files, *_paths(html)], _paths(trials, features, boxes))
+    files = [] if out is None else [out / name for name in EVALUATION_FILES]
+    refuse_to_replace([*files, *([] if html is None else [html])], _inputs(arguments))
     if out is not None:
-        check_folder(Path(out), EVALUATION_FILES)
+        check_folder(out, EVALUATION_FILES)
     if html is not None:
-        check_file(Path(html), "evaluation.html")
-    table = training_table(
-        Path(trials),
-        Path(features),
-        boxes=None if boxes is None else Path(boxes),
-        judging=judging,
-        leave_out=leave_out,
-    )
+        check_file(html, "evaluation.html")
     evaluation = evaluate_estimators(
-        table,
-        search=replace(QUICK if quick else Search(), seed=seed),
-        n_threads=n_threads,
-        progress=progress,
+        _table(arguments),
+        search=_search(arguments),
+        n_threads=arguments.n_threads,
+        progress=arguments.progress,
     )
     if out is not None:
-        write_run(Path(out), evaluation_files(evaluation), EVALUATION_FILES)
+        write_run(out, evaluation_files(evaluation), EVALUATION_FILES)
     if html is not None:
-        write_evaluation_html(evaluation, Path(html))
+        write_evaluation_html(evaluation, html)
     return evaluation
 
 
-def _paths(*files: str | Path | None) -> list[Path]:
+def _inputs(arguments: TrialArguments) -> list[Path]:
+    files = (arguments.trials, arguments.features, arguments.boxes)
     return [Path(file) for file in files if file is not None]
+
+
+def _table(arguments: TrialArguments) -> TrainingTable:
+    from nvcore.driver.trials import training_table
+
+    return training_table(
+        Path(arguments.trials),
+        Path(arguments.features),
+        boxes=None if arguments.boxes is None else Path(arguments.boxes),
+        judging=arguments.judging,
+        leave_out=arguments.leave_out,
+    )
+
+
+def _search(arguments: TrialArguments) -> Search:
+    from nvcore.driver.estimators import QUICK, Search
+
+    return replace(QUICK if arguments.quick else Search(), seed=arguments.seed)

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nvcore.api.inputs import keywords_named, load_part
-from nvcore.arguments import Part, PathLike, Size
+from nvcore.arguments import PathLike, called_with
 from nvcore.dataset import Dataset
+from nvcore.driver.arguments import EstimateArguments, FeatureArguments
 from nvcore.extras import needs
 from nvcore.inputs.pipes import pipes_kept
-from nvcore.inputs.session import Session
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import check_folder, write_whole
 from nvcore.progress import Progress, no_progress
@@ -22,20 +22,9 @@ if TYPE_CHECKING:
     from nvcore.driver.writing import WrittenEstimates, WrittenFeatures
 
 
+@called_with(FeatureArguments)
 @pipes_kept()
-def driver_features(
-    source: PathLike | Session | Dataset,
-    out: PathLike,
-    *,
-    settings: Mapping[str, Any] | None = None,
-    only: str | Sequence[str] = (),
-    tags: str | Sequence[str] = (),
-    size: Size | None = None,
-    fps: float | None = None,
-    frames: str | range | None = None,
-    n_threads: int | None = None,
-    progress: Progress = no_progress,
-) -> WrittenFeatures:
+def driver_features(arguments: FeatureArguments) -> WrittenFeatures:
     """How well each pedestrian can be seen in the pictures: eight features, and the light.
 
     Parameters
@@ -75,30 +64,18 @@ def driver_features(
     >>> features = driver_features("night.toml", "features")  # doctest: +SKIP
     >>> print(features.run)  # doctest: +SKIP
     """
-    part = Part(only=only, tags=tags, size=size, fps=fps, frames=frames)
     with keywords_named():
-        job = features_job(source, out, settings=settings, part=part, n_threads=n_threads)
-        return job(progress)
+        job = features_job(arguments)
+        return job(arguments.progress)
 
 
 def features_job(
-    source: PathLike | Session | Dataset,
-    out: PathLike,
-    *,
-    settings: Mapping[str, Any] | None = None,
-    part: Part | None = None,
-    n_threads: int | None = None,
-    inputs: Sequence[Path] = (),
-    loading: Progress = no_progress,
+    arguments: FeatureArguments, *, inputs: Sequence[Path] = (), loading: Progress = no_progress
 ) -> Callable[[Progress], WrittenFeatures]:
     """What `driver_features` runs; what cannot be done is refused before anything runs.
 
     Parameters
     ----------
-    source, out, settings, n_threads
-        See `driver_features`.
-    part
-        Of the source; None: all of it.
     inputs
         Further files that are read, and must not be replaced.
     loading
@@ -114,10 +91,11 @@ def features_job(
         from nvcore.driver.settings import settings_from
         from nvcore.driver.writing import FEATURE_OUTPUTS, write_features
 
-    values, folder = settings_from(settings or {}), Path(out)
-    dataset = _dataset_to_run(source, folder, FEATURE_OUTPUTS, part, inputs, loading)
+    values, folder = settings_from(arguments.settings or {}), Path(arguments.out)
+    dataset = _dataset_to_run(arguments, FEATURE_OUTPUTS, inputs, loading)
 
     def run(progress: Progress) -> WrittenFeatures:
+        n_threads = arguments.n_threads
         features = run_features(dataset, values, n_threads=n_threads, progress=progress)
         return write_features(features, folder)
 
@@ -174,22 +152,9 @@ def image_features(
     return features
 
 
+@called_with(EstimateArguments)
 @pipes_kept()
-def estimate_driver(
-    source: PathLike | Session | Dataset,
-    model: PathLike,
-    out: PathLike,
-    *,
-    settings: Mapping[str, Any] | None = None,
-    interpolate: bool = False,
-    only: str | Sequence[str] = (),
-    tags: str | Sequence[str] = (),
-    size: Size | None = None,
-    fps: float | None = None,
-    frames: str | range | None = None,
-    n_threads: int | None = None,
-    progress: Progress = no_progress,
-) -> WrittenEstimates:
+def estimate_driver(arguments: EstimateArguments) -> WrittenEstimates:
     """How likely the driver sees each pedestrian by himself, in every frame.
 
     Parameters
@@ -213,37 +178,19 @@ def estimate_driver(
     MissingFactError, ParameterError, MissingExtraError
         As `driver_features`.
     """
-    part = Part(only=only, tags=tags, size=size, fps=fps, frames=frames)
     with keywords_named():
-        job = estimate_job(
-            *(source, model, out),
-            settings=settings,
-            interpolate=interpolate,
-            part=part,
-            n_threads=n_threads,
-        )
-        return job(progress)
+        job = estimate_job(arguments)
+        return job(arguments.progress)
 
 
 def estimate_job(
-    source: PathLike | Session | Dataset,
-    model: PathLike,
-    out: PathLike,
-    *,
-    settings: Mapping[str, Any] | None = None,
-    interpolate: bool = False,
-    part: Part | None = None,
-    n_threads: int | None = None,
-    inputs: Sequence[Path] = (),
-    loading: Progress = no_progress,
+    arguments: EstimateArguments, *, inputs: Sequence[Path] = (), loading: Progress = no_progress
 ) -> Callable[[Progress], WrittenEstimates]:
     """What `estimate_driver` runs; what cannot be done is refused before anything runs.
 
     Parameters
     ----------
-    source, model, out, settings, interpolate, n_threads
-        See `estimate_driver`.
-    part, inputs, loading
+    inputs, loading
         As of `features_job`.
 
     Raises
@@ -258,31 +205,30 @@ def estimate_job(
         from nvcore.driver.settings import settings_from
         from nvcore.driver.writing import ESTIMATE_OUTPUTS, write_estimates
 
-    folder, path = Path(out), estimator_path(model)
+    path = estimator_path(arguments.model)
     estimator = read_estimator(path)
-    values = settings_from(settings or {}, features=estimator.feature_settings)
+    values = settings_from(arguments.settings or {}, features=estimator.feature_settings)
     check_settings(values.features, estimator)
-    files = [*inputs, path]
-    dataset = _dataset_to_run(source, folder, ESTIMATE_OUTPUTS, part, files, loading)
+    dataset = _dataset_to_run(arguments, ESTIMATE_OUTPUTS, [*inputs, path], loading)
 
     def run(progress: Progress) -> WrittenEstimates:
+        n_threads = arguments.n_threads
         features = run_features(dataset, values, n_threads=n_threads, progress=progress)
-        estimates = run_estimate(features, estimator, interpolate=interpolate)
-        return write_estimates(estimates, dataset, folder)
+        estimates = run_estimate(features, estimator, interpolate=arguments.interpolate)
+        return write_estimates(estimates, dataset, Path(arguments.out))
 
     return run
 
 
 def _dataset_to_run(
-    source: PathLike | Session | Dataset,
-    out: Path,
+    arguments: FeatureArguments | EstimateArguments,
     outputs: Iterable[str],
-    part: Part | None,
     inputs: Sequence[Path],
     loading: Progress,
 ) -> Dataset:
     """The recordings, once it is known that the folder may be written to."""
-    dataset, session = load_part(source, part or Part(), progress=loading)
+    source, out = arguments.source, Path(arguments.out)
+    dataset, session = load_part(source, arguments, progress=loading)
     check_folder(out, outputs)
     files = [*inputs, *([Path(source)] if isinstance(source, PathLike) else [])]
     named = [out / name for name in outputs]

@@ -95,7 +95,7 @@ def with_options(
 
 
 def options_of(kind: type, *names: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Flags for the fields that `argument` made of a class of arguments, in their order.
+    """Flags for the fields that `argument` made of a class of arguments, as its call has them.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def options_of(kind: type, *names: str) -> Callable[[Callable[..., Any]], Callab
         Of these fields alone; none: of all.
     """
     options = []
-    for spec in fields(kind):
+    for spec in sorted(fields(kind), key=lambda spec: spec.kw_only is True):
         if "flag" not in spec.metadata or (names and spec.name not in names):
             continue
         facts = dict(spec.metadata["facts"])

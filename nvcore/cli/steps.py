@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from nvcore.arguments import Part
 from nvcore.cli.remedies import ways_text
 from nvcore.errors import InputError, MissingFactError
 from nvcore.findings import TRUTH_NAME
@@ -52,11 +51,6 @@ def exit_on_findings(findings: Iterable[Finding], strict: bool) -> None:
     bad = {"error", "warning"} if strict else {"error"}
     if any(finding.severity.value in bad for finding in findings):
         raise SystemExit(EXIT_FINDINGS)
-
-
-def part_from(options: Mapping[str, Any]) -> Part:
-    """What the flags of `Part` choose of a session."""
-    return Part(**{spec.name: options[spec.name] for spec in fields(Part)})
 
 
 def as_loaded(session: Session, dataset: Dataset) -> Session:

@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
-from nvcore.arguments import INPUTS, OUTPUT
-from nvcore.cli.driver.options import (
-    LIGHT_OPTIONS,
-    RUN_OPTIONS,
-    SETTING_OPTIONS,
-    given_settings,
-    run_on_session,
-)
+from nvcore.arguments import INPUTS
+from nvcore.cli.driver.options import run_on_session, setting_options
 from nvcore.cli.options import (
     GroupedCommand,
     examples,
     grouped_option,
+    options_of,
     refuse_without_session,
-    with_options,
 )
 from nvcore.cli.progress import ShareProgress
+from nvcore.driver.arguments import FeatureArguments
 from nvcore.wording import one_line
 
 
@@ -55,17 +49,11 @@ from nvcore.wording import one_line
     metavar="FILE",
     help="Their pedestrians: image,pedestrian,x,y,w,h[,fixation_x,fixation_y] (CSV).",
 )
-@grouped_option(
-    OUTPUT,
-    "--out",
-    required=True,
-    type=click.Path(path_type=Path),
-    metavar="DIR|FILE",
-    help="Write features.csv and driver.json into this folder; of --images the features into this "
-    "file, and how they were made beside it.",
-)
-@with_options(*RUN_OPTIONS, *SETTING_OPTIONS, *LIGHT_OPTIONS)
-def features(session_file: Path | None, images: Path | None, out: Path, **options: Any) -> None:
+@options_of(FeatureArguments)
+@setting_options
+def features(
+    session_file: Path | None, images: Path | None, boxes: Path | None, **options: Any
+) -> None:
     """How well each pedestrian can be seen: eight features of each in every frame, and the light.
 
     SESSION_FILE (TOML) names the ground truth and for each recording the pictures of visible light
@@ -74,31 +62,27 @@ def features(session_file: Path | None, images: Path | None, out: Path, **option
     """
     if (session_file is None) == (images is None):
         raise click.UsageError("give a session file, or --images with --boxes")
-    if (images is None) != (options["boxes"] is None):
+    if (images is None) != (boxes is None):
         raise click.UsageError("--images and --boxes belong together; give both")
-    if images is not None:
-        _of_images(images, out, options)
+    if images is not None and boxes is not None:
+        refuse_without_session(options)
+        from nvcore.api.driver_run import image_features
+
+        with ShareProgress() as progress:
+            table = image_features(
+                images,
+                boxes,
+                options["out"],
+                settings=options.get("settings"),
+                n_threads=options["n_threads"],
+                progress=progress,
+            )
+        click.echo(str(table))
+        click.echo(one_line(f"written to {options['out']}"), err=True)
         return
     assert session_file is not None
     from nvcore.api.driver_run import features_job
 
-    written = run_on_session(session_file, partial(features_job, out=out), options)
+    written = run_on_session(session_file, FeatureArguments, features_job, options)
     click.echo(str(written.run))
     click.echo(one_line(f"written to {written.features} and {written.record}"), err=True)
-
-
-def _of_images(images: Path, out: Path, options: dict[str, Any]) -> None:
-    refuse_without_session(options)
-    from nvcore.api.driver_run import image_features
-
-    with ShareProgress() as progress:
-        table = image_features(
-            images,
-            options["boxes"],
-            out,
-            settings=given_settings(options),
-            n_threads=options["n_threads"],
-            progress=progress,
-        )
-    click.echo(str(table))
-    click.echo(one_line(f"written to {out}"), err=True)

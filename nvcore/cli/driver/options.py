@@ -8,33 +8,43 @@ from typing import Any, Final, TypeVar
 
 import click
 
-from nvcore.arguments import Part
-from nvcore.cli.options import PairOf, grouped_option, options_of
+from nvcore.cli.options import PairOf, grouped_option, with_options
 from nvcore.cli.progress import ShareProgress, TerminalProgress
-from nvcore.cli.steps import errors_of, part_from
+from nvcore.cli.steps import errors_of
+from nvcore.driver.arguments import VIEW
 from nvcore.inputs.session_toml import read_session
 from nvcore.progress import Progress
 
 # Nothing here imports numpy, pandas or OpenCV: `nvcore --help` need not wait for them.
 
-VIEW: Final = "What is seen"
 LIGHT: Final = "Light"
 
-SETTING_OPTIONS: Final = (
-    grouped_option(
+
+def _gather(context: click.Context, option: click.Parameter, value: Any) -> None:
+    """Put the value into the command's ``settings``."""
+    if value is not None:
+        context.params.setdefault("settings", {})[option.name] = value
+
+
+def _setting(group: str, *names: str, **known: Any) -> Callable[..., Any]:
+    return grouped_option(group, *names, callback=_gather, expose_value=False, **known)
+
+
+setting_options = with_options(
+    _setting(
         VIEW,
         "--surround",
         type=float,
         metavar="FACTOR",
         help="Sides of the region around a pedestrian, as a multiple of the box's. Default: 2.",
     ),
-    grouped_option(
+    _setting(
         VIEW,
         "--bin-distance",
         type=float,
         help="Distance of neighbouring bins in the Earth Mover's Distance of colours. Default: 1.",
     ),
-    grouped_option(
+    _setting(
         VIEW,
         "--fixation",
         type=PairOf("X,Y"),
@@ -42,17 +52,14 @@ SETTING_OPTIONS: Final = (
         help="Where the driver is assumed to look without a gaze file, as shares of the picture's "
         "width and height. Default: 0.5,0.5, its middle.",
     ),
-)
-"""What features depend on."""
-LIGHT_OPTIONS: Final = (
-    grouped_option(
+    _setting(
         LIGHT,
         "--drop-factor",
         type=float,
         metavar="FACTOR",
         help="By so much the light falls in a change from bright to dark. Default: 10.",
     ),
-    grouped_option(
+    _setting(
         LIGHT,
         "--picture-drop-factor",
         type=float,
@@ -60,7 +67,7 @@ LIGHT_OPTIONS: Final = (
         help="The same of the pictures' mean luminance, where it stands in for a light meter. "
         "Default: 3.",
     ),
-    grouped_option(
+    _setting(
         LIGHT,
         "--drop-within",
         "within_s",
@@ -68,7 +75,7 @@ LIGHT_OPTIONS: Final = (
         metavar="S",
         help="In so many seconds. Default: 2.",
     ),
-    grouped_option(
+    _setting(
         LIGHT,
         "--bright-for",
         "bright_for_s",
@@ -76,7 +83,7 @@ LIGHT_OPTIONS: Final = (
         metavar="S",
         help="So long it must have been bright before: an oncoming lamp is not. Default: 3.",
     ),
-    grouped_option(
+    _setting(
         LIGHT,
         "--smooth",
         "smooth_s",
@@ -84,7 +91,7 @@ LIGHT_OPTIONS: Final = (
         metavar="S",
         help="Width of the median that takes out flicker. Default: 0.5.",
     ),
-    grouped_option(
+    _setting(
         LIGHT,
         "--least-lux",
         type=float,
@@ -92,26 +99,13 @@ LIGHT_OPTIONS: Final = (
         help="What a light meter reads below that counts as that. Default: 0.1.",
     ),
 )
-"""What the adaptation period depends on."""
-RUN_OPTIONS: Final = (
-    options_of(Part),
-    grouped_option(
-        VIEW,
-        "--threads",
-        "n_threads",
-        type=click.IntRange(1, 256),
-        help="Pictures at a time. Default: as many as there are cores.",
-    ),
-)
-_SETTINGS: Final = (
-    *("surround", "bin_distance", "fixation"),
-    *("drop_factor", "picture_drop_factor", "within_s", "bright_for_s", "smooth_s", "least_lux"),
-)
+"""Flags for what features and the adaptation period depend on."""
 _Written = TypeVar("_Written")
 
 
 def run_on_session(
     session_file: Path,
+    kind: Callable[..., Any],
     job_of: Callable[..., Callable[[Progress], _Written]],
     options: Mapping[str, Any],
 ) -> _Written:
@@ -119,24 +113,12 @@ def run_on_session(
 
     Parameters
     ----------
-    job_of
-        Takes the session and, by name, the arguments of `nvcore.api.driver_run.features_job`.
+    kind, job_of
+        Class of its arguments, and what makes the job of them.
     """
     session = read_session(session_file, needs_system=False)
     with errors_of(session):
         with TerminalProgress(2 + len(session.systems)) as steps:
-            job = job_of(
-                session,
-                settings=given_settings(options),
-                part=part_from(options),
-                n_threads=options["n_threads"],
-                inputs=[session_file],
-                loading=steps,
-            )
+            job = job_of(kind(session, **options), inputs=[session_file], loading=steps)
         with ShareProgress() as progress:
             return job(progress)
-
-
-def given_settings(options: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings among the flags that were given."""
-    return {name: options[name] for name in _SETTINGS if options[name] is not None}

@@ -4,57 +4,32 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import click
 
-from nvcore.arguments import INPUTS, OUTPUT
 from nvcore.cli.options import (
     GroupedCommand,
     check_html_name,
     examples,
+    flag_of,
     grouped_option,
+    options_of,
     with_options,
 )
 from nvcore.cli.progress import ShareProgress
+from nvcore.driver.arguments import EvaluateArguments, TrainArguments
 from nvcore.extras import needs
 from nvcore.wording import one_line
-
-if TYPE_CHECKING:
-    from nvcore.driver.trials import Judging
 
 # As in nvcore/cli/__init__.py, numpy and scikit-learn are imported by the commands only.
 
 JUDGING: Final = "Which responses are right"
-SEARCH: Final = "Search"
 _ANGLE: Final = ("distance_mm", "shown_width_mm", "picture_width_px")
 _File = click.Path(dir_okay=False, path_type=Path)
 _LENGTH = click.FloatRange(0, min_open=True)
 
-_OPTIONS: Final = (
-    grouped_option(
-        INPUTS,
-        "--features",
-        required=True,
-        type=_File,
-        metavar="FILE",
-        help="Features of the pictures, as nvcore driver features --images writes them (CSV).",
-    ),
-    grouped_option(
-        INPUTS,
-        "--boxes",
-        type=_File,
-        metavar="FILE",
-        help="Where the pedestrians are: image,pedestrian,x,y,w,h (CSV). Default: the columns "
-        "x,y,w,h of the features.",
-    ),
-    grouped_option(
-        INPUTS,
-        "--leave-out",
-        multiple=True,
-        metavar="SUBJECT",
-        help="Without the responses of this subject; may be given again.",
-    ),
+_judging_options = with_options(
     grouped_option(
         JUDGING,
         "--square-px",
@@ -104,26 +79,6 @@ _OPTIONS: Final = (
         metavar="S",
         help="How long a picture is shown; the adaptation period ends with it.",
     ),
-    grouped_option(
-        SEARCH,
-        "--quick",
-        is_flag=True,
-        help="Try fewer settings, for a first look: a tenth of the time.",
-    ),
-    grouped_option(
-        SEARCH,
-        "--seed",
-        type=click.IntRange(0, 2**32 - 1),
-        default=0,
-        show_default=True,
-        help="Of all that is drawn at random: the same seed gives the same result.",
-    ),
-    grouped_option(
-        SEARCH,
-        "--threads",
-        type=click.IntRange(1, 256),
-        help="Regressions at a time. Default: as many as there are cores.",
-    ),
 )
 
 
@@ -135,15 +90,8 @@ _OPTIONS: Final = (
     ),
 )
 @click.argument("trials", type=_File)
-@with_options(*_OPTIONS)
-@grouped_option(
-    OUTPUT,
-    "--out",
-    required=True,
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Write the model into this file (.npz).",
-)
+@_judging_options
+@options_of(TrainArguments)
 def train(trials: Path, out: Path, **options: Any) -> None:
     """Train an estimator of detectability: which share of drivers sees a pedestrian.
 
@@ -157,7 +105,7 @@ def train(trials: Path, out: Path, **options: Any) -> None:
         from nvcore.report.driver import render_training
 
     with ShareProgress() as progress:
-        training = train_driver(trials, out=out, progress=progress, **_arguments(options))
+        training = train_driver(trials, out=out, progress=progress, **_judged(options))
     click.echo(render_training(training))
     click.echo(one_line(f"written to {out} ({out.stat().st_size / 1000:,.0f} kB)"), err=True)
     command = shlex.join(["nvcore", "driver", "estimate", "SESSION", "--model", str(out)])
@@ -173,21 +121,8 @@ def train(trials: Path, out: Path, **options: Any) -> None:
     ),
 )
 @click.argument("trials", type=_File)
-@with_options(*_OPTIONS)
-@grouped_option(
-    OUTPUT,
-    "--out",
-    type=click.Path(file_okay=False, path_type=Path),
-    metavar="DIR",
-    help="Write the tables into this folder (CSV).",
-)
-@grouped_option(
-    OUTPUT,
-    "--html",
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE.html",
-    help="Write figures and tables as one HTML page.",
-)
+@_judging_options
+@options_of(EvaluateArguments)
 def evaluate(trials: Path, out: Path | None, html: Path | None, **options: Any) -> None:
     """Evaluate estimators on TRIALS (CSV), leaving out one pedestrian at a time.
 
@@ -202,9 +137,9 @@ def evaluate(trials: Path, out: Path | None, html: Path | None, **options: Any) 
 
     if html is not None:
         check_html_name("--html", html)
-    arguments = _arguments(options)
+    options = _judged(options)
     with ShareProgress() as progress:
-        evaluation = evaluate_driver(trials, out=out, html=html, progress=progress, **arguments)
+        evaluation = evaluate_driver(trials, out=out, html=html, progress=progress, **options)
     click.echo(render_evaluation(evaluation))
     if out is not None:
         click.echo(one_line(f"tables written to {out}"), err=True)
@@ -212,31 +147,22 @@ def evaluate(trials: Path, out: Path | None, html: Path | None, **options: Any) 
         click.echo(one_line(f"figures written to {html}"), err=True)
 
 
-def _arguments(options: dict[str, Any]) -> dict[str, Any]:
-    """The options as the calls of Python users have them."""
-    as_they_are = ("features", "boxes", "leave_out", "quick", "seed")
-    return {
-        **{name: options[name] for name in as_they_are},
-        "n_threads": options["threads"],
-        "judging": _judging(options),
-    }
-
-
-def _judging(options: dict[str, Any]) -> Judging:
-    """How responses are judged; a square is given in pixels or as an angle."""
+def _judged(options: dict[str, Any]) -> dict[str, Any]:
+    """The options with how responses are judged as one; a square is in pixels or an angle."""
     from nvcore.driver.trials import Judging, side_of_angle
 
-    lengths = {name: options[name] for name in _ANGLE}
-    flags = ", ".join(f"--{name.replace('_', '-')}" for name in _ANGLE)
-    if options["square_degrees"] is None:
+    square_px, degrees = options.pop("square_px"), options.pop("square_degrees")
+    lengths = {name: options.pop(name) for name in _ANGLE}
+    flags = ", ".join(map(flag_of, _ANGLE))
+    if degrees is None:
         if any(length is not None for length in lengths.values()):
             raise click.UsageError(f"{flags} belong to --square-degrees; give it, too")
-        side = options["square_px"] or Judging.square_px
-    elif options["square_px"] is not None:
+        side = square_px or Judging.square_px
+    elif square_px is not None:
         raise click.UsageError("give --square-px or --square-degrees, not both")
     elif any(length is None for length in lengths.values()):
         raise click.UsageError(f"--square-degrees needs {flags}")
     else:
-        side = side_of_angle(options["square_degrees"], **lengths)
-    shares = {name: options[name] for name in ("centre_share", "display_s")}
-    return Judging(square_px=side, **shares)
+        side = side_of_angle(degrees, **lengths)
+    shares = {name: options.pop(name) for name in ("centre_share", "display_s")}
+    return {**options, "judging": Judging(square_px=side, **shares)}

@@ -1,0 +1,169 @@
+"""The arguments of the calls and commands that say what the driver sees."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import click
+
+from nvcore.arguments import INPUTS, OUTPUT, Part, PathLike, argument, arguments
+from nvcore.progress import Progress, no_progress
+
+if TYPE_CHECKING:
+    from nvcore.dataset import Dataset
+    from nvcore.driver.trials import Judging
+    from nvcore.inputs.session import Session
+
+VIEW: Final = "What is seen"
+SEARCH: Final = "Search"
+
+_FILE: Final = click.Path(dir_okay=False, path_type=Path)
+
+
+@arguments
+class FeatureArguments(Part):
+    """See `nvcore.driver_features`."""
+
+    source: PathLike | Session | Dataset
+    out: PathLike = argument(
+        OUTPUT,
+        "Write features.csv and driver.json into this folder; of --images the features into this "
+        "file, and how they were made beside it.",
+        type=click.Path(path_type=Path),
+        metavar="DIR|FILE",
+    )
+    _: KW_ONLY
+    settings: Mapping[str, Any] | None = None
+    n_threads: int | None = argument(
+        VIEW,
+        "Pictures at a time. Default: as many as there are cores.",
+        flag="--threads",
+        default=None,
+        type=click.IntRange(1, 256),
+    )
+    progress: Progress = no_progress
+
+
+@arguments
+class EstimateArguments(Part):
+    """See `nvcore.estimate_driver`."""
+
+    source: PathLike | Session | Dataset
+    model: PathLike = argument(
+        INPUTS,
+        "An estimator that nvcore driver train wrote (.npz), or sample: that of the sample's "
+        "simulated observer.",
+        type=_FILE,
+        metavar="FILE",
+    )
+    out: PathLike = argument(
+        OUTPUT,
+        "Write detectability.csv, features.csv, driver.json, and session.toml into this folder.",
+        type=click.Path(file_okay=False, path_type=Path),
+        metavar="DIR",
+    )
+    _: KW_ONLY
+    settings: Mapping[str, Any] | None = None
+    interpolate: bool = argument(
+        INPUTS,
+        "Between the estimators of the adaptation periods before and after. Default: that of the "
+        "nearest.",
+        default=False,
+        is_flag=True,
+    )
+    n_threads: int | None = argument(
+        VIEW,
+        "Pictures at a time. Default: as many as there are cores.",
+        flag="--threads",
+        default=None,
+        type=click.IntRange(1, 256),
+    )
+    progress: Progress = no_progress
+
+
+@arguments
+class TrialArguments:
+    """What is learned from trials with people; see `nvcore.train_driver`."""
+
+    trials: PathLike
+    features: PathLike = argument(
+        INPUTS,
+        "Features of the pictures, as nvcore driver features --images writes them (CSV).",
+        type=_FILE,
+        metavar="FILE",
+    )
+    _: KW_ONLY
+    boxes: PathLike | None = argument(
+        INPUTS,
+        "Where the pedestrians are: image,pedestrian,x,y,w,h (CSV). Default: the columns x,y,w,h "
+        "of the features.",
+        default=None,
+        type=_FILE,
+        metavar="FILE",
+    )
+    judging: Judging | None = None
+    leave_out: Sequence[str] = argument(
+        INPUTS,
+        "Without the responses of this subject; may be given again.",
+        default=(),
+        multiple=True,
+        metavar="SUBJECT",
+    )
+    quick: bool = argument(
+        SEARCH,
+        "Try fewer settings, for a first look: a tenth of the time.",
+        default=False,
+        is_flag=True,
+    )
+    seed: int = argument(
+        SEARCH,
+        "Of all that is drawn at random: the same seed gives the same result.",
+        default=0,
+        type=click.IntRange(0, 2**32 - 1),
+    )
+    n_threads: int | None = argument(
+        SEARCH,
+        "Regressions at a time. Default: as many as there are cores.",
+        flag="--threads",
+        default=None,
+        type=click.IntRange(1, 256),
+    )
+    progress: Progress = no_progress
+
+
+@arguments
+class TrainArguments(TrialArguments):
+    """See `nvcore.train_driver`."""
+
+    out: PathLike = argument(
+        OUTPUT,
+        "Write the model into this file (.npz).",
+        type=click.Path(path_type=Path),
+        metavar="FILE",
+    )
+    _: KW_ONLY
+    name: str | None = None
+
+
+@arguments
+class EvaluateArguments(TrialArguments):
+    """See `nvcore.evaluate_driver`."""
+
+    out: PathLike | None = argument(
+        OUTPUT,
+        "Write the tables into this folder (CSV).",
+        default=None,
+        type=click.Path(file_okay=False, path_type=Path),
+        metavar="DIR",
+    )
+    _: KW_ONLY
+    html: PathLike | None = argument(
+        OUTPUT,
+        "Write figures and tables as one HTML page.",
+        default=None,
+        type=_FILE,
+        metavar="FILE.html",
+    )
