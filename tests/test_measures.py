@@ -23,6 +23,7 @@ from nvcore.measures import (
     inference_of,
     label_words,
     measure_of,
+    size_text,
 )
 from nvcore.report.matrix import PAIR_MEASURES
 from nvcore.report.tiles import KINDS
@@ -190,6 +191,12 @@ def test_evidence_is_named_and_written_like_the_measure(key: str, alone: Result)
     assert measure_of(key).better in ("higher", "lower")
     # a share is written as one everywhere, so that its differences are percentage points
     assert inference_of(key).scale.is_share == evidence_form(key).endswith("%")
+
+
+def test_the_size_of_a_difference_has_no_sign_and_keeps_its_zero():
+    assert size_text(-0.25, "mean_similarity") == size_text(0.25, "mean_similarity") == "0.2500"
+    assert size_text(0.00001, "mean_similarity") == "0.0000"
+    assert size_text(-0.1, "encounters_detected") == "10.0 pp"
 
 
 def test_encounters_stand_first_in_the_evidence_and_the_curve_last():

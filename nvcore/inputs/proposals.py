@@ -2,33 +2,17 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from nvcore.errors import NvcoreError
+from nvcore.inputs.files import find_files
+from nvcore.inputs.readers.base import Format, Role
 from nvcore.inputs.session import Source
-
-if TYPE_CHECKING:
-    from nvcore.inputs.readers.base import Format, Role
 
 KITTI_SIZES: Final = ((1242, 375), (1241, 376), (1238, 374), (1224, 370))
 """Sizes of the recordings of KITTI, the usual one first."""
-
-_OTHER_NAMES: Final = {
-    "bbgt": ("caltech", "dollar", "vbb"),
-    "kaist-results": ("kaist",),
-    "mot": ("motchallenge", "trackeval"),
-    "coco": ("mscoco", "cocojson"),
-    "csv": ("tsv", "table", "text"),
-    "voc": ("pascal", "pascalvoc"),
-    "yolo": ("darknet", "ultralytics"),
-    "gtsdb": ("germantrafficsigns", "gtsrb", "germantrafficsigndetectionbenchmark"),
-}
-"""What else formats are called, by their names: letters only, lower case."""
 
 
 @dataclass(frozen=True)
@@ -57,39 +41,11 @@ USUAL_INPUTS: Final = {
 """By the name of the format."""
 
 
-def formats_meant(name: str, names: Iterable[str]) -> list[str]:
-    """Names of the formats that somebody may mean who writes another name; empty: none is near.
-
-    Examples
-    --------
-    >>> formats_meant("MOT17", ["mot", "kitti-object", "kitti-tracking"])
-    ['mot']
-    >>> formats_meant("kitti", ["mot", "kitti-object", "kitti-tracking"])
-    ['kitti-object', 'kitti-tracking']
-    """
-    wanted, names = _letters(name), sorted(names)
-    if not wanted:
-        return []
-    others = {other: own for own in names for other in (_letters(own), *_OTHER_NAMES.get(own, ()))}
-    if wanted in others:
-        return [others[wanted]]
-    beginning = [own for own in names if _letters(own).startswith(wanted)]
-    if beginning:
-        return beginning
-    return [others[near] for near in get_close_matches(wanted, others, n=1)]
-
-
-def _letters(name: str) -> str:
-    return re.sub(r"[^a-z]", "", name.lower())
-
-
 def looks_like(path: Path) -> tuple[Format, Role] | None:
     """The format of annotations that a file or folder is in, and what it holds; None: none.
 
     What may be both is taken for ground truth.
     """
-    from nvcore.inputs.files import find_files
-
     roles: tuple[Role, ...] = ("truth", "detections")
     for role in roles:
         try:

@@ -160,4 +160,4 @@ def difference_text(value: float, key: str) -> str:
 
 def size_text(value: float, key: str) -> str:
     """The size of such a difference, without sign."""
-    return difference_text(abs(value), key)[1:]
+    return difference_text(abs(value), key).removeprefix("+")

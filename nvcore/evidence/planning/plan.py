@@ -34,6 +34,7 @@ from nvcore.evidence.planning.power import (
     find_length,
     guess_length,
 )
+from nvcore.evidence.planning.words import describe_plan
 from nvcore.evidence.units import Units, find_units
 from nvcore.measures import inference_of
 from nvcore.progress import Progress, no_progress, part_of
@@ -122,8 +123,6 @@ class Plan:
     noninferiority: NonInferiority | None = None
 
     def __str__(self) -> str:
-        from nvcore.evidence.planning.words import describe_plan  # it needs this class
-
         return "\n".join(describe_plan(self))
 
     @property

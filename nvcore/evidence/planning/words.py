@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from nvcore.evidence.measures import Evidence
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS, NonInferiority
 from nvcore.evidence.planning.pilot import MIN_PILOT
-from nvcore.evidence.planning.plan import Assumption, Plan, PlanSize
 from nvcore.evidence.units import RECORDINGS
 from nvcore.measures import difference_text, evidence_form, size_text
 from nvcore.wording import capitalised, count_text, difference, duration_text, number, percent
+
+if TYPE_CHECKING:
+    from nvcore.evidence.planning.plan import Assumption, Plan, PlanSize
 
 QUESTION: Final = "How much more would it take?"
 ASSUMPTIONS: Final[dict[Assumption, str]] = {

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 from typing import Final
 
 from nvcore.errors import UnknownFormatError
 from nvcore.file_kinds import binary_kind
 from nvcore.findings import Remedy, Step
-from nvcore.inputs.proposals import formats_meant
 from nvcore.inputs.readers.base import (
     Format,
     Reading,
@@ -58,6 +59,17 @@ FORMATS: Final[tuple[Format, ...]] = (
 )
 """All formats, in the order in which they are tried on a content."""
 
+_OTHER_NAMES: Final = {
+    "bbgt": ("caltech", "dollar", "vbb"),
+    "kaist-results": ("kaist",),
+    "mot": ("motchallenge", "trackeval"),
+    "coco": ("mscoco", "cocojson"),
+    "csv": ("tsv", "table", "text"),
+    "voc": ("pascal", "pascalvoc"),
+    "yolo": ("darknet", "ultralytics"),
+    "gtsdb": ("germantrafficsigns", "gtsrb", "germantrafficsigndetectionbenchmark"),
+}
+"""What else formats are called, by their names: letters only, lower case."""
 _HOLDS: Final[dict[Role, str]] = {
     "truth": "ground truth",
     "detections": "the detections of a system",
@@ -116,6 +128,32 @@ def format_named(name: str) -> Format:
     raise UnknownFormatError(
         f"there is no format {name!r}; {question} formats are {', '.join(names)}"
     )
+
+
+def formats_meant(name: str, names: Iterable[str]) -> list[str]:
+    """Names of the formats that somebody may mean who writes another name; empty: none is near.
+
+    Examples
+    --------
+    >>> formats_meant("MOT17", ["mot", "kitti-object", "kitti-tracking"])
+    ['mot']
+    >>> formats_meant("kitti", ["mot", "kitti-object", "kitti-tracking"])
+    ['kitti-object', 'kitti-tracking']
+    """
+    wanted, names = _letters(name), sorted(names)
+    if not wanted:
+        return []
+    others = {other: own for own in names for other in (_letters(own), *_OTHER_NAMES.get(own, ()))}
+    if wanted in others:
+        return [others[wanted]]
+    beginning = [own for own in names if _letters(own).startswith(wanted)]
+    if beginning:
+        return beginning
+    return [others[near] for near in get_close_matches(wanted, others, n=1)]
+
+
+def _letters(name: str) -> str:
+    return re.sub(r"[^a-z]", "", name.lower())
 
 
 def detect_format(files: Sequence[SourceFile], role: Role) -> Format:
