@@ -42,7 +42,7 @@ GOLDEN: list[tuple[str, Role, str]] = [
     ("yolo/drive1/000003.txt", "truth", "yolo"),
 ]
 EMPTY = {"kitti_object/label_2/000008.txt", "yolo/drive1/000002.txt"}
-ASIDE = {"mot/MOT16-02/seqinfo.ini"}
+ASIDE = {"mot/MOT16-02/seqinfo.ini", "written/session.toml"}
 
 
 def source(name: str) -> SourceFile:
