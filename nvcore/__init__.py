@@ -47,11 +47,9 @@ __all__ = [
 
 _HOMES = {
     "nvcore.api.calls": ("audit", "compare", "convert", "gate"),
-    "nvcore.api.detect": ("detect",),
     "nvcore.api.driver": ("evaluate_driver", "train_driver"),
     "nvcore.api.driver_run": ("driver_features", "estimate_driver", "image_features"),
     "nvcore.api.inputs": ("load",),
-    "nvcore.api.train": ("train",),
     "nvcore.comparison": ("Result",),
     "nvcore.dataset": ("Dataset",),
     "nvcore.dataset.tables": ("dataset_from_tables",),
@@ -74,14 +72,14 @@ if TYPE_CHECKING:
     from nvcore import stability as stability
     from nvcore import tables as tables
     from nvcore.api.calls import audit, compare, convert, gate
-    from nvcore.api.detect import detect
     from nvcore.api.driver import evaluate_driver, train_driver
     from nvcore.api.driver_run import driver_features, estimate_driver, image_features
     from nvcore.api.inputs import load
-    from nvcore.api.train import train
     from nvcore.comparison import Result
     from nvcore.dataset import Dataset
     from nvcore.dataset.tables import dataset_from_tables
+    from nvcore.detectors.face import detect
+    from nvcore.detectors.training.face import train
     from nvcore.errors import NvcoreError
     from nvcore.inputs.session import Session, Source, SystemSource
     from nvcore.inputs.session_toml import read_session

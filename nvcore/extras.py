@@ -4,29 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Final, Literal
+from itertools import chain
+from typing import Final
 
 from nvcore.errors import MissingExtraError
+from nvcore.subjects import subjects
 
-Extra = Literal["app", "detectors", "driver", "login", "onnx", "report"]
-
-DETECTORS: Final = ("av", "cv2")
-DRIVER: Final = ("av", "cv2", "sklearn")
 REPORT: Final = ("av", "cv2", "jinja2", "plotly", "tsdownsample")
-APP: Final = (*REPORT, *DRIVER, "streamlit")
-PACKAGES: Final[dict[Extra, tuple[str, ...]]] = {
+OF_SUBJECTS: Final = dict(chain(*(added.extras.items() for _, added in subjects().values())))
+APP: Final = (*REPORT, *chain(*(OF_SUBJECTS.get(name, ()) for name in subjects())), "streamlit")
+PACKAGES: Final = {
     "report": REPORT,
     "app": APP,
     "login": (*APP, "authlib", "httpx"),
-    "detectors": DETECTORS,
-    "driver": DRIVER,
-    "onnx": (*DETECTORS, "google", "onnxruntime"),
+    **OF_SUBJECTS,
 }
 """Names by which the packages of each extra of pyproject.toml are imported."""
 
 
 @contextmanager
-def needs(extra: Extra, subject: str) -> Iterator[None]:
+def needs(extra: str, subject: str) -> Iterator[None]:
     """Within it, an import that fails for want of an extra says how to get it.
 
     Parameters

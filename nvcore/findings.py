@@ -55,6 +55,22 @@ class Cases:
         return len(self.rows)
 
 
+@dataclass(frozen=True)
+class Caveats:
+    """What findings mean for the verdict, by their codes.
+
+    Attributes
+    ----------
+    warned
+        Of findings that every page warns of.
+    lesser
+        Of those that only Overview and Data tell.
+    """
+
+    warned: Mapping[str, str]
+    lesser: Mapping[str, str]
+
+
 class Remedy(StrEnum):
     """What a person can do about a finding or an error.
 

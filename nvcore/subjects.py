@@ -19,7 +19,12 @@ from functools import cache
 from importlib import import_module
 from typing import Any, Final, Protocol, TypeVar
 
-SUBJECTS: Final[tuple[str, ...]] = ("nvcore.time_left", "nvcore.driver", "nvcore.ratings")
+SUBJECTS: Final[tuple[str, ...]] = (
+    "nvcore.time_left",
+    "nvcore.detectors",
+    "nvcore.driver",
+    "nvcore.ratings",
+)
 """The packages of the subjects, in the order in which what they add is listed."""
 
 
@@ -51,8 +56,8 @@ class Subject:
         Columns of the CSV files (`nvcore.tables.added.Columns`) and keys of ``summary.json``
         (`nvcore.tables.summary_entry.Entry`).
     findings, caveats
-        Checks of the audit (`nvcore.auditing.Check`), and what a finding means for the verdict, by
-        its code.
+        Checks of the audit (`nvcore.auditing.Checks`), and what their findings mean for the verdict
+        (`nvcore.findings.Caveats`).
     figures
         Figures of `nvcore.api.figures.Figures`, by name.
     points
@@ -63,12 +68,15 @@ class Subject:
         What it reads of a session file (`nvcore.inputs.added.Input`).
     commands
         Commands of ``nvcore``.
+    models
+        What ``nvcore models`` lists and describes (`nvcore.cli.models.Models`).
     names
         Public names of ``nvcore``, by reference.
     extras
-        Extras of pyproject.toml that it needs, and the packages that each brings.
+        Extras of pyproject.toml that it needs, and how the packages of each are imported. The extra
+        that is named as the subject comes with the dashboard.
     ui
-        Module of the dashboard with its ``PAGES``.
+        Module of the dashboard with its ``PAGES`` (`ui.page.Page`).
     """
 
     name: str
@@ -89,6 +97,7 @@ class Subject:
     sections: str = ""
     inputs: str = ""
     commands: str = ""
+    models: str = ""
     names: Mapping[str, str] = field(default_factory=dict)
     extras: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     ui: str = ""

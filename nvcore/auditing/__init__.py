@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -41,7 +42,6 @@ from nvcore.auditing.recordings import (
 )
 from nvcore.auditing.rows import audit_left_out
 from nvcore.auditing.scores import audit_scores, audit_threshold
-from nvcore.auditing.training import audit_provenance
 from nvcore.dataset import Dataset
 from nvcore.errors import MissingExtraError
 from nvcore.findings import (
@@ -55,9 +55,26 @@ from nvcore.findings import (
 from nvcore.inputs.session import Session
 from nvcore.metrics.matching import match_system
 from nvcore.params import Params
+from nvcore.subjects import contributed
 
 if TYPE_CHECKING:
     from nvcore.pictures import RecordingPictures
+
+
+@dataclass(frozen=True)
+class Checks:
+    """What a subject adds to the parts of `audit`.
+
+    Attributes
+    ----------
+    inputs
+        To `audit_inputs`.
+    view
+        To `audit_view`.
+    """
+
+    inputs: tuple[Callable[[Dataset], Iterable[Finding]], ...] = ()
+    view: tuple[Callable[[Dataset, Params], Iterable[Finding]], ...] = ()
 
 
 def audit(
@@ -133,7 +150,9 @@ def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
     for system in (system_source(dataset, name) for name in dataset.systems):
         findings += [*audit_system_coverage(system), *_audit_boxes(system), *audit_scores(system)]
         findings += audit_same_as_truth(system)
-    findings += [*audit_provenance(dataset), *audit_detectability(dataset)]
+    for checks in contributed("findings"):
+        findings += chain(*(check(dataset) for check in checks.inputs))
+    findings += audit_detectability(dataset)
     return *dataset.findings, *_worded(dataset, findings)  # readers quote files, and say it so
 
 
@@ -205,6 +224,8 @@ def _worded(dataset: Dataset, findings: Iterable[Finding]) -> tuple[Finding, ...
 def audit_view(dataset: Dataset, params: Params) -> tuple[Finding, ...]:
     """The part of `audit` about the drive as the camera saw it; at once, whatever setting moved."""
     findings = [*audit_foot_spread(dataset, params), *audit_closing_speed(dataset, params)]
+    for checks in contributed("findings"):
+        findings += chain(*(check(dataset, params) for check in checks.view))
     return _worded(dataset, findings)
 
 

@@ -14,16 +14,15 @@ from nvcore import __version__
 from nvcore.cli.app import app
 from nvcore.cli.compare import check, compare
 from nvcore.cli.convert import convert
-from nvcore.cli.detect import detect, models
 from nvcore.cli.driver import driver
 from nvcore.cli.gate import gate
 from nvcore.cli.matrix import matrix
+from nvcore.cli.models import models
 from nvcore.cli.options import examples
 from nvcore.cli.plan import plan
 from nvcore.cli.program import Program
 from nvcore.cli.report import report
 from nvcore.cli.sample import sample
-from nvcore.cli.train import train
 from nvcore.subjects import contributed
 
 
@@ -41,8 +40,8 @@ def main() -> None:
 
 for command in (
     *(compare, check, convert, gate, matrix, plan, report),
-    *(train, detect, models, driver),
     *chain(*contributed("commands")),
+    *(models, driver),
     *(app, sample),
 ):
     main.add_command(command)

@@ -9,5 +9,7 @@ SUBJECT = Subject(
     steps="comparison.steps:STEPS",
     view="comparison.steps:driver_view",
     miss_weights="comparison.judging:weigh_unseen",
+    models="estimators.listing:MODELS",
+    extras={"driver": ("av", "cv2", "sklearn")},
     ui="ui.driver",
 )

@@ -5,11 +5,6 @@ from nvcore.extras import needs
 with needs("report", "figures need"):
     from nvcore.figures.cost_map import cost_plot
     from nvcore.figures.detection import CurveKind, curve_plot, legend_text
-    from nvcore.figures.detectors.boxes import boxes_plot
-    from nvcore.figures.detectors.confidence import confidence_plot, traces_plot, training_plot
-    from nvcore.figures.detectors.pictures import pictures_plot
-    from nvcore.figures.detectors.score_map import score_map_plot
-    from nvcore.figures.detectors.tree import tree_plot
     from nvcore.figures.driver.course import detectability_course_plot
     from nvcore.figures.driver.detectability import (
         detectability_histograms_plot,
@@ -46,8 +41,6 @@ __all__ = [
     "CONFIG",
     "CurveKind",
     "approach_plot",
-    "boxes_plot",
-    "confidence_plot",
     "cost_plot",
     "curve_plot",
     "detectability_course_plot",
@@ -70,20 +63,15 @@ __all__ = [
     "over_speed_plot",
     "pair_ranks_plot",
     "parts_plot",
-    "pictures_plot",
     "plane_plot",
     "position_map",
     "proximity_plot",
     "recency_plot",
     "recordings_plot",
-    "score_map_plot",
     "score_plot",
     "similarity_plot",
     "stability_map",
     "subgroup_forest",
-    "traces_plot",
-    "training_plot",
-    "tree_plot",
     "venn_figure",
     "weightings_plot",
 ]

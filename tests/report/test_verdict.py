@@ -344,7 +344,7 @@ def test_a_finding_that_the_verdict_depends_on_is_named_not_counted(alike: Resul
 def test_every_caveat_is_about_a_finding_that_the_audit_has():
     audit = ROOT / "nvcore" / "auditing"
     source = "".join(path.read_text(encoding="utf-8") for path in audit.glob("*.py"))
-    assert [code for code in CAVEATS if f'"{code}"' not in source] == []
+    assert [code for code in CAVEATS.warned if f'"{code}"' not in source] == []
 
 
 def test_equal_boxes_are_no_comparison(better_x: Result):

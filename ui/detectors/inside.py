@@ -8,13 +8,13 @@ import numpy as np
 import streamlit as st
 
 from nvcore.detection import WindowGrid
+from nvcore.detectors.figures.confidence import confidence_plot, traces_plot, training_plot
+from nvcore.detectors.figures.pictures import pictures_plot
+from nvcore.detectors.figures.score_map import MapOf, score_map_plot
+from nvcore.detectors.figures.tree import tree_plot
 from nvcore.detectors.icf.displays import usable_scales
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.errors import NvcoreError, ParameterError
-from nvcore.figures.detectors.confidence import confidence_plot, traces_plot, training_plot
-from nvcore.figures.detectors.pictures import pictures_plot
-from nvcore.figures.detectors.score_map import MapOf, score_map_plot
-from nvcore.figures.detectors.tree import tree_plot
 from nvcore.pictures import Picture
 from ui.confined.detectors import (
     MOST_TRACES,

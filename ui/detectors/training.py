@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.dataset.provenance import About
-from nvcore.dataset.training_overlap import training_overlap
+from nvcore.detectors.training.overlap import training_overlap
 from ui.session import state
 
 

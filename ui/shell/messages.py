@@ -14,7 +14,7 @@ from nvcore.errors import NvcoreError
 from nvcore.evidence.operating_points import as_set_note
 from nvcore.findings import Severity
 from nvcore.report.html.words import SHORT_ENCOUNTERS
-from nvcore.report.verdict import CAVEATS
+from nvcore.report.verdict import caveats
 from ui.session import local_files, state
 from ui.session.opening import public_text
 from ui.session.results.findings import input_findings
@@ -29,15 +29,16 @@ def draw_warnings(result: Result, *, is_of_encounters: bool = True) -> None:
     """Warn of what the audit found and, where the page is about encounters, of single frames."""
     if is_of_encounters and result.is_short:
         st.warning(state.words(SHORT_ENCOUNTERS), icon=":material/warning:")
-    caveats = [
-        CAVEATS[finding.code]
+    warned = caveats().warned
+    texts = [
+        warned[finding.code]
         for finding in input_findings()
         if finding.severity is not Severity.NOTE
-        and finding.code in CAVEATS
+        and finding.code in warned
         and finding.code != "short-encounters"
     ]
-    if caveats:
-        text = state.words("; ".join(dict.fromkeys(caveats)))
+    if texts:
+        text = state.words("; ".join(dict.fromkeys(texts)))
         st.warning(
             f"The audit found: {plain(text)}. Details and remedies are on the page Data.",
             icon=":material/warning:",

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import TrainedOn
-from nvcore.dataset.training import trained_part
 from nvcore.detection.filtered_truth import filter_truth
 from nvcore.detectors.arguments import TrainArguments
 from nvcore.detectors.icf import IcfSettings
 from nvcore.detectors.run import no_pictures
+from nvcore.detectors.training.parts import trained_part
 from nvcore.detectors.training.shots import Shot
 from nvcore.detectors.training.split import HeldOut
 from nvcore.errors import InputError

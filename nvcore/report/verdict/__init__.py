@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
+from itertools import chain
 from typing import Final
 
 import pandas as pd
@@ -11,7 +13,7 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.evidence.claims import Basis, Claim, find_claims
 from nvcore.evidence.companions import Companions
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Caveats, Finding, Severity
 from nvcore.report.shown import comparison_shown
 from nvcore.report.verdict.driver import describe_driver, describe_weighting
 from nvcore.report.verdict.headline import headline
@@ -25,64 +27,70 @@ from nvcore.report.verdict.words import (
     describe_time_left,
     describe_weights,
 )
+from nvcore.subjects import contributed
 
-CAVEATS: Final = {
-    "track-reused": "track ids of the ground truth are used again after a gap, so that two persons "
-    "may be taken for one encounter",
-    "short-encounters": "most encounters are one frame long, so that counts of them are counts of "
-    "frames rather than persons, and saliency and episodes mean little",
-    "score-floors": "X and Y are compared at different operating points; with thresholds the "
-    "other may come out better",
-    "mixed-weighting": "X and Y are weighted by different rules",
-    "same-boxes": "two of the inputs have the same boxes",
-    "trained-on-tested": "a system is scored on frames that it was trained on",
-    "trained-on-namesake": "a system may be scored on frames that it was trained on",
-    "training-unchecked": "not all frames were compared with what a system was trained on",
-    "size-too-large": "the image size seems wrong",
-    "implausible-fps": "the frame rate seems wrong",
-    "box-layout": "boxes seem to be written in another way than they were read",
-    "no-match": "a system matches not a single pedestrian",
-    "agreed-by-both-alone": "both systems match hardly anybody and agree with one another",
-    "lying-pedestrians": "nearly all pedestrians are wider than tall",
-    "time-offset": "a system seems to be off in time",
-    "pixel-offset": "a system's boxes seem to be displaced",
-    "scale-mismatch": "a system's boxes seem to be of another resolution",
-    "frames-beyond-boxes": "frames without any box are evaluated",
-    "no-detections": "a system has no detections",
-    "threshold-keeps-nothing": "a threshold leaves no detection",
-}
-"""What a finding of the audit means for the verdict, by its code."""
+CAVEATS: Final = Caveats(
+    warned={
+        "track-reused": "track ids of the ground truth are used again after a gap, so that two "
+        "persons may be taken for one encounter",
+        "short-encounters": "most encounters are one frame long, so that counts of them are counts "
+        "of frames rather than persons, and saliency and episodes mean little",
+        "score-floors": "X and Y are compared at different operating points; with thresholds the "
+        "other may come out better",
+        "mixed-weighting": "X and Y are weighted by different rules",
+        "same-boxes": "two of the inputs have the same boxes",
+        "size-too-large": "the image size seems wrong",
+        "implausible-fps": "the frame rate seems wrong",
+        "box-layout": "boxes seem to be written in another way than they were read",
+        "no-match": "a system matches not a single pedestrian",
+        "agreed-by-both-alone": "both systems match hardly anybody and agree with one another",
+        "lying-pedestrians": "nearly all pedestrians are wider than tall",
+        "time-offset": "a system seems to be off in time",
+        "pixel-offset": "a system's boxes seem to be displaced",
+        "scale-mismatch": "a system's boxes seem to be of another resolution",
+        "frames-beyond-boxes": "frames without any box are evaluated",
+        "no-detections": "a system has no detections",
+        "threshold-keeps-nothing": "a threshold leaves no detection",
+    },
+    lesser={
+        "detectability-without-box": "estimates of detectability are of no box of the ground truth",
+        "doubtful-light-meter": "a light meter may be of another unit or clock, and with it what "
+        "the driver sees",
+        "doubtful-visible-pictures": "pictures or gaze may be of another view, and with it what "
+        "the driver sees",
+        "detectability-other-record": "the record of how detectability was estimated is about "
+        "another file",
+        "detectability-twice": "ground truth and estimates state different detectabilities",
+        "missing-provenance": "a system's record of its training is not there",
+        "kitti-size": "the truth contradicts the picture size of some recordings",
+        "outside-picture": "boxes lie outside the picture",
+        "boxes-in-fractions": "boxes seem to be in fractions of the picture rather than in pixels",
+        "duplicate-box": "boxes are repeated",
+        "duplicate-track": "pedestrians of one frame share a track id",
+        "box-disputed-by-both": "both systems agree on other boxes than the ground truth's",
+        "loose-boxes": "many false alarms of a system lie on pedestrians whom it thereby misses",
+        "missing-score": "some detections have no score and pass every threshold",
+        "threshold-without-scores": "a threshold has no effect, as no detection has a score",
+        "truth-every-nth-frame": "most evaluated frames have no ground truth",
+        "detections-every-nth-frame": "a system has no detections in most evaluated frames",
+        "detections-in-part-of-recording": "a system has detections in parts of recordings only",
+        "recording-without-detections": "a system has no detections in whole recordings",
+        "unknown-recording": "recordings without ground truth are left out",
+        "frame-not-listed": "rows of frames that are not evaluated are left out",
+    },
+)
+"""Of the core's own findings."""
 
-LESSER: Final = {
-    "trained-beside-tested": "a system was trained on other frames of the same recordings",
-    "frames-not-run": "a system was not run on all evaluated frames",
-    "detectability-without-box": "estimates of detectability are of no box of the ground truth",
-    "doubtful-light-meter": "a light meter may be of another unit or clock, and with it what the "
-    "driver sees",
-    "doubtful-visible-pictures": "pictures or gaze may be of another view, and with it what the "
-    "driver sees",
-    "detectability-other-record": "the record of how detectability was estimated is about another "
-    "file",
-    "detectability-twice": "ground truth and estimates state different detectabilities",
-    "missing-provenance": "a system's record of its training is not there",
-    "other-provenance": "a system's record of its training is about other files",
-    "kitti-size": "the truth contradicts the picture size of some recordings",
-    "outside-picture": "boxes lie outside the picture",
-    "boxes-in-fractions": "boxes seem to be in fractions of the picture rather than in pixels",
-    "duplicate-box": "boxes are repeated",
-    "duplicate-track": "pedestrians of one frame share a track id",
-    "box-disputed-by-both": "both systems agree on other boxes than the ground truth's",
-    "loose-boxes": "many false alarms of a system lie on pedestrians whom it thereby misses",
-    "missing-score": "some detections have no score and pass every threshold",
-    "threshold-without-scores": "a threshold has no effect, as no detection has a score",
-    "truth-every-nth-frame": "most evaluated frames have no ground truth",
-    "detections-every-nth-frame": "a system has no detections in most evaluated frames",
-    "detections-in-part-of-recording": "a system has detections in parts of recordings only",
-    "recording-without-detections": "a system has no detections in whole recordings",
-    "unknown-recording": "recordings without ground truth are left out",
-    "frame-not-listed": "rows of frames that are not evaluated are left out",
-}
-"""The same of findings that no page but Overview and Data warns of."""
+
+@cache
+def caveats() -> Caveats:
+    """What findings mean for the verdict, those of subjects included."""
+    every = (CAVEATS, *contributed("caveats"))
+    return Caveats(
+        warned=dict(chain(*(known.warned.items() for known in every))),
+        lesser=dict(chain(*(known.lesser.items() for known in every))),
+    )
+
 
 SAME_BOXES: Final = "same-boxes"
 WRONG_INPUTS: Final = (
@@ -228,7 +236,7 @@ def verdict(
 
 
 def _caveat(serious: Sequence[Finding]) -> str:
-    known = CAVEATS | LESSER
+    known = {**caveats().warned, **caveats().lesser}
     causes = list(
         dict.fromkeys(known[finding.code] for finding in serious if finding.code in known)
     )

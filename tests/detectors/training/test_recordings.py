@@ -12,9 +12,9 @@ from places import SAMPLE
 
 import nvcore as nv
 from nvcore.dataset import Dataset
-from nvcore.dataset.training import trained_part
 from nvcore.detectors.arguments import TrainArguments
 from nvcore.detectors.icf import PEDESTRIANS
+from nvcore.detectors.training.parts import trained_part
 from nvcore.detectors.training.recordings import MOST_OBJECTS, SessionShots, session_shots
 from nvcore.errors import InputError, ParameterError
 from nvcore.pictures import RecordingPictures, session_pictures

@@ -3,17 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
+import click
+
+from nvcore.cli.models import Models
 from nvcore.dataset.provenance import About
-from nvcore.detectors.base import Detector
-from nvcore.detectors.facts import model_settings, run_settings
-from nvcore.detectors.icf import IcfDetector, IcfModel
-from nvcore.detectors.icf.settings import OF_A_RUN
-from nvcore.detectors.registry import DETECTORS
 from nvcore.detectors.settings import SettingFacts, value_text
-from nvcore.detectors.training.presets import PRESETS
+from nvcore.extras import needs
 from nvcore.wording import UNDEFINED, count_text, listed, one_line
+
+with needs("detectors", "nvcore models needs"):
+    from nvcore.detectors.base import Detector
+    from nvcore.detectors.facts import model_settings, run_settings
+    from nvcore.detectors.icf import IcfDetector, IcfModel
+    from nvcore.detectors.icf.settings import OF_A_RUN
+    from nvcore.detectors.registry import DETECTORS, open_detector
+    from nvcore.detectors.training.presets import PRESETS
+
+_ICF: Final = "icf"
 
 
 def render_detectors() -> str:
@@ -30,7 +38,7 @@ def render_training_settings() -> str:
     values = {name: preset.in_words() for name, preset in PRESETS.items()}
     first, *others = PRESETS
     lines = [
-        f"{DETECTORS['icf'].title}",
+        f"{DETECTORS[_ICF].title}",
         f"settings of nvcore train, with their values in the preset {first}; where another preset "
         "differs, it is named:",
     ]
@@ -113,3 +121,19 @@ def _range(facts: SettingFacts) -> str:
         return ""
     low, high = (f"{end:,.12g}" for end in (facts.low, facts.high or 0))
     return f" {low} or more." if facts.high is None else f" {low} to {high}."
+
+
+def _described(model: str, settings: Mapping[str, str]) -> str:
+    """A detector, or all that can be set where one is trained."""
+    if model != _ICF:
+        return render_about(open_detector(model, settings), model)
+    if settings:
+        raise click.UsageError("--set is about a model; icf is a kind of them")
+    return render_training_settings()
+
+
+MODELS: Final = Models(
+    list_all=render_detectors,
+    has=lambda model: model == _ICF or any(model in kind.built_in for kind in DETECTORS.values()),
+    describe=_described,
+)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import TrainedOn
-from nvcore.dataset.training import fingerprints_of_ranges
+from nvcore.detectors.training.parts import fingerprints_of_ranges
 
 MOST_HASHED: Final = 50_000_000
 """Boxes of which fingerprints are made for a training: some seconds of work, more than 1,000 whole

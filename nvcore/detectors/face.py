@@ -116,7 +116,7 @@ class DetectorJob:
 
     def cautions(self) -> list[str]:
         """What is to be known of the detector's training before it is run on these frames."""
-        from nvcore.auditing.training import trained_findings
+        from nvcore.detectors.findings import trained_findings
 
         about = self.detector.about
         found = trained_findings(self.dataset, about.name, about.trained_on)

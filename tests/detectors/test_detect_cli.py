@@ -239,4 +239,4 @@ def test_an_estimator_is_described_and_no_detector(tmp_path: Path):
 def test_settings_without_a_detector_are_a_mistake():
     ran = nvcore("models", "--set", "a=1")
     assert ran.exit_code == 2
-    assert "--set is about a detector; name it" in ran.stderr
+    assert "--set is about a model; name it" in ran.stderr

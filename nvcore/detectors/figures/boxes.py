@@ -8,7 +8,7 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from nvcore.figures.detectors.pictures import picture_axes, picture_layer
+from nvcore.detectors.figures.pictures import picture_axes, picture_layer
 from nvcore.figures.marks import click_markers, marks, steady_marker, still_line, with_gaps
 from nvcore.figures.style import HEADING_PX, LEGEND, LOOK, draw, faded, plain
 from nvcore.metrics.matching import iou_of_pairs

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from builders import Place, at, make_dataset
 
-from nvcore.auditing.training import trained_findings
 from nvcore.dataset import Dataset
-from nvcore.dataset import training_overlap as training_overlap_module
 from nvcore.dataset.provenance import About, TrainedOn
-from nvcore.dataset.training import trained_part
-from nvcore.dataset.training_overlap import training_overlap
+from nvcore.detectors.findings import trained_findings
+from nvcore.detectors.training import overlap as overlap_module
+from nvcore.detectors.training.overlap import training_overlap
+from nvcore.detectors.training.parts import trained_part
 from nvcore.findings import Severity
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
@@ -69,7 +69,7 @@ def test_a_list_of_1100_recordings_is_compared_with_200_others():
 
 @pytest.fixture
 def little_is_hashed(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(training_overlap_module, "MOST_HASHED", 50)
+    monkeypatch.setattr(overlap_module, "MOST_HASHED", 50)
 
 
 @pytest.mark.usefixtures("little_is_hashed")

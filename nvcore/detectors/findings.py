@@ -3,15 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from nvcore.auditing import Checks
 from nvcore.auditing.cases import place_of_frame, spelled
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import Provenance, TrainedOn, is_in_ranges
-from nvcore.dataset.training_overlap import training_overlap
-from nvcore.findings import Cases, Finding, Severity
+from nvcore.detectors.training.overlap import training_overlap
+from nvcore.findings import Cases, Caveats, Finding, Severity
+
+CAVEATS: Final = Caveats(
+    warned={
+        "trained-on-tested": "a system is scored on frames that it was trained on",
+        "trained-on-namesake": "a system may be scored on frames that it was trained on",
+        "training-unchecked": "not all frames were compared with what a system was trained on",
+    },
+    lesser={
+        "trained-beside-tested": "a system was trained on other frames of the same recordings",
+        "frames-not-run": "a system was not run on all evaluated frames",
+        "other-provenance": "a system's record of its training is about other files",
+    },
+)
 
 
 def audit_provenance(dataset: Dataset) -> list[Finding]:
@@ -172,3 +187,6 @@ def _other_files(dataset: Dataset, name: str, record: Provenance) -> list[Findin
             file=str(others.iloc[0]) if len(others) == 1 else "",
         )
     ]
+
+
+CHECKS: Final = Checks(inputs=(audit_provenance,))

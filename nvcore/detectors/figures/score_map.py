@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 import numpy as np
 import plotly.graph_objects as go
 
-from nvcore.figures.detectors.pictures import picture_axes, picture_layer
+from nvcore.detectors.figures.pictures import picture_axes, picture_layer
 from nvcore.figures.style import HEADING_PX, LOOK, draw, faded
 from nvcore.palette import Theme
 from nvcore.pictures import Picture

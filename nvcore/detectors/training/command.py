@@ -50,7 +50,7 @@ def train(session_file: Path | None, **options: Any) -> None:
     ends it and leaves nothing behind. nvcore detect then takes the file. Exit code 0: fine, 2: bad
     input.
     """
-    from nvcore.api.train import training_job
+    from nvcore.detectors.training.face import training_job
 
     if session_file is None:
         refuse_without_session(options, "hold_out")

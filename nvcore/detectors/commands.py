@@ -1,11 +1,11 @@
-"""``nvcore detect`` and ``nvcore models``: detectors run over recordings, and what there is."""
+"""``nvcore detect``: a detector run over recordings. The commands of detectors."""
 
 from __future__ import annotations
 
 import shlex
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import click
 
@@ -14,7 +14,7 @@ from nvcore.cli.program import program
 from nvcore.cli.progress import ShareProgress, TerminalProgress
 from nvcore.cli.steps import errors_of
 from nvcore.detectors.arguments import DetectArguments
-from nvcore.extras import needs
+from nvcore.detectors.training.command import train
 from nvcore.inputs.session_toml import read_session
 from nvcore.wording import one_line
 
@@ -40,7 +40,7 @@ def detect(session_file: Path, **options: Any) -> None:
     Ctrl+C ends it and leaves nothing behind. nvcore compare then takes DIR/session.toml. Exit code
     0: fine, 2: bad input.
     """
-    from nvcore.api.detect import detector_job
+    from nvcore.detectors.face import detector_job
 
     session = read_session(session_file, needs_system=False)
     with errors_of(session), ExitStack() as stack:
@@ -61,54 +61,4 @@ def detect(session_file: Path, **options: Any) -> None:
         click.echo(one_line(f"a second system: {program()} detect {session_path} ..."), err=True)
 
 
-@click.command(
-    cls=GroupedCommand,
-    short_help="List the models, or describe one.",
-    epilog=examples(
-        "nvcore models",
-        "nvcore models hog:daimler",
-        "nvcore models yolo.onnx",
-        "nvcore models estimator.npz",
-    ),
-)
-@click.argument("detector", required=False, metavar="[NAME|FILE]")
-@options_of(DetectArguments, "settings")
-def models(detector: str | None, settings: dict[str, str]) -> None:
-    """List the models that are built in, or describe one: by its NAME, or the FILE it is in.
-
-    Of a detector: what it detects, what it was trained on, and its settings with their meaning;
-    icf: every setting of nvcore train. Of an estimator of what the driver sees: what it was trained
-    on and which features it takes.
-    """
-    with needs("detectors", "nvcore models needs"):
-        from nvcore.detectors.registry import DETECTORS, open_detector
-        from nvcore.driver.estimators.model_file import (
-            estimator_path,
-            is_estimator_file,
-            read_estimator,
-        )
-        from nvcore.report.detectors import (
-            render_about,
-            render_detectors,
-            render_training_settings,
-        )
-        from nvcore.report.driver import render_estimator, render_estimators
-
-    if detector is None:
-        if settings:
-            raise click.UsageError("--set is about a detector; name it")
-        click.echo(render_detectors())
-        click.echo(render_estimators())
-        return
-    if detector == "icf":
-        if settings:
-            raise click.UsageError("--set is about a model; icf is a kind of them")
-        click.echo(render_training_settings())
-        return
-    is_built_in = any(detector in kind.built_in for kind in DETECTORS.values())
-    if not is_built_in and is_estimator_file(path := estimator_path(detector)):
-        if settings:
-            raise click.UsageError("--set is about a detector; this is an estimator")
-        click.echo(render_estimator(read_estimator(path)))
-        return
-    click.echo(render_about(open_detector(detector, settings), detector))
+COMMANDS: Final = (train, detect)

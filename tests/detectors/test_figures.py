@@ -7,15 +7,15 @@ import pytest
 from figure_parts import shape, trace, words
 
 from nvcore.detectors.base import Detections
+from nvcore.detectors.figures.boxes import boxes_plot
+from nvcore.detectors.figures.confidence import confidence_plot, traces_plot, training_plot
+from nvcore.detectors.figures.pictures import pictures_plot
+from nvcore.detectors.figures.score_map import score_map_plot
+from nvcore.detectors.figures.tree import tree_plot
 from nvcore.detectors.icf.detector import ScoreMap
 from nvcore.detectors.icf.displays import MOST_CELLS, CoarseMap, Node, Tree, WindowPath, coarse_map
 from nvcore.detectors.icf.pyramid import Level
 from nvcore.detectors.icf.settings import IcfSettings
-from nvcore.figures.detectors.boxes import boxes_plot
-from nvcore.figures.detectors.confidence import confidence_plot, traces_plot, training_plot
-from nvcore.figures.detectors.pictures import pictures_plot
-from nvcore.figures.detectors.score_map import score_map_plot
-from nvcore.figures.detectors.tree import tree_plot
 from nvcore.figures.style import LOOK, faded
 from nvcore.palette import Scheme
 from nvcore.schema import DetectionState

@@ -11,10 +11,10 @@ import pytest
 from builders import Place, at, make_dataset
 
 from nvcore.auditing import audit
-from nvcore.auditing.training import audit_provenance
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About, Provenance, TrainedOn, truth_fingerprint
-from nvcore.dataset.training import trained_part
+from nvcore.detectors.findings import audit_provenance
+from nvcore.detectors.training.parts import trained_part
 from nvcore.errors import InputError
 from nvcore.findings import Finding, Severity
 

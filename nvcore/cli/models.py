@@ -1,0 +1,69 @@
+"""``nvcore models``: the models that subjects bring."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import click
+
+from nvcore.arguments import pairs_of
+from nvcore.cli.options import GroupedCommand, examples, grouped_option
+from nvcore.subjects import contributed
+
+
+@dataclass(frozen=True)
+class Models:
+    """Models of one kind, in words.
+
+    Attributes
+    ----------
+    list_all
+        Those that are built in.
+    has
+        Whether a text is the name or the file of one.
+    describe
+        One by its name or file, with settings that are given.
+    """
+
+    list_all: Callable[[], str]
+    has: Callable[[str], bool]
+    describe: Callable[[str, Mapping[str, str]], str]
+
+
+@click.command(
+    cls=GroupedCommand,
+    short_help="List the models, or describe one.",
+    epilog=examples(
+        "nvcore models",
+        "nvcore models hog:daimler",
+        "nvcore models yolo.onnx",
+        "nvcore models estimator.npz",
+    ),
+)
+@click.argument("model", required=False, metavar="[NAME|FILE]")
+@grouped_option(
+    "Model",
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="KEY=VALUE",
+    callback=pairs_of,
+    help="A setting of the model, such as upscale=2; may be given again.",
+)
+def models(model: str | None, settings: dict[str, str]) -> None:
+    """List the models that are built in, or describe one: by its NAME, or the FILE it is in.
+
+    What it was trained on, what it takes, and its settings with their meaning; icf: every setting
+    of nvcore train.
+    """
+    kinds: tuple[Models, ...] = contributed("models")
+    if model is None:
+        if settings:
+            raise click.UsageError("--set is about a model; name it")
+        for kind in kinds:
+            click.echo(kind.list_all())
+        return
+    # what none of them has, the first one refuses with its reasons
+    kind = next((kind for kind in kinds if kind.has(model)), kinds[0])
+    click.echo(kind.describe(model, settings))

@@ -1,0 +1,25 @@
+"""What ``nvcore models`` says of estimators."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+import click
+
+from nvcore.cli.models import Models
+from nvcore.driver.estimators.model_file import estimator_path, is_estimator_file, read_estimator
+from nvcore.report.driver import render_estimator, render_estimators
+
+
+def _described(model: str, settings: Mapping[str, str]) -> str:
+    if settings:
+        raise click.UsageError("--set is about a detector; this is an estimator")
+    return render_estimator(read_estimator(estimator_path(model)))
+
+
+MODELS: Final = Models(
+    list_all=render_estimators,
+    has=lambda model: is_estimator_file(estimator_path(model)),
+    describe=_described,
+)
