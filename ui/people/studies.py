@@ -55,6 +55,13 @@ def is_participant() -> bool:
     return STUDY in st.query_params
 
 
+def enter(token: str, participant: str | None = None) -> None:
+    """Show a study to a participant, on this screen."""
+    # at once: an address that is emptied first would be that of a page that is left
+    st.query_params.from_dict({STUDY: token} | ({PARTICIPANT: participant} if participant else {}))
+    st.rerun()
+
+
 def leave_screen(space: Workspace, page: str = "") -> None:
     """Forget what a participant has on the screen, so that the browser gets and sends nothing.
 
@@ -73,7 +80,7 @@ def is_local(address: str) -> bool:
 
     Examples
     --------
-    >>> is_local("http://localhost:8501/ratings?study=a"), is_local("http://lab-3:8501/ratings")
+    >>> is_local("http://localhost:8501/page?study=a"), is_local("http://lab-3:8501/page")
     (True, False)
     """
     return urlsplit(address).hostname in LOCAL

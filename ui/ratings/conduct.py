@@ -12,9 +12,8 @@ from nvcore.ratings.store import CONSENT, Study
 from nvcore.wording import count_text
 from ui.people.addresses import draw_addresses
 from ui.people.one_participant import draw_one_participant
-from ui.people.studies import CONDUCT
+from ui.people.studies import CONDUCT, enter
 from ui.people.terms import ask_consent, ask_days
-from ui.ratings import participant
 from ui.ratings.participant import ENDS
 from ui.ratings.sessions import SESSIONS, shown_thresholds
 from ui.session import state
@@ -109,7 +108,7 @@ def _conduct(study: Study) -> None:
         )
     with st.container(horizontal=True):
         if button("Rate on this screen", key="rating_here", icon=":material/play_circle:"):
-            participant.enter(study.token)
+            enter(study.token)
         if button("Close, and start another", key="rating_close", type="tertiary"):
             SESSIONS.close()
             st.rerun()

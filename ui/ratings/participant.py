@@ -12,7 +12,7 @@ from nvcore.errors import InputError
 from nvcore.people.participants import MOST_NAME
 from nvcore.pictures.stretch import STRETCH
 from nvcore.ratings.store import RatingStore, Study
-from ui.people.studies import PARTICIPANT, STUDY
+from ui.people.studies import PARTICIPANT, STUDY, enter
 from ui.people.terms import draw_consent
 from ui.ratings.sessions import SESSIONS, set_thresholds, thresholds_apart
 from ui.session import state
@@ -88,13 +88,6 @@ def draw_waiting() -> None:
     st.info("The comparison of the rating session is open now.")
     if button("Go on with the rating session", type="primary", key="rating_go_on"):
         enter(token, name)
-
-
-def enter(token: str, name: str | None = None) -> None:
-    """Show the rating session to a participant, on this screen."""
-    # at once: an address that is emptied first would be that of a page that is left
-    st.query_params.from_dict({STUDY: token} | ({PARTICIPANT: name} if name else {}))
-    st.rerun()
 
 
 def _is_open(study: Study) -> bool:

@@ -18,10 +18,11 @@ from nvcore.driver.study.tables import (
 )
 from nvcore.errors import InputError
 from nvcore.inputs.driver.trials import LATE_S
-from ui.driver.study import participant, setup
+from ui.driver.study import setup
 from ui.driver.study.files import STUDIES
 from ui.people.addresses import draw_addresses
 from ui.people.one_participant import draw_one_participant
+from ui.people.studies import enter
 from ui.widgets.buttons import button
 from ui.widgets.choices import download_csv
 from ui.widgets.text import docs_link, plain
@@ -57,7 +58,7 @@ def _conduct(study: DetectabilityStudy) -> None:
     store = STUDIES.store()
     with st.container(horizontal=True):
         if button("Take part on this screen", key="study_here", icon=":material/play_circle:"):
-            participant.enter(study.token)
+            enter(study.token)
         if button("Close, and start another", key="study_close", type="tertiary"):
             STUDIES.close()
             st.rerun()

@@ -20,7 +20,7 @@ from ui.driver.study.files import STUDIES, folder_of
 from ui.driver.study.on_screen import PRACTICE, OnScreen
 from ui.driver.study.screen import draw_run
 from ui.driver.study.setup import LIMITS, length_text
-from ui.people.studies import ON_SCREEN, PARTICIPANT, STUDY, leave_screen
+from ui.people.studies import ON_SCREEN, PARTICIPANT, STUDY, enter, leave_screen
 from ui.people.terms import draw_consent
 from ui.session import state
 from ui.shell.messages import shown_error
@@ -62,13 +62,6 @@ def draw() -> None:
     note = OnScreen(store, study, participant.code, folder, screen)
     state.workspace().notes[ON_SCREEN] = note
     _next(note, participant)
-
-
-def enter(token: str, code: str | None = None) -> None:
-    """Show the study to a participant, on this screen."""
-    # at once: an address that is emptied first would be that of a page that is left
-    st.query_params.from_dict({STUDY: token} | ({PARTICIPANT: code} if code else {}))
-    st.rerun()
 
 
 def _welcome(study: DetectabilityStudy, store: DetectabilityStore) -> None:

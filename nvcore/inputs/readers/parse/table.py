@@ -37,7 +37,7 @@ def read_rows(
     name
         Of the file, for errors.
     what
-        What the rows are, as in "this is no CSV table of ratings".
+        What the rows are, as in "this is no CSV table of boxes".
 
     Returns
     -------

@@ -1,0 +1,60 @@
+"""What a subject adds to the dashboard, in a room of its own."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from asgi import ask
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse, Response
+
+from nvcore import subjects
+from nvcore.people.store import AnswerFile
+from nvcore.subjects import Subject
+from ui.people.studies import Studies
+from ui.serving.starting import check_start
+from ui.session.requests import Place
+from ui.subjects import contributed
+
+
+async def answer(request: Request) -> Response:
+    return PlainTextResponse(f"toy {request.path_params['row']}")
+
+
+@pytest.fixture
+def toy(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A subject whose room has a place and studies."""
+    package, room, parts = (ModuleType(name) for name in ("toy", "toy_room", "toy_room.parts"))
+    package.SUBJECT = Subject(name="toy", ui="toy_room")
+    room.ROUTES, room.STUDIES = "parts:ROUTES", "parts:STUDIES"
+    parts.ROUTES = (Place("toy/{row}", answer),)
+    parts.STUDIES = Studies(
+        page="toy", what="toy", prefix="toy", variable="NVCORE_TOYS", file_name="toys.sqlite",
+        open=lambda path: AnswerFile(path, "", what="toys"),
+    )  # fmt: skip
+    for module in (package, room, parts):
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+    monkeypatch.setattr(subjects, "SUBJECTS", (*subjects.SUBJECTS, "toy"))
+    forget = (subjects.subjects.cache_clear, subjects.contributed.cache_clear)
+    for clear in (*forget, contributed.cache_clear):
+        clear()
+    yield
+    monkeypatch.undo()
+    for clear in (*forget, contributed.cache_clear):
+        clear()
+
+
+def test_its_routes_are_those_of_a_session(toy: None):
+    assert ask("/nv/token/toy/3").text == "toy 3"
+
+
+def test_its_file_of_answers_is_looked_at_before_anybody_comes(
+    toy: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, surroundings: None
+):
+    monkeypatch.setenv("NVCORE_TOYS", str(tmp_path / "toys.sqlite"))
+    check_start()
+    assert (tmp_path / "toys.sqlite").is_file()
