@@ -27,20 +27,10 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-PROSE = frozenset(
-    {
-        "advice",
-        "doubt",
-        "example",
-        "label",
-        "message",
-        "method",
-        "note",
-        "notes",
-        "reason",
-        "sentences",
-    }
-)
+PROSE = frozenset((
+    "advice", "doubt", "example", "label", "message", "method", "note", "notes", "reason",
+    "sentences",
+))  # fmt: skip
 PROSE_OF_CHARTS = frozenset({"hovertemplate", "hovertext", "name", "text", "ticktext", "title"})
 SENTENCE = 5
 
