@@ -1,4 +1,4 @@
-"""What a comparison may claim: differences that are more than chance and no matter of settings."""
+"""Which differences may be claimed: those beyond chance that no choice of settings explains."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from nvcore.evidence.units import RECORDINGS
 from nvcore.measures import EVIDENCE_KEYS, inference_of, measure_of
 
 CLAIMED: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).noun)
-"""Keys of the measures of which the verdict may claim a difference."""
+"""Keys of the measures whose differences the verdict may claim."""
 FALSE_ALERTS: Final = "false_alert_episodes_per_hour"
 
 
 class Basis(StrEnum):
-    """The comparison on which the verdict rests."""
+    """The comparison that the verdict is about."""
 
     AS_SET = "as set"
     EQUAL_ALARMS = "equal false alarms"
@@ -34,18 +34,18 @@ class Basis(StrEnum):
 
 @dataclass(frozen=True)
 class Claim:
-    """One difference that is more than chance.
+    """A difference that is more than chance.
 
     Attributes
     ----------
     key
         Key of the measure.
     winner
-        ``x`` or ``y``, the better system in it.
+        The better system, ``x`` or ``y``.
     p
-        Corrected for all measures; NaN within few recordings.
+        Corrected for all measures; NaN within a few recordings.
     n
-        Number of recordings, or of blocks of time, that it rests on.
+        Number of recordings, or of blocks of time, behind it.
     """
 
     key: str
@@ -61,11 +61,11 @@ class Support:
     Attributes
     ----------
     basis
-        Which comparison it is about; ``none``: nothing can be claimed.
+        The comparison that the claims are about; ``none``: nothing can be claimed.
     claims
-        The claims, in the order of the table.
+        In the order of the table.
     withheld
-        Differences that would be claims, by their keys, and why they are none.
+        Why a difference is not claimed although p is small enough, by the measure's key.
     """
 
     basis: Basis
@@ -78,10 +78,10 @@ def find_claims(
 ) -> Support:
     """Which differences between X and Y may be claimed.
 
-    A claim is corrected for all measures, rests on six recordings or more, and is no matter of the
-    operating points: where these are unequal it is about the comparison at equal false alarms, else
-    it has to hold there as well. Where strict pairing turns the difference round it is no claim.
-    Until the companions are known there is none.
+    A claim needs a small p, corrected for all measures, over at least six recordings, and it must
+    not hinge on the operating points: if X and Y have unequally many false alarms, it is about the
+    comparison at equal false alarms; if not, it must hold there, too. Strict pairing must not
+    reverse it. Until the companions are known, nothing is claimed.
 
     Parameters
     ----------
@@ -120,11 +120,11 @@ def find_claims(
 def find_within(
     result: Result, evidence: pd.DataFrame, companions: Companions | None
 ) -> tuple[Claim, ...]:
-    """Differences that leave no doubt within a few recordings, the clearest first.
+    """Differences that are clear within a few recordings, the clearest first.
 
-    Their intervals, widened for the number of intervals among which they are found (Bonferroni),
-    leave out 0. Like other claims they need the companions, hold at equal false alarms (without
-    these: the better system does not also have more of them) and if paired strictly.
+    Their intervals exclude 0 even after Bonferroni's correction for the number of intervals. Like
+    all claims, they need the companions and must survive equal false alarms and strict pairing;
+    if nothing gives equal false alarms, the better system must not be the one with more of them.
     """
     if companions is None or are_unequal(result):
         return ()
@@ -155,7 +155,7 @@ def find_within(
 
 
 def _widening(n: int, n_intervals: int) -> float:
-    """How many times as far an end is from the difference, of one of so many intervals."""
+    """Factor by which Bonferroni's correction widens each of so many intervals."""
     alpha = (1 - CONFIDENCE) / 2
     return float(student.isf(alpha / n_intervals, n - 1) / student.isf(alpha, n - 1))
 
@@ -173,14 +173,14 @@ def _candidates(result: Result, evidence: pd.DataFrame) -> dict[str, Claim]:
 
 
 def _doubts(evidence: pd.DataFrame) -> dict[str, str]:
-    """Why differences are in doubt that would be more than chance, by key."""
+    """Why differences that seem more than chance are in doubt, by key."""
     return {
         str(row["figure"]): str(row["doubt"]) for row in _significant_rows(evidence) if row["doubt"]
     }
 
 
 def _significant_rows(evidence: pd.DataFrame) -> list[dict[Hashable, Any]]:
-    """Rows over recordings with a corrected p that is small enough."""
+    """Rows of the measures that may be claimed, with a small enough p over recordings."""
     is_small = (evidence["unit"] == RECORDINGS) & (evidence["p_holm"] <= SIGNIFICANT)
     return evidence[is_small & evidence["figure"].isin(CLAIMED)].to_dict("records")
 
@@ -191,7 +191,7 @@ def winner_of(difference: float, better: str) -> str:
 
 
 def _at_all(result: Result, tables: Sequence[pd.DataFrame]) -> dict[str, Claim]:
-    """Differences that are more than chance in every table, for the same system; the larger p."""
+    """Differences that every table shows for the same system, with the largest p of all tables."""
     first, *others = (_candidates(result, table) for table in tables)
     for other in others:
         shared = {key for key, claim in first.items() if _same_winner(claim, other.get(key))}
@@ -206,7 +206,7 @@ def _same_winner(claim: Claim, other: Claim | None) -> bool:
 def _not_confirmed(
     result: Result, candidates: Mapping[str, Claim], companions: Companions
 ) -> dict[str, str]:
-    """Differences as set that do not hold at equal false alarms, and why."""
+    """Why differences as set do not hold at equal false alarms, by key."""
     if companions.equal is None:
         return _not_dominant(result, candidates)
     confirmed = _at_all(result, companions.evidence)
@@ -219,7 +219,7 @@ def _not_confirmed(
 
 
 def _not_dominant(result: Result, candidates: Mapping[str, Claim]) -> dict[str, str]:
-    """Where nothing sets the systems alike: what the winner may owe to its operating point."""
+    """What a winner may owe to its operating point, by key, if nothing sets the systems alike."""
     reasons = {}
     n_alarms = {letter: count_alarms(system) for letter, system in result.sides}
     n_matched = {letter: int(system.matched.sum()) for letter, system in result.sides}
@@ -239,13 +239,13 @@ def _not_dominant(result: Result, candidates: Mapping[str, Claim]) -> dict[str, 
 
 
 def is_turned(key: str, result: Result, other: Result) -> bool:
-    """Whether the sign of a measure's difference is opposite in two comparisons."""
+    """Whether a measure favours opposite systems in two comparisons."""
     differences = (np.subtract(*values_of(key, each)) for each in (result, other))
     return bool(np.prod(np.sign([*differences])) < 0)
 
 
 def is_turned_strictly(key: str, result: Result, strict: Result) -> bool:
-    """Whether strict pairing turns the sign of a measure's difference."""
+    """Whether strict pairing makes a measure favour the other system."""
     return measure_of(key).depends_on("pairing") and is_turned(key, result, strict)
 
 
@@ -257,7 +257,7 @@ def values_of(key: str, result: Result) -> tuple[float, float]:
 
 
 def least_corrected_p(evidence: pd.DataFrame) -> float:
-    """The least corrected p that these recordings could give; NaN without any p.
+    """The smallest corrected p that these recordings could give; NaN without any p.
 
     Holm multiplies the smallest of m p-values by m.
     """

@@ -1,8 +1,8 @@
-"""Comparisons beside the one as set, without which it may mislead: at equal false alarms, strict.
+"""Two further comparisons that guard against misreading: at equal false alarms, paired strictly.
 
-A system with a lower threshold detects more and has more false alarms, and false alarms near a
-missed pedestrian raise similarity. So whatever a verdict claims has to hold where both systems have
-equally many false alarms, and when boxes are paired strictly.
+A lower threshold gives more detections and more false alarms, and a false alarm near a missed
+pedestrian raises similarity. So whatever a verdict claims has to hold where both systems have
+equally many false alarms, and where boxes are paired strictly.
 """
 
 from __future__ import annotations
@@ -29,28 +29,28 @@ from nvcore.evidence.operating_points import (
 from nvcore.evidence.paired_tests import SIGNIFICANT
 
 STANDARD_ERRORS: Final = 1.96
-"""By so many, the systems' false alarms may be apart where they are counted as equal. With 0,
-verdicts claimed a difference in 17 % of pairs of equal systems (16 recordings)."""
+"""How far apart two numbers of false alarms may be and still pass for equal (standard errors). With
+0, verdicts claimed a difference in 17 % of pairs of equal systems (16 recordings)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Companions:
     """The same two systems at equal false alarms, and paired strictly.
 
-    Numbers of false alarms that are equal in these recordings need not be in others, and a number
-    holds for a range of thresholds. So a claim has to hold where the thresholds are at the end of
-    what may pass for equal that is worst for the system that it favours.
+    Numbers of false alarms that are equal in these recordings may differ in others, and a range of
+    thresholds gives the same number. So a claim has to hold at both ends of what may pass for
+    equal, each the worst for one of the systems.
 
     Attributes
     ----------
     equal
-        Both at equal false alarms; None: no threshold gives them, or it is not asked: X and Y are
-        set alike, and no difference could be claimed.
+        Both at equal false alarms; None: no threshold gives them, or they are not needed since X
+        and Y are set alike and no difference could be claimed.
     evidence
-        Evidence at both ends of what may pass for equal. It has intervals where X and Y are set to
+        Evidence at both ends of what may pass for equal; with intervals if X and Y are set to
         different operating points. Empty without `equal`.
     strict
-        The comparison that the verdict rests on (`equal` where the one as set is unequal), with
+        The comparison that the verdict is about (`equal` if X and Y are set unequally), with
         ``pairing="matched"``.
     of_equal
         Evidence of `equal` itself, with intervals; None where `equal` only confirms the comparison
@@ -64,10 +64,10 @@ class Companions:
 
     @property
     def weaker_evidence(self) -> pd.DataFrame:
-        """The evidence of `equal`, as weak as anywhere in what may pass for equal.
+        """The evidence of `equal`, made as weak as the weaker end.
 
-        p and corrected p are the larger ones of both ends, and intervals reach over those of
-        `equal` and of both ends. NaN where an end has none.
+        p and corrected p are the larger ones of the two ends; intervals span those of `equal` and
+        of both ends. NaN where an end has none.
         """
         assert self.of_equal is not None
         tables = (self.of_equal, *self.evidence)
@@ -85,13 +85,13 @@ class Companions:
 
 
 def find_companions(result: Result, evidence: pd.DataFrame) -> Companions:
-    """The companions of a comparison, made from its own stages.
+    """The companions of a comparison, reusing its stages.
 
     Parameters
     ----------
     evidence
-        `nvcore.evidence.table.evidence_table` of the result; its miss rate does not depend on
-        thresholds and is taken over.
+        `nvcore.evidence.table.evidence_table` of the result; its miss rate is kept, since it does
+        not depend on thresholds.
     """
     is_unequal = are_unequal(result)
     has_candidates = bool((evidence["p_holm"] <= SIGNIFICANT).any())
@@ -120,10 +120,9 @@ def find_companions(result: Result, evidence: pd.DataFrame) -> Companions:
 def _ends(result: Result, alike: EqualAlarms) -> list[Result]:
     """The comparisons at equal false alarms that are worst for each system.
 
-    Equal numbers were counted in these recordings; others would count other ones. How far the two
-    may be apart follows from the recordings' differences: the number for the system at a
-    disadvantage is lower by `STANDARD_ERRORS` of the logarithm of their ratio, and its
-    threshold is the highest that gives it.
+    The numbers are equal in these recordings; in others they would differ. By how much follows from
+    the differences between recordings: the system at a disadvantage gets fewer false alarms, by
+    `STANDARD_ERRORS` of the logarithm of their ratio, and the highest threshold that gives them.
     """
     equal, moved = alike.result, alike.moved
     n_target = count_alarms(equal.y if moved == "x" else equal.x)
@@ -144,7 +143,7 @@ def _ends(result: Result, alike: EqualAlarms) -> list[Result]:
 
 
 def _spread_of_alarms(result: Result) -> float:
-    """Standard error of the difference of the two numbers of false alarms, over recordings."""
+    """Standard error of the difference in false alarms, over recordings."""
     recording = result.dataset.frame_columns.recording
     apart = np.bincount(recording, weights=result.x.false_alarms - result.y.false_alarms)
     return float(np.sqrt((apart**2).sum()))

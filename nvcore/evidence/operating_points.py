@@ -1,7 +1,7 @@
-"""At which false alarms X and Y are set, and both of them at equal ones.
+"""Operating points of X and Y, and the comparison at equal false alarms.
 
-A system with a lower threshold detects more and has more false alarms. So nothing is claimed from
-a comparison at unequal operating points, and that at equal ones takes its place.
+A lower threshold gives more detections and more false alarms. So nothing is claimed from a
+comparison at unequal operating points; the one at equal false alarms takes its place.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ from nvcore.scoring import SystemResult
 from nvcore.wording import capitalised
 
 AS_SET: Final = "as set: at unequal operating points"
-"""What marks numbers of X and Y that nothing is claimed from."""
+"""Marks numbers of X and Y from which nothing is claimed."""
 
 
 @dataclass(frozen=True, eq=False)
 class EqualAlarms:
-    """X and Y at equal false alarms, the threshold about as low as these allow.
+    """X and Y at equal false alarms, with the lowest round threshold that gives them.
 
     Attributes
     ----------
     result
         The comparison.
     moved
-        System with another threshold than as set, ``x`` or ``y``.
+        The system whose threshold was moved, ``x`` or ``y``.
     """
 
     result: Result
@@ -74,7 +74,7 @@ def describe_alarms(result: Result) -> str:
 
 
 def as_set_note(result: Result) -> str:
-    """What stands above numbers of X and Y at unequal operating points; empty: they are equal."""
+    """Heading for numbers of X and Y at unequal operating points; empty: they are equal."""
     if not are_unequal(result):
         return ""
     return f"{capitalised(AS_SET)} ({describe_alarms(result)}). Nothing is claimed from these."
@@ -118,13 +118,13 @@ def which_moves(result: Result) -> str:
 def threshold_for(
     result: Result, letter: str, n_alarms: int, end: Literal["round", "lowest", "highest"]
 ) -> float | None:
-    """Threshold of a system with so many false alarms; see `threshold_with_alarms`."""
+    """Threshold that gives a system so many false alarms; see `threshold_with_alarms`."""
     name = result.system(letter).name
     return threshold_with_alarms(result.dataset, name, result.params, n_alarms, end=end)
 
 
 def with_thresholds(result: Result, thresholds: Mapping[str, float | None]) -> Result:
-    """The comparison with these thresholds, made from its own stages."""
+    """The comparison with these thresholds, reusing its stages."""
     changed: dict[str, Any] = dict(thresholds)
     params = replace(result.params, **changed)
     return compare(result.dataset, params, x=result.x.name, y=result.y.name, previous=result)
