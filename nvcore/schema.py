@@ -28,6 +28,12 @@ CLASS_SEPARATOR: Final = ";"
 TABLE_ENDING: Final = " (table)"
 """End of the name of an input that is a table in memory; its rows are counted from 0."""
 
+KMH: Final = 3.6
+"""Kilometres per hour in one metre per second."""
+
+EDGE_PX: Final = 1.0
+"""A box that is no farther than this from the picture's edge is cut off there."""
+
 TRUTH: Final = 0
 """Value of `source` for ground truth; system number i (0-based) has source i + 1."""
 
@@ -145,69 +151,6 @@ MISS_CLASS_TEXT: Final[dict[MissClass, str]] = {
     MissClass.LOST_EARLY: "Lost too long before the pedestrian was too far to count again.",
     MissClass.BRIEF: "Detected in too few frames that count, in none of the other ways.",
     MissClass.NONE: "Detected without a failure worth naming.",
-}
-
-
-class Urgency(StrEnum):
-    """Whether an encounter leaves time to brake; the first that holds, in this order."""
-
-    UNKNOWN = "unknown"
-    NOT_URGENT = "not_urgent"
-    OUTSIDE = "outside"
-    NO_CHANCE = "no_chance"
-    URGENT = "urgent"
-
-
-URGENCY_TEXT: Final[dict[Urgency, str]] = {
-    Urgency.UNKNOWN: "In no frame is the time to contact known.",
-    Urgency.NOT_URGENT: "The car could still have stopped in every frame.",
-    Urgency.OUTSIDE: "Too far to the side when the car could no longer have stopped.",
-    Urgency.NO_CHANCE: "Too near to stop from the first frame in which that is known.",
-    Urgency.URGENT: "The driver had to be told before a moment that is known.",
-}
-
-
-class TimeLeft(StrEnum):
-    """Whether a system confirmed an urgent pedestrian while the car could still stop."""
-
-    IN_TIME = "in_time"
-    LATE = "late"
-    NEVER = "never"
-
-
-TIME_LEFT_TEXT: Final[dict[TimeLeft, str]] = {
-    TimeLeft.IN_TIME: "Confirmed while the car could still stop.",
-    TimeLeft.LATE: "Confirmed when the car could no longer stop.",
-    TimeLeft.NEVER: "Never confirmed.",
-}
-
-
-class DriverRegion(StrEnum):
-    """Who sees an encounter: the driver by himself, X, Y; the three-way Venn diagram."""
-
-    DRIVER_X_Y = "driver_x_y"
-    DRIVER_X = "driver_x"
-    DRIVER_Y = "driver_y"
-    DRIVER = "driver"
-    X_Y = "x_y"
-    X = "x"
-    Y = "y"
-    NOBODY = "nobody"
-    UNKNOWN = "unknown"
-    DISTANT = "distant"
-
-
-DRIVER_REGION_TEXT: Final[dict[DriverRegion, str]] = {
-    DriverRegion.DRIVER_X_Y: "The driver and both systems: both warnings are redundant.",
-    DriverRegion.DRIVER_X: "The driver and X, not Y: the warning of X is redundant.",
-    DriverRegion.DRIVER_Y: "The driver and Y, not X: the warning of Y is redundant.",
-    DriverRegion.DRIVER: "The driver, but neither X nor Y: a warning would be redundant.",
-    DriverRegion.X_Y: "Not the driver, but both X and Y: either can warn.",
-    DriverRegion.X: "Neither the driver nor Y, but X: only X can warn.",
-    DriverRegion.Y: "Neither the driver nor X, but Y: only Y can warn.",
-    DriverRegion.NOBODY: "Neither the driver nor X nor Y: the pedestrian is unprotected.",
-    DriverRegion.UNKNOWN: "It is not known whether the driver sees the pedestrian.",
-    DriverRegion.DISTANT: "The pedestrian never came near enough to count.",
 }
 
 

@@ -52,6 +52,8 @@ class Subject:
         encounters these are (bool, shape (n_encounters,)) to what is made otherwise.
     measures
         Entries of `nvcore.measures.MEASURES`.
+    counts
+        Kinds of encounters that measures are shares of, by name (`nvcore.measures.counted`).
     columns, entries
         Columns of the CSV files (`nvcore.tables.added.Columns`) and keys of ``summary.json``
         (`nvcore.tables.summary_entry.Entry`).
@@ -60,10 +62,13 @@ class Subject:
         (`nvcore.findings.Caveats`).
     figures
         Figures of `nvcore.api.figures.Figures`, by name.
+    lanes
+        What stands in and above the lanes of the timeline (`nvcore.figures.over_time.lanes.Lanes`).
     points
         Points of the verdict (`nvcore.report.verdict.PointOf`).
     lines, sections
-        Lines of the terminal's report and sections of the HTML report.
+        Lines of the terminal's report, and sections of the HTML report
+        (`nvcore.report.html.blocks.SectionOf`).
     inputs
         What it reads of a session file (`nvcore.inputs.added.Input`).
     commands
@@ -87,11 +92,13 @@ class Subject:
     miss_weights: str = ""
     restrict: str = ""
     measures: str = ""
+    counts: str = ""
     columns: str = ""
     entries: str = ""
     findings: str = ""
     caveats: str = ""
     figures: str = ""
+    lanes: str = ""
     points: str = ""
     lines: str = ""
     sections: str = ""

@@ -30,8 +30,8 @@ from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.metrics.encounters import find_encounters
 from nvcore.params import Params
-from nvcore.schema import Urgency
 from nvcore.time_left.judging import KMH, find_urgent, measure_contact
+from nvcore.time_left.kinds import Urgency
 from nvcore.time_left.steps import time_left_in
 
 ROOT = Path(__file__).resolve().parents[1]

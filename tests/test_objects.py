@@ -19,8 +19,8 @@ from nvcore.inputs.session import Session, Source
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.proximity.horizon import estimate_horizons
 from nvcore.objects import SPEED_SIGN, objects_from
-from nvcore.schema import Urgency
 from nvcore.settings import Settings
+from nvcore.time_left.kinds import Urgency
 
 OF_PEDESTRIANS = re.compile(
     r"\b(pedestrians?|persons?|people(?! (drew|who annotated))|nobody(?! (annotated|drives))"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import wraps
+from functools import partial, wraps
 from typing import TYPE_CHECKING, ParamSpec, cast
 
 from nvcore.comparison import Result
@@ -30,26 +30,22 @@ from nvcore.figures.over_time.strip import loss_strip_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.saliency import parts_plot, recency_plot
 from nvcore.figures.stability import stability_map
-from nvcore.figures.time_left.approach import approach_plot
-from nvcore.figures.time_left.margins import margins_plot
-from nvcore.figures.time_left.over_speed import OverSpeed, over_speed_plot
 from nvcore.figures.venn import venn_figure
 from nvcore.figures.weightings import weightings_plot
 from nvcore.figures.wording import worded
 from nvcore.metrics.cost_map import map_cost
-from nvcore.palette import Shade
+from nvcore.palette import Shade, Theme
 from nvcore.scoring import SystemResult
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import map_stability
 from nvcore.stability.scores import Criterion
+from nvcore.subjects import contributed
 from nvcore.tables.classes import classes_table
 from nvcore.tables.encounters.miss_classes import fusion_table
 from nvcore.tables.encounters.severity import weighed_encounters
-from nvcore.tables.encounters.time_left import urgent_encounters
 from nvcore.tables.encounters.weightings import compare_weightings
 from nvcore.tables.loss_strip import loss_strip
 from nvcore.tables.result import encounters_table, recordings_table
-from nvcore.time_left.steps import time_left_in
 from nvcore.wording import MOST_NAMED, did_you_mean, listed
 
 if TYPE_CHECKING:
@@ -71,6 +67,13 @@ def _worded(make: Callable[P, go.Figure]) -> Callable[P, go.Figure]:
     return worded_figure
 
 
+def _worded_of_subject(
+    make: Callable[..., go.Figure], result: Result, theme: Theme, **options: object
+) -> go.Figure:
+    """A subject's figure in the words for the dataset's objects."""
+    return worded(make(result, theme=theme, **options), result.dataset)
+
+
 class Figures:
     """Plotly figures of a comparison, as the dashboard and the HTML report draw them.
 
@@ -86,8 +89,18 @@ class Figures:
         self._names = result.x.name, result.y.name
 
     def __repr__(self) -> str:
-        names = ", ".join(name for name in vars(Figures) if not name.startswith("_"))
+        names = ", ".join(name for name in dir(self) if not name.startswith("_"))
         return f"<figures: {names}>"
+
+    def __dir__(self) -> list[str]:
+        own = [name for name in vars(Figures) if not name.startswith("_")]
+        return [*own, *(name for known in contributed("figures") for name in known)]
+
+    def __getattr__(self, name: str) -> Callable[..., go.Figure]:
+        for known in contributed("figures"):
+            if name in known:
+                return partial(_worded_of_subject, known[name], self._result, self._theme)
+        raise AttributeError(f"there is no figure {name!r}; there are {', '.join(dir(self))}")
 
     def dark(self) -> Figures:
         """The same figures for a dark page."""
@@ -159,11 +172,6 @@ class Figures:
         )
 
     @_worded
-    def time_left(self) -> go.Figure:
-        """Urgent encounters up to contact, with the last chance and when X and Y confirm."""
-        return approach_plot(self._result, urgent_encounters(self._result), theme=self._theme)
-
-    @_worded
     def weightings(self, encounter: int | None = None) -> go.Figure:
         """The weight of one pedestrian over time, as height, horizon and distance tell it.
 
@@ -184,28 +192,6 @@ class Figures:
             raise InputError(f"there is no encounter {encounter}; there are {n:,}")
         weightings = compare_weightings(self._result, encounter)
         return weightings_plot(self._result, encounter, weightings, theme=self._theme)
-
-    @_worded
-    def over_speed(self, measure: OverSpeed = "share_in_time") -> go.Figure:
-        """Time left of X and Y over the speed of the car.
-
-        Parameters
-        ----------
-        measure
-            ``"share_in_time"`` or ``"mean_impact_kmh"``.
-        """
-        return over_speed_plot(
-            time_left_in(self._result).over_speed,
-            self._names,
-            speed_kmh=time_left_in(self._result).assumed_speed_kmh,
-            theme=self._theme,
-            measure=measure,
-        )
-
-    @_worded
-    def margins(self) -> go.Figure:
-        """How long before the last chance X and Y confirm each urgent pedestrian."""
-        return margins_plot(self._result, urgent_encounters(self._result), theme=self._theme)
 
     @_worded
     def recency(self, recording: Recording | None = None) -> go.Figure:

@@ -11,8 +11,7 @@ from nvcore.dataset import Dataset
 from nvcore.findings import TRUTH_NAME, Cases, Finding, Severity
 from nvcore.metrics.encounters import encounters_of
 from nvcore.params import Params
-from nvcore.schema import NO_TRACK
-from nvcore.time_left.judging import KMH
+from nvcore.schema import KMH, NO_TRACK
 from nvcore.wording import count_text
 
 MIN_BOXES: Final = 5

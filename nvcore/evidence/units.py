@@ -11,10 +11,9 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.block_length import block_length
-from nvcore.measures import EVIDENCE_KEYS, inference_of, measure_of
+from nvcore.measures import EVIDENCE_KEYS, counted, inference_of, measure_of
 from nvcore.schema import Category
 from nvcore.scoring import SystemResult
-from nvcore.time_left.steps import time_left_in
 
 RECORDINGS: Final = "recordings"
 BLOCKS: Final = "blocks"
@@ -133,10 +132,10 @@ def sum_units(result: Result, units: Units) -> pd.DataFrame:
     Returns
     -------
     One row per unit: recording (row of the recordings), n_frames, duration_s, share_of_recording
-    (1, or a block's part of it), n_encounters (not distant), n_urgent, n_unseen (by the driver);
-    and, for each measure that is judged by units, the sums of its parts: its key with ``_x`` and
-    ``_y`` (NaN where it cannot be shared out to blocks of time). Encounters, episodes and events
-    belong to the unit in which they begin.
+    (1, or a block's part of it), n_encounters (not distant), those that subjects count
+    (`nvcore.measures.counted`); and, for each measure that is judged by units, the sums of its
+    parts: its key with ``_x`` and ``_y`` (NaN where it cannot be shared out to blocks of time).
+    Encounters, episodes and events belong to the unit in which they begin.
     """
     n, unit = len(units), units.unit_of_frame
     frames, encounters = result.dataset.frame_columns, result.encounters
@@ -154,7 +153,7 @@ def sum_units(result: Result, units: Units) -> pd.DataFrame:
         "duration_s": total(unit, frames.gap) / frames.fps[units.recording],
         "share_of_recording": 1 / per_recording[units.recording],
         "n_encounters": total(begin[is_near]),
-        "n_urgent": total(begin[time_left_in(result).is_urgent]),
+        **{name: total(begin[members(result)]) for name, members in counted().items()},
         "n_unseen": total(begin[driver_in(result).is_unseen]),
     }
     for letter, system in result.sides:

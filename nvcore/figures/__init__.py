@@ -31,16 +31,12 @@ with needs("report", "figures need"):
     from nvcore.figures.saliency import parts_plot, plane_plot, recency_plot
     from nvcore.figures.stability import stability_map
     from nvcore.figures.style import CONFIG
-    from nvcore.figures.time_left.approach import approach_plot
-    from nvcore.figures.time_left.margins import margins_plot
-    from nvcore.figures.time_left.over_speed import over_speed_plot
     from nvcore.figures.venn import venn_figure
     from nvcore.figures.weightings import weightings_plot
 
 __all__ = [
     "CONFIG",
     "CurveKind",
-    "approach_plot",
     "cost_plot",
     "curve_plot",
     "detectability_course_plot",
@@ -58,9 +54,7 @@ __all__ = [
     "legend_text",
     "loss_plot",
     "loss_strip_plot",
-    "margins_plot",
     "miss_classes_plot",
-    "over_speed_plot",
     "pair_ranks_plot",
     "parts_plot",
     "plane_plot",

@@ -9,6 +9,7 @@ difference; the entry only says which sums over frames make the measure.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Final
 
 import numpy as np
@@ -32,7 +33,7 @@ from nvcore.measures.values import (
     ratio_of,
     relevant_share,
 )
-from nvcore.time_left.steps import time_left_in
+from nvcore.subjects import contributed
 from nvcore.wording import difference
 
 __all__ = [
@@ -48,6 +49,7 @@ __all__ = [
     "Parts",
     "applies_to",
     "count_recordings",
+    "counted",
     "difference_text",
     "duration_of_recordings",
     "evidence_form",
@@ -89,11 +91,19 @@ def label_words(result: Result, units: str = "") -> dict[str, Any]:
         "aggregate": "largest event" if is_largest else "sum of events",
         "n_near": result.venn.n_near,
         "n_boxes": int(result.n_truth.sum()),
-        "n_urgent": int(time_left_in(result).is_urgent.sum()),
+        **{name: int(members(result).sum()) for name, members in counted().items()},
         "n_unseen": int(driver_in(result).is_unseen.sum()),
         "n_seen": int(driver_in(result).is_seen.sum()),
         "units": units,
     }
+
+
+def counted() -> dict[str, Callable[[Result], np.ndarray]]:
+    """Kinds of encounters that subjects count, by the name that labels and `per` know.
+
+    bool, shape (n_encounters,).
+    """
+    return {name: of for known in contributed("counts") for name, of in known.items()}
 
 
 def count_recordings(result: Result) -> int:

@@ -109,15 +109,7 @@ class Inference:
     form: str = ""
     parts: Callable[[Result, SystemResult], Parts | None] | None = None
     split: Callable[[Result], Venn] | None = None
-    per: Literal[
-        "n_encounters",
-        "n_urgent",
-        "n_unseen",
-        "n_frames",
-        "duration_s",
-        "share_of_recording",
-        "",
-    ] = ""
+    per: str = ""
     factor: float = 1.0
     not_in_blocks: str = ""
     not_of_pedestrians: str = ""

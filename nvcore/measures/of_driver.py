@@ -21,10 +21,11 @@ from nvcore.measures.entry import (
     MeasureTable,
     Parts,
 )
-from nvcore.measures.values import is_in_time, per_recording
+from nvcore.measures.values import per_recording
 from nvcore.params.metadata import ENCOUNTERS, Stage
 from nvcore.schema import integers_of
 from nvcore.scoring import SystemResult
+from nvcore.time_left.measures import is_in_time
 from nvcore.time_left.settings import TIME_LEFT
 from nvcore.time_left.steps import time_left_in
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import Final
 
 from nvcore.measures.entry import Measure
@@ -10,12 +11,12 @@ from nvcore.measures.of_curves import CURVE_MEASURES
 from nvcore.measures.of_driver import DRIVER_MEASURES
 from nvcore.measures.of_encounters import ENCOUNTER_MEASURES
 from nvcore.measures.of_frames import FRAME_MEASURES
-from nvcore.measures.of_time_left import TIME_LEFT_MEASURES
+from nvcore.subjects import contributed
 
 MEASURES: Final[tuple[Measure, ...]] = (
     *FRAME_MEASURES,
     *ENCOUNTER_MEASURES,
-    *TIME_LEFT_MEASURES,
+    *chain(*contributed("measures")),
     *DRIVER_MEASURES,
     *ALARM_MEASURES,
     *CURVE_MEASURES,

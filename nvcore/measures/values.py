@@ -9,10 +9,8 @@ import numpy as np
 
 from nvcore.comparison import Result
 from nvcore.measures.entry import Parts
-from nvcore.metrics.venn import Venn, categorise, count_categories
-from nvcore.schema import Category, TimeLeft
+from nvcore.schema import Category
 from nvcore.scoring import SystemResult
-from nvcore.time_left.steps import time_left_in, time_left_of
 
 
 def per_recording(result: Result, values: np.ndarray | None, recording: np.ndarray) -> np.ndarray:
@@ -156,60 +154,3 @@ def similarity_by_recording(name: str) -> Callable[[Result, SystemResult], list[
         return [getattr(summary, name) for summary in system.summary_of_recordings]
 
     return values
-
-
-def is_in_time(system: SystemResult) -> np.ndarray:
-    """Urgent encounters that the system confirmed in time; bool, shape (n_encounters,)."""
-    return _is_of_class(system, TimeLeft.IN_TIME)
-
-
-def count_time_left(system: SystemResult, kind: TimeLeft) -> int:
-    """Urgent encounters of a class."""
-    return int(np.count_nonzero(_is_of_class(system, kind)))
-
-
-def _is_of_class(system: SystemResult, kind: TimeLeft) -> np.ndarray:
-    is_kind: np.ndarray = time_left_of(system)["time_left"].to_numpy() == kind.value
-    return is_kind
-
-
-def time_left_by_recording(kind: TimeLeft) -> Callable[[Result, SystemResult], np.ndarray]:
-    """Urgent encounters of a class by recording; int64, shape (n_recordings,)."""
-
-    def counts(result: Result, system: SystemResult) -> np.ndarray:
-        return per_recording(
-            result, _is_of_class(system, kind), result.encounters.recording
-        ).astype(np.int64)
-
-    return counts
-
-
-def split_in_time(result: Result) -> Venn:
-    """Urgent encounters by who confirmed them in time; all others count as distant."""
-    is_urgent = time_left_in(result).is_urgent
-    x, y = (is_in_time(system) & is_urgent for _, system in result.sides)
-    return count_categories(categorise(~is_urgent, x, y))
-
-
-def in_time_parts(result: Result, system: SystemResult) -> Parts:
-    """The urgent encounters that the system confirmed in time."""
-    is_part = time_left_in(result).is_urgent & is_in_time(system)
-    return Parts(result.encounters.first_row[is_part], None)
-
-
-def impact_parts(result: Result, system: SystemResult) -> Parts:
-    """Impact speed of each urgent encounter, km/h."""
-    is_urgent = time_left_in(result).is_urgent
-    impact_kmh = time_left_of(system)["impact_kmh"].to_numpy()
-    return Parts(result.encounters.first_row[is_urgent], impact_kmh[is_urgent])
-
-
-def impact_by_recording(result: Result, system: SystemResult) -> np.ndarray:
-    """Mean impact speed of each recording's urgent encounters, km/h; NaN without any."""
-    is_urgent, recording = time_left_in(result).is_urgent, result.encounters.recording
-    impact_kmh = np.where(is_urgent, time_left_of(system)["impact_kmh"], 0.0)
-    with np.errstate(invalid="ignore"):
-        mean: np.ndarray = per_recording(result, impact_kmh, recording) / per_recording(
-            result, is_urgent, recording
-        )
-    return mean

@@ -28,7 +28,6 @@ from nvcore.report.verdict.driver import describe_basis, regions_text, weighting
 from nvcore.report.words import (
     FUSION_RULE,
     count_leads,
-    describe_urgency,
     n_frames_text,
     saliency_caveat,
     sampling_note,
@@ -36,6 +35,7 @@ from nvcore.report.words import (
     scorecard_cells,
 )
 from nvcore.scoring import SystemResult
+from nvcore.subjects import contributed
 from nvcore.tables.inputs import inputs_table
 from nvcore.tables.result import worst_intervals
 from nvcore.wording import count_text, number, one_line, shortened
@@ -275,8 +275,8 @@ def _venn(result: Result) -> str:
         basis = describe_basis(result)
         lines.append(f"encounters seen by: {regions_text(result)}")
         lines.append(f"the driver: {basis[0].lower()}{basis[1:-1]}")
-    urgency = describe_urgency(result)
-    lines += [f"time left: {urgency[0].lower()}{urgency[1:-1]}"] if urgency else []
+    for lines_of in contributed("lines"):
+        lines += lines_of(result)
     boxes = result.boxes
     lines.append(
         f"boxes matched by: both {boxes.both:,}, only X {boxes.x_only:,}, "

@@ -18,11 +18,9 @@ from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.inputs.evaluated_frames import nth
 from nvcore.measures import MeasureTable, has_several_recordings, relevant_share
 from nvcore.params import Params
-from nvcore.schema import Urgency
 from nvcore.scoring import SystemResult
 from nvcore.tables.classes import names_classes, read_share
 from nvcore.tables.scorecard import ScoreRow, score_rows
-from nvcore.time_left.steps import time_left_in
 from nvcore.wording import UNDEFINED, count_text, difference, number
 
 FEW_MISSES: Final = 5
@@ -107,65 +105,6 @@ def sampling_note(frames: FrameColumns) -> str:
         f"Only {every} is evaluated: per minute and per hour count those frames alone, over all "
         "the time between them."
     )
-
-
-def describe_urgency(result: Result) -> str:
-    """How many encounters leave a last chance to stop, at which speed, and why others do not."""
-    counts = time_left_in(result).count_urgency()
-    if not len(result.encounters) or not result.dataset.objects.is_on_road:
-        return ""
-    others = [
-        f"{counts[kind]} {words}"
-        for kind, words in (
-            (Urgency.NO_CHANCE, "without a chance (too near to stop when first known)"),
-            (Urgency.OUTSIDE, "outside the corridor"),
-            (Urgency.NOT_URGENT, "not urgent"),
-            (Urgency.UNKNOWN, f"unknown{_why_unknown(result)}"),
-        )
-        if counts[kind]
-    ]
-    n = counts[Urgency.URGENT]
-    if counts[Urgency.NOT_URGENT] == len(result.encounters):
-        return f"Nobody is urgent {speed_text(result)}."
-    if counts[Urgency.UNKNOWN] == len(result.encounters):
-        return f"Time left to stop is unknown for all encounters{_why_unknown(result)}."
-    who = count_text(n, "encounter is", "encounters are") if n else "Nobody is"
-    text = f"{who} urgent {speed_text(result)}"
-    if others:
-        text += f"; {', '.join(others)}"
-    if result.venn.distant:  # which the Venn diagram beside it leaves out
-        distant = count_text(result.venn.distant, "distant one")
-        text += f" (of all {len(result.encounters):,} encounters, {distant} among them)"
-    return f"{text}."
-
-
-def speed_text(result: Result) -> str:
-    """At which speed: "at 50 km/h (assumed)", or as the recordings say."""
-    is_assumed, assumed = (
-        time_left_in(result).has_assumed_speed,
-        f"{result.params.speed_kmh:g} km/h",
-    )
-    if is_assumed.all():
-        return f"at {assumed} (assumed)"
-    if not is_assumed.any():
-        return "at the speed of each recording"
-    n = count_text(int(np.count_nonzero(is_assumed)), "recording")
-    return f"at the speed of each recording ({assumed} assumed in {n} without)"
-
-
-def _why_unknown(result: Result) -> str:
-    """Why the time to contact of encounters is unknown, in brackets."""
-    contact = time_left_in(result).contact
-    is_unknown = (time_left_in(result).urgency["urgency"] == Urgency.UNKNOWN.value).to_numpy()
-    reasons = {
-        "not every frame is evaluated": contact.is_sampled,
-        "the truth has no track ids": contact.is_linked & ~contact.is_sampled,
-        "too short, or cut by the picture's edge": is_unknown & contact.is_judged,
-    }
-    counts = {text: int(np.count_nonzero(of)) for text, of in reasons.items() if of.any()}
-    if len(counts) == 1:
-        return f" ({next(iter(counts))})"
-    return f" ({', '.join(f'{n} as {text}' for text, n in counts.items())})" if counts else ""
 
 
 def count_leads(result: Result) -> tuple[np.ndarray, int, int]:

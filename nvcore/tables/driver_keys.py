@@ -10,9 +10,9 @@ import numpy as np
 
 from nvcore.comparison import Result
 from nvcore.driver.comparison.judging import count_unknown
+from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.measures.of_driver import is_driver_in_time, is_judged_in_time, is_seen_too_late
-from nvcore.schema import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.tables.column import Column, Kind
 from nvcore.tables.summary_entry import Entry
 

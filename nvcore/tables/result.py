@@ -15,9 +15,9 @@ from nvcore.measures.of_driver import is_driver_in_time, is_judged_in_time
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.saliency import EVENT_COLUMNS
 from nvcore.schema import NO_TRACK, Category, integers_of
+from nvcore.tables.added import added_values
 from nvcore.tables.columns import column_names
 from nvcore.tables.inputs import driver_view_table
-from nvcore.time_left.steps import confirmed_by, time_left_in, time_left_of
 
 
 def _names(result: Result, recording: np.ndarray) -> np.ndarray:
@@ -39,7 +39,6 @@ def frames_table(result: Result) -> pd.DataFrame:
         "frame": frames["frame"],
         "time_s": frames["time_s"],
         "n_truth": result.n_truth,
-        "min_ttc_s": _least_of_frames(result),
     }
     for letter, system in result.sides:
         row = system.salient_row
@@ -58,17 +57,10 @@ def frames_table(result: Result) -> pd.DataFrame:
             f"similarity_window_{letter}": system.similarity_window,
             f"salient_track_{letter}": integers_of(track, is_known),
         }
-    return pd.DataFrame(columns)
+    return pd.DataFrame(columns | added_values("frames.csv", result))
 
 
-def _least_of_frames(result: Result) -> np.ndarray:
-    """Least known time to contact of every frame, s; NaN: none is known."""
-    least = np.full(len(result.dataset.frames), np.nan)
-    np.fmin.at(least, result.dataset.truth.frame_index, time_left_in(result).contact.ttc_s)
-    return least
-
-
-def _frame_numbers(result: Result, row: np.ndarray) -> Any:
+def frame_numbers(result: Result, row: np.ndarray) -> Any:
     """Frame numbers of rows of the frames table, missing where the row is -1."""
     frame, is_known = result.dataset.frames["frame"].to_numpy(), row >= 0
     numbers = np.zeros(len(row), np.int64)
@@ -80,7 +72,6 @@ def encounters_table(result: Result) -> pd.DataFrame:
     """One row per encounter: category, how each system did, and facts about the encounter."""
     encounters, frame = result.encounters, result.dataset.frames["frame"].to_numpy()
     is_near = result.category != Category.DISTANT.value
-    urgency, is_judged = time_left_in(result).urgency, time_left_in(result).contact.is_judged
     classes = classes_of(result.dataset)
     columns: dict[str, Any] = {
         "recording": _names(result, encounters.recording),
@@ -102,19 +93,10 @@ def encounters_table(result: Result) -> pd.DataFrame:
             f"tail_s_{letter}": outcomes["tail_s"],
             f"severity_s_{letter}": np.where(is_near, failures["severity_s"], np.nan),
             f"peak_cost_{letter}": np.where(is_near, failures["peak_cost"], np.nan),
-            f"time_left_{letter}": time_left_of(system)["time_left"],
-            f"confirmed_frame_{letter}": _frame_numbers(
-                result, np.where(is_judged, confirmed_by(system)["confirmed_row"], -1)
-            ),
-            f"margin_s_{letter}": time_left_of(system)["margin_s"],
-            f"impact_kmh_{letter}": time_left_of(system)["impact_kmh"],
         }
     columns |= _driver_columns(result) if driver_in(result).has_any else {}
     columns |= {
         "lead_time_s": result.lead_time_s,
-        "min_ttc_s": urgency["min_ttc_s"],
-        "urgency": urgency["urgency"],
-        "urgent_frame": _frame_numbers(result, urgency["urgent_row"].to_numpy()),
         "n_frames": encounters.n_frames,
         "lateral_offset": encounters.lateral_offset,
         "lateral_position": encounters.lateral_position,
@@ -126,7 +108,7 @@ def encounters_table(result: Result) -> pd.DataFrame:
         "attributes": classes.attributes,
         "classes": classes.texts,
     }
-    return pd.DataFrame(columns)
+    return pd.DataFrame(columns | added_values("encounters.csv", result))
 
 
 def _driver_columns(result: Result) -> dict[str, Any]:
@@ -141,7 +123,7 @@ def _driver_columns(result: Result) -> dict[str, Any]:
         "within_sd": _booleans(driver_in(result).is_within_sd, driver_in(result).has_sd),
         "driver_sees": _booleans(driver_in(result).is_seen, is_known),
         "driver_seen_frames": integers_of(table["n_seen"].to_numpy(), is_known),
-        "driver_frame": _frame_numbers(result, driver_in(result).seen_row),
+        "driver_frame": frame_numbers(result, driver_in(result).seen_row),
         "driver_in_time": _booleans(is_driver_in_time(result), is_judged_in_time(result)),
         "driver_region": driver_in(result).region,
     }
@@ -234,10 +216,8 @@ def recordings_table(result: Result) -> pd.DataFrame:
         columns[category.value] = per_recording(
             result, is_category, result.encounters.recording
         ).astype(np.int64)
-    is_urgent, recording = time_left_in(result).is_urgent, result.encounters.recording
-    columns["urgent"] = per_recording(result, is_urgent, recording).astype(np.int64)
     if driver_in(result).has_any:
-        is_known = driver_in(result).is_known
+        is_known, recording = driver_in(result).is_known, result.encounters.recording
         columns["driver_known"] = per_recording(result, is_known, recording).astype(np.int64)
     for letter, system in result.sides:
         columns |= {
@@ -246,7 +226,7 @@ def recordings_table(result: Result) -> pd.DataFrame:
             if measure.by_recording is not None
             and (driver_in(result).has_any or not measure.is_optional)
         }
-    return pd.DataFrame(columns)
+    return pd.DataFrame(columns | added_values("recordings.csv", result))
 
 
 def findings_table(findings: tuple[Finding, ...]) -> pd.DataFrame:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 from operator import attrgetter
 from typing import Any, Final
 
@@ -14,13 +15,13 @@ from nvcore import __version__
 from nvcore.comparison import Result
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.measures import MEASURES
-from nvcore.schema import Category, Urgency
+from nvcore.schema import Category
 from nvcore.scoring import SystemResult
+from nvcore.subjects import contributed
 from nvcore.tables.column import Column, Kind, measure_column
 from nvcore.tables.columns import VENN_COLUMNS
 from nvcore.tables.driver_keys import DRIVER_ENTRIES
 from nvcore.tables.summary_entry import Entry
-from nvcore.time_left.steps import time_left_in
 
 _TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
 _NO_LEAD: Final = "no such encounter"
@@ -52,50 +53,6 @@ def _lead_s(result: Result) -> np.ndarray:
 def _severity_of(result: Result, *, kind: Category, letter: str) -> float:
     return result.severity_of(result.system(letter))[kind]
 
-
-def _count_urgency(result: Result, *, kind: Urgency) -> int:
-    return time_left_in(result).count_urgency()[kind]
-
-
-_URGENCY: Final = (
-    *(
-        Entry(Column(key, _INTEGER, "encounters", meaning), partial(_count_urgency, kind=kind))
-        for key, kind, meaning in (
-            (
-                "urgent",
-                Urgency.URGENT,
-                "Encounters with a last chance to stop before the pedestrian: of these are "
-                "`in_time`, `late` and `never` of each system.",
-            ),
-            (
-                "no_chance",
-                Urgency.NO_CHANCE,
-                "Encounters too near to stop from the first known time to contact on.",
-            ),
-            ("not_urgent", Urgency.NOT_URGENT, "Encounters in which it could stop throughout."),
-            (
-                "outside_corridor",
-                Urgency.OUTSIDE,
-                "Encounters outside the `corridor` when it could no longer stop.",
-            ),
-            (
-                "urgency_unknown",
-                Urgency.UNKNOWN,
-                "Encounters without any known time to contact: too short, or cut by the picture's "
-                "edge, or not every frame is evaluated, or the tracks were linked.",
-            ),
-        )
-    ),
-    Entry(
-        Column(
-            "recordings_with_assumed_speed",
-            _INTEGER,
-            "recordings",
-            "Recordings that do not state the car's speed: the parameter `speed_kmh` is assumed.",
-        ),
-        lambda result: int(np.count_nonzero(time_left_in(result).has_assumed_speed)),
-    ),
-)
 
 _NOT_BORROWED: Final = "`missing_distance` is not `borrow`, or `proximity` not `distance`"
 _BORROWED: Final = (
@@ -211,7 +168,7 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
         lambda result: result.k_truth.n_without_distance,
     ),
     *_BORROWED,
-    *_URGENCY,
+    *chain(*contributed("entries")),
     Entry(
         Column("x", Kind.TABLE, "", "System X; the keys are those of each system, below."),
         lambda result: system_summary(result, result.x),

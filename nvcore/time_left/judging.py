@@ -18,11 +18,10 @@ from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.metrics.encounters import Encounters
 from nvcore.metrics.kernels import over_ranges
 from nvcore.params import Params
-from nvcore.schema import NO_TRACK, TimeLeft, Urgency
+from nvcore.schema import KMH, NO_TRACK
 from nvcore.time_left.kernels import confirmed_frames, contact_frames, urgent_frames
+from nvcore.time_left.kinds import TimeLeft, Urgency
 
-KMH: Final = 3.6
-"""Kilometres per hour in one metre per second."""
 SPEEDS_KMH: Final = tuple(range(10, 131, 5))
 """Speeds of the curve over the assumed speed."""
 
@@ -133,7 +132,7 @@ def find_urgent(
     Returns
     -------
     One row per encounter, distant ones too: min_ttc_s (least time to contact, inf: never closing,
-    NaN: unknown), urgency (`nvcore.schema.Urgency`), urgent_row (frame row of the first frame with
+    NaN: unknown), urgency (`Urgency`), urgent_row (frame row of the first frame with
     a time to contact below `needed_time`, -1 none), speed_kmh (there; NaN without one).
     """
     n = len(encounters)
@@ -205,7 +204,7 @@ def judge_time_left(
 
     Returns
     -------
-    One row per encounter: time_left (`nvcore.schema.TimeLeft`, None where not urgent), margin_s
+    One row per encounter: time_left (`TimeLeft`, None where not urgent), margin_s
     (from confirmation to the first urgent frame, seconds, more is better; NaN unless urgent and
     confirmed), impact_kmh (0 is best; NaN where not urgent).
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from nvcore.metrics.kernels import compiled
+from nvcore.schema import EDGE_PX
 
 LEAST_FRAMES = 5
 """Fewest frames of a line through distances or inverse heights."""
-EDGE_PX = 1.0
-"""A box that is no farther than this from the picture's edge is cut off there."""
 
 
 @compiled

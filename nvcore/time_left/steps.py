@@ -12,7 +12,6 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.metrics.matching import Matches
-from nvcore.schema import Urgency
 from nvcore.scoring import Inputs, Step, SystemInputs, SystemResult
 from nvcore.time_left.judging import (
     Contact,
@@ -22,6 +21,7 @@ from nvcore.time_left.judging import (
     find_urgent,
     measure_contact,
 )
+from nvcore.time_left.kinds import Urgency
 from nvcore.time_left.settings import CONFIRMED, CONTACT, TIME_LEFT, URGENCY
 
 

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from nvcore.driver.comparison.judging import DriverVenn
+from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.illumination import Light, LightSource
 from nvcore.driver.illumination.clock import adaptation_clock, unknown_clock, with_change
 from nvcore.figures import (
@@ -15,7 +16,6 @@ from nvcore.figures import (
     driver_venn_plot,
 )
 from nvcore.figures.style import LOOK
-from nvcore.schema import DriverRegion
 
 COURSE = pd.DataFrame(
     {

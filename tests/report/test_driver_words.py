@@ -14,6 +14,7 @@ from builders import NAN, Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result, compare
 from nvcore.dataset.estimates import EstimateRecord
+from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.measures import significance_table
 from nvcore.measures import MEASURES
@@ -36,7 +37,6 @@ from nvcore.report.verdict.driver import (
     regions_text,
     weighting,
 )
-from nvcore.schema import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.tables.encounters.driver import (
     detectability_course,
     driver_venn_table,

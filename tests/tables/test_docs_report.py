@@ -18,12 +18,13 @@ from limits import limits_read
 from places import ROOT
 
 from nvcore.comparison import compare
+from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT
 from nvcore.evidence.pairwise import pairwise_table
 from nvcore.findings import Cases, Finding, Severity
 from nvcore.inputs.load import load
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.report.files import export_files
-from nvcore.schema import CATEGORY_TEXT, DRIVER_REGION_TEXT, MISS_CLASS_TEXT
+from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT
 from nvcore.tables.boxes.matches import MATCH_COLUMNS, MATCHES
 from nvcore.tables.classes import classes_table
 from nvcore.tables.column import Column, Kind

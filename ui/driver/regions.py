@@ -7,9 +7,9 @@ from typing import Any, Final
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.figures.driver.venn import driver_venn_plot
-from nvcore.schema import DriverRegion
 from nvcore.tables.encounters.driver import REGION_NAMES, driver_venn_table
 from ui.session import state
 from ui.widgets.charts import clicked_chart

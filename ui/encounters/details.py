@@ -8,11 +8,11 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.report.time_left import describe_encounter
 from nvcore.schema import CATEGORY_TEXT, CLASS_SEPARATOR, Category
 from nvcore.tables.encounters.driver import describe_sight
 from nvcore.tables.moments import NEVER, encounter_time
 from nvcore.time_left.steps import time_left_in
+from nvcore.time_left.texts import describe_encounter
 from nvcore.wording import listed as listed_words
 from nvcore.wording import minus
 from ui.encounters import picture, selection, weightings

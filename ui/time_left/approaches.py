@@ -8,9 +8,9 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.figures.time_left.approach import MOST_ROWS, approach_plot
-from nvcore.figures.time_left.margins import margins_plot
-from nvcore.tables.encounters.time_left import urgent_encounters
+from nvcore.time_left.encounters import urgent_encounters
+from nvcore.time_left.figures.approach import MOST_ROWS, approach_plot
+from nvcore.time_left.figures.margins import margins_plot
 from ui.session import state
 from ui.time_left.numbers import key_of
 from ui.time_left.opening import open_encounter

@@ -13,13 +13,11 @@ from nvcore.evidence.measures import Evidence, judge
 from nvcore.evidence.units import BLOCKS
 from nvcore.measures import evidence_form
 from nvcore.params.metadata import THRESHOLD
-from nvcore.report.time_left import describe_needed, few_urgent
-from nvcore.report.verdict.words import describe_time_left
-from nvcore.report.words import describe_urgency
-from nvcore.schema import TimeLeft, Urgency
 from nvcore.tables.scorecard import score_rows
+from nvcore.time_left.kinds import TimeLeft, Urgency
 from nvcore.time_left.settings import TIME_LEFT
 from nvcore.time_left.steps import time_left_in
+from nvcore.time_left.texts import describe_needed, describe_time_left, describe_urgency, few_urgent
 from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number
 from ui.session import state
 from ui.widgets.html import MeasureRow, measures_html, score_row

@@ -9,12 +9,12 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.figures.time_left.over_speed import OverSpeed, over_speed_plot
 from nvcore.params import settings_for
 from nvcore.params.metadata import THRESHOLD
-from nvcore.report.time_left import describe_turns
+from nvcore.time_left.figures.over_speed import OverSpeed, over_speed_plot
 from nvcore.time_left.settings import TIME_LEFT
 from nvcore.time_left.steps import time_left_in
+from nvcore.time_left.texts import describe_turns
 from ui.session import state
 from ui.widgets.charts import draw_chart, kept_figure
 from ui.widgets.text import docs_link, plain

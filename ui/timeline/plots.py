@@ -12,7 +12,7 @@ from nvcore.comparison import Result
 from nvcore.figures.over_time.lanes import lane_order, lanes_figure
 from nvcore.figures.over_time.losses import loss_plot
 from nvcore.figures.over_time.similarity import TimeLayout, similarity_plot
-from nvcore.time_left.settings import TIME_LEFT
+from nvcore.params.metadata import shown_results
 from ui.session import state
 from ui.session.chosen import choose_encounter, chosen_encounter
 from ui.shell import title
@@ -74,7 +74,7 @@ def _draw_lanes(result: Result) -> None:
     only_missed = left.toggle(
         state.words("Only pedestrians with misses"), key="lanes_missed", persist_state="session"
     )
-    key = (space.version, recording, only_missed, result.params.only_for(TIME_LEFT))
+    key = (space.version, recording, only_missed, result.params.only_for(*shown_results()))
     order = space.cached(
         "lane_order", key, lambda: lane_order(result, recording, only_missed=only_missed)
     )

@@ -17,11 +17,11 @@ import pandas as pd
 from nvcore.columns import Detectability
 from nvcore.dataset import Dataset
 from nvcore.driver.comparison.kernels import driver_frames
+from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.metrics.encounters import Encounters
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.venn import Venn
 from nvcore.params import Params
-from nvcore.schema import DriverRegion
 
 SELDOM: Final = 0.5
 """Share of the known frames below which seeing a pedestrian is called seldom (ours)."""

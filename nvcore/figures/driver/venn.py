@@ -7,10 +7,10 @@ from typing import Any, Final
 import plotly.graph_objects as go
 
 from nvcore.driver.comparison.judging import DriverVenn
+from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.figures.marks import marks, steady_marker
 from nvcore.figures.style import HIDDEN_AXIS, LOOK, draw, empty_figure, faded, plain, written
 from nvcore.palette import Theme
-from nvcore.schema import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.wording import count_text
 
 HEIGHT_PX: Final = 400

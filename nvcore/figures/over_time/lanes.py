@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
@@ -10,7 +12,6 @@ import plotly.graph_objects as go
 
 from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers, line_up, still_line, with_gaps
-from nvcore.figures.over_time.contact import contact_strip, last_chances
 from nvcore.figures.over_time.similarity import end_of, time_range
 from nvcore.figures.style import (
     LEFT_PX,
@@ -26,7 +27,7 @@ from nvcore.figures.style import (
     system_label,
 )
 from nvcore.palette import Theme
-from nvcore.tables.encounters.time_left import contact_at
+from nvcore.subjects import contributed
 from nvcore.tables.lanes import lanes_table
 from nvcore.wording import count_text
 
@@ -49,6 +50,50 @@ WORDS: Final = {"not_relevant": "too far to count", "": "not annotated"}
 """States that are not called by their own word."""
 BAR: Final = 0.38
 """Height of one bar; a lane is 1 high."""
+
+
+@dataclass(frozen=True)
+class Strip:
+    """A strip above the lanes; empty where there is nothing to show.
+
+    Attributes
+    ----------
+    height_px, words
+        Height that it adds, and what the subtitle says of it.
+    traces
+        On the axis ``y2``.
+    xaxis, yaxis, more
+        Settings of the axes of the lanes, and of the layout.
+    """
+
+    height_px: int = 0
+    words: str = ""
+    traces: tuple[go.Scatter, ...] = ()
+    xaxis: dict[str, Any] = field(default_factory=dict)
+    yaxis: dict[str, Any] = field(default_factory=dict)
+    more: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Lanes:
+    """What a subject adds to the lanes of a recording.
+
+    Attributes
+    ----------
+    strip
+        What stands above the lanes, of the result, the recording's row, the height of the lanes in
+        px, and the theme. Only one subject has room for it.
+    marks
+        Marks in the lanes, of the result, the encounters of the lanes in order, the height of a
+        mark in px, and the theme.
+    note
+        What the hover text of frames says: of the result and the rows of encounters and frames, a
+        text each, empty where there is nothing to say.
+    """
+
+    strip: Callable[[Result, int, int, Theme], Strip]
+    marks: Callable[[Result, np.ndarray, float, Theme], go.Scatter]
+    note: Callable[[Result, np.ndarray, np.ndarray], Sequence[str]]
 
 
 def lanes_figure(
@@ -118,8 +163,10 @@ def lanes_figure(
         pedestrians[chosen_lane] = f"<b>▶ {pedestrians[chosen_lane]}</b>"
     labels = [system_label(letter, system.name) for letter, system in result.sides]
     lanes_px = lane_px * n_lanes
-    strip = contact_strip(result, recording, lanes_px, theme)
-    traces.append(last_chances(result, encounters, 0.6 * lane_px, theme))
+    strip = Strip()
+    for added in contributed("lanes"):
+        strip = added.strip(result, recording, lanes_px, theme)
+        traces.append(added.marks(result, encounters, 0.6 * lane_px, theme))
     along = axis(theme, side="top", ticksuffix=" s", range=time_range(end_of(result, recording)))
     figure = draw(
         [
@@ -239,9 +286,11 @@ def _clicks(result: Result, runs: pd.DataFrame, n_lanes: int) -> go.Scatter:
         )
     ]
     encounter = ends["encounter"].to_numpy()[lane]
-    ttc_s = contact_at(result, encounter, row)
-    for place in np.flatnonzero(np.isfinite(ttc_s)).tolist():
-        text[place] += f"<br>{ttc_s[place]:.1f} s to contact"
+    for added in contributed("lanes"):
+        notes = added.note(result, encounter, row)
+        text = [
+            f"{line}<br>{note}" if note else line for line, note in zip(text, notes, strict=True)
+        ]
     places = np.column_stack([row, encounter])
     return click_markers(time_s, lane.astype(float), text, customdata=places, name="frames")
 

@@ -14,7 +14,7 @@ from scipy.special import stdtrit
 
 from nvcore.dataset import Dataset
 from nvcore.metrics.encounters import encounters_of
-from nvcore.time_left.kernels import EDGE_PX
+from nvcore.schema import EDGE_PX
 from nvcore.wording import minus
 
 LEAST_BOXES: Final = 30

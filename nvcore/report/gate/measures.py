@@ -13,6 +13,7 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import detection_curve
+from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.companions import find_companions
 from nvcore.evidence.operating_points import is_undecided
@@ -28,7 +29,7 @@ from nvcore.protocols import Protocol
 from nvcore.report.gate.rules import OF_CLASSES, class_in
 from nvcore.report.plan import evidence_of
 from nvcore.report.verdict import verdict
-from nvcore.schema import Category, DriverRegion
+from nvcore.schema import Category
 from nvcore.tables.column import Column, Kind
 from nvcore.tables.summary import SUMMARY_KEYS, SYSTEM_KEYS, summary, system_summary
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
 import plotly.graph_objects as go
 
+from nvcore.comparison import Result
 from nvcore.wording import minus, one_line, shortened
 
 MAX_ROWS = 200
@@ -202,3 +203,26 @@ def _cell(cell: object, *, is_number: bool) -> str:
     # a number and its unit stay on one line
     text = shortened(one_line(str(cell)), MAX_CELL).replace(" pp", "\N{NO-BREAK SPACE}pp")
     return _SIGN.sub(minus("-"), text) if is_number else text
+
+
+def _always(_: Result) -> bool:
+    return True
+
+
+@dataclass(frozen=True)
+class SectionOf:
+    """A section that a subject adds, after the encounters.
+
+    Attributes
+    ----------
+    anchor
+        Of the section; its numbers are of X and Y as set.
+    make
+        The section of a comparison.
+    applies
+        Whether a comparison has it.
+    """
+
+    anchor: str
+    make: Callable[[Result], Section]
+    applies: Callable[[Result], bool] = _always

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 from nvcore import __version__
 from nvcore.comparison import Result
@@ -41,10 +42,10 @@ from nvcore.report.html.result_sections import (
     scorecard_section,
     similarity_section,
 )
-from nvcore.report.html.time_left_section import time_left_section
 from nvcore.report.html.wording import worded, worded_sections
 from nvcore.report.words import n_frames_text
 from nvcore.stability.map import MAPS
+from nvcore.subjects import contributed
 from nvcore.tables.classes import has_classes
 from nvcore.tables.pictures import pictures_table
 from nvcore.wording import UNDEFINED, one_line
@@ -58,11 +59,11 @@ CAUTION = {
 """First sentences of these sections, by their anchors."""
 
 AS_SET_SECTIONS = (
-    *("scorecard", "encounters", "time-left", "driver", "similarity", "saliency"),
+    *("scorecard", "encounters", "driver", "similarity", "saliency"),
     "false-alerts",
     *("significance", "subgroups", "only-one"),
 )
-"""Sections with numbers of X and Y as set, by their anchors."""
+"""Sections with numbers of X and Y as set, by their anchors; those of subjects are, too."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +124,7 @@ def report_content(
         verdict_section(conclusion),
         scorecard_section(result, companions),
         encounters_section(result),
-        *([time_left_section(result)] if result.dataset.objects.is_on_road else []),
+        *(of.make(result) for of in chain(*contributed("sections")) if of.applies(result)),
         *([driver_section(result)] if driver_in(result).has_any else []),
         similarity_section(result),
         saliency_section(result),
@@ -189,9 +190,10 @@ def _with_caution(sections: Sequence[Section]) -> list[Section]:
 def _as_set(sections: Sequence[Section], result: Result) -> list[Section]:
     """The sections, those marked that compare X and Y as set, if nothing is claimed from that."""
     note = as_set_note(result)
+    as_set = {*AS_SET_SECTIONS, *(of.anchor for of in chain(*contributed("sections")))}
     return [
         replace(section, blocks=(Sentences((note,)), *section.blocks))
-        if note and section.anchor in AS_SET_SECTIONS
+        if note and section.anchor in as_set
         else section
         for section in sections
     ]

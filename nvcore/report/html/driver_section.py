@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Section, Sentences, Table, table
 from nvcore.report.verdict.driver import describe_driver
-from nvcore.schema import DriverRegion
 from nvcore.tables.encounters.driver import driver_venn_table, saved_encounters
 from nvcore.wording import number
 

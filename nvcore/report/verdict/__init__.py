@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import chain
@@ -24,10 +24,9 @@ from nvcore.report.verdict.words import (
     describe_operating_points,
     describe_strict,
     describe_thresholds,
-    describe_time_left,
     describe_weights,
 )
-from nvcore.subjects import contributed
+from nvcore.subjects import contributed, in_place
 
 CAVEATS: Final = Caveats(
     warned={
@@ -112,15 +111,42 @@ class Point:
         In a word or two, such as ``Encounters``.
     sentences
         At least one.
+    after
+        Topic of the point that it follows; empty: it has its own place.
     """
 
     topic: str
     sentences: tuple[str, ...]
+    after: str = ""
+
+    @property
+    def key(self) -> str:
+        """By which other points find it."""
+        return self.topic
 
     @property
     def text(self) -> str:
         """The sentences, one after the other."""
         return " ".join(self.sentences)
+
+
+@dataclass(frozen=True)
+class PointOf:
+    """A point that a subject adds.
+
+    Attributes
+    ----------
+    topic
+        In a word or two.
+    describe
+        Its sentences; none: there is nothing to say.
+    after
+        Topic of the point that it follows.
+    """
+
+    topic: str
+    describe: Callable[[Result], tuple[str, ...]]
+    after: str
 
 
 @dataclass(frozen=True)
@@ -206,21 +232,26 @@ def verdict(
     words = result.dataset.words
     support = find_claims(result, evidence, companions)
     shown, of_shown = comparison_shown(result, evidence, companions)
-    points = (
-        Point("Operating points", describe_operating_points(result, companions)),
-        Point("Weighting", describe_weighting(shown)),
-        Point("Encounters", describe_encounters(shown, of_shown, support)),
-        Point("Severity", describe_weights(shown)),
-        Point("Time left", describe_time_left(shown)),
-        Point("The driver", describe_driver(shown)),
-        Point("Other measures", describe_measures(shown, of_shown)),
-        Point("Chance", describe_chance(of_shown, support, is_short=result.is_short)),
-        Point(
-            "Strict pairing",
-            () if companions is None else describe_strict(shown, companions.strict),
+    points = in_place(
+        (
+            Point("Operating points", describe_operating_points(result, companions)),
+            Point("Weighting", describe_weighting(shown)),
+            Point("Encounters", describe_encounters(shown, of_shown, support)),
+            Point("Severity", describe_weights(shown)),
+            Point("The driver", describe_driver(shown)),
+            Point("Other measures", describe_measures(shown, of_shown)),
+            Point("Chance", describe_chance(of_shown, support, is_short=result.is_short)),
+            Point(
+                "Strict pairing",
+                () if companions is None else describe_strict(shown, companions.strict),
+            ),
+            Point("More recordings", (plan,) if plan else ()),
+            Point("Thresholds", describe_thresholds(result) if shown is result else ()),
         ),
-        Point("More recordings", (plan,) if plan else ()),
-        Point("Thresholds", describe_thresholds(result) if shown is result else ()),
+        (
+            Point(of.topic, of.describe(shown), after=of.after)
+            for of in chain(*contributed("points"))
+        ),
     )
     return Verdict(
         words(headline(result, of_shown, companions, support)),

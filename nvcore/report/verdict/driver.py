@@ -8,6 +8,7 @@ import numpy as np
 
 from nvcore.comparison import Result
 from nvcore.driver.comparison.judging import SELDOM, count_unknown
+from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.measures.driver_doubt import (
     are_all_open,
@@ -18,7 +19,6 @@ from nvcore.measures.driver_doubt import (
     is_weighted,
 )
 from nvcore.measures.of_driver import count_in_time, is_judged_in_time, is_seen_too_late
-from nvcore.schema import DriverRegion
 from nvcore.tables.encounters.driver import REGION_NAMES
 from nvcore.time_left.steps import time_left_in
 from nvcore.wording import capitalised, count_text, listed, one_line, percent, shortened

@@ -29,10 +29,8 @@ from nvcore.measures import (
     measure_of,
     relevant_share,
 )
-from nvcore.measures.values import count_time_left
-from nvcore.report.words import every_nth, speed_text
-from nvcore.schema import Category, TimeLeft
-from nvcore.time_left.steps import time_left_in
+from nvcore.report.words import every_nth
+from nvcore.schema import Category
 from nvcore.wording import (
     capitalised,
     count_text,
@@ -166,25 +164,6 @@ def _worst_failure(result: Result) -> str:
     return (
         f"The worst single failure is {'XY'[letter]}'s: pedestrian {encounters.track[row]} in "
         f"{shortened(one_line(name), NAME_WIDTH)}, {severity_s[letter][row]:.1f} s."
-    )
-
-
-def describe_time_left(result: Result) -> tuple[str, ...]:
-    """How many urgent pedestrians each system confirms in time; empty where nobody is urgent."""
-    n = int(time_left_in(result).is_urgent.sum())
-    if not n:
-        return ()
-    in_time_x, in_time_y = (count_time_left(system, TimeLeft.IN_TIME) for _, system in result.sides)
-    impact_x, impact_y = values_of("mean_impact_kmh", result)
-    impact = f"impact speed {impact_x:.1f} km/h with X and {impact_y:.1f} km/h with Y."
-    speed = speed_text(result)
-    if n == 1:
-        who = {(1, 1): "X and Y", (1, 0): "X, not by Y", (0, 1): "Y, not by X", (0, 0): "neither"}
-        by = who[in_time_x, in_time_y]
-        return (f"The only urgent encounter {speed} is confirmed in time by {by}; {impact}",)
-    return (
-        f"Of {n} urgent encounters {speed}, X confirms {in_time_x} in time and Y {in_time_y}; mean "
-        f"{impact}",
     )
 
 

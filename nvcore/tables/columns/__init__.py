@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import Final
 
 from nvcore.measures import MEASURES, NO_FRAMES, Measure
+from nvcore.tables.added import added_columns
 from nvcore.tables.classes import CLASS_COLUMNS
 from nvcore.tables.column import RECORDING, Column, Kind, measure_column, of_both
 from nvcore.tables.columns.encounters import ENCOUNTER_COLUMNS
@@ -44,13 +45,6 @@ _FRAMES = (
     ),
     Column("time_s", _NUMBER, "s", "Time since the recording's first evaluated frame."),
     Column("n_truth", _INTEGER, "boxes", "Annotated pedestrians, ignore regions left out."),
-    Column(
-        "min_ttc_s",
-        _NUMBER,
-        "s",
-        "Least time to contact of its pedestrians; `inf`: none is being approached.",
-        empty="known of no pedestrian",
-    ),
     *of_both(
         Column(
             "n_det",
@@ -204,7 +198,6 @@ _RECORDINGS = (
     Column("duration_s", _NUMBER, "s", "Sum of their time steps."),
     Column("n_truth", _INTEGER, "boxes", "Annotated pedestrians, ignore regions left out."),
     *VENN_COLUMNS,
-    Column("urgent", _INTEGER, "encounters", "Encounters that are urgent, as in `encounters.csv`."),
     Column(
         "driver_known",
         _INTEGER,
@@ -256,7 +249,7 @@ _FINDING_ENTRIES = (
     Column("line", _INTEGER, "", "Line of that file; JSON counts records.", empty=_NO_LINE),
 )
 
-REPORT_COLUMNS: Final[dict[str, tuple[Column, ...]]] = {
+_OWN: Final[dict[str, tuple[Column, ...]]] = {
     "frames.csv": _FRAMES,
     "encounters.csv": ENCOUNTER_COLUMNS,
     "events.csv": _EVENTS,
@@ -268,4 +261,6 @@ REPORT_COLUMNS: Final[dict[str, tuple[Column, ...]]] = {
     "finding_entries.csv": _FINDING_ENTRIES,
     "classes.csv": CLASS_COLUMNS,
 }
-"""Columns of every CSV file of a report, in order."""
+
+REPORT_COLUMNS: Final = {file: own + added_columns(file) for file, own in _OWN.items()}
+"""Columns of every CSV file of a report, in order: the core's own, then those of subjects."""

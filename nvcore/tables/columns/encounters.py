@@ -190,37 +190,6 @@ ENCOUNTER_COLUMNS: Final[tuple[Column, ...]] = (
             "low",
             _DISTANT,
         ),
-        Column(
-            "time_left",
-            _TEXT,
-            "",
-            "Whether the system confirmed the pedestrian before `urgent_frame`: `in_time`, `late`, "
-            "`never`.",
-            empty=_NOT_URGENT,
-        ),
-        Column(
-            "confirmed_frame",
-            _INTEGER,
-            "",
-            "First frame in which `confirm_n` of the last `confirm_m` are matched.",
-            empty="never, or not every frame is evaluated, or the track was linked",
-        ),
-        Column(
-            "margin_s",
-            _NUMBER,
-            "s",
-            "Time from `confirmed_frame` to `urgent_frame`; negative: too late.",
-            "high",
-            f"{_NOT_URGENT}, or never confirmed",
-        ),
-        Column(
-            "impact_kmh",
-            _NUMBER,
-            "km/h",
-            "Speed with which the car reaches him, if it brakes after `confirmed_frame`.",
-            "low",
-            _NOT_URGENT,
-        ),
     ),
     *_DRIVER,
     Column(
@@ -229,28 +198,6 @@ ENCOUNTER_COLUMNS: Final[tuple[Column, ...]] = (
         "s",
         "`lag_s_y` - `lag_s_x`: how much earlier X matched it; negative: Y was first.",
         empty="X or Y matched it in no frame that counts",
-    ),
-    Column(
-        "min_ttc_s",
-        _NUMBER,
-        "s",
-        "Least time to contact; `inf`: the pedestrian is never being approached.",
-        empty="known in no frame",
-    ),
-    Column(
-        "urgency",
-        _TEXT,
-        "",
-        "Whether there is a last chance to stop, the first that holds: `unknown`, `not_urgent`, "
-        "`outside` (of the `corridor`), `no_chance` (too near from the first known time to contact "
-        "on), `urgent`.",
-    ),
-    Column(
-        "urgent_frame",
-        _INTEGER,
-        "",
-        "First frame from which on the car could no longer stop: the last chance.",
-        empty="`unknown` or `not_urgent`",
     ),
     Column("n_frames", _INTEGER, "frames", "Evaluated frames in which it is annotated."),
     Column(

@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.measures.of_driver import is_in_time_alone
 from nvcore.metrics.encounters import RELEVANT_K
-from nvcore.schema import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.tables.result import encounters_table
 
 REGION_NAMES: Final[dict[DriverRegion, str]] = {

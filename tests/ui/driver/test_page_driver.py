@@ -17,12 +17,12 @@ from picture_files import write_picture
 
 from nvcore.api.driver_run import estimate_driver
 from nvcore.dataset.estimates import EstimateRecord
+from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.driver.writing import WrittenEstimates
 from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source
 from nvcore.pictures.recordings import RecordingPictures
-from nvcore.schema import DriverRegion
 from pages import FRAMES, TIMEOUT_S, alone, begin_with, checked, opened, texts, write
 from ui.driver import run
 from ui.driver.finished import with_estimates

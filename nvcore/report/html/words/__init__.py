@@ -27,7 +27,6 @@ from nvcore.report.html.words.results import (
     saliency,
     scorecard,
     similarity,
-    time_left,
     who,
     with_colours,
 )
@@ -58,7 +57,6 @@ __all__ = [
     "saliency",
     "scorecard",
     "similarity",
-    "time_left",
     "who",
     "with_colours",
 ]

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.schema import TimeLeft
 from nvcore.tables.result import encounters_table
+from nvcore.time_left.kinds import TimeLeft
 from nvcore.time_left.steps import confirmed_by, time_left_in, time_left_of
 
 QUADRANTS: Final = ("both", "only_x", "only_y", "neither")

@@ -9,13 +9,13 @@ from builders import Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result
 from nvcore.params import Params
-from nvcore.report.time_left import (
+from nvcore.time_left.steps import time_left_in
+from nvcore.time_left.texts import (
     describe_encounter,
     describe_needed,
     describe_turns,
     few_urgent,
 )
-from nvcore.time_left.steps import time_left_in
 
 
 def met(boxes=None, place=PLACE, **params) -> Result:

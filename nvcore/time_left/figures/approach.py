@@ -24,7 +24,7 @@ from nvcore.figures.style import (
     written,
 )
 from nvcore.palette import Theme
-from nvcore.tables.encounters.time_left import systems_in_words
+from nvcore.time_left.encounters import systems_in_words
 from nvcore.wording import count_text
 
 MOST_ROWS: Final = 20
@@ -67,7 +67,7 @@ def approach_plot(
     Parameters
     ----------
     urgent
-        `nvcore.tables.encounters.time_left.urgent_encounters`: the order is that of its rows.
+        `nvcore.time_left.encounters.urgent_encounters`: the order is that of its rows.
     first, most
         Rows drawn: so many, from this one on, counted from 0.
     """

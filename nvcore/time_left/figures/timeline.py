@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
@@ -11,10 +10,11 @@ import plotly.graph_objects as go
 
 from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers, marks, steady_marker, still_line
+from nvcore.figures.over_time.lanes import Lanes, Strip
 from nvcore.figures.over_time.similarity import decimate, evenly
 from nvcore.figures.style import LOOK, axis, faded, written
 from nvcore.palette import Theme
-from nvcore.tables.encounters.time_left import nearest_contact, systems_in_words
+from nvcore.time_left.encounters import contact_at, nearest_contact, systems_in_words
 from nvcore.time_left.judging import needed_time
 from nvcore.time_left.steps import time_left_in
 
@@ -27,29 +27,7 @@ GAP_PX: Final = 12
 """Height of the strip, and of the room between it and the lanes."""
 
 
-@dataclass(frozen=True)
-class ContactStrip:
-    """What the lanes' figure takes over; of a recording where nobody is approached: nothing.
-
-    Attributes
-    ----------
-    height_px, words
-        Height that it adds, and what the subtitle says of it.
-    traces
-        On the axis ``y2``.
-    xaxis, yaxis, more
-        Settings of the axes of the lanes, and of the layout.
-    """
-
-    height_px: int = 0
-    words: str = ""
-    traces: tuple[go.Scatter, ...] = ()
-    xaxis: dict[str, Any] = field(default_factory=dict)
-    yaxis: dict[str, Any] = field(default_factory=dict)
-    more: dict[str, Any] = field(default_factory=dict)
-
-
-def contact_strip(result: Result, recording: int, lanes_px: int, theme: Theme) -> ContactStrip:
+def contact_strip(result: Result, recording: int, lanes_px: int, theme: Theme) -> Strip:
     """Least time to contact in each frame, above the lanes; filled where it is too late to stop.
 
     A click gives frame and encounter: `customdata` is the row in ``dataset.frames`` and that in
@@ -58,7 +36,7 @@ def contact_strip(result: Result, recording: int, lanes_px: int, theme: Theme) -
     nearest, needed_s = nearest_contact(result, recording), _needed_s(result, recording)
     reach_s = max(MOST_S, float(np.ceil(1.2 * needed_s)))
     if not (nearest["ttc_s"] < reach_s).any():
-        return ContactStrip()
+        return Strip()
     whole_px = lanes_px + GAP_PX + STRIP_PX
     place: dict[str, Any] = {
         "xref": "paper",
@@ -77,7 +55,7 @@ def contact_strip(result: Result, recording: int, lanes_px: int, theme: Theme) -
         tickvals=np.arange(3) * np.floor(reach_s / 3),
     )
     note = written(f"{needed_s:.1f} s needed to stop", **look, **place)
-    return ContactStrip(
+    return Strip(
         height_px=GAP_PX + STRIP_PX,
         words=f"; above them the least time to contact, up to {reach_s:g} s",
         traces=tuple(_traces(result, recording, nearest, needed_s, reach_s, theme)),
@@ -176,3 +154,11 @@ def last_chances(result: Result, encounters: np.ndarray, size: float, theme: The
         name="last chance to stop",
         **steady_marker(symbol="line-ns", size=size, color=ink, line=line),
     )
+
+
+def _to_contact(result: Result, encounter: np.ndarray, row: np.ndarray) -> list[str]:
+    ttc_s = contact_at(result, encounter, row)
+    return [f"{left:.1f} s to contact" if np.isfinite(left) else "" for left in ttc_s]
+
+
+LANES: Final = Lanes(contact_strip, last_chances, _to_contact)

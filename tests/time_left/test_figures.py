@@ -14,11 +14,11 @@ from nvcore.api.figures import Figures
 from nvcore.comparison import Result, compare
 from nvcore.figures.over_time.lanes import lanes_figure
 from nvcore.figures.style import LOOK
-from nvcore.figures.time_left import margins
-from nvcore.figures.time_left.approach import approach_plot
-from nvcore.figures.time_left.margins import margins_plot
-from nvcore.figures.time_left.over_speed import over_speed_plot
-from nvcore.tables.encounters.time_left import urgent_encounters
+from nvcore.time_left.encounters import urgent_encounters
+from nvcore.time_left.figures import margins
+from nvcore.time_left.figures.approach import approach_plot
+from nvcore.time_left.figures.margins import margins_plot
+from nvcore.time_left.figures.over_speed import over_speed_plot
 from nvcore.time_left.steps import time_left_in
 
 LAST_CHANCE = 29

@@ -7,7 +7,7 @@ import pytest
 from approach import ALL, LATE, NEVER, approach, met
 from builders import at, make_dataset, result_of
 
-from nvcore.tables.encounters.time_left import (
+from nvcore.time_left.encounters import (
     contact_at,
     count_in_time,
     nearest_contact,

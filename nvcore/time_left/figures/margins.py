@@ -22,9 +22,9 @@ from nvcore.figures.style import (
     system_label,
     write,
 )
-from nvcore.figures.time_left.approach import NO_URGENT
 from nvcore.palette import Theme
-from nvcore.tables.encounters.time_left import QUADRANTS, count_in_time, systems_in_words
+from nvcore.time_left.encounters import QUADRANTS, count_in_time, systems_in_words
+from nvcore.time_left.figures.approach import NO_URGENT
 from nvcore.wording import count_text, minus
 
 WORDS: Final = {
@@ -57,7 +57,7 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
     Parameters
     ----------
     urgent
-        `nvcore.tables.encounters.time_left.urgent_encounters`.
+        `nvcore.time_left.encounters.urgent_encounters`.
     """
     if urgent.empty:
         return empty_figure(NO_URGENT, theme=theme)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -15,21 +16,73 @@ from nvcore.measures.entry import (
     Inference,
     Measure,
     MeasureTable,
+    Parts,
 )
-from nvcore.measures.values import (
-    count_time_left,
-    impact_by_recording,
-    impact_parts,
-    in_time_parts,
-    split_in_time,
-    time_left_by_recording,
-)
-from nvcore.schema import TimeLeft
+from nvcore.measures.values import per_recording
+from nvcore.metrics.venn import Venn, categorise, count_categories
 from nvcore.scoring import SystemResult
+from nvcore.time_left.kinds import TimeLeft
 from nvcore.time_left.settings import TIME_LEFT
 from nvcore.time_left.steps import time_left_in, time_left_of
 
 _NOBODY: Final = "no encounter is urgent"
+
+
+def is_in_time(system: SystemResult) -> np.ndarray:
+    """Urgent encounters that the system confirmed in time; bool, shape (n_encounters,)."""
+    return _is_of_class(system, TimeLeft.IN_TIME)
+
+
+def count_time_left(system: SystemResult, kind: TimeLeft) -> int:
+    """Urgent encounters of a class."""
+    return int(np.count_nonzero(_is_of_class(system, kind)))
+
+
+def _is_of_class(system: SystemResult, kind: TimeLeft) -> np.ndarray:
+    is_kind: np.ndarray = time_left_of(system)["time_left"].to_numpy() == kind.value
+    return is_kind
+
+
+def time_left_by_recording(kind: TimeLeft) -> Callable[[Result, SystemResult], np.ndarray]:
+    """Urgent encounters of a class by recording; int64, shape (n_recordings,)."""
+
+    def counts(result: Result, system: SystemResult) -> np.ndarray:
+        return per_recording(
+            result, _is_of_class(system, kind), result.encounters.recording
+        ).astype(np.int64)
+
+    return counts
+
+
+def split_in_time(result: Result) -> Venn:
+    """Urgent encounters by who confirmed them in time; all others count as distant."""
+    is_urgent = time_left_in(result).is_urgent
+    x, y = (is_in_time(system) & is_urgent for _, system in result.sides)
+    return count_categories(categorise(~is_urgent, x, y))
+
+
+def in_time_parts(result: Result, system: SystemResult) -> Parts:
+    """The urgent encounters that the system confirmed in time."""
+    is_part = time_left_in(result).is_urgent & is_in_time(system)
+    return Parts(result.encounters.first_row[is_part], None)
+
+
+def impact_parts(result: Result, system: SystemResult) -> Parts:
+    """Impact speed of each urgent encounter, km/h."""
+    is_urgent = time_left_in(result).is_urgent
+    impact_kmh = time_left_of(system)["impact_kmh"].to_numpy()
+    return Parts(result.encounters.first_row[is_urgent], impact_kmh[is_urgent])
+
+
+def impact_by_recording(result: Result, system: SystemResult) -> np.ndarray:
+    """Mean impact speed of each recording's urgent encounters, km/h; NaN without any."""
+    is_urgent, recording = time_left_in(result).is_urgent, result.encounters.recording
+    impact_kmh = np.where(is_urgent, time_left_of(system)["impact_kmh"], 0.0)
+    with np.errstate(invalid="ignore"):
+        mean: np.ndarray = per_recording(result, impact_kmh, recording) / per_recording(
+            result, is_urgent, recording
+        )
+    return mean
 
 
 def has_urgent(result: Result) -> bool:
@@ -67,7 +120,7 @@ def _count(
     )
 
 
-TIME_LEFT_MEASURES: Final[tuple[Measure, ...]] = (
+MEASURES: Final[tuple[Measure, ...]] = (
     _count(
         TimeLeft.IN_TIME,
         "urgent encounters in time, of {n_urgent}",
@@ -150,3 +203,6 @@ TIME_LEFT_MEASURES: Final[tuple[Measure, ...]] = (
         applies=has_urgent,
     ),
 )
+
+COUNTS: Final = {"n_urgent": lambda result: time_left_in(result).is_urgent}
+"""Encounters that labels and shares of measures are of; bool, shape (n_encounters,)."""

@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.figures.time_left.approach import MOST_ROWS, approach_plot
-from nvcore.figures.time_left.over_speed import LOOKS, OverSpeed, over_speed_plot
-from nvcore.report.html import words
-from nvcore.report.html.blocks import Chart, Section, Sentences, Table, table
+from nvcore.report.html.blocks import Chart, Section, SectionOf, Sentences, Table, table
 from nvcore.report.html.result_sections import names_of
-from nvcore.report.time_left import describe_needed, describe_turns, few_urgent
-from nvcore.report.verdict.words import describe_time_left
-from nvcore.report.words import describe_urgency
-from nvcore.tables.encounters.time_left import urgent_encounters
+from nvcore.time_left.encounters import urgent_encounters
+from nvcore.time_left.figures.approach import MOST_ROWS, approach_plot
+from nvcore.time_left.figures.over_speed import LOOKS, OverSpeed, over_speed_plot
 from nvcore.time_left.steps import time_left_in
+from nvcore.time_left.texts import (
+    describe_needed,
+    describe_time_left,
+    describe_turns,
+    describe_urgency,
+    few_urgent,
+    introduction,
+)
 from nvcore.wording import number
 
 
-def time_left_section(result: Result) -> Section:
+def _section(result: Result) -> Section:
     """The urgent encounters up to contact, and both systems over the speed of the car."""
     curve, urgent = time_left_in(result).over_speed, urgent_encounters(result)
     needed = describe_needed(result.params) if time_left_in(result).has_assumed_speed.any() else ""
@@ -36,7 +42,7 @@ def time_left_section(result: Result) -> Section:
         blocks += [Chart("approach", figure, in_words), _listing(result, urgent)]
     if curve["urgent"].any():
         blocks += [_over_speed(result, curve, measure) for measure in LOOKS]
-    return Section("time-left", "Time left", words.time_left(result.params), tuple(blocks))
+    return Section("time-left", "Time left", introduction(result.params), tuple(blocks))
 
 
 def _over_speed(result: Result, curve: pd.DataFrame, measure: OverSpeed) -> Chart:
@@ -72,3 +78,9 @@ def _listing(result: Result, urgent: pd.DataFrame) -> Table:
     note = f"The fastest {len(rows):,} are shown, {left_out:,} are left out." if left_out else ""
     title = "Urgent encounters, the fastest impact first"
     return table(title, head, rows, right=(2, 5, 6, 7, 8), note=note)
+
+
+SECTIONS: Final = (
+    SectionOf("time-left", _section, applies=lambda result: result.dataset.objects.is_on_road),
+)
+"""Sections of the HTML report."""
