@@ -5,7 +5,6 @@ from __future__ import annotations
 import streamlit as st
 
 from nvcore.errors import NvcoreError
-from ui.driver import finished
 from ui.people.studies import is_participant, leave_screen
 from ui.session import state
 from ui.shell import (
@@ -20,6 +19,7 @@ from ui.shell.messages import error_banner
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, is_folded_on, own_of, shown_on
 from ui.shell.tab import back, dragging, narrow, restore, theme
+from ui.subjects import contributed
 from ui.widgets import figure_menu
 from ui.widgets.buttons import forget_clicks
 
@@ -53,7 +53,8 @@ try:
     if not is_participant():
         with st.sidebar:  # before the page, so that its room is kept from the start
             systems.draw()
-            finished.draw_aside(page.url_path)
+            for aside in contributed("ASIDE"):
+                aside.draw(page.url_path)
     wrong_params = live_params.read()
     if not is_participant() and page.url_path not in WRITE_ADDRESS:
         state.write_address()
@@ -84,9 +85,11 @@ if wrong_params is not None and not is_participant():  # something is open
         theme.draw()
 if failure is None and not is_participant():
     try:
-        finished.take_over()  # all is drawn: nobody's click is lost
+        for aside in contributed("ASIDE"):
+            aside.take_over()  # all is drawn: nobody's click is lost
     except Exception as error:  # noqa: BLE001  # a fault of ours: it is not tried again
-        finished.give_up()
+        for aside in contributed("ASIDE"):
+            aside.give_up()
         error_banner(error)
         failure = error
 if failure is not None and not is_participant():

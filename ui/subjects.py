@@ -16,8 +16,9 @@ def contributed(kind: str) -> tuple[Any, ...]:
     Parameters
     ----------
     kind
-        Name of a reference ``"module:name"`` in `nvcore.subjects.Subject.ui`: ``"ROUTES"``
-        (`ui.session.requests.Place`) or ``"STUDIES"`` (`ui.people.studies.Studies`).
+        Name of a reference ``"module:name"`` in `nvcore.subjects.Subject.ui`: ``"ASIDE"``
+        (`ui.jobs.runs.Aside`), ``"ROUTES"`` (`ui.session.requests.Place`) or ``"STUDIES"``
+        (`ui.people.studies.Studies`).
     """
     rooms = [subject.ui for _, subject in subjects().values() if subject.ui]
     return tuple(

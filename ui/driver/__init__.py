@@ -2,5 +2,6 @@
 
 from typing import Final
 
+ASIDE: Final = "finished:ASIDE"
 ROUTES: Final = "study.routes:ROUTES"
 STUDIES: Final = "study.files:STUDIES"

@@ -18,7 +18,7 @@ from nvcore.wording import count_text
 from ui.confined.driver import EstimatorSpec
 from ui.jobs.background import JobState
 from ui.jobs.progress import draw_job_aside
-from ui.jobs.runs import FolderJob, is_uploaded, open_written
+from ui.jobs.runs import Aside, FolderJob, is_uploaded, open_written
 from ui.session import state
 from ui.session.opening import relative_path
 from ui.session.results.driver import RUN, OpenedRun
@@ -176,3 +176,6 @@ def with_estimates(session: Session, written: WrittenEstimates, *, is_upload: bo
     paths = written.detectability, written.record
     named = [relative_path(path, session.folder) if is_upload else str(path) for path in paths]
     return replace(session, driver=DriverTable(*named))
+
+
+ASIDE: Final = Aside(draw_aside, take_over, give_up)

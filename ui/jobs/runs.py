@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import weakref
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -47,6 +48,25 @@ class FolderJob(BackgroundJob[Output]):
             shutil.rmtree(self.folder, ignore_errors=True)
         else:
             remove_folder(space, self.folder)
+
+
+@dataclass(frozen=True)
+class Aside:
+    """A page's run that goes on while the visitor is on other pages.
+
+    Attributes
+    ----------
+    draw
+        Says in the sidebar how far it is, given the path of the page that is shown.
+    take_over
+        Makes what it wrote what is open, once it is done; called when all widgets are drawn.
+    give_up
+        Forgets it, after a fault in `take_over`.
+    """
+
+    draw: Callable[[str], None]
+    take_over: Callable[[], None]
+    give_up: Callable[[], None]
 
 
 def is_uploaded(space: Workspace, session: Session) -> bool:
