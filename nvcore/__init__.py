@@ -46,7 +46,7 @@ __all__ = [
 ]
 
 _HOMES = {
-    "nvcore.api.calls": ("audit", "compare", "convert", "gate"),
+    "nvcore.api.calls": ("audit", "compare", "gate"),
     "nvcore.api.driver": ("evaluate_driver", "train_driver"),
     "nvcore.api.driver_run": ("driver_features", "estimate_driver", "image_features"),
     "nvcore.api.inputs": ("load",),
@@ -54,6 +54,7 @@ _HOMES = {
     "nvcore.dataset": ("Dataset",),
     "nvcore.dataset.tables": ("dataset_from_tables",),
     "nvcore.errors": ("NvcoreError",),
+    "nvcore.inputs.conversion": ("convert",),
     "nvcore.inputs.session": ("Session", "Source", "SystemSource"),
     "nvcore.inputs.session_toml": ("read_session",),
     "nvcore.params": ("Params",),
@@ -71,7 +72,7 @@ if TYPE_CHECKING:
     from nvcore import pictures as pictures
     from nvcore import stability as stability
     from nvcore import tables as tables
-    from nvcore.api.calls import audit, compare, convert, gate
+    from nvcore.api.calls import audit, compare, gate
     from nvcore.api.driver import evaluate_driver, train_driver
     from nvcore.api.driver_run import driver_features, estimate_driver, image_features
     from nvcore.api.inputs import load
@@ -81,6 +82,7 @@ if TYPE_CHECKING:
     from nvcore.detectors.face import detect
     from nvcore.detectors.training.face import train
     from nvcore.errors import NvcoreError
+    from nvcore.inputs.conversion import convert
     from nvcore.inputs.session import Session, Source, SystemSource
     from nvcore.inputs.session_toml import read_session
     from nvcore.params import Params

@@ -28,6 +28,7 @@ READING: Final = "How files are read"
 FACTS: Final = "What the files do not say"
 CORRECTIONS: Final = "Corrections"
 OUTPUT: Final = "Output"
+OTHER: Final = "Other"
 """Headings of the help, beside those of the parameters and click's own."""
 
 FRAMES: Final = (
@@ -71,7 +72,7 @@ def arguments(kind: type[Arguments]) -> type[Arguments]:
 def called_with(
     kind: Callable[P, Arguments],
 ) -> Callable[[Callable[[Arguments], Output]], Callable[P, Output]]:
-    """A function of such a class, called with the fields as its own parameters.
+    """A function of what a class or another function makes, called with the parameters of that.
 
     So ``help``, type checkers and `inspect.signature` show it.
     """

@@ -13,7 +13,7 @@ import pandas as pd
 from nvcore.arguments import Part, PathLike, Size
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, MissingFactError
-from nvcore.inputs.facts import frames_from, parse_size
+from nvcore.inputs.facts import frames_from, objects_named, size_from
 from nvcore.inputs.load import load as load_session
 from nvcore.inputs.overriding import override_recordings
 from nvcore.inputs.pipes import pipes_kept
@@ -25,7 +25,6 @@ from nvcore.inputs.session import (
     SystemSource,
 )
 from nvcore.inputs.session_toml import read_session
-from nvcore.objects import Objects, objects_from
 from nvcore.params import params_from
 from nvcore.progress import Progress, no_progress
 from nvcore.protocols import Protocol, protocol_from
@@ -46,7 +45,7 @@ AnySettings = TypeVar("AnySettings", bound=Settings)
 
 @pipes_kept()
 def load(
-    source: PathLike | Session | None = None,
+    source: PathLike | Session | Dataset | None = None,
     /,
     *,
     truth: Input | None = None,
@@ -60,13 +59,15 @@ def load(
     name_y: str | None = None,
     protocol: str | Protocol | None = None,
     objects: str | Sequence[str] | None = None,
+    **params: float | str | None,
 ) -> Dataset:
     """Read the inputs of a comparison.
 
     Parameters
     ----------
     source
-        A session file, or a session.
+        A session file, a session, or a dataset that was loaded, of which only names, protocol and
+        params are changed.
     truth, x, y
         In place of it: ground truth and detections, each as a file, folder or glob (or several), as
         a `Source` or `SystemSource` that says how to read them, or as a table with the columns of
@@ -90,6 +91,9 @@ def load(
     objects
         What the boxes are of, such as ``"speed sign"``; of kinds that the program does not know
         the singular, or (singular, plural). None: as the session says, else pedestrians.
+    params
+        Settings by name, such as ``alpha=0.8`` or ``threshold_x=0.5``: see `nvcore.Params`. A
+        threshold of None counts every detection.
 
     Returns
     -------
@@ -103,6 +107,8 @@ def load(
         If a file cannot be used; with file and line, or the row of a table counted from 0.
     MissingFactError
         If the size, the frame rate or the frames are needed and unknown.
+    ParameterError
+        If there is no such setting, or a value is outside its range.
 
     Examples
     --------
@@ -111,6 +117,12 @@ def load(
     ('FIR', 'NIR')
     """
     inputs = {"truth": truth, "x": x, "y": y}
+    if isinstance(source, Dataset):
+        facts = {"size": size, "fps": fps, "frames": frames, "recordings": recordings}
+        given = {**inputs, **facts, "objects": objects}
+        refuse_for_loaded([name for name, value in given.items() if value is not None])
+        settings = with_choices(source.settings, name_x, name_y, protocol)
+        return with_params(source.with_settings(settings), params)
     if (source is None) == all(value is None for value in inputs.values()):
         raise InputError("expected a session file, or truth=, x= and y=; give one of the two")
     tables: Mapping[Source, pd.DataFrame] = {}
@@ -129,7 +141,7 @@ def load(
     session = with_choices(session, name_x, name_y, protocol)
     session = replace(session, objects=objects_named(objects) or session.objects)
     with keywords_named():
-        return load_session(session, tables=tables)
+        return with_params(load_session(session, tables=tables), params)
 
 
 @contextmanager
@@ -190,45 +202,6 @@ def refuse_for_loaded(names: Sequence[str]) -> None:
     if names:
         keywords = ", ".join(f"{name}=" for name in names)
         raise InputError(f"a dataset is loaded already: give {keywords} to load()")
-
-
-def objects_named(names: str | Sequence[str] | None) -> Objects | None:
-    """The objects of these names; None: not given.
-
-    Raises
-    ------
-    InputError
-        If they are no names.
-    """
-    if names is None:
-        return None
-    try:
-        return objects_from(names)
-    except ValueError as error:
-        raise InputError(f"objects: {error}") from error
-
-
-def size_from(size: Size | None) -> tuple[int, int] | None:
-    """Width and height of a picture, however they are given.
-
-    Raises
-    ------
-    InputError
-        If they are no pair of numbers and no text of this form.
-    """
-    if size is None:
-        return None
-    try:
-        if isinstance(size, str):
-            return parse_size(size)
-        width, height = (int(side) for side in size)
-        if (width, height) != tuple(size) or min(width, height) < 1:
-            raise ValueError
-    except (TypeError, ValueError) as error:
-        raise InputError(
-            f'size: expected (WIDTH, HEIGHT) in pixels or "WIDTHxHEIGHT", got {size!r}'
-        ) from error
-    return width, height
 
 
 def with_choices(

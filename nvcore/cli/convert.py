@@ -7,23 +7,24 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from nvcore.cli.options import examples, format_option, objects_option, reading_options
+from nvcore.cli.options import (
+    examples,
+    format_option,
+    objects_option,
+    options_of,
+    reading_options,
+    with_options,
+)
 from nvcore.cli.session_options import objects_from_option, size_option, source_options
 from nvcore.cli.steps import findings_shown, pasteable_errors, shown_paths
+from nvcore.inputs.arguments import ConvertArguments
 from nvcore.inputs.session import Source
-from nvcore.objects import PEDESTRIAN
 from nvcore.wording import one_line
 
 if TYPE_CHECKING:
     from nvcore.inputs.readers.base import Role
 
 # As in nvcore/cli/__init__.py, numpy and pandas are imported by the command only.
-
-
-def _reading_options(command: Any) -> Any:
-    for option in reversed(reading_options):
-        command = option(command)
-    return command
 
 
 @click.command(
@@ -42,42 +43,11 @@ def _reading_options(command: Any) -> Any:
     metavar="OUTPUT",
     help="The same as OUTPUT, for those who like a flag.",
 )
-@click.option(
-    "--to",
-    "to",
-    type=click.Choice(["csv", "parquet", "coco", "mot"]),
-    help="Format to write. Default: by the ending of OUTPUT: .csv, .parquet, .json (coco), .txt "
-    "(mot).",
-)
-@click.option(
-    "--role",
-    type=click.Choice(["truth", "detections"]),
-    help="What the input holds. Default: truth; an input with scores is refused without it.",
-)
-@click.option(
-    "--truth", metavar="PATH", help="Ground truth, for results that name pictures by number."
-)
-@click.option(
-    "--frames-out",
-    type=click.Path(path_type=Path),
-    metavar="PATH",
-    help="Write the evaluated frames of the truth here, for --frames: a file, or a folder if the "
-    "recordings differ in them.",
-)
-@click.option("--force", is_flag=True, help="Replace files that exist (never the input).")
+@options_of(ConvertArguments)
 @format_option
 @objects_option
-@_reading_options
-def convert(
-    source: str,
-    target: Path | None,
-    out: Path | None,
-    to: str | None,
-    role: str | None,
-    frames_out: Path | None,
-    force: bool,
-    **options: Any,
-) -> None:
+@with_options(*reading_options)
+def convert(source: str, target: Path | None, out: Path | None, **options: Any) -> None:
     """Convert any readable format to plain CSV, Parquet, COCO or MOTChallenge.
 
     INPUT is a file, folder or quoted glob. OUTPUT is packed if its name ends in .gz, .zst, .xz or
@@ -90,7 +60,8 @@ def convert(
         raise click.UsageError("give the file or folder to write once: as OUTPUT or --out OUTPUT")
     target = target or out
     assert target is not None
-    kind: Role = "detections" if role == "detections" else "truth"
+    kind: Role = options["role"] or "truth"
+    frames_out = options["frames_out"]
     if frames_out is not None and kind == "detections":
         raise click.UsageError("--frames-out is for ground truth, whose frames are evaluated")
     origin = Source((source,), format=options["format_"], **source_options(options))
@@ -101,13 +72,13 @@ def convert(
         conversion = convert(
             origin,
             target,
-            to,
-            role=None if role is None else kind,
+            options["to"],
+            role=options["role"],
             truth=truth,
-            size=size_option(options),
-            objects=objects_from_option(options) or PEDESTRIAN,
             frames_out=frames_out,
-            force=force,
+            force=options["force"],
+            size=size_option(options),
+            objects=objects_from_option(options),
         )
     _say(f"{source}: {conversion.conversion}")
     if conversion.findings:

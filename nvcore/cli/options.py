@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from nvcore.arguments import CORRECTIONS, FACTS, FRAMES, INPUTS, OUTPUT, READING, Part
+from nvcore.arguments import CORRECTIONS, FACTS, FRAMES, INPUTS, OTHER, OUTPUT, READING, Part
 from nvcore.inputs.facts import FRAME_NAMES
 from nvcore.params import AUDIT_SETTINGS, SETTINGS
 from nvcore.protocols import PROTOCOLS
@@ -18,8 +18,7 @@ from nvcore.wording import listed, one_line
 # Nothing here imports numpy, pandas or numba: `nvcore --help` need not wait for them.
 
 DETECTION = "Detection measures"
-OTHER = "Other"
-"""Headings of the help, beside those of `nvcore.arguments` and of the parameters."""
+"""A heading of the help, beside those of `nvcore.arguments` and of the parameters."""
 
 
 class GroupedOption(click.Option):

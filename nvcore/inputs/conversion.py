@@ -5,11 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from nvcore.arguments import PathLike, called_with
 from nvcore.errors import InputError, MissingFactError
 from nvcore.findings import Finding
+from nvcore.inputs.arguments import ConvertArguments
 from nvcore.inputs.evaluated_frames import LostFrames, frames_lost_without_list
+from nvcore.inputs.facts import objects_named, size_from
 from nvcore.inputs.files import find_files
 from nvcore.inputs.load import read_options, read_source
+from nvcore.inputs.pipes import pipes_kept
 from nvcore.inputs.readers import NOTHING
 from nvcore.inputs.readers.base import Format, Reading, Role, SourceFile
 from nvcore.inputs.session import Source
@@ -46,24 +50,15 @@ class Conversion:
     warnings: tuple[str, ...]
 
 
-def convert(
-    source: Source,
-    target: Path,
-    to: str | None = None,
-    *,
-    role: Role | None = None,
-    truth: Source | None = None,
-    size: tuple[int, int] | None = None,
-    objects: Objects = PEDESTRIAN,
-    frames_out: Path | None = None,
-    force: bool = False,
-) -> Conversion:
-    """Write an input in another format.
+@called_with(ConvertArguments)
+@pipes_kept()
+def convert(arguments: ConvertArguments) -> Conversion:
+    """Write any readable input as CSV, Parquet, COCO or MOTChallenge, as ``nvcore convert`` does.
 
     Parameters
     ----------
     source
-        The input; paths start at the current folder.
+        The input: a file, folder or glob, or a `Source` that says how to read it.
     target
         File to write; of MOTChallenge with several recordings a folder.
     to
@@ -71,23 +66,35 @@ def convert(
     role
         What the input holds; None: truth, unless it looks like detections, which is an error.
     truth
-        Ground truth, for results that name pictures by number.
-    size
-        Of pictures whose size the files do not say, px.
-    objects
-        What the boxes are of.
+        Ground truth, for results that name pictures by number; like the source.
     frames_out
         Where to write the evaluated frames of the truth: a file, or a folder if the recordings
         differ in them.
     force
         Whether files that exist are replaced; never the input.
+    size
+        Of pictures whose size the files do not say, px.
+    objects
+        What the boxes are of; None: pedestrians.
 
     Raises
     ------
     InputError
         If a file cannot be read or written, or what the input holds is unclear.
+
+    Examples
+    --------
+    >>> convert("truth.json", "truth.csv", "csv").files  # doctest: +SKIP
+    (PosixPath('truth.csv'),)
     """
-    to = format_by_name(target) if to is None else to
+    source, truth = arguments.source, arguments.truth
+    source = Source(str(source)) if isinstance(source, PathLike) else source
+    truth = Source(str(truth)) if isinstance(truth, PathLike) else truth
+    target, role, force = Path(arguments.target), arguments.role, arguments.force
+    to = arguments.to or format_by_name(target)
+    frames_out = None if arguments.frames_out is None else Path(arguments.frames_out)
+    size = size_from(arguments.size)
+    objects = objects_named(arguments.objects) or PEDESTRIAN
     kind: Role = "detections" if role == "detections" else "truth"
     if frames_out is not None and kind == "detections":
         raise InputError("a list of evaluated frames is for ground truth; these are detections")

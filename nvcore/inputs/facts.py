@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from nvcore.arguments import Size
 from nvcore.errors import InputError, SessionError
+from nvcore.objects import Objects, objects_from
 from nvcore.settings import MAX_FPS, MIN_FPS
 
 FRAME_NAMES: Final = ("numbers", "times", "order", "scenes")
@@ -115,3 +118,42 @@ def frames_from(frames: str | range | None) -> str | None:
     if frames is None or is_frame_range(frames):
         return frames
     return str(Path.cwd() / frames)
+
+
+def objects_named(names: str | Sequence[str] | Objects | None) -> Objects | None:
+    """The objects of these names; None: not given.
+
+    Raises
+    ------
+    InputError
+        If they are no names.
+    """
+    if names is None:
+        return None
+    try:
+        return objects_from(names)
+    except ValueError as error:
+        raise InputError(f"objects: {error}") from error
+
+
+def size_from(size: Size | None) -> tuple[int, int] | None:
+    """Width and height of a picture, however they are given.
+
+    Raises
+    ------
+    InputError
+        If they are no pair of numbers and no text of this form.
+    """
+    if size is None:
+        return None
+    try:
+        if isinstance(size, str):
+            return parse_size(size)
+        width, height = (int(side) for side in size)
+        if (width, height) != tuple(size) or min(width, height) < 1:
+            raise ValueError
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f'size: expected (WIDTH, HEIGHT) in pixels or "WIDTHxHEIGHT", got {size!r}'
+        ) from error
+    return width, height
