@@ -11,6 +11,8 @@ import plotly.graph_objects as go
 
 from nvcore.figures.marks import click_markers, marks, still_line, system_marker, with_gaps
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, plain, rows_axis, system_label
+from nvcore.measures import measure_of
+from nvcore.measures.entry import HIGHER
 from nvcore.palette import Theme
 from nvcore.wording import count_text
 
@@ -29,16 +31,15 @@ class _MeasureAxis:
 
     title: str
     axis_title: str
-    higher_is_better: bool
     least: tuple[float, float]
 
 
 AXES: Final[dict[ByRecording, _MeasureAxis]] = {
     "mean_similarity": _MeasureAxis(
-        "Similarity by recording", "mean similarity (1 = perfect)", True, (0.5, 1.0)
+        "Similarity by recording", "mean similarity (1 = perfect)", (0.5, 1.0)
     ),
     "saliency": _MeasureAxis(
-        "Saliency by recording", "saliency (s, 0 = nothing to notice)", False, (0.0, 1.0)
+        "Saliency by recording", "saliency (s, 0 = nothing to notice)", (0.0, 1.0)
     ),
 }
 
@@ -68,7 +69,7 @@ def recordings_plot(
     defined = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
     if not len(defined):
         return empty_figure("There is no recording to compare.", theme=theme)
-    gain = (x - y) if look.higher_is_better else (y - x)
+    gain = (x - y) if measure_of(measure).better == HIGHER else (y - x)
     largest = defined[np.argsort(-np.abs(gain[defined]), kind="stable")][:MAX_RECORDINGS]
     largest = largest[np.argsort(-gain[largest], kind="stable")]
     labels = [plain(name, max_length=24) for name in recordings["recording"].to_numpy()[largest]]

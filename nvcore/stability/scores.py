@@ -10,6 +10,7 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from nvcore.comparison import Result
+from nvcore.measures import measure_of
 from nvcore.metrics.encounters import judge_encounters
 from nvcore.metrics.matching import Matches, match_system
 from nvcore.metrics.proximity import in_use, weigh_proximity
@@ -17,7 +18,7 @@ from nvcore.metrics.proximity.borrowing import weighing_truth
 from nvcore.metrics.saliency import find_events, mean_saliency, qualify
 from nvcore.metrics.similarity import Nearest, SetDistances, measure_sets
 from nvcore.params import Params, settings_for
-from nvcore.params.metadata import ENCOUNTERS, MATCH, PROXIMITY, SALIENCY, SIMILARITY, Stage
+from nvcore.params.metadata import MATCH, PROXIMITY, Stage
 from nvcore.schema import DetectionState
 from nvcore.scoring import nearest_of, weigh_misses
 from nvcore.stability.axes import Axis
@@ -26,12 +27,12 @@ Criterion = Literal["similarity", "encounters", "saliency"]
 Letter = Literal["x", "y"]
 LETTERS: Final[tuple[Letter, Letter]] = ("x", "y")
 
-STAGE_OF: Final[dict[Criterion, Stage]] = {
-    "similarity": SIMILARITY,
-    "encounters": ENCOUNTERS,
-    "saliency": SALIENCY,
+MEASURE_OF: Final[dict[Criterion, str]] = {
+    "similarity": "mean_similarity",
+    "encounters": "encounters_detected_by_unit",
+    "saliency": "saliency",
 }
-"""The stage of the comparison that computes each criterion."""
+"""Key of the measure in which each criterion compares X and Y."""
 
 Key = tuple[tuple[str, float | str], ...]
 """Settings by name that differ from the analysed ones; alpha is never among them."""
@@ -59,7 +60,7 @@ def enters(name: str, criterion: Criterion, letter: Letter, result: Result) -> b
     if name in settings_for(MATCH) and is_by_sets:
         # the sets depend on matching only through what ignore regions absorb
         return bool(result.dataset.truth.ignore.any())
-    return name in settings_for(STAGE_OF[criterion])
+    return measure_of(MEASURE_OF[criterion]).depends_on(name)
 
 
 def keys_of(

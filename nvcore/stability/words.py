@@ -16,7 +16,7 @@ from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.stability.axes import Axis, Plane
 from nvcore.stability.flips import Flip, Interval, Winner, winners
 from nvcore.stability.map import StabilityMap
-from nvcore.stability.scores import Criterion
+from nvcore.stability.scores import MEASURE_OF, Criterion
 from nvcore.wording import capitalised, count_text, listed, p_text
 
 PLANES: Final[dict[Plane, str]] = {
@@ -59,12 +59,6 @@ BECOMES: Final[dict[Winner, str]] = {
     "even": "becomes a tie",
     "undefined": "becomes undefined",
 }
-TESTED: Final[dict[Criterion, str]] = {
-    "similarity": "mean_similarity",
-    "encounters": "encounters_detected_by_unit",
-    "saliency": "saliency",
-}
-"""Row of the table of evidence that tests a criterion."""
 ALL: Final = 1e-9
 """A share this close to 1 or 0 counts as all or none: shares are sums of rounded parts."""
 
@@ -200,7 +194,7 @@ def describe_chance(stability: StabilityMap, evidence: pd.DataFrame) -> str:
     evidence
         `nvcore.evidence.table.evidence_table` of the same result.
     """
-    rows = evidence[evidence["figure"] == TESTED[stability.criterion]].to_dict("records")
+    rows = evidence[evidence["figure"] == MEASURE_OF[stability.criterion]].to_dict("records")
     if stability.verdict in ("even", "undefined") or not rows:
         return ""
     (row,) = rows
