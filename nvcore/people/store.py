@@ -27,7 +27,7 @@ class AnswerFile:
     tables
         SQL that creates what is not there yet.
     what
-        What the answers are, as in "the file of the ratings".
+        What the answers are, as in "the file of the answers".
 
     Notes
     -----
