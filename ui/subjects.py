@@ -2,11 +2,52 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from typing import Any
 
+from nvcore.params.metadata import Stage
 from nvcore.subjects import resolve, subjects
+
+
+@dataclass(frozen=True)
+class Page:
+    """A page of the dashboard.
+
+    Attributes
+    ----------
+    key
+        Of its script, ``pages/<key>.py``, and of its address.
+    title, section
+        What it is called in the navigation, and under which heading.
+    after
+        Key of the page that it follows; see `nvcore.subjects.in_place`.
+    shown
+        What it shows of the comparison; None: all results. Settings that move nothing of it are
+        quiet in the sidebar.
+    own
+        Stages that it is about: on it their settings stand first, unfolded.
+    is_folded
+        Whether the settings are folded away, though they move what it shows.
+    """
+
+    key: str
+    title: str
+    section: str
+    after: str = ""
+    shown: tuple[Stage, ...] | None = None
+    own: tuple[Stage, ...] = ()
+    is_folded: bool = False
+
+
+@dataclass(frozen=True)
+class Document:
+    """A page of the documentation, ``docs/<key>.md``; `after` as in `Page`."""
+
+    key: str
+    title: str
+    after: str = ""
 
 
 @cache
@@ -16,13 +57,13 @@ def contributed(kind: str) -> tuple[Any, ...]:
     Parameters
     ----------
     kind
-        Name of a reference ``"module:name"`` in `nvcore.subjects.Subject.ui`: ``"ASIDE"``
-        (`ui.jobs.runs.Aside`), ``"ROUTES"`` (`ui.session.requests.Place`) or ``"STUDIES"``
-        (`ui.people.studies.Studies`).
+        Name of what `nvcore.subjects.Subject.ui` has, or of a reference ``"module:name"`` to it:
+        ``"PAGES"`` (`Page`), ``"DOCUMENTS"`` (`Document`), ``"ASIDE"`` (`ui.jobs.runs.Aside`),
+        ``"ROUTES"`` (`ui.session.requests.Place`) or ``"STUDIES"`` (`ui.people.studies.Studies`).
     """
     rooms = [subject.ui for _, subject in subjects().values() if subject.ui]
     return tuple(
-        resolve(room, reference)
+        resolve(room, added) if isinstance(added, str) else added
         for room in rooms
-        if (reference := getattr(import_module(room), kind, ""))
+        if (added := getattr(import_module(room), kind, ""))
     )

@@ -47,6 +47,10 @@ class Allowance:
     seconds: float
 
 
+MODELS: Final = Allowance(memory_mb=3000, seconds=60.0)
+"""For opening a model, and for what it makes of one picture."""
+
+
 class Process:
     """A process that answers calls, one after another; not for several threads at once."""
 

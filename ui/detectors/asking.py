@@ -16,7 +16,7 @@ from nvcore.detectors.base import Detections
 from nvcore.errors import MediaError
 from nvcore.palette import Scheme, scheme_for
 from nvcore.pictures import Picture
-from ui.confined.detectors import DetectorFacts, DetectorSpec, describe, find
+from ui.detectors.confined import DetectorFacts, DetectorSpec, describe, find
 from ui.session import state
 
 T = TypeVar("T")
@@ -39,7 +39,7 @@ def ask(
     key: Any,
     most: int = MOST_KEPT,
 ) -> T:
-    """What a function of `ui.confined.detectors` returns, made anew where `key` is another.
+    """What a function of `ui.detectors.confined` returns, made anew where `key` is another.
 
     Raises
     ------
@@ -50,9 +50,7 @@ def ask(
 
     def make() -> T:
         with st.spinner("Running the detector"), _turns:
-            return space.detector_process.call(
-                function, spec, *arguments, what="running the detector"
-            )
+            return space.model_process.call(function, spec, *arguments, what="running the detector")
 
     return space.cached(f"detector_{kind}", (spec, key), make, most=most)
 

@@ -11,8 +11,8 @@ from nvcore.detectors.icf.model_file import MAX_BYTES
 from nvcore.detectors.registry import DETECTORS, kind_of_file
 from nvcore.errors import DetectorError, NvcoreError
 from nvcore.wording import count_text, listed, shortened
-from ui.confined.detectors import DetectorFacts, DetectorSpec
 from ui.detectors.asking import described
+from ui.detectors.confined import DetectorFacts, DetectorSpec
 from ui.detectors.training import trained_recordings
 from ui.session import state
 from ui.shell.page_words import page_text

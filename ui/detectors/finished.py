@@ -17,7 +17,7 @@ from nvcore.errors import NvcoreError
 from nvcore.inputs.session import Session
 from nvcore.progress import Progress
 from nvcore.wording import MOST_NAMED, listed, minus
-from ui.confined.detectors import DetectorSpec
+from ui.detectors.confined import DetectorSpec
 from ui.detectors.trial import Levels
 from ui.jobs.runs import FolderJob, is_uploaded, open_written
 from ui.session import state

@@ -6,8 +6,8 @@ import streamlit as st
 
 from nvcore.errors import NvcoreError
 from nvcore.pictures import Picture
-from ui.confined.detectors import DetectorFacts, DetectorSpec
 from ui.detectors import asking, choose, inside, run, settings, training, trial
+from ui.detectors.confined import DetectorFacts, DetectorSpec
 from ui.detectors.finished import RUN, OnScreen
 from ui.session import state
 from ui.shell.page_words import page_text

@@ -16,7 +16,8 @@ from nvcore.detectors.icf.displays import usable_scales
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.errors import NvcoreError, ParameterError
 from nvcore.pictures import Picture
-from ui.confined.detectors import (
+from ui.detectors import asking
+from ui.detectors.confined import (
     MOST_TRACES,
     DetectorSpec,
     Inside,
@@ -26,7 +27,6 @@ from ui.confined.detectors import (
     tree_of,
     window_in,
 )
-from ui.detectors import asking
 from ui.detectors.trial import chosen_box
 from ui.session import state
 from ui.shell.page_words import page_text

@@ -19,9 +19,9 @@ from nvcore.detectors.writing import WrittenRun, write_detections
 from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress
 from nvcore.wording import MOST_NAMED, listed
-from ui.confined.detectors import ConfinedDetector, DetectorFacts, DetectorSpec
 from ui.detectors import finished
 from ui.detectors.asking import described, key_of
+from ui.detectors.confined import ConfinedDetector, DetectorFacts, DetectorSpec
 from ui.detectors.finished import FOLDER, RUN, OnScreen, RunJob, RunKey
 from ui.detectors.training import trained_recordings
 from ui.detectors.trial import Levels, levels_of

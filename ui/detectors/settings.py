@@ -11,8 +11,8 @@ from nvcore.detectors.facts import run_settings
 from nvcore.detectors.registry import DETECTORS
 from nvcore.detectors.settings import SettingFacts
 from nvcore.wording import capitalised
-from ui.confined.detectors import DetectorSpec
 from ui.detectors.asking import key_of
+from ui.detectors.confined import DetectorSpec
 from ui.widgets.text import plain
 
 NOT_HERE: Final = ("classifier", "threads")

@@ -17,8 +17,8 @@ from nvcore.figures.style import plain
 from nvcore.pictures import Picture
 from nvcore.schema import DetectionState
 from nvcore.wording import count_text, minus
-from ui.confined.detectors import DetectorFacts, DetectorSpec
 from ui.detectors import asking
+from ui.detectors.confined import DetectorFacts, DetectorSpec
 from ui.detectors.outcome import Outcome, outcome_of
 from ui.session import state
 from ui.widgets.charts import clicked_chart

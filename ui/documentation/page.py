@@ -4,28 +4,34 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from itertools import chain
 from typing import Final
 
 import streamlit as st
 
 from nvcore.pictures import picture_address
+from nvcore.subjects import in_place
 from ui.session import state
+from ui.subjects import Document, contributed
 
 FOLDER: Final = state.ROOT / "docs"
-PAGES: Final = {
-    "metrics": "Metrics",
-    "detection": "Detection curves",
-    "objects": "Objects",
-    "significance": "Significance",
-    "validation": "Validation",
-    "ratings": "Ratings",
-    "study": "Study",
-    "report": "Report files",
-    "formats": "Formats",
-    "detectors": "Detectors",
-    "driver": "The driver",
-    "python": "Python",
-}
+_DOCUMENTS: Final[tuple[Document, ...]] = in_place(
+    (
+        Document("metrics", "Metrics"),
+        Document("detection", "Detection curves"),
+        Document("objects", "Objects"),
+        Document("significance", "Significance"),
+        Document("validation", "Validation"),
+        Document("ratings", "Ratings"),
+        Document("study", "Study"),
+        Document("report", "Report files"),
+        Document("formats", "Formats"),
+        Document("driver", "The driver"),
+        Document("python", "Python"),
+    ),
+    chain(*contributed("DOCUMENTS")),
+)
+PAGES: Final = {document.key: document.title for document in _DOCUMENTS}
 _HEADING: Final = re.compile(r"(#{1,6}) +(.*)")
 _ASIDE: Final = re.compile(
     r"(?:\s*\(|[:,;] )\[(?:why|where|how|which)\b[^\]]*\]\((?!https?:)decisions/[^)\s]+\)(\))?"

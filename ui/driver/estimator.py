@@ -39,7 +39,7 @@ def described(spec: EstimatorSpec) -> EstimatorFacts:
 
     def ask() -> EstimatorFacts:
         what = "opening the estimator"
-        return space.detector_process.call(describe_estimator, spec, what=what)
+        return space.model_process.call(describe_estimator, spec, what=what)
 
     return space.cached("estimator", spec, ask, most=8)
 

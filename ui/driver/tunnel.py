@@ -129,7 +129,7 @@ def _estimates(
     real_s = None if clock is None else clock.change_s
 
     def ask() -> pd.DataFrame:
-        return space.detector_process.call(
+        return space.model_process.call(
             simulate,
             known.spec,
             features,

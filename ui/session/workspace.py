@@ -21,9 +21,8 @@ from nvcore.params import Params
 from nvcore.pictures.base import Pictures
 from nvcore.pictures.recordings import RecordingPictures
 from ui.access.people import owner_of_session
-from ui.confined.detectors import ALLOWANCE as DETECTING
 from ui.confined.pictures import PictureProcess
-from ui.confined.process import SteadyProcess
+from ui.confined.process import MODELS, SteadyProcess
 from ui.session.cache import Caching
 from ui.session.ending import end_with_session, of_session
 from ui.session.folders import new_folder
@@ -164,8 +163,8 @@ class Workspace(Caching):
         Held while those are changed.
     picture_process
         Opens the pictures that were sent.
-    detector_process
-        Runs the detectors that are tried.
+    model_process
+        Opens the models that are tried, and runs them.
     picture_turns
         In which they are read for the browser: whose take long keep no thread from other visitors.
     notes
@@ -187,7 +186,7 @@ class Workspace(Caching):
         self._all_visible = RecordingPictures()
         self.lock = threading.Lock()
         self.picture_process = PictureProcess()
-        self.detector_process = SteadyProcess(DETECTING)
+        self.model_process = SteadyProcess(MODELS)
         self.picture_turns = CapacityLimiter(MOST_AT_ONCE)
         self.stored: dict[str, Stored] = {}
         self.form = 0
@@ -293,7 +292,7 @@ class Workspace(Caching):
         self.forget()  # first: nothing should go on to read the pictures
         self.close_pictures()
         self.picture_process.close()
-        self.detector_process.close()
+        self.model_process.close()
         self._remove()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import Final
 
 import streamlit as st
@@ -20,57 +21,62 @@ from nvcore.params.metadata import (
     Stage,
     shown_results,
 )
+from nvcore.subjects import in_place
 from nvcore.time_left.settings import CONFIRMED, CONTACT, TIME_LEFT, URGENCY
 from ui.shell.navigate import PAGES
+from ui.subjects import Page, contributed
 
+_PAGES: Final[tuple[Page, ...]] = in_place(
+    (
+        Page("data", "Data", "Data", shown=(MATCH, PROXIMITY)),
+        Page("overview", "Overview", "Compare"),
+        Page(
+            "timeline",
+            "Timeline",
+            "Compare",
+            shown=(SIMILARITY, LOW, ENCOUNTERS, SEVERITY, EVENTS, TIME_LEFT),
+        ),
+        Page(
+            "encounters",
+            "Encounters",
+            "Compare",
+            shown=(SIMILARITY, ENCOUNTERS, SEVERITY, TIME_LEFT, DRIVER),
+        ),
+        Page(
+            "time_left",
+            "Time left",
+            "Compare",
+            shown=(TIME_LEFT,),
+            own=(URGENCY, CONTACT, CONFIRMED),
+        ),
+        Page(
+            "driver",
+            "Driver",
+            "Compare",
+            shown=(ENCOUNTERS, SEVERITY, TIME_LEFT, DRIVER),
+            own=(DRIVER,),
+        ),
+        Page("saliency", "Saliency", "Compare", shown=(SALIENCY,)),
+        Page("systems", "Systems", "Evidence", shown=(SIMILARITY, ENCOUNTERS)),
+        Page("detection", "Detection", "Evidence", shown=(MATCH,)),
+        Page("stability", "Stability", "Evidence"),
+        Page("ratings", "Ratings", "Evidence", shown=(SALIENCY,), is_folded=True),
+        Page("study", "Study", "Evidence", shown=()),
+        Page("export", "Export", "Export", is_folded=True),
+        Page("metrics", "Documentation", "Help", shown=()),
+    ),
+    chain(*contributed("PAGES")),
+)
 SECTIONS: Final = {
-    "Data": {"data": "Data"},
-    "Compare": {
-        "overview": "Overview",
-        "timeline": "Timeline",
-        "encounters": "Encounters",
-        "time_left": "Time left",
-        "driver": "Driver",
-        "saliency": "Saliency",
-    },
-    "Evidence": {
-        "systems": "Systems",
-        "detection": "Detection",
-        "stability": "Stability",
-        "ratings": "Ratings",
-        "study": "Study",
-    },
-    "Detect": {"detectors": "Detectors"},
-    "Export": {"export": "Export"},
-    "Help": {"metrics": "Documentation"},
+    section: {page.key: page.title for page in _PAGES if page.section == section}
+    for section in dict.fromkeys(page.section for page in _PAGES)
 }
 """Sections of the navigation, with the script and the title of each page."""
 START: Final = "overview"
 """The page that the app opens on."""
-SHOWN: Final[dict[str, tuple[Stage, ...]]] = {
-    "data": (MATCH, PROXIMITY),
-    "timeline": (SIMILARITY, LOW, ENCOUNTERS, SEVERITY, EVENTS, TIME_LEFT),
-    "encounters": (SIMILARITY, ENCOUNTERS, SEVERITY, TIME_LEFT, DRIVER),
-    "time_left": (TIME_LEFT,),
-    "driver": (ENCOUNTERS, SEVERITY, TIME_LEFT, DRIVER),
-    "saliency": (SALIENCY,),
-    "systems": (SIMILARITY, ENCOUNTERS),
-    "detection": (MATCH,),
-    "ratings": (SALIENCY,),
-    "study": (),
-    "detectors": (),
-    "metrics": (),
-}
-"""What each page shows of the comparison; one that is not named shows all results. Settings that
-move nothing of it are quiet in the sidebar."""
-
-OWN: Final[dict[str, tuple[Stage, ...]]] = {
-    "time_left": (URGENCY, CONTACT, CONFIRMED),
-    "driver": (DRIVER,),
-}
-"""Stages that a page is about: on it their settings stand first, unfolded."""
-FOLDED: Final = ("ratings", "export")
-"""Pages on which the settings are folded away, besides those that show nothing that they move."""
+SHOWN: Final = {page.key: page.shown for page in _PAGES if page.shown is not None}
+OWN: Final = {page.key: page.own for page in _PAGES}
+FOLDED: Final = tuple(page.key for page in _PAGES if page.is_folded)
 
 
 def all_pages() -> dict[str, list[StreamlitPage]]:

@@ -12,7 +12,7 @@ from nvcore.dataset.provenance import About
 from nvcore.detectors.run import DetectorRun, RecordingRun
 from nvcore.detectors.writing import write_detections
 from nvcore.inputs.load import load
-from ui.confined.detectors import DetectorSpec
+from ui.detectors.confined import DetectorSpec
 from ui.detectors.finished import FOLDER, OnScreen, RunKey, differences_of, with_system
 from ui.detectors.trial import Levels
 from ui.export.session import inputs_beside, portable_session

@@ -20,15 +20,13 @@ from nvcore.detectors.candidates import candidates, open_loosened
 from nvcore.detectors.registry import open_detector
 from nvcore.detectors.threads import one_for_a_picture
 from nvcore.pictures import Picture
-from ui.confined.process import Allowance, SteadyProcess
+from ui.confined.process import MODELS, SteadyProcess
 
 if TYPE_CHECKING:
     from nvcore.detectors.icf import IcfDetector, IcfModel
     from nvcore.detectors.icf.displays import CoarseMap, Tree, WindowPath
     from nvcore.detectors.icf.settings import IcfSettings
 
-ALLOWANCE: Final = Allowance(memory_mb=3000, seconds=60.0)
-"""For opening a model, and for one picture."""
 MOST_TRACES: Final = 12
 """Objects of a frame that are followed over the trees."""
 SHOWN_PX: Final = 640
@@ -103,7 +101,7 @@ class ConfinedDetector:
         try:
             process = self._idle.get_nowait()
         except Empty:
-            process = SteadyProcess(ALLOWANCE)
+            process = SteadyProcess(MODELS)
         try:
             return process.call(_detect, self._spec, picture, what="running the detector")
         finally:

@@ -12,8 +12,8 @@ import small_icf
 from nvcore.detectors.icf.displays import MOST_CELLS
 from nvcore.detectors.registry import open_detector
 from nvcore.errors import DetectorError, InputError, ParameterError
-from ui.confined import detectors
-from ui.confined.detectors import (
+from ui.confined.process import MODELS, Allowance, SteadyProcess
+from ui.detectors.confined import (
     ConfinedDetector,
     DetectorSpec,
     describe,
@@ -21,7 +21,6 @@ from ui.confined.detectors import (
     score_map,
     window_in,
 )
-from ui.confined.process import Allowance, SteadyProcess
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +43,7 @@ def test_several_threads_get_what_the_detector_gives(model: Path):
 
 
 def test_what_takes_too_long_is_stopped_in_words(model: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(detectors, "ALLOWANCE", Allowance(memory_mb=3000, seconds=0.001))
+    monkeypatch.setattr("ui.detectors.confined.MODELS", Allowance(memory_mb=3000, seconds=0.001))
     spec = DetectorSpec(str(model))
     confined = ConfinedDetector(spec, open_detector(model).about)
     with pytest.raises(InputError, match=r"running the detector took more than 0\.001 s"):
@@ -53,7 +52,7 @@ def test_what_takes_too_long_is_stopped_in_words(model: Path, monkeypatch: pytes
 
 
 def test_a_detector_that_cannot_be_opened_says_so():
-    process = SteadyProcess(detectors.ALLOWANCE)
+    process = SteadyProcess(MODELS)
     with pytest.raises(DetectorError, match="did you mean 'hog"):
         process.call(describe, DetectorSpec("hogg"), what="opening")
     assert process.call(describe, DetectorSpec("hog"), what="opening").inside is None
@@ -72,7 +71,7 @@ def test_a_box_is_followed_over_the_trees(model: Path):
 
 def test_a_map_in_the_other_process_is_small_and_a_scale_without_a_window_is_said(model: Path):
     spec = DetectorSpec(str(model), "1", (("stride", 1),))
-    process = SteadyProcess(detectors.ALLOWANCE)
+    process = SteadyProcess(MODELS)
     picture = np.tile(small_icf.scene(0).picture, (4, 4))
     windows = process.call(score_map, spec, picture, 1.5, what="looking")
     assert windows.n_windows == (426 - 16 + 1) * (320 - 32 + 1)
