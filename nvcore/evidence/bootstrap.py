@@ -203,7 +203,7 @@ def bootstrap_difference(
 
 
 def pseudo_values(x: np.ndarray, y: np.ndarray, statistic: Statistic) -> np.ndarray:
-    """Part of each unit in the difference X - Y, shape (n_units,): jackknife pseudo-values.
+    """Contribution of each unit to the difference X - Y, shape (n_units,): jackknife pseudo-values.
 
     For a mean over units of equal weight these are the units' own differences; in other measures a
     unit counts by how much leaving it out changes the difference.

@@ -93,7 +93,7 @@ class Evidence:
     n, unit
         How many were compared, and of what: encounters, recordings, blocks.
     scope
-        What interval and p speak of: ``other recordings`` like these, or ``these recordings``
+        What interval and p are about: ``other recordings`` like these, or ``these recordings``
         alone.
     method
         How interval and p-value were computed.

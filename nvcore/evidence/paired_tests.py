@@ -15,11 +15,11 @@ from nvcore.metrics.shares import share_of
 from nvcore.metrics.venn import MIN_DISCORDANT, Venn, measure_exclusivity
 
 MIN_SWAPPED: Final = MIN_DISCORDANT
-"""Fewest units in which X and Y differ for a p-value: of 5 the least p is 2 / 2^5 = 0.0625."""
+"""Fewest units in which X and Y differ for a p-value: with 5, p is at least 2 / 2^5 = 0.0625."""
 MIN_PAIRS: Final = 10
-"""Fewest encounters for an interval of the shares' difference; fewer say little."""
+"""Fewest encounters for an interval of the difference in shares; fewer say little."""
 EXACT_UNITS: Final = 16
-"""Most units for which every exchange of X and Y is tried: 65,536 exchanges."""
+"""Up to so many units, every exchange of X and Y is tried: 65,536 exchanges."""
 N_PERMUTATIONS: Final = 10_000
 """Number of random exchanges where there are more units."""
 
@@ -165,7 +165,7 @@ class SwapTest:
 
     @property
     def least_p(self) -> float:
-        """The least p that so many units can give; NaN without p."""
+        """Smallest p that so many units can give; NaN without p."""
         if np.isnan(self.p):
             return np.nan
         return 2 / self.n_permutations if self.is_exact else 1 / (self.n_permutations + 1)

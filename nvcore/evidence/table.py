@@ -46,9 +46,9 @@ def evidence_table(
 
 
 def mark_undecided(result: Result, table: pd.DataFrame) -> pd.DataFrame:
-    """The table of evidence, the notes extended by what is undecided, and by doubts.
+    """The table of evidence, with notes on what is undecided and what is in doubt.
 
-    Undecided is what depends on unequal operating points.
+    A measure is undecided if it depends on operating points and these are unequal.
 
     Labels and notes are in the words for the objects.
 

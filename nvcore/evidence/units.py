@@ -18,7 +18,7 @@ from nvcore.scoring import SystemResult
 RECORDINGS: Final = "recordings"
 BLOCKS: Final = "blocks"
 MIN_RECORDINGS: Final = 6
-"""Fewest recordings that may speak of others: of 5 the least p is 2 / 2^5 = 0.0625."""
+"""Fewest recordings that say anything of others: with 5, p is at least 2 / 2^5 = 0.0625."""
 OTHER_RECORDINGS: Final = "other recordings"
 THESE_RECORDINGS: Final = "these recordings"
 STRETCH: Final = 2
@@ -66,7 +66,7 @@ class Units:
 
     @property
     def scope(self) -> str:
-        """What intervals over these units speak of."""
+        """What intervals over these units are about."""
         return OTHER_RECORDINGS if self.kind == RECORDINGS else THESE_RECORDINGS
 
     @property

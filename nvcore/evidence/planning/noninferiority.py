@@ -23,7 +23,7 @@ class NonInferiority:
     Attributes
     ----------
     candidate
-        The system that would be taken, say because it costs less: ``x`` or ``y``.
+        The system that is preferred for other reasons, such as its price: ``x`` or ``y``.
     margin
         By how much it may be worse, in the unit of the measure (shares: 0 to 1).
     worse

@@ -128,7 +128,7 @@ def make_pilot(
 ) -> tuple[Pilot | None, str]:
     """The pilot for a measure of `PLAN_KEYS`; None, and why there is none.
 
-    Blocks of time know nothing of other recordings: without `MIN_PILOT` recordings there is none.
+    Blocks of time say nothing of other recordings, so at least `MIN_PILOT` recordings are needed.
     """
     units = find_units(result) if units is None else units
     measure: UnitMeasure | None

@@ -1,4 +1,4 @@
-"""In which share of studies a difference would be shown, by simulating studies from a pilot."""
+"""Power: the share of studies that would show a difference, simulated from a pilot."""
 
 from __future__ import annotations
 
@@ -222,7 +222,7 @@ def _are_few_reached(
     n_ways: int,
     share: float,
 ) -> np.ndarray:
-    """Of which studies at most this share of random ways reaches what was found; bool.
+    """Studies in which at most this share of random ways reaches the observed value; bool.
 
     Parameters
     ----------
