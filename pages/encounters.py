@@ -51,8 +51,9 @@ def follow_link(result: Result, classes: Sequence[str]) -> None:
     link = back.page_link()
     if link is None:
         return
-    sights = filters.possible_sights(result)
-    choice, wrong = address.from_address(link, state.recording_names(), classes, sights)
+    choice, wrong = address.from_address(
+        link, state.recording_names(), classes, filters.possible(result)
+    )
     filters.take(choice.filters)
     table.take_order(choice.order)
     if choice.has_all_columns:

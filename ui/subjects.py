@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from typing import Any
 
+import numpy as np
+
+from nvcore.comparison import Result
 from nvcore.params.metadata import Stage
 from nvcore.subjects import resolve, subjects
 
@@ -67,3 +71,54 @@ def contributed(kind: str) -> tuple[Any, ...]:
         for room in rooms
         if (added := getattr(import_module(room), kind, ""))
     )
+
+
+@dataclass(frozen=True)
+class EncounterFilter:
+    """A filter of the page Encounters.
+
+    Attributes
+    ----------
+    name
+        Its entry in the address.
+    label, help
+        What the widget is called, and its help text.
+    choices
+        What can be chosen, in words.
+    values
+        Which of these each encounter is; shape (n_encounters,).
+    applies
+        Whether a comparison has what it is about.
+    """
+
+    name: str
+    label: str
+    help: str
+    choices: Mapping[str, str]
+    values: Callable[[Result], np.ndarray]
+    applies: Callable[[Result], bool]
+
+
+@dataclass(frozen=True)
+class ColumnLook:
+    """How a column of the report's tables looks on pages.
+
+    Attributes
+    ----------
+    heading
+        Its heading, without the system's letter; empty: what follows from its name.
+    width
+        In a window of 1280, px; None: as wide as needed.
+    form
+        Format of a number, as `st.column_config.NumberColumn` has it.
+    is_share
+        Whether it is shown in percent.
+    words
+        What its values are called; None: as they are.
+    """
+
+    heading: str = ""
+    width: int | None = None
+    form: str = "%.2f"
+    is_share: bool = False
+    words: Callable[[str], str | None] | None = None

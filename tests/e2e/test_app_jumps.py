@@ -128,7 +128,12 @@ IN_THE_SAMPLE: Final = (
     Jump("ui/overview/scorecard.py:by_recording", "Overview", "Timeline", plot("by_recording")),
     Jump("ui/overview/moments.py:worst_windows", "Overview", "Timeline", row("windows")),
     Jump(ONE_ENCOUNTER, "Encounters", "Timeline", press("encounters_show")),
-    Jump(ONE_ENCOUNTER, "Encounters", "Timeline", press("encounters_show_chance")),
+    Jump(
+        "ui/time_left/encounter.py:draw_ways",
+        "Encounters",
+        "Timeline",
+        press("encounters_show_chance"),
+    ),
     Jump("pages/time_left.py:draw", "Time left", "Timeline", row("time_left_list_")),
     Jump(LAST_CHANCE, "Time left", "Timeline", plot("time_left_approaches")),
     Jump(LAST_CHANCE, "Time left", "Timeline", plot("time_left_margins")),

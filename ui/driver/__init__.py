@@ -5,3 +5,7 @@ from typing import Final
 ASIDE: Final = "finished:ASIDE"
 ROUTES: Final = "study.routes:ROUTES"
 STUDIES: Final = "study.files:STUDIES"
+ENCOUNTER_HEAD: Final = "encounter:draw_head"
+ENCOUNTER_FILTER: Final = "encounter:FILTER"
+ENCOUNTER_COLUMNS: Final = "encounter:COLUMNS"
+COLUMN_LOOKS: Final = "encounter:LOOKS"

@@ -7,14 +7,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, TypeVar
 
-from ui.encounters.filters import CATEGORIES, CLASSES, OPEN, Filters
+from ui.encounters.filters import CATEGORIES, CLASSES, OF_SUBJECTS, OPEN, Filters
 from ui.encounters.order import Order, order_of
 
 ENCOUNTER: Final = "encounter"
 ALL_COLUMNS: Final = "all"
 NAMES: Final = (
     *("category", "miss_x", "miss_y", "only", "class", "position", "height", "pose", "severity"),
-    *("driver", "order", "columns", ENCOUNTER),
+    *(*OF_SUBJECTS, "order", "columns", ENCOUNTER),
 )
 """Entries of the address that belong to the page."""
 LONGEST: Final = 40
@@ -41,7 +41,7 @@ def to_address(choice: Choice) -> dict[str, str]:
         "miss_y": _joined(filters.classes_y),
         "only": _joined(filters.recordings),
         "class": _joined(filters.classes),
-        "driver": _joined(filters.sights),
+        **{name: _joined(chosen) for name, chosen in filters.of_subjects.items()},
         "position": _range_text(filters.position),
         "height": _range_text(filters.height_px),
         "pose": _range_text(filters.pose_z),
@@ -57,14 +57,14 @@ def from_address(
     query: Mapping[str, str],
     recordings: Sequence[str],
     classes: Sequence[str] = (),
-    sights: Sequence[str] = (),
+    of_subjects: Mapping[str, Sequence[str]] | None = None,
 ) -> tuple[Choice, tuple[str, ...]]:
     """What an address asks for, and what of it cannot be followed, in words.
 
     Parameters
     ----------
-    recordings, classes, sights
-        Those that there are.
+    recordings, classes, of_subjects
+        Those that there are; choices of the filters that subjects add, by name.
     """
     wrong: list[str] = []
 
@@ -89,7 +89,11 @@ def from_address(
         classes_y=among("miss_y", CLASSES),
         recordings=among("only", recordings),
         classes=among("class", classes),
-        sights=among("driver", sights),
+        of_subjects={
+            name: chosen
+            for name, choices in (of_subjects or {}).items()
+            if (chosen := among(name, choices))
+        },
         position=read("position", _range, None),
         height_px=read("height", _range, None),
         pose_z=read("pose", _range, None),

@@ -9,16 +9,14 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.schema import CATEGORY_TEXT, CLASS_SEPARATOR, Category
-from nvcore.tables.encounters.driver import describe_sight
 from nvcore.tables.moments import NEVER, encounter_time
-from nvcore.time_left.steps import time_left_in
-from nvcore.time_left.texts import describe_encounter
 from nvcore.wording import listed as listed_words
 from nvcore.wording import minus
 from ui.encounters import picture, selection, weightings
 from ui.encounters.filters import class_name
 from ui.session import state
 from ui.shell.navigate import open_row
+from ui.subjects import contributed
 from ui.widgets.buttons import button
 from ui.widgets.table_columns import class_words
 from ui.widgets.text import UNDEFINED, docs_link, number, plain
@@ -37,17 +35,16 @@ def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
     st.header(state.words(f"Pedestrian {row['track']} in {plain(row['recording'])}"))
     category = state.words(CATEGORY_TEXT[Category(row["category"])])
     st.markdown(f"{category}  \n{_who_missed(result, row)}")
-    if sight := describe_sight(result, encounter):
-        st.markdown(f":material/visibility: {plain(sight)}")
+    for draw_head in contributed("ENCOUNTER_HEAD"):
+        draw_head(result, encounter)
     moments = selection.moments_of(result).iloc[encounter]
     if names := [class_name(name) for name in str(row["classes"]).split(CLASS_SEPARATOR) if name]:
         classes = plain(listed_words(names))
         st.caption(f"{docs_link('Classes', 'classes-of-encounters')}: {classes}.")
     picture.draw(result, encounter, int(moments["shown_row"]))
     _draw_ways(result, row, moments)
-    if result.dataset.objects.is_on_road:
-        text = state.words(describe_encounter(result, encounter))
-        st.caption(f"{docs_link('Time left', 'time-left')}: {plain(text)}")
+    for draw_text in contributed("ENCOUNTER_TEXT"):
+        draw_text(result, encounter)
     st.table(_both(row))
     st.caption(MEANINGS)
     pose = number(row["aspect_z"], "+.1f")
@@ -124,14 +121,8 @@ def _draw_ways(result: Result, row: pd.Series[Any], moments: pd.Series[Any]) -> 
             width="stretch",
         ):
             open_row(place)
-    encounter = int(str(row.name))
-    chance = int(time_left_in(result).urgency["urgent_row"].iloc[encounter])
-    if time_left_in(result).is_urgent[encounter] and button(
-        f"Show the last chance to stop (frame {frames['frame'].iloc[chance]})",
-        key="encounters_show_chance",
-        width="stretch",
-    ):
-        open_row(chance)
+    for draw_ways in contributed("ENCOUNTER_WAYS"):
+        draw_ways(result, int(str(row.name)))
 
 
 def _why(result: Result, row: pd.Series[Any], shown_row: int, is_missed: bool) -> str:

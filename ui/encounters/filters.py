@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -12,32 +12,23 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.driver.comparison.steps import driver_in
 from nvcore.metrics.encounter_classes import DERIVED
 from nvcore.schema import CATEGORY_TEXT, CLASS_SEPARATOR, MISS_CLASS_TEXT, Category, MissClass
-from nvcore.tables.encounters.driver import SIGHT_TEXT, SIGHT_WORDS, driver_sights
 from nvcore.wording import shortened
 from ui.session import state
 from ui.session.chosen import recordings_key
+from ui.subjects import EncounterFilter, contributed
 from ui.widgets.table_columns import MISS_WORDS, category_words, class_words
 from ui.widgets.text import plain
 
 CATEGORIES: Final = tuple(kind.value for kind in Category)
 CLASSES: Final = tuple(kind.value for kind in MissClass)
 SEVERITY_STEP_S: Final = 0.05
-SIGHT_CHOICES: Final = {
-    "sees": "sees, clearly",
-    "unseen": "does not see, clearly",
-    "open": "open, seen or not",
-    "unknown": SIGHT_WORDS["unknown"],
+OF_SUBJECTS: Final[dict[str, EncounterFilter]] = {
+    known.name: known for known in contributed("ENCOUNTER_FILTER")
 }
-"""What can be chosen of the driver: open ones are taken out of the first two."""
-SIGHTS_APART: Final = (
-    "Open ones are listed apart; the page Driver and encounters.csv count them as seen or not "
-    "seen, by the side of the threshold on which the value is."
-)
-SIGHTS: Final = tuple(SIGHT_CHOICES)
-LISTS: Final = ("category", "class_x", "class_y", "recording", "class", "driver")
+"""The filters that subjects add, by name."""
+LISTS: Final = ("category", "class_x", "class_y", "recording", "class", *OF_SUBJECTS)
 """Names of the filters that are lists, and of those that are ranges."""
 RANGES: Final = ("position", "height", "pose")
 OPEN: Final = (-math.inf, math.inf)
@@ -54,8 +45,8 @@ class Filters:
 
     Attributes
     ----------
-    sights
-        Whether the driver sees the pedestrian, values of `nvcore.tables.encounters.driver.Sight`.
+    of_subjects
+        What is chosen of the filters that subjects add, by name; none that is empty.
     """
 
     categories: Sequence[str] = ()
@@ -63,19 +54,19 @@ class Filters:
     classes_y: Sequence[str] = ()
     recordings: Sequence[str] = ()
     classes: Sequence[str] = ()
-    sights: Sequence[str] = ()
+    of_subjects: Mapping[str, Sequence[str]] = field(default_factory=dict)
     position: tuple[float, float] | None = None
     height_px: tuple[float, float] | None = None
     pose_z: tuple[float, float] | None = None
     least_severity_s: float = 0.0
 
-    def keep(self, encounters: pd.DataFrame, sights: np.ndarray) -> pd.DataFrame:
+    def keep(self, encounters: pd.DataFrame, of_subjects: Mapping[str, np.ndarray]) -> pd.DataFrame:
         """Rows of `nvcore.tables.result.encounters_table` that pass, with their index.
 
         Parameters
         ----------
-        sights
-            Of `nvcore.tables.encounters.driver.driver_sights`.
+        of_subjects
+            Value of each encounter for the filters that subjects add, by name.
         """
         passes = np.ones(len(encounters), dtype=bool)
         for column, chosen in (
@@ -86,8 +77,8 @@ class Filters:
         ):
             if chosen:
                 passes &= encounters[column].isin(list(chosen)).to_numpy()
-        if self.sights:
-            passes &= np.isin(sights, list(self.sights))
+        for name, chosen in self.of_subjects.items():
+            passes &= np.isin(of_subjects[name], list(chosen))
         if self.classes:
             texts, names = pd.factorize(encounters["classes"])
             has_one = [
@@ -125,15 +116,18 @@ def key(name: str) -> str:
     return f"encounters_{name}_{state.workspace().n_opened}"
 
 
-def possible_sights(result: Result) -> tuple[str, ...]:
-    """By what of the driver encounters can be filtered; nothing where nothing is known of him."""
-    return SIGHTS if driver_in(result).has_any else ()
+def possible(result: Result) -> dict[str, tuple[str, ...]]:
+    """The choices of the filters that subjects add and that a comparison has, by name."""
+    return {
+        name: tuple(known.choices) for name, known in OF_SUBJECTS.items() if known.applies(result)
+    }
 
 
 def draw(result: Result, encounters: pd.DataFrame) -> tuple[Filters, pd.DataFrame]:
     """Draw the filters; returns them, and the encounters that pass."""
-    filters = _draw_widgets(encounters, possible_sights(result))
-    return filters, filters.keep(encounters, driver_sights(result))
+    filters = _draw_widgets(encounters, possible(result))
+    values = {name: OF_SUBJECTS[name].values(result) for name in filters.of_subjects}
+    return filters, filters.keep(encounters, values)
 
 
 def draw_count(filters: Filters, n_matching: int, n_all: int) -> None:
@@ -187,11 +181,15 @@ def _range_words(span: tuple[float, float]) -> str:
 def take(filters: Filters) -> None:
     """Give the widgets these values, before they are drawn."""
     clear_filters()
-    lists = (
-        *(filters.categories, filters.classes_x, filters.classes_y),
-        *(filters.recordings, filters.classes, filters.sights),
-    )
-    for name, chosen in zip(LISTS, lists, strict=True):
+    lists = {
+        "category": filters.categories,
+        "class_x": filters.classes_x,
+        "class_y": filters.classes_y,
+        "recording": filters.recordings,
+        "class": filters.classes,
+        **filters.of_subjects,
+    }
+    for name, chosen in lists.items():
         st.session_state[key(name)] = list(chosen)
     for name, span in zip(
         RANGES, (filters.position, filters.height_px, filters.pose_z), strict=True
@@ -218,7 +216,7 @@ def clear_filters() -> None:
         st.session_state.pop(_set_key(name), None)
 
 
-def _draw_widgets(encounters: pd.DataFrame, possible: Sequence[str]) -> Filters:
+def _draw_widgets(encounters: pd.DataFrame, of_subjects: Mapping[str, Sequence[str]]) -> Filters:
     with st.container(horizontal=True, gap="large"):
         categories = st.pills(
             "Detected by",
@@ -232,7 +230,9 @@ def _draw_widgets(encounters: pd.DataFrame, possible: Sequence[str]) -> Filters:
                 " ".join(f"*{category_words(kind)}*: {CATEGORY_TEXT[kind]}" for kind in Category)
             ),
         )
-        sights = _choose_sights(possible)
+        chosen = {
+            name: _choose(OF_SUBJECTS[name], choices) for name, choices in of_subjects.items()
+        }
     place = st.expander("More filters: how and where, recording, class, height, severity")
     left, middle, right = place.columns(3)
     meaning = "  \n".join(f"*{class_words(kind)}*: {MISS_CLASS_TEXT[kind]}" for kind in MissClass)
@@ -306,7 +306,7 @@ def _draw_widgets(encounters: pd.DataFrame, possible: Sequence[str]) -> Filters:
         classes_y=tuple(classes_y),
         recordings=tuple(recordings),
         classes=tuple(classes),
-        sights=tuple(sights),
+        of_subjects={name: tuple(values) for name, values in chosen.items() if values},
         position=position,
         height_px=height_px,
         pose_z=pose_z,
@@ -314,20 +314,17 @@ def _draw_widgets(encounters: pd.DataFrame, possible: Sequence[str]) -> Filters:
     )
 
 
-def _choose_sights(possible: Sequence[str]) -> Sequence[str]:
-    """What the driver sees of the encounters that are listed; nothing chosen: all."""
-    if not possible:
-        return ()
-    meanings = [f"*{SIGHT_CHOICES[sight]}*: {SIGHT_TEXT[sight]}." for sight in SIGHT_WORDS]
+def _choose(known: EncounterFilter, choices: Sequence[str]) -> Sequence[str]:
+    """What is chosen of a filter that a subject adds; nothing: all."""
     chosen: Sequence[str] = st.pills(
-        "By the driver",
-        possible,
+        known.label,
+        choices,
         selection_mode="multi",
-        format_func=SIGHT_CHOICES.__getitem__,
-        key=key("driver"),
+        format_func=known.choices.__getitem__,
+        key=key(known.name),
         persist_state="session",
         width="content",
-        help=state.words("  \n".join([*meanings, SIGHTS_APART])),
+        help=state.words(known.help),
     )
     return chosen
 

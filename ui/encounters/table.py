@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from itertools import chain
 from typing import Any, Final
 
 import pandas as pd
@@ -12,6 +13,7 @@ from nvcore.figures.encounters import position_map
 from ui.encounters import selection
 from ui.encounters.order import COLUMNS, SEVERITY, Order
 from ui.session import state
+from ui.subjects import contributed
 from ui.widgets.charts import draw_chart
 from ui.widgets.clicks import clicked_point
 from ui.widgets.table_columns import (
@@ -37,8 +39,6 @@ FIRST_COLUMNS: Final = (
     "peak_cost_y",
 )
 """What most people look for; the first five stand beside the encounter in a small window."""
-DRIVER_COLUMNS: Final = ("driver_sees", "within_sd")
-"""What they look for of the driver, where anything is known of him."""
 ORDER: Final = "encounters_order"
 IS_DESCENDING: Final = "encounters_descending"
 ALL_COLUMNS: Final = "encounters_columns"
@@ -95,9 +95,9 @@ def draw_switch() -> None:
 
 def draw(listed: pd.DataFrame, encounter: int) -> None:
     """The list, with the row of this encounter selected."""
-    driver = [name for name in DRIVER_COLUMNS if name in listed]
+    added = [name for name in chain(*contributed("ENCOUNTER_COLUMNS")) if name in listed]
     at_category = FIRST_COLUMNS.index("category") + 1  # beside who detects the pedestrian
-    first = [*FIRST_COLUMNS[:at_category], *driver, *FIRST_COLUMNS[at_category:]]
+    first = [*FIRST_COLUMNS[:at_category], *added, *FIRST_COLUMNS[at_category:]]
     others = [str(name) for name in listed if name not in first]
     table = as_shown(listed[[*first, *others]].head(MOST_ROWS))
     if len(state.recording_names()) == 1:  # its name says nothing there, and takes room

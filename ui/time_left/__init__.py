@@ -1,1 +1,7 @@
-"""The parts of the Time left page."""
+"""The page Time left, and what it adds to the dashboard."""
+
+from typing import Final
+
+ENCOUNTER_TEXT: Final = "encounter:draw_text"
+ENCOUNTER_WAYS: Final = "encounter:draw_ways"
+COLUMN_LOOKS: Final = "looks:LOOKS"

@@ -16,72 +16,44 @@ from nvcore.tables.columns import REPORT_COLUMNS
 from nvcore.tables.scorecard import ScoreRow
 from nvcore.wording import ARROWS, difference, minus, number
 from ui.session import state
+from ui.subjects import ColumnLook, contributed
 from ui.widgets.html import HEAD
 
-HEADINGS: Final = {
-    "track": "Pedestrian",
-    "n_relevant": "Frames that count",
-    "n_frames": "Annotated frames",
-    "miss_class": "miss class",
-    "lag_s": "lag (s)",
-    "gap_s": "gap (s)",
-    "tail_s": "tail (s)",
-    "severity_s": "severity (s)",
-    "time_left": "confirms",
-    "margin_s": "margin (s)",
-    "impact_kmh": "impact (km/h)",
-    "confirmed_frame": "confirmed in frame",
-    "detectability_sd": "SD",
-    "within_sd": "Open",
-    "driver_seen_frames": "Frames seen",
-    "driver_frame": "Driver sees in frame",
-    "min_ttc_s": "Least to contact (s)",
-    "urgent_frame": "Last chance",
-    "lead_time_s": "Lead of X (s)",
-    "peak_height": "Height (px)",
-    "lateral_position": "Position",
-    "peak_k": "Largest k",
-    "aspect_ratio": "Height / width",
-    "aspect_z": "Pose z-score",
-    "occluded_share": "Occluded",
-    "start_s": "Start (s)",
-    "duration_s": "Duration (s)",
-    "tau": "Ends at",
-    "relevant_s": "Counts (s)",
-    "weight_s": "Weight (s)",
-    "rest_s": "Rest (s)",
-    "saliency_s": "Saliency (s)",
-}
-"""Headings that do not follow from the column's name."""
-
-PERCENT: Final = frozenset({"coverage", "occluded_share", "tau"})
-SIGNED: Final = frozenset({"lead_time_s", "margin_s", "lateral_position", "aspect_z"})
-WHOLE: Final = frozenset({"peak_height", "impact_kmh"})
 CATEGORY_WORDS: Final = {kind.value: text for kind, text in WORDS.items()}
 MISS_WORDS: Final = {kind.value: text for kind, text in CLASS_WORDS.items()}
 YES_NO: Final = {True: "yes", False: "no"}
-WIDTHS: Final = {
-    "recording": 124,
-    "track": 80,
-    "category": 72,
-    "miss_class": 90,
-    "coverage": 85,
-    "detectability_sd": 52,
-    "within_sd": 56,
-    "driver_sees": 88,
-    "driver_seen_frames": 92,
-    "driver_in_time": 98,
-    "severity_s": 88,
-    "peak_cost": 88,
-    "lead_time_s": 92,
-    "peak_height": 82,
-    "lateral_position": 70,
-    "urgent_frame": 88,
-    "time_left": 76,
-    "margin_s": 84,
-    "impact_kmh": 100,
+SIGNED: Final = "%+.2f"
+WHOLE: Final = "%.0f"
+LOOKS: Final[dict[str, ColumnLook]] = {
+    "recording": ColumnLook(width=124),
+    "track": ColumnLook("Pedestrian", 80),
+    "category": ColumnLook(width=72, words=CATEGORY_WORDS.get),
+    "n_relevant": ColumnLook("Frames that count"),
+    "n_frames": ColumnLook("Annotated frames"),
+    "miss_class": ColumnLook("miss class", 90, words=MISS_WORDS.get),
+    "coverage": ColumnLook(width=85, is_share=True),
+    "lag_s": ColumnLook("lag (s)"),
+    "gap_s": ColumnLook("gap (s)"),
+    "tail_s": ColumnLook("tail (s)"),
+    "severity_s": ColumnLook("severity (s)", 88),
+    "peak_cost": ColumnLook(width=88),
+    "lead_time_s": ColumnLook("Lead of X (s)", 92, SIGNED),
+    "peak_height": ColumnLook("Height (px)", 82, WHOLE),
+    "lateral_position": ColumnLook("Position", 70, SIGNED),
+    "peak_k": ColumnLook("Largest k"),
+    "aspect_ratio": ColumnLook("Height / width"),
+    "aspect_z": ColumnLook("Pose z-score", form=SIGNED),
+    "occluded_share": ColumnLook("Occluded", is_share=True),
+    "start_s": ColumnLook("Start (s)"),
+    "duration_s": ColumnLook("Duration (s)"),
+    "tau": ColumnLook("Ends at", is_share=True),
+    "relevant_s": ColumnLook("Counts (s)"),
+    "weight_s": ColumnLook("Weight (s)"),
+    "rest_s": ColumnLook("Rest (s)"),
+    "saliency_s": ColumnLook("Saliency (s)"),
+    **{name: look for looks in contributed("COLUMN_LOOKS") for name, look in looks.items()},
 }
-"""Of columns that stand side by side in a window of 1280, px; the others are as wide as needed."""
+"""Of columns that do not look as their name and kind say; X and Y alike."""
 MOST_ROWS: Final = 5000
 """Rows of a table that are sent to the browser; more would slow down every change."""
 LINE_PX: Final = 33
@@ -93,7 +65,7 @@ MOST_LINES: Final = 10
 def heading(name: str) -> str:
     """Heading of a column, "X lag (s)" for ``lag_s_x``."""
     base, letter = _split(name)
-    words = state.words(HEADINGS.get(base, base.replace("_", " ")))
+    words = state.words(LOOKS.get(base, ColumnLook()).heading or base.replace("_", " "))
     return f"{letter.upper()} {words}" if letter else words[0].upper() + words[1:]
 
 
@@ -110,16 +82,13 @@ def as_shown(table: pd.DataFrame) -> pd.DataFrame:
     configs = {}
     for name in table:
         base, _ = _split(str(name))
-        if base in PERCENT:
+        look = LOOKS.get(base, ColumnLook())
+        if look.is_share:
             configs[str(name)] = 100 * table[name]
-        elif base in ("category", "miss_class"):
-            configs[str(name)] = table[name].map(
-                MISS_WORDS if base == "miss_class" else CATEGORY_WORDS
-            )
+        elif look.words is not None:
+            configs[str(name)] = table[name].map(look.words, na_action="ignore")
         elif is_bool_dtype(table[name]):
             configs[str(name)] = table[name].map(YES_NO, na_action="ignore").astype(object)
-        elif base in ("time_left", "urgency"):
-            configs[str(name)] = table[name].str.replace("_", " ")
     return table.assign(**configs)
 
 
@@ -172,15 +141,11 @@ def _config(column: Column) -> Any:
     if column.better:
         text += " Higher is better." if column.better == "high" else " Lower is better."
     label, text = heading(column.name), state.words(text)
-    pinned, width = column.name in ("recording", "track"), WIDTHS.get(base)
+    look = LOOKS.get(base, ColumnLook())
+    pinned, width = column.name in ("recording", "track"), look.width
     if column.kind is Kind.TRUTH_VALUE:
         return st.column_config.TextColumn(label, width=width, help=text)
     if column.kind is Kind.TEXT:
         return st.column_config.TextColumn(label, width=width, help=text, pinned=pinned)
-    if column.kind is Kind.INTEGER:
-        form = "%d"
-    elif base in PERCENT:
-        form = "%.0f %%"
-    else:
-        form = "%+.2f" if base in SIGNED else "%.0f" if base in WHOLE else "%.2f"
+    form = "%d" if column.kind is Kind.INTEGER else "%.0f %%" if look.is_share else look.form
     return st.column_config.NumberColumn(label, width=width, help=text, pinned=pinned, format=form)

@@ -19,6 +19,7 @@ from ui.encounters.order import Order
 from ui.session import state
 from ui.session.chosen import CHOSEN, encounter_of, name_of
 from ui.session.workspace import Opened
+from ui.time_left import encounter
 from ui.widgets import table_columns
 
 
@@ -208,7 +209,7 @@ def test_time_left_and_classes_are_said_of_the_encounter_and_its_last_chance_ope
     monkeypatch: pytest.MonkeyPatch,
 ):
     shown: list[int] = []
-    monkeypatch.setattr(details, "open_row", shown.append)
+    monkeypatch.setattr(encounter, "open_row", shown.append)
     page = opened(encounter="rural_road:4")
     assert (
         "Urgent at 50 km/h (assumed): the last chance to stop is frame 194 (9.70 s). X confirms "
@@ -437,13 +438,13 @@ def test_the_heavier_failure_comes_first_then_the_taller_and_distant_ones_last()
         (Filters(height_px=(60, 80)), [1, 2, 3]),
         (Filters(pose_z=(-3, 0)), [0, 3, 4]),
         (Filters(least_severity_s=0.5), [2, 3, 4]),
-        (Filters(sights=["open", "unseen"]), [1, 3]),
-        (Filters(sights=["sees"], categories=["both"]), [0]),
+        (Filters(of_subjects={"driver": ["open", "unseen"]}), [1, 3]),
+        (Filters(of_subjects={"driver": ["sees"]}, categories=["both"]), [0]),
     ],
 )
 def test_filters_are_joined_and_keep_the_index(filters: Filters, rows: list[int]):
     sights = np.array(["sees", "open", "sees", "unseen", "unknown", "distant"], object)
-    assert filters.keep(SIX, sights).index.tolist() == rows
+    assert filters.keep(SIX, {"driver": sights}).index.tolist() == rows
 
 
 def test_the_encounter_is_weighed_by_height_horizon_and_distance_when_unfolded():

@@ -1,0 +1,55 @@
+"""The driver on the page Encounters and in tables: a filter, its first columns, their looks."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.driver.comparison.steps import driver_in
+from nvcore.tables.encounters.driver import (
+    SIGHT_TEXT,
+    SIGHT_WORDS,
+    describe_sight,
+    driver_sights,
+)
+from ui.subjects import ColumnLook, EncounterFilter
+from ui.widgets.text import plain
+
+
+def draw_head(result: Result, encounter: int) -> None:
+    """Whether the driver sees the pedestrian, where it is known."""
+    if sight := describe_sight(result, encounter):
+        st.markdown(f":material/visibility: {plain(sight)}")
+
+
+CHOICES: Final = {
+    "sees": "sees, clearly",
+    "unseen": "does not see, clearly",
+    "open": "open, seen or not",
+    "unknown": SIGHT_WORDS["unknown"],
+}
+"""What can be chosen: open ones are taken out of the first two."""
+APART: Final = (
+    "Open ones are listed apart; the page Driver and encounters.csv count them as seen or not "
+    "seen, by the side of the threshold on which the value is."
+)
+FILTER: Final = EncounterFilter(
+    "driver",
+    "By the driver",
+    "  \n".join([*(f"*{CHOICES[sight]}*: {SIGHT_TEXT[sight]}." for sight in SIGHT_WORDS), APART]),
+    CHOICES,
+    driver_sights,
+    lambda result: driver_in(result).has_any,
+)
+COLUMNS: Final = ("driver_sees", "within_sd")
+"""What most people look for."""
+LOOKS: Final = {
+    "detectability_sd": ColumnLook("SD", 52),
+    "within_sd": ColumnLook("Open", 56),
+    "driver_sees": ColumnLook(width=88),
+    "driver_seen_frames": ColumnLook("Frames seen", 92),
+    "driver_frame": ColumnLook("Driver sees in frame"),
+    "driver_in_time": ColumnLook(width=98),
+}

@@ -1,0 +1,32 @@
+"""Time left on the page Encounters: in words, and the way to the last chance."""
+
+from __future__ import annotations
+
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.time_left.steps import time_left_in
+from nvcore.time_left.texts import describe_encounter
+from ui.session import state
+from ui.shell.navigate import open_row
+from ui.widgets.buttons import button
+from ui.widgets.text import docs_link, plain
+
+
+def draw_text(result: Result, encounter: int) -> None:
+    """The last chance, and what each system made of it."""
+    if result.dataset.objects.is_on_road:
+        text = state.words(describe_encounter(result, encounter))
+        st.caption(f"{docs_link('Time left', 'time-left')}: {plain(text)}")
+
+
+def draw_ways(result: Result, encounter: int) -> None:
+    """A button to the last chance."""
+    view, frames = time_left_in(result), result.dataset.frames
+    chance = int(view.urgency["urgent_row"].iloc[encounter])
+    if view.is_urgent[encounter] and button(
+        f"Show the last chance to stop (frame {frames['frame'].iloc[chance]})",
+        key="encounters_show_chance",
+        width="stretch",
+    ):
+        open_row(chance)

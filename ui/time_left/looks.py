@@ -1,0 +1,22 @@
+"""How the columns of time left look in tables on pages."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from ui.subjects import ColumnLook
+
+
+def _spaced(value: str) -> str:
+    return value.replace("_", " ")
+
+
+LOOKS: Final = {
+    "time_left": ColumnLook("confirms", 76, words=_spaced),
+    "margin_s": ColumnLook("margin (s)", 84, "%+.2f"),
+    "impact_kmh": ColumnLook("impact (km/h)", 100, "%.0f"),
+    "confirmed_frame": ColumnLook("confirmed in frame"),
+    "min_ttc_s": ColumnLook("Least to contact (s)"),
+    "urgency": ColumnLook(words=_spaced),
+    "urgent_frame": ColumnLook("Last chance", 88),
+}
