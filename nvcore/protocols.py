@@ -246,7 +246,7 @@ def _range(limits: Range) -> str:
 
 _CALTECH: Final = Protocol(
     "reasonable",
-    "Pedestrians of 50 px or more that are at most partly occluded, as on Caltech.",
+    "{Many} of 50 px or more that are at most partly occluded, as on Caltech.",
     height_px=(50, math.inf),
     occlusion=(0, 1),
     border_px=(5, 5, 5, 5),
@@ -254,26 +254,26 @@ _CALTECH: Final = Protocol(
 )
 
 _PROTOCOLS: Final = (
-    Protocol("all", "Every pedestrian that the ground truth does not flag as ignored."),
+    Protocol("all", "Every {one} that the ground truth does not flag as ignored."),
     _CALTECH,
     replace(
         _CALTECH,
         name="near",
-        text="Unoccluded pedestrians of 80 px or more, as on Caltech.",
+        text="Unoccluded {many} of 80 px or more, as on Caltech.",
         height_px=(80, math.inf),
         occlusion=(0,),
     ),
     replace(
         _CALTECH,
         name="medium",
-        text="Unoccluded pedestrians of 30 to 80 px, as on Caltech.",
+        text="Unoccluded {many} of 30 to 80 px, as on Caltech.",
         height_px=(30, 80),
         occlusion=(0,),
     ),
     replace(
         _CALTECH,
         name="far",
-        text="Unoccluded pedestrians of 20 to 30 px, as on Caltech.",
+        text="Unoccluded {many} of 20 to 30 px, as on Caltech.",
         height_px=(20, 30),
         occlusion=(0,),
     ),
@@ -281,11 +281,11 @@ _PROTOCOLS: Final = (
         _CALTECH,
         name="occlusion",
         occlusion=(1, 2),
-        text="Partly or heavily occluded pedestrians of 50 px or more.",
+        text="Partly or heavily occluded {many} of 50 px or more.",
     ),
     Protocol(
         "kaist-reasonable",
-        "Pedestrians of 55 px or more, at most partly occluded, not at the border: KAIST.",
+        "{Many} of 55 px or more, at most partly occluded, not at the border: KAIST.",
         height_px=(55, math.inf),
         occlusion=(0, 1),
         border_px=(5, 5, 5, 5),

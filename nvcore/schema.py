@@ -125,11 +125,11 @@ class Category(StrEnum):
 
 
 CATEGORY_TEXT: Final[dict[Category, str]] = {
-    Category.BOTH: "Both systems detected the pedestrian.",
-    Category.X_ONLY: "Only X detected the pedestrian.",
-    Category.Y_ONLY: "Only Y detected the pedestrian.",
-    Category.NEITHER: "Neither system detected the pedestrian.",
-    Category.DISTANT: "The pedestrian never came near enough to count.",
+    Category.BOTH: "Both systems detected the {one}.",
+    Category.X_ONLY: "Only X detected the {one}.",
+    Category.Y_ONLY: "Only Y detected the {one}.",
+    Category.NEITHER: "Neither system detected the {one}.",
+    Category.DISTANT: "The {one} never came near enough to count.",
 }
 
 
@@ -146,9 +146,9 @@ class MissClass(StrEnum):
 
 MISS_CLASS_TEXT: Final[dict[MissClass, str]] = {
     MissClass.NEVER: "Not detected in any frame that counts.",
-    MissClass.LATE: "First matched too long after the pedestrian came near enough to count.",
+    MissClass.LATE: "First matched too long after the {one} came near enough to count.",
     MissClass.DROPOUT: "Detected, lost for too long, detected again.",
-    MissClass.LOST_EARLY: "Lost too long before the pedestrian was too far to count again.",
+    MissClass.LOST_EARLY: "Lost too long before the {one} was too far to count again.",
     MissClass.BRIEF: "Detected in too few frames that count, in none of the other ways.",
     MissClass.NONE: "Detected without a failure worth naming.",
 }

@@ -16,10 +16,10 @@ from ui.widgets.text import docs_link, plain
 def draw(result: Result) -> None:
     """Who sees whom, then the encounters behind it; without detectability, how to get it."""
     st.caption(
-        state.words(
-            "A warning is worth most where the driver does not see the pedestrian himself. "
-            f"{docs_link('Detectability', 'whom-he-sees', doc='driver')} is the share of drivers "
-            "who would see the pedestrian: 0 none, 1 all."
+        state.say(
+            "A warning is worth most where the driver does not see the {one} himself. "
+            "{detectability} is the share of drivers who would see the {one}: 0 none, 1 all.",
+            detectability=docs_link("Detectability", "whom-he-sees", doc="driver"),
         )
     )
     run.draw_notes()
@@ -34,9 +34,9 @@ def draw(result: Result) -> None:
     if shown is None:
         return
     if doubt := describe_doubt(shown):
-        st.warning(plain(state.words(doubt)), icon=":material/warning:")
-    st.markdown("\n\n".join(plain(state.words(text)) for text in describe_view(shown)))
-    st.caption(state.words(describe_counts(shown)))
+        st.warning(plain(doubt), icon=":material/warning:")
+    st.markdown("\n\n".join(plain(text) for text in describe_view(shown)))
+    st.caption(describe_counts(shown))
     region = regions.draw(shown)
     threshold.draw(shown)
     encounter = listed.draw(shown, region)

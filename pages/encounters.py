@@ -90,17 +90,17 @@ def draw(result: Result) -> None:
     if not len(result.encounters):
         state.write_address()
         st.info(
-            state.words(
-                "The truth has no pedestrians: there is nobody to meet, and nobody to miss."
-            )
+            state.say("The truth has no {many}: there is {nobody} to meet, and {nobody} to miss.")
         )
         return
     st.caption(
-        state.words(
-            f"An {docs_link('encounter', 'encounters')} is one pedestrian of one recording. It "
-            "counts while the pedestrian is near enough to matter, else it is *distant*. "
-            f"{docs_link('Severity', 'severity')}: seconds of a pedestrian missed straight ahead "
-            f"and near. {docs_link('Miss class', 'miss-classes')}: how a system failed."
+        state.say(
+            "An {encounter} is one {one} of one recording. It counts while the {one} is near "
+            "enough to matter, else it is *distant*. {severity}: seconds of {a_one} missed "
+            "straight ahead and near. {miss_class}: how a system failed.",
+            encounter=docs_link("encounter", "encounters"),
+            severity=docs_link("Severity", "severity"),
+            miss_class=docs_link("Miss class", "miss-classes"),
         )
     )
     draw_warnings(result)

@@ -23,11 +23,11 @@ def draw(result: Result) -> None:
     if (opened := listed.take_opened()) is not None:
         open_encounter(result, *opened)
     st.caption(
-        state.words(
-            "Could braking still have helped when a system had found the pedestrian? An encounter "
-            f"is {docs_link('urgent', 'the-last-chance')} if the car comes so near that a warning "
-            "is too late to stop. Where that begins is the last chance: before it the driver has "
-            "to be told."
+        state.say(
+            "Could braking still have helped when a system had found the {one}? An encounter is "
+            "{urgent} if the car comes so near that a warning is too late to stop. Where that "
+            "begins is the last chance: before it the driver has to be told.",
+            urgent=docs_link("urgent", "the-last-chance"),
         )
     )
     draw_warnings(result)

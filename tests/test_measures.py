@@ -25,6 +25,7 @@ from nvcore.measures import (
     measure_of,
     size_text,
 )
+from nvcore.objects import PEDESTRIAN
 from nvcore.report.matrix import PAIR_MEASURES
 from nvcore.report.tiles import KINDS
 from nvcore.report.verdict.words import QUALITIES
@@ -73,10 +74,11 @@ def test_no_key_and_no_name_of_a_rule_stands_twice():
 
 @pytest.mark.parametrize("measure", MEASURES, ids=key_of)
 def test_labels_name_only_what_a_result_has(measure: Measure, alone: Result):
-    label = measure.label.format_map(label_words(alone, "recordings"))
+    label = PEDESTRIAN.say(measure.label, **label_words(alone, "recordings"))
     assert label
     assert "{" not in label
-    assert measure.part.format_map(label_words(alone)) == measure.part
+    part = PEDESTRIAN.say(measure.part)
+    assert PEDESTRIAN.say(measure.part, **label_words(alone)) == part
 
 
 @pytest.mark.parametrize("measure", OF_SYSTEMS, ids=key_of)

@@ -21,12 +21,9 @@ from nvcore.metrics.proximity.horizon import estimate_horizons
 from nvcore.objects import SPEED_SIGN, objects_from
 from nvcore.settings import Settings
 from nvcore.time_left.kinds import Urgency
+from nvcore.time_left.steps import time_left_in
 
-OF_PEDESTRIANS = re.compile(
-    r"\b(pedestrians?|persons?|people(?! (drew|who annotated))|nobody(?! (annotated|drives))"
-    r"|him|his|whom|feet|ped)\b",
-    re.IGNORECASE,
-)
+OF_PEDESTRIANS = re.compile(r"\b(pedestrians?|persons?|him|his|whom|feet|ped)\b", re.IGNORECASE)
 
 
 def said_of_pedestrians(text: str) -> list[str]:
@@ -157,7 +154,7 @@ def test_what_is_about_the_road_is_left_out_of_signs():
     dataset = nv.load(SAMPLE).with_settings(Settings(x="FIR", y="NIR", objects=SPEED_SIGN))
     assert estimate_horizons(dataset) == (None,) * len(dataset.recordings)
     assert classes_of(dataset).members == {}
-    counts = nv.compare(dataset).time_left_in(result).count_urgency()
+    counts = time_left_in(nv.compare(dataset).result).count_urgency()
     assert counts[Urgency.UNKNOWN] == sum(counts.values())
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial, wraps
-from typing import TYPE_CHECKING, ParamSpec, cast
+from functools import partial
+from typing import TYPE_CHECKING
 
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import summarise_curve
@@ -32,9 +32,8 @@ from nvcore.figures.saliency import parts_plot, recency_plot
 from nvcore.figures.stability import stability_map
 from nvcore.figures.venn import venn_figure
 from nvcore.figures.weightings import weightings_plot
-from nvcore.figures.wording import worded
 from nvcore.metrics.cost_map import map_cost
-from nvcore.palette import Shade, Theme
+from nvcore.palette import Shade
 from nvcore.scoring import SystemResult
 from nvcore.stability.axes import Plane
 from nvcore.stability.map import map_stability
@@ -51,27 +50,8 @@ from nvcore.wording import MOST_NAMED, did_you_mean, listed
 if TYPE_CHECKING:
     import plotly.graph_objects as go
 
-P = ParamSpec("P")
 Recording = str | int
 """A recording's name, or its row in ``dataset.recordings``."""
-
-
-def _worded(make: Callable[P, go.Figure]) -> Callable[P, go.Figure]:
-    """The same figure in the words for the dataset's objects."""
-
-    @wraps(make)
-    def worded_figure(*arguments: P.args, **options: P.kwargs) -> go.Figure:
-        figures = cast("Figures", arguments[0])
-        return worded(make(*arguments, **options), figures._result.dataset)
-
-    return worded_figure
-
-
-def _worded_of_subject(
-    make: Callable[..., go.Figure], result: Result, theme: Theme, **options: object
-) -> go.Figure:
-    """A subject's figure in the words for the dataset's objects."""
-    return worded(make(result, theme=theme, **options), result.dataset)
 
 
 class Figures:
@@ -99,14 +79,13 @@ class Figures:
     def __getattr__(self, name: str) -> Callable[..., go.Figure]:
         for known in contributed("figures"):
             if name in known:
-                return partial(_worded_of_subject, known[name], self._result, self._theme)
+                return partial(known[name], self._result, theme=self._theme)
         raise AttributeError(f"there is no figure {name!r}; there are {', '.join(dir(self))}")
 
     def dark(self) -> Figures:
         """The same figures for a dark page."""
         return Figures(self._result, "dark")
 
-    @_worded
     def timeline(self, recording: Recording = 0, *, layout: TimeLayout = "time") -> go.Figure:
         """Similarity of X and Y over time, with low intervals and saliency events.
 
@@ -119,59 +98,59 @@ class Figures:
         """
         return similarity_plot(self._result, self._row(recording), theme=self._theme, layout=layout)
 
-    @_worded
     def losses(self, recording: Recording = 0) -> go.Figure:
         """What each frame loses to misses and to false alarms, 0 is best."""
         return loss_plot(self._result, self._row(recording), theme=self._theme)
 
-    @_worded
     def loss_strip(self) -> go.Figure:
         """Where to look first: over the time of every recording, what the worse system loses."""
         return loss_strip_plot(self._result, loss_strip(self._result), theme=self._theme)
 
-    @_worded
     def lanes(self, recording: Recording = 0) -> go.Figure:
         """When each pedestrian of a recording was matched or missed by X and by Y."""
         return lanes_figure(self._result, self._row(recording), theme=self._theme)
 
-    @_worded
     def venn(self) -> go.Figure:
         """Encounters by who detects them."""
-        return venn_figure(self._result.venn, self._names, theme=self._theme)
+        return venn_figure(
+            self._result.venn, self._names, theme=self._theme, objects=self._result.objects
+        )
 
-    @_worded
     def miss_classes(self) -> go.Figure:
         """How many encounters each system fails in which way."""
-        return miss_classes_plot(encounters_table(self._result), self._names, theme=self._theme)
+        return miss_classes_plot(
+            encounters_table(self._result),
+            self._names,
+            theme=self._theme,
+            objects=self._result.objects,
+        )
 
-    @_worded
     def lead_time(self) -> go.Figure:
         """How much earlier X matches a pedestrian than Y, in seconds."""
-        return lead_time_plot(encounters_table(self._result), theme=self._theme)
+        return lead_time_plot(
+            encounters_table(self._result), theme=self._theme, objects=self._result.objects
+        )
 
-    @_worded
     def positions(self) -> go.Figure:
         """Where in the picture each system misses encounters."""
-        return position_map(encounters_table(self._result), theme=self._theme)
+        return position_map(
+            encounters_table(self._result), theme=self._theme, objects=self._result.objects
+        )
 
-    @_worded
     def fusion(self) -> go.Figure:
         """What ``X or Y`` and ``X and Y`` would gain and cost."""
         return fusion_plot(fusion_table(self._result), theme=self._theme)
 
-    @_worded
     def recordings(self) -> go.Figure:
         """Mean similarity of X and Y in every recording."""
         return recordings_plot(recordings_table(self._result), self._names, theme=self._theme)
 
-    @_worded
     def saliency(self) -> go.Figure:
         """Saliency of X and Y in every recording, in seconds, 0 is best."""
         return recordings_plot(
             recordings_table(self._result), self._names, theme=self._theme, measure="saliency"
         )
 
-    @_worded
     def weightings(self, encounter: int | None = None) -> go.Figure:
         """The weight of one pedestrian over time, as height, horizon and distance tell it.
 
@@ -193,17 +172,14 @@ class Figures:
         weightings = compare_weightings(self._result, encounter)
         return weightings_plot(self._result, encounter, weightings, theme=self._theme)
 
-    @_worded
     def recency(self, recording: Recording | None = None) -> go.Figure:
         """The recency curve with every event on it; of one recording, or of all."""
         return recency_plot(self._result, theme=self._theme, recording=self._maybe_row(recording))
 
-    @_worded
     def saliency_parts(self, recording: Recording | None = None) -> go.Figure:
         """The most salient events taken apart; of one recording, or of all."""
         return parts_plot(self._result, theme=self._theme, recording=self._maybe_row(recording))
 
-    @_worded
     def curve(self, kind: CurveKind = "miss_rate") -> go.Figure:
         """A detection curve of X and Y under the session's protocol.
 
@@ -230,9 +206,9 @@ class Figures:
             summaries=legends,
             hint="",
             published=result.dataset.settings.published,
+            objects=self._result.objects,
         )
 
-    @_worded
     def subgroups(self, measure: str = "encounters_detected") -> go.Figure:
         """Difference X - Y of one measure with its 95 % interval, by group.
 
@@ -245,14 +221,12 @@ class Figures:
         table = subgroup_table(self._result, [measure], protocol=protocol)
         return subgroup_forest(table, theme=self._theme)
 
-    @_worded
     def stability(
         self, plane: Plane = "alpha-midpoint", criterion: Criterion = "similarity"
     ) -> go.Figure:
         """Who is better at other settings; see `nvcore.stability.map.map_stability`."""
         return stability_map(map_stability(self._result, plane, criterion), theme=self._theme)
 
-    @_worded
     def scores(self, letter: str = "x") -> go.Figure:
         """Scores of system ``"x"`` or ``"y"``, and which of them its threshold leaves."""
         system = self._system(letter)
@@ -264,7 +238,6 @@ class Figures:
             theme=self._theme,
         )
 
-    @_worded
     def false_alarms(self, letter: str = "x") -> go.Figure:
         """False alarms per minute that each threshold of system ``"x"`` or ``"y"`` leaves."""
         system = self._system(letter)
@@ -276,24 +249,21 @@ class Figures:
             theme=self._theme,
         )
 
-    @_worded
     def classes(self, letter: str = "x") -> go.Figure:
         """What the matches of system ``"x"`` or ``"y"`` were taken for, by the truth's classes."""
         system = self._system(letter)
         return classes_plot(classes_table(self._result), letter, system.name, theme=self._theme)
 
-    @_worded
     def proximity(self) -> go.Figure:
         """How much a pedestrian counts by how near it seems."""
         return proximity_plot(self._result.dataset, self._result.params, theme=self._theme)
 
-    @_worded
     def cost_map(self, recording: Recording = 0) -> go.Figure:
         """What missing a pedestrian would cost, by where in the picture the feet are."""
         result, row = self._result, self._row(recording)
         frames = result.dataset.frame_columns
         cost = map_cost(result.weighed_truth, frames, result.params, row)
-        return cost_plot(cost, theme=self._theme)
+        return cost_plot(cost, theme=self._theme, objects=self._result.objects)
 
     def _system(self, letter: str) -> SystemResult:
         sides = dict(self._result.sides)

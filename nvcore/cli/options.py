@@ -11,6 +11,7 @@ import click
 
 from nvcore.arguments import CORRECTIONS, FACTS, FRAMES, INPUTS, OTHER, OUTPUT, READING, Part
 from nvcore.inputs.facts import FRAME_NAMES
+from nvcore.objects import PEDESTRIAN
 from nvcore.params import AUDIT_SETTINGS, SETTINGS
 from nvcore.protocols import PROTOCOLS
 from nvcore.wording import listed, one_line
@@ -166,7 +167,7 @@ def _with_parameters(command: Callable[..., Any], names: Iterable[str]) -> Calla
     for name, setting in reversed([(name, SETTINGS[name]) for name in names]):
         number = int if setting.is_whole else float
         kind: Any = number if setting.words is None else click.Choice(list(setting.words))
-        text = setting.meaning
+        text = PEDESTRIAN.say(setting.meaning)
         if setting.default is not None:  # else the meaning says what replaces it
             text += f" Default: {setting.default} {setting.unit}".rstrip() + "."
         option = grouped_option(setting.group, flag_of(name), name, type=kind, help=text)

@@ -183,7 +183,7 @@ class DetectionCurve:
     def why_undefined(self) -> str | None:
         """Why areas and averages of the curve are undefined; None where they are defined."""
         if not self.n_truth:
-            return "no pedestrian counts under this protocol"
+            return "no box of the truth counts under this protocol"
         if not self.is_ranked:
             return "detections have no score: there are points, but no curve"
         return None

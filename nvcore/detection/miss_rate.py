@@ -8,6 +8,7 @@ import numpy as np
 
 from nvcore.detection.curves import DetectionCurve
 from nvcore.errors import ParameterError
+from nvcore.objects import Objects
 
 FPPI_REFERENCES: Final = np.logspace(-2.0, 0.0, 9)
 """Nine false positives per image, evenly spaced in logarithm: 10^-2, 10^-1.75, ..., 1."""
@@ -78,7 +79,7 @@ def explain_zero(rates: np.ndarray) -> str:
     """Why the log-average of these miss rates at the nine references is 0; "" where it is not."""
     is_zero = rates == 0
     if is_zero.all():
-        return f"nobody is missed at any of the {len(rates)} references"
+        return f"nothing is missed at any of the {len(rates)} references"
     if not is_zero.any():
         return ""
     return (
@@ -117,11 +118,11 @@ def explain_range(curve: DetectionCurve, rates: np.ndarray) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def explain_few(n_truth: int) -> str:
-    """A warning where few pedestrians count; "" from `FEW_PEDESTRIANS` on and without any."""
+def explain_few(n_truth: int, objects: Objects) -> str:
+    """A warning where few objects count; "" from `FEW_PEDESTRIANS` on and without any."""
     if not 0 < n_truth < FEW_PEDESTRIANS:
         return ""
     return (
-        f"few pedestrians: {n_truth}, a single miss changes the miss rate by "
+        f"few {objects.plural}: {n_truth}, a single miss changes the miss rate by "
         f"{100 / n_truth:.1f} percentage points"
     )

@@ -120,8 +120,7 @@ class DetectorJob:
 
         about = self.detector.about
         found = trained_findings(self.dataset, about.name, about.trained_on)
-        words = self.dataset.words
-        return [words(f"{finding.message} {finding.advice}") for finding in found]
+        return [f"{finding.message} {finding.advice}" for finding in found]
 
     def run(self, progress: Progress) -> WrittenRun:
         """Run the detector and write what comes out; errors as `detect`."""

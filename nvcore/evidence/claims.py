@@ -229,7 +229,7 @@ def _not_dominant(result: Result, candidates: Mapping[str, Claim]) -> dict[str, 
         other = "y" if claim.winner == "x" else "x"
         is_of_alarms = key == FALSE_ALERTS
         if is_of_alarms and n_matched[claim.winner] < n_matched[other]:
-            more = "also matches fewer pedestrians"
+            more = f"also matches fewer {result.objects.plural}"
         elif not is_of_alarms and n_alarms[claim.winner] > n_alarms[other]:
             more = "also has more false alarms"
         else:

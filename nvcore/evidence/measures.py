@@ -242,8 +242,9 @@ def judge_encounters(result: Result, key: str = "encounters_detected") -> Eviden
     notes = [test.reason]
     if result.is_short:
         notes.append(
-            "most encounters are one frame long, so they are frames rather than persons, and not "
-            "independent: go by the measure by recordings or blocks"
+            f"most encounters are one frame long, so they are frames rather than "
+            f"{result.objects.plural}, and not independent: go by the measure by recordings or "
+            "blocks"
         )
     return Evidence(
         figure=key,

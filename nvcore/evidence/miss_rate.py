@@ -52,6 +52,9 @@ def log_average_miss_rate_measure(
     return UnitMeasure(KEY, _label(protocol), better, x, y, statistic=_log_average)
 
 
+NEEDED: Final = "the log-average miss rate needs {many} that count, and detections with scores"
+
+
 def judge_miss_rate(
     result: Result,
     units: Units,
@@ -78,17 +81,16 @@ def judge_miss_rate(
     units = units_within(result, units, recordings)
     measure = log_average_miss_rate_measure(result, units, protocol)
     if measure is None:
-        return undefined(
-            "the log-average miss rate needs pedestrians that count, and detections with scores"
-        )
+        return undefined(result.objects.say(NEEDED))
     evidence = judge_measure(measure, units, has_interval=has_interval)
     sums = (measure.x.sum(axis=0), measure.y.sum(axis=0))
     evidence = replace(evidence, doubt=_doubt(evidence, *(_reach(totals) for totals in sums)))
     notes = [evidence.note]
     n_with = np.count_nonzero(measure.x[:, 1])
     if np.isnan(evidence.low) and n_with < len(units):
-        notes.append(f"only {n_with} of {len(units)} {units.kind} have pedestrians that count")
-    notes.append(explain_few(int(sums[0][1])))
+        many = result.objects.plural
+        notes.append(f"only {n_with} of {len(units)} {units.kind} have {many} that count")
+    notes.append(explain_few(int(sums[0][1]), result.objects))
     for letter, system_sums in zip("XY", sums, strict=True):
         why_zero = explain_zero(_rates(system_sums))
         notes.append(f"log-average miss rate of {letter}: {why_zero}" if why_zero else "")

@@ -231,7 +231,8 @@ def _claims(result: Result, evidence: pd.DataFrame) -> dict[str, str]:
     names = {letter.upper(): system.name for letter, system in result.sides}
     better = {CLAIMED[claim.key]: names[claim.winner.upper()] for claim in support.claims}
     reasons = [
-        f"{inference_of(key).noun} ({_named(why, names)})" for key, why in support.withheld.items()
+        f"{result.objects.say(inference_of(key).noun)} ({_named(why, names)})"
+        for key, why in support.withheld.items()
     ]
     return {**better, "withheld": "; ".join(reasons)}
 

@@ -142,7 +142,7 @@ def _judge_part(
             return _miss_rate(result, part, units, protocol)
         measure = of_units[key]
         if inference.not_of_pedestrians and not part.has_frames:
-            why = inference.not_of_pedestrians
+            why = result.objects.say(inference.not_of_pedestrians)
             return Evidence.undefined(
                 measure.key, measure.label, measure.better, unit=units.kind, note=why
             )

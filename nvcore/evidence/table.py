@@ -74,5 +74,4 @@ def mark_undecided(result: Result, table: pd.DataFrame) -> pd.DataFrame:
             table["figure"], is_defined, table["note"], doubts, strict=True
         )
     ]
-    words = result.dataset.words
-    return table.assign(label=table["label"].map(words), note=[words(note) for note in notes])
+    return table.assign(note=notes)

@@ -9,6 +9,7 @@ import plotly.graph_objects as go
 
 from nvcore.figures.style import HEADING_PX, LOOK, axis, draw, loss_scale
 from nvcore.metrics.cost_map import CostMap
+from nvcore.objects import Objects
 from nvcore.palette import Theme
 
 SMALL_PX: Final = 190
@@ -16,12 +17,12 @@ STEP: Final = 0.1
 """Between the lines of equal cost."""
 
 
-def cost_plot(cost_map: CostMap, *, theme: Theme) -> go.Figure:
+def cost_plot(cost_map: CostMap, *, theme: Theme, objects: Objects) -> go.Figure:
     """Cost of missing a pedestrian, 0 to 1, by lateral position and row of the feet.
 
     As the picture is seen: the lower, the nearer. Empty where nobody can stand.
     """
-    look = LOOK[theme]
+    look, feet = LOOK[theme], objects.say("{feet}")
     line = {"width": 0.6, "color": look.surface}
     font = {"size": 11, "color": look.muted}
     costs = go.Contour(
@@ -34,7 +35,7 @@ def cost_plot(cost_map: CostMap, *, theme: Theme) -> go.Figure:
         line=line,
         colorscale=loss_scale(theme),
         colorbar={"tickvals": [0, 0.5, 1], "tickfont": font, "thickness": 8, "outlinewidth": 0},
-        hovertemplate="feet at x %{x:.0f}, row %{y:.0f}: cost %{z:.2f}<extra></extra>",
+        hovertemplate=feet + " at x %{x:.0f}, row %{y:.0f}: cost %{z:.2f}<extra></extra>",
         name="cost",
     )
     across, down = (_span(centres) for centres in (cost_map.centre_px, cost_map.foot_px))
@@ -45,7 +46,7 @@ def cost_plot(cost_map: CostMap, *, theme: Theme) -> go.Figure:
         height=SMALL_PX + HEADING_PX,
         margin={"l": 40, "r": 4, "t": 8 + HEADING_PX, "b": 38},
         xaxis=axis(theme, "lateral position (px)", range=across, fixedrange=True, showgrid=False),
-        yaxis=axis(theme, "feet (row)", range=down[::-1], fixedrange=True, showgrid=False),
+        yaxis=axis(theme, f"{feet} (row)", range=down[::-1], fixedrange=True, showgrid=False),
     )
 
 

@@ -22,6 +22,7 @@ from nvcore.figures.style import (
     plain,
     system_label,
 )
+from nvcore.objects import Objects
 from nvcore.palette import Theme
 from nvcore.schema import MISS_CLASS_TEXT, Category, MissClass
 from nvcore.wording import count_text
@@ -130,7 +131,7 @@ MAP_SIZES: Final = (6.0, 22.0)
 
 
 def miss_classes_plot(
-    encounters: pd.DataFrame, names: tuple[str, str], *, theme: Theme
+    encounters: pd.DataFrame, names: tuple[str, str], *, theme: Theme, objects: Objects
 ) -> go.Figure:
     """How many encounters have which miss class, X against Y; `customdata` is the class.
 
@@ -174,7 +175,8 @@ def miss_classes_plot(
                 textposition="outside",
                 cliponaxis=False,
                 hovertext=[
-                    f"{MISS_CLASS_TEXT[kind]}<br>severity in all {severity_s[kind]:.2f} s"
+                    f"{objects.say(MISS_CLASS_TEXT[kind])}<br>"
+                    f"severity in all {severity_s[kind]:.2f} s"
                     for kind in MissClass
                 ],
                 hovertemplate=f"{letter.upper()}: %{{y}}<br>%{{hovertext}}<extra></extra>",
@@ -210,7 +212,7 @@ def lead_bins(lead_s: np.ndarray) -> tuple[np.ndarray, float]:
     return np.arange(-half, half + 1) * width, width
 
 
-def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
+def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme, objects: Objects) -> go.Figure:
     """How much earlier X matches an encounter than Y; right of 0 X is first.
 
     Parameters
@@ -253,7 +255,7 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
     return draw(
         traces,
         theme,
-        title="Who sees a pedestrian first",
+        title=objects.say("Who sees {a_one} first"),
         subtitle=(
             f"{matched}: X first in {int((lead_s > 0).sum())}, Y in {int((lead_s < 0).sum())}; "
             f"median {np.median(lead_s) + 0.0:+.2f} s"
@@ -268,7 +270,7 @@ def _severities(row: Any) -> str:
     return f"severity X {row.severity_s_x:.2f} s, Y {row.severity_s_y:.2f} s"
 
 
-def position_map(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
+def position_map(encounters: pd.DataFrame, *, theme: Theme, objects: Objects) -> go.Figure:
     """Where in the picture each system misses: sideways position by height.
 
     `customdata` is the row of the encounter (the index of the table).
@@ -298,7 +300,7 @@ def position_map(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
             part = part.iloc[:MAX_MARKS]
         n_drawn += len(part)
         text = [
-            f"{plain(row.recording)}, pedestrian {row.track}: {words}<br>"
+            f"{plain(row.recording)}, {objects.singular} {row.track}: {words}<br>"
             f"{row.peak_height:.0f} px tall"
             + ("" if np.isnan(row.severity_s_x) else f"<br>{_severities(row)}")
             for row in part.itertuples(index=False)
@@ -324,7 +326,7 @@ def position_map(encounters: pd.DataFrame, *, theme: Theme) -> go.Figure:
     return draw(
         traces,
         theme,
-        title="Where pedestrians are missed",
+        title=f"Where {objects.plural} are missed",
         subtitle=f"{extent}; colour: the system that misses, size: severity",
         height=430,
         showlegend=True,

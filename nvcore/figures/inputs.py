@@ -146,11 +146,14 @@ def proximity_plot(dataset: Dataset, params: Params, *, theme: Theme) -> go.Figu
     By height or depth below the horizon in pixels, or by distance in metres, as `params` say.
     Where the recordings' sizes make several sigmoids, the first `N_CURVES` are drawn.
     """
+    objects = dataset.objects
     if params.proximity == "none":
-        return empty_figure("Every pedestrian counts the same.", theme=theme, height=SMALL_PX)
+        text = f"Every {objects.singular} counts the same."
+        return empty_figure(text, theme=theme, height=SMALL_PX)
     size, curves, title = _sizes_and_curves(dataset, params)
     if not len(size):
-        return empty_figure("The truth has no pedestrian to show.", theme=theme, height=SMALL_PX)
+        text = f"The truth has no {objects.singular} to show."
+        return empty_figure(text, theme=theme, height=SMALL_PX)
     look = LOOK[theme]
     end = 1.02 * float(max(size.max(), *(zero + 3 * abs(spread) for zero, spread in curves)))
     n, edges = np.histogram(size, bins=N_BINS, range=(min(0.0, float(size.min())), end))
@@ -163,7 +166,7 @@ def proximity_plot(dataset: Dataset, params: Params, *, theme: Theme) -> go.Figu
             marker={"color": faded(look.truth, 0.28), "line": {"width": 0}},
             customdata=n,
             hovertemplate="%{customdata:,} boxes of about %{x:.0f}<extra></extra>",
-            name="pedestrians",
+            name=objects.plural,
             showlegend=False,
         )
     ]

@@ -40,7 +40,7 @@ SHIFT: Final = 0.03
 """How far from the curve the marks of X and Y stand apart from each other."""
 MANY_RECORDINGS: Final = 100
 """Recordings above which the marks of the plane are small and faint."""
-NO_EVENTS: Final = "No saliency events: no pedestrian is missed by more than the tolerance."
+NO_EVENTS: Final = "No saliency events: no {one} is missed by more than the tolerance."
 
 
 def _events_in(result: Result, letter: str, recording: int | None) -> pd.DataFrame:
@@ -57,9 +57,9 @@ def _most_salient(result: Result, letter: str, recording: int | None, most: int)
     events = events.sort_values("saliency_s", ascending=False, kind="stable").head(most)
     names = result.dataset.recordings["name"].to_numpy()[events["recording"].to_numpy()]
     start_s = result.dataset.frames["time_s"].to_numpy()[events["first_row"].to_numpy()]
-    is_risk = result.params.saliency_weight == "risk"
+    is_risk, one = result.params.saliency_weight == "risk", result.objects.singular
     text = [
-        f"{letter.upper()} misses pedestrian {track}<br>{plain(name)} at {start:.2f} s<br>"
+        f"{letter.upper()} misses {one} {track}<br>{plain(name)} at {start:.2f} s<br>"
         + (f"for {duration:.2f} s, weight {weight:.2f} s<br>" if is_risk else "")
         + f"{weight:.2f} s × recency {recency:.2f} = {saliency:.2f} s"
         for name, track, start, duration, weight, recency, saliency in zip(
@@ -162,7 +162,7 @@ def parts_plot(
     n
         Events of each system.
     """
-    look = LOOK[theme]
+    look, short = LOOK[theme], result.objects.say("{short}")
     traces: list[go.Bar] = []
     labels: list[str] = []
     for letter, system in result.sides:
@@ -172,7 +172,7 @@ def parts_plot(
             events["name"], events["track"], events["start_s"], strict=True
         ):
             where = "" if recording is not None else f"{plain(name, max_length=20)}, "
-            labels.append(f"{where}ped {plain(track, max_length=8)}, {start:.1f} s")
+            labels.append(f"{where}{short} {plain(track, max_length=8)}, {start:.1f} s")
         colour = look.of(letter)
         for column, fill in (("weight_s", faded(colour, 0.22)), ("saliency_s", colour)):
             marker = steady_marker(color=fill, line={"width": 1, "color": colour}, cornerradius=2)
@@ -192,7 +192,7 @@ def parts_plot(
                 )
             )
     if not labels:
-        return empty_figure(NO_EVENTS, theme=theme)
+        return empty_figure(result.objects.say(NO_EVENTS), theme=theme)
     is_risk = result.params.saliency_weight == "risk"
     what = "the largest counts" if result.params.saliency_aggregate == "max" else "their sum counts"
     height = 150 + 24 * len(labels)

@@ -77,7 +77,7 @@ EVIDENCE_KEYS: Final = tuple(sorted(_INFERENCE, key=lambda key: not key.startswi
 
 
 def label_words(result: Result, units: str = "") -> dict[str, Any]:
-    """Settings and counts of a result that labels contain.
+    """Settings and counts of a result that labels contain, beside the words of its objects.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ def evidence_label(key: str, result: Result, units: str) -> str:
         What is resampled: ``recordings`` or ``blocks``.
     """
     template = inference_of(key).label or _BY_KEY[key].label
-    return template.format_map(label_words(result, units))
+    return result.objects.say(template, **label_words(result, units))
 
 
 def difference_text(value: float, key: str) -> str:

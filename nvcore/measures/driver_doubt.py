@@ -49,9 +49,8 @@ def doubt_of_estimator(result: Result) -> str:
     if estimate is None or is_stated(result):
         return ""
     if estimate.of_no_use:
-        return (
-            "as a whole the estimator is no better than a constant on pedestrians that it had not "
-            "seen"
+        return result.objects.say(
+            "as a whole the estimator is no better than a constant on {many} that it had not seen"
         )
     if estimate.simulated == "all":
         return "the estimator learnt from simulated subjects alone, not from people"

@@ -128,8 +128,8 @@ class Measure:
     key
         Its name in files and rules; a dot marks a nested entry of ``summary.json``.
     label
-        Its name for people, with unit and denominator. May contain ``{low}``, ``{aggregate}``,
-        ``{n_near}`` and ``{n_boxes}`` (`label_words`).
+        Its name for people, with unit and denominator: a template with words of the objects, as all
+        texts here, and with those of `label_words` (``{low}``, ``{n_near}``).
     form
         Format specification of its values; ``d``: whole numbers.
     better

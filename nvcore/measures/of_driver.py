@@ -193,7 +193,7 @@ DRIVER_MEASURES: Final[tuple[Measure, ...]] = (
         inference=Inference(
             test="encounters",
             scale=_SHARE,
-            label="share detected of whom the driver does not see, within these recordings",
+            label="share detected of {what} the driver does not see, within these recordings",
             form=".1%",
             split=lambda result: split_unseen(driver_in(result).venn),
             per="n_unseen",
@@ -202,7 +202,7 @@ DRIVER_MEASURES: Final[tuple[Measure, ...]] = (
     ),
     Measure(
         key="useful_alerts_by_unit",
-        label="share detected of whom the driver does not see, by {units}",
+        label="share detected of {what} the driver does not see, by {units}",
         form=".1%",
         better=HIGHER,
         stages=(ENCOUNTERS, DRIVER),
@@ -232,7 +232,7 @@ DRIVER_MEASURES: Final[tuple[Measure, ...]] = (
         "redundant alerts: detected, of {n_seen:,} that the driver sees",
         "",
         "Encounters that the system detects and the driver sees by himself, if not always while "
-        "the car can still stop. How many there are depends on whom the driver sees, too.",
+        "the car can still stop. How many there are depends on {what} the driver sees, too.",
         part="redundant alerts: detected, seen by the driver anyway",
     ),
     _count(

@@ -107,16 +107,16 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
     ),
     Measure(
         key="saliency_relevant_share",
-        label="time of the events in which the pedestrian counts",
-        part="of the events' time, pedestrian counts",
+        label="time of the events in which the {one} counts",
+        part="of the events' time, {one} counts",
         form=".0%",
         better="",
         stages=(EVENTS,),
         is_worsened_by_alarms=False,
         of=lambda _, system: relevant_share(system),
         unit="0 to 1",
-        meaning="Share of the events' time in which the missed pedestrian counts (k >= 0.5). The "
-        "rest is of pedestrians far away.",
+        meaning="Share of the events' time in which the missed {one} counts (k >= 0.5). The "
+        "rest is of {many} far away.",
         empty="no events",
         tables=(MeasureTable.SCORECARD,),
     ),
@@ -160,7 +160,7 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
     ),
     Measure(
         key="severity_s",
-        label="severity of missed pedestrians (s)",
+        label="severity of missed {many} (s)",
         form=".2f",
         better=LOWER,
         stages=(SEVERITY,),
@@ -169,7 +169,7 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         of=lambda _, system: float(system.failures["severity_s"].sum()),
         unit="s",
         meaning="What the failures weigh: the sum of cost * time step over the frames that count "
-        "in which a pedestrian was not matched, of all encounters. 1 s is one second of a "
+        "in which {a_one} was not matched, of all encounters. 1 s is one second of a "
         "full-weight miss.",
         by_recording=severity_by_recording,
         tables=(MeasureTable.SCORECARD,),
@@ -208,10 +208,10 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         inference=Inference(
             test="units",
             scale=AxisScale(".2f", least=0.1, least_reach=0.01, unit="seconds"),
-            label="severity of missed pedestrians per encounter (s)",
+            label="severity of missed {many} per encounter (s)",
             parts=severity_parts,
             per="n_encounters",
-            noun="severity of missed pedestrians",
+            noun="severity of missed {many}",
             noun_unit=" s per encounter",
             needs_tracks=True,
         ),
@@ -243,7 +243,7 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         is_worsened_by_alarms=False,
         of=lambda _, system: int(system.matched.sum()),
         unit="boxes",
-        meaning="Annotated pedestrian boxes matched, those too far to count as well.",
+        meaning="Annotated {one} boxes matched, those too far to count as well.",
         tables=(MeasureTable.SCORECARD,),
     ),
 )

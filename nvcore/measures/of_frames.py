@@ -23,7 +23,7 @@ from nvcore.measures.values import (
 )
 from nvcore.params.metadata import LOW, MATCH, PROXIMITY, SIMILARITY
 
-_NO_FRAMES_OF_GROUPS: Final = "a frame belongs to no group of pedestrians"
+_NO_FRAMES_OF_GROUPS: Final = "a frame belongs to no group of {many}"
 
 FRAME_MEASURES: Final[tuple[Measure, ...]] = (
     Measure(

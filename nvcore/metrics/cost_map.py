@@ -68,15 +68,15 @@ class CostMap:
 
     @property
     def text(self) -> str:
-        """In words, what the weight follows from."""
+        """What the weight follows from; a template with words of the objects."""
         boxes = count_text(self.n_boxes, "box", "boxes")
         return {
             "height": f"height by foot row, a line through {boxes} of this recording",
             "distance": f"distance by foot row, a line through {boxes} of this recording",
-            "horizon": "depth of the feet below the horizon",
-            "none": "everybody weighs the same",
-            "one height": f"by lateral position only, for a pedestrian {self.height_px:.0f} px "
-            "tall: no line goes through the boxes of this recording",
+            "horizon": "depth of the {feet} below the horizon",
+            "none": "{everybody} weighs the same",
+            "one height": f"by lateral position only, for {{a_one}} {self.height_px:.0f} px tall: "
+            "no line goes through the boxes of this recording",
         }[self.basis]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
@@ -10,7 +10,6 @@ import numpy as np
 
 from nvcore.columns import BoxColumns
 from nvcore.comparison import Result
-from nvcore.dataset import Dataset
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.metrics.matching import iou_of_pairs
 from nvcore.metrics.proximity import in_use
@@ -63,7 +62,7 @@ def explain_boxes(result: Result, row: int) -> list[BoxReason]:
     for letter in "xy":
         states = frame.state[letter]
         reasons += [_detection(frame, letter, int(i)) for i in np.flatnonzero(states)]
-    return [_worded(reason, result.dataset) for reason in reasons]
+    return reasons
 
 
 def explain_similarity(result: Result, row: int, letter: str) -> str:
@@ -87,7 +86,8 @@ def explain_similarity(result: Result, row: int, letter: str) -> str:
     if loss_false >= SMALL:
         texts.append(f"False alarms take {loss_false:.3f}, the largest cost of one detection.")
     if not texts:
-        texts.append("Nothing that costs is missed, and no detection is far from everybody.")
+        text = "Nothing that costs is missed, and no detection is far from {everybody}."
+        texts.append(result.objects.say(text))
     n_missed = int(np.count_nonzero(frame.missed(letter)))
     n_far = int(np.count_nonzero(frame.missed(letter) & (frame.k < RELEVANT_K)))
     if n_far:
@@ -97,7 +97,7 @@ def explain_similarity(result: Result, row: int, letter: str) -> str:
             f"{who} not detected {'is' if n_far == 1 else 'are'} too far to count (weight below "
             f"{RELEVANT_K:g})."
         )
-    return result.dataset.words(" ".join(texts))
+    return " ".join(texts)
 
 
 class _Frame:
@@ -142,7 +142,8 @@ class _Frame:
 
     def name(self, i: int) -> str:
         track = int(self.result.tracks.track[self.rows["truth"]][i])
-        return "this pedestrian" if track < 0 else f"pedestrian {track}"
+        one = self.result.objects.singular
+        return f"this {one}" if track < 0 else f"{one} {track}"
 
     def is_matched(self, letter: str, i: int) -> bool:
         return bool(self.truth_state[letter][i] == TruthState.MATCHED)
@@ -215,7 +216,8 @@ def _what_system_did(frame: _Frame, letter: str, i: int) -> str:
             f"{number(float(frame.boxes[letter].score[best]), '.2f')}, below the threshold of "
             f"{number(system.threshold, '.2f')}"
         )
-    return f"{text}; the one with IoU {overlaps[best]:.2f} is matched to somebody else"
+    somebody = frame.result.objects.say("{somebody}")
+    return f"{text}; the one with IoU {overlaps[best]:.2f} is matched to {somebody} else"
 
 
 def _cost(frame: _Frame, letter: str, i: int) -> str:
@@ -247,14 +249,15 @@ def _mark(frame: _Frame, i: int) -> list[str]:
     text = f"▼ Costs {' and '.join(letters)} the most in this frame"
     if frame.is_relevant[i]:
         return [text]
-    return [f"{text}. The mark goes by cost alone: also somebody too far to count can have it"]
+    somebody = frame.result.objects.say("{somebody}")
+    return [f"{text}. The mark goes by cost alone: also {somebody} too far to count can have it"]
 
 
 def _failure(result: Result, letter: str, encounter: int) -> str:
     """How the system did in the whole encounter."""
     system, name = result.system(letter), letter.upper()
     kind = MissClass(system.encounters["miss_class"].iloc[encounter])
-    text = MISS_CLASS_TEXT[kind].rstrip(".")
+    text = result.objects.say(MISS_CLASS_TEXT[kind]).rstrip(".")
     text = f"{name} in the whole encounter: {text[0].lower()}{text[1:]}"
     return f"{text}; severity {float(system.failures['severity_s'].iloc[encounter]):.2f} s"
 
@@ -281,18 +284,13 @@ def _detection(frame: _Frame, letter: str, j: int) -> BoxReason:
         encounter = int(result.encounters.encounter_of[truth])
         title = f"Detection of {name}: matches {frame.name(i)}"
         return BoxReason(title, tuple(lines), encounter, int(frame.tracks[i]), i)
-    away = f"{nearest:.0f} px to the nearest pedestrian" if np.isfinite(nearest) else "nobody there"
+    one, nobody = result.objects.singular, result.objects.say("{nobody}")
+    away = f"{nearest:.0f} px to the nearest {one}" if np.isfinite(nearest) else f"{nobody} there"
     best = f"; best IoU {overlaps.max():.2f}" if len(overlaps) and overlaps.any() else ""
-    lines.append(f"Matches nobody: {away}{best}")
+    lines.append(f"Matches {nobody}: {away}{best}")
     lines.append(
         f"Costs {loss:.3f} of {name}'s similarity, if no other false alarm costs more"
         if loss >= SMALL
         else f"Takes nothing of {name}'s similarity"
     )
     return BoxReason(f"Detection of {name}: false alarm", tuple(lines))
-
-
-def _worded(reason: BoxReason, dataset: Dataset) -> BoxReason:
-    """The reason in the words for the dataset's objects."""
-    lines = tuple(map(dataset.words, reason.lines))
-    return replace(reason, title=dataset.words(reason.title), lines=lines)

@@ -32,7 +32,7 @@ class JudgingSettings:
         "iou",
         words={"iou": "overlap of the boxes", "lateral": "sideways position"},
         label="A detection matches by",
-        meaning="When a detection matches a pedestrian: by overlap of the boxes (iou) or by "
+        meaning="When a detection matches {a_one}: by overlap of the boxes (iou) or by "
         "sideways position alone (lateral).",
         is_advanced=True,
     )
@@ -51,7 +51,7 @@ class JudgingSettings:
         unit="of image width",
         used_with=("match", ("lateral",)),
         label="Largest sideways offset (of width)",
-        meaning="Largest sideways offset of a match by lateral position; half the pedestrian's "
+        meaning="Largest sideways offset of a match by lateral position; half the {one}'s "
         "width is always allowed.",
         is_advanced=True,
     )
@@ -59,10 +59,10 @@ class JudgingSettings:
         MATCH,
         "any",
         words={"any": "of any class", "same": "of its own class alone"},
-        label="A detection matches pedestrians",
-        meaning="Which pedestrians a detection can match: of any class (any), or of its own alone "
+        label="A detection matches {many}",
+        meaning="Which {many} a detection can match: of any class (any), or of its own alone "
         "(same). With same, a speed sign whose limit is read wrong is missed, and the detection is "
-        "a false alarm. A pedestrian whose class is not known is matched by any detection.",
+        "a false alarm. {A_one} whose class is not known is matched by any detection.",
         is_advanced=True,
     )
     coverage: float = share(
@@ -82,8 +82,7 @@ class JudgingSettings:
         step=0.1,
         unit="s",
         label="Late after",
-        meaning="A first match later than this after the pedestrian came near enough to count is "
-        "late.",
+        meaning="A first match later than this after the {one} came near enough to count is late.",
         is_advanced=True,
     )
     gap_s: float = setting(

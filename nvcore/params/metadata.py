@@ -79,7 +79,8 @@ class Setting:
     default
         None: taken from the data, or not applied.
     label
-        What a widget calls it, without a unit that `label_with_unit` adds.
+        What a widget calls it, without a unit that `label_with_unit` adds. This and the next two
+        are templates with words of the objects (`nvcore.wording.objects`).
     meaning
         In whole sentences, for help texts.
     words

@@ -70,7 +70,7 @@ PRESETS: Final = (
     ),
     Preset(
         "Urban",
-        "Low speed: a pedestrian counts half at 15 % of the tallest picture's height, a "
+        "Low speed: {a_one} counts half at 15 % of the tallest picture's height, a "
         "miss on the far sidewalk costs little.",
         edge_weight=0.0,
         midpoint_share=0.15,
@@ -78,7 +78,7 @@ PRESETS: Final = (
     ),
     Preset(
         "Rural",
-        "High speed: a pedestrian counts half at 6 % of the tallest picture's height, and a miss "
+        "High speed: {a_one} counts half at 6 % of the tallest picture's height, and a miss "
         "at the road's edge costs as much as one straight ahead.",
         edge_weight=1.0,
         midpoint_share=0.06,

@@ -93,11 +93,11 @@ class SaliencySettings:
         "most_salient",
         words={
             "most_salient": "the most salient miss of a frame",
-            "each": "each missed pedestrian",
+            "each": "each missed {one}",
         },
         label="Events are of",
-        meaning="Whose misses make saliency events: of the most salient pedestrian of each frame "
-        "alone (most_salient, the paper), or of each pedestrian (each), so that two who are missed "
+        meaning="Whose misses make saliency events: of the most salient {one} of each frame "
+        "alone (most_salient, the paper), or of each {one} (each), so that two {who} are missed "
         "side by side do not cut each other's events.",
         is_advanced=True,
     )
@@ -107,7 +107,7 @@ class SaliencySettings:
         words={"time": "its duration", "risk": "its weighted distance over time"},
         label="An event weighs by",
         meaning="What an event weighs by: its duration (time, the paper), or the sum of its "
-        "weighted distance over time (risk), so that a far pedestrian counts little.",
+        "weighted distance over time (risk), so that a far {one} counts little.",
         is_advanced=True,
     )
     saliency_aggregate: Aggregate = setting(
@@ -123,7 +123,7 @@ class SaliencySettings:
         "recording",
         words={"recording": "the recording", "encounter": "the encounter"},
         label="Recency runs over",
-        meaning="What recency runs over: the whole recording (a clip) or the pedestrian's own "
+        meaning="What recency runs over: the whole recording (a clip) or the {one}'s own "
         "encounter (long drives).",
         is_advanced=True,
     )

@@ -34,7 +34,7 @@ class SimilaritySettings:
         "lateral",
         words={"lateral": "sideways position", "ground": "foot points in the picture"},
         label="Distance",
-        meaning="How far a detection is from a pedestrian: sideways only (lateral) or between foot "
+        meaning="How far a detection is from {a_one}: sideways only (lateral) or between foot "
         "points in the picture (ground).",
         is_advanced=True,
         is_audited=True,
@@ -45,7 +45,7 @@ class SimilaritySettings:
         words={"nearest": "the nearest box", "matched": "its own match (strict)"},
         label="Distances are measured to",
         meaning="What the distance of a box is measured to: the nearest box of the other set "
-        "(nearest, the paper), so that a false alarm beside a missed pedestrian raises similarity; "
+        "(nearest, the paper), so that a false alarm beside a missed {one} raises similarity; "
         "or the box that matches it (matched, strict), where it cannot.",
         is_advanced=True,
     )
@@ -69,7 +69,7 @@ class SimilaritySettings:
             "none": "nothing: all count the same",
         },
         label="What tells how near",
-        meaning="What tells how near a pedestrian is: the box's height, its foot point below the "
+        meaning="What tells how near {a_one} is: the box's height, its foot point below the "
         "horizon, the distance in metres, or none (all count the same).",
     )
     midpoint: float | None = setting(
@@ -81,7 +81,7 @@ class SimilaritySettings:
         height_share=MIDPOINT_SHARE,
         used_with=("proximity", ("height", "horizon")),
         label="Counts half at",
-        meaning="Height (or depth below the horizon) at which a pedestrian counts half. Default: "
+        meaning="Height (or depth below the horizon) at which {a_one} counts half. Default: "
         "10 % of the image height.",
     )
     spread: float | None = setting(
@@ -105,7 +105,7 @@ class SimilaritySettings:
         unit="m",
         used_with=("proximity", ("distance",)),
         label="Counts half at",
-        meaning="Distance at which a pedestrian counts half, for proximity by distance.",
+        meaning="Distance at which {a_one} counts half, for proximity by distance.",
     )
     spread_m: float = setting(
         PROXIMITY,
@@ -123,11 +123,11 @@ class SimilaritySettings:
     missing_distance: MissingDistance = setting(
         PROXIMITY,
         "height",
-        words={"height": "his height", "borrow": "the distance of his matches"},
+        words={"height": "{his} height", "borrow": "the distance of {his} matches"},
         used_with=("proximity", ("distance",)),
         label="Without a distance, weigh by",
-        meaning="What weighs a pedestrian who has no distance in the ground truth: his height "
-        "(height), or the distance that the systems report of him, borrowed along his track "
+        meaning="What weighs {a_one} {who} has no distance in the ground truth: {his} height "
+        "(height), or the distance that the systems report of {him}, borrowed along {his} track "
         "(borrow).",
     )
     horizon: float | None = setting(

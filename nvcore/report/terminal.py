@@ -75,7 +75,7 @@ def render_scorecard(
     companions = find_companions(result, evidence) if companions is None else companions
     plan = verdict_plan(result, evidence, companions) if plan is None else plan
     conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
-    caveat = saliency_caveat(result.params)
+    caveat = result.objects.say(saliency_caveat(result.params))
     parts = [
         _heading(result),
         _marked(result, _table(result)),
@@ -86,7 +86,7 @@ def render_scorecard(
         *(_worst(result, letter, system) for letter, system in result.sides),
         render_verdict(conclusion),
     ]
-    return result.dataset.words("\n\n".join(parts))
+    return "\n\n".join(parts)
 
 
 def render_verdict(conclusion: Verdict) -> str:
@@ -152,7 +152,7 @@ def render_horizons(dataset: Dataset) -> str:
     """Where the horizon seems to be in recordings that do not state it; empty: nothing to say."""
     is_open = dataset.recordings["horizon"].isna()
     horizons = [
-        f"{name}: {dataset.words(horizon.text)}"
+        f"{name}: {dataset.objects.say(horizon.text)}"
         for name, horizon, is_asked in zip(
             dataset.recordings["name"], estimate_horizons(dataset), is_open, strict=True
         )
@@ -173,19 +173,16 @@ def render_horizons(dataset: Dataset) -> str:
 
 def render_inputs(result: Result) -> str:
     """`render_dataset`, and the gaps that the analysis had to fill."""
-    words = result.dataset.words
     lines = [render_dataset(result.dataset)]
     n = len(result.tracks.linked_recordings)
     if n:
         lines.append(
-            words(
-                f"the truth of {n} recording{'s' if n > 1 else ''} has pedestrians without "
-                "track ids: they were linked to encounters by overlap from frame to frame"
-            )
+            f"the truth of {n} recording{'s' if n > 1 else ''} has {result.objects.plural} without "
+            "track ids: they were linked to encounters by overlap from frame to frame"
         )
     borrowed = result.borrowed
     if borrowed is not None and borrowed.n_borrowed + borrowed.n_unknown:
-        lines.append(words(borrowed.text))
+        lines.append(borrowed.text)
     for of_source, without in (
         ("of the truth", result.k_truth.n_without_distance),
         ("of X", result.x.weights.n_without_distance),
@@ -209,7 +206,7 @@ def _heading(result: Result) -> str:
     lines.append(
         f"{n_recordings} recording{'s' if n_recordings > 1 else ''}, "
         f"{n_frames_text(result)}, {result.duration_s:,.1f} s, "
-        f"{int(result.n_truth.sum()):,} pedestrian boxes, {result.venn.n_near:,} "
+        f"{int(result.n_truth.sum()):,} {result.objects.singular} boxes, {result.venn.n_near:,} "
         f"encounter{'s' if result.venn.n_near != 1 else ''} "
         f"(and {result.venn.distant:,} distant, not counted)"
     )
@@ -266,8 +263,8 @@ def _venn(result: Result) -> str:
     lines = [
         f"encounters detected by: {detected_text(result)} "
         f"({result.venn.distant:,} distant, not counted)",
-        "severity (1 s: a pedestrian straight ahead and near is missed for 1 s), of encounters "
-        f"detected by {weights_text(result)}",
+        f"severity (1 s: {result.objects.say('{a_one}')} straight ahead and near is missed for "
+        f"1 s), of encounters detected by {weights_text(result)}",
     ]
     lines.append(describe_exclusivity(result))
     lines.append(_lead(result))
@@ -286,7 +283,9 @@ def _venn(result: Result) -> str:
         f"{letter.upper()} {system.matches.n_absorbed:,}" for letter, system in result.sides
     ]
     lines.append(
-        "detections on people or regions that the truth ignores, not counted: "
+        result.objects.say(
+            "detections on {people} or regions that the truth ignores, not counted: "
+        )
         + ", ".join(n_absorbed)
     )
     return _text(lines)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -83,7 +83,7 @@ KINDS: Final = (
     _Kind(
         "encounters_detected",
         "encounters_detected_by_unit",
-        "Pedestrians found",
+        "{Many} found",
         "encounters detected, of {n_near:,}",
         "d",
     ),
@@ -124,9 +124,7 @@ def tiles(
     shown, of_shown = comparison_shown(result, evidence, companions)
     support = find_claims(result, evidence, companions)
     rows = {} if of_shown is None else {row["figure"]: row for row in of_shown.to_dict("records")}
-    words = result.dataset.words
-    of_kinds = (_tile(kind, shown, rows.get(kind.judged), support, untested) for kind in KINDS)
-    return tuple(replace(tile, title=words(tile.title), chip=words(tile.chip)) for tile in of_kinds)
+    return tuple(_tile(kind, shown, rows.get(kind.judged), support, untested) for kind in KINDS)
 
 
 def _tile(
@@ -154,7 +152,7 @@ def _tile(
     winner = next((claim.winner for claim in support.claims if claim.key == kind.judged), "")
     return Tile(
         key=kind.key,
-        title=kind.title,
+        title=shown.objects.say(kind.title),
         unit=kind.unit.format(
             n_near=shown.venn.n_near,
             episodes=" and ".join(

@@ -17,6 +17,7 @@ from nvcore.evidence.measures import ODDS_RATIO
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.inputs.evaluated_frames import nth
 from nvcore.measures import MeasureTable, has_several_recordings, relevant_share
+from nvcore.objects import Objects
 from nvcore.params import Params
 from nvcore.scoring import SystemResult
 from nvcore.tables.classes import names_classes, read_share
@@ -123,7 +124,8 @@ def describe_misses(result: Result) -> tuple[str, ...]:
     """
     venn, e = result.venn, result.exclusivity
     if not venn.n_near:
-        return ("No pedestrian came near enough to count, so there is nothing to miss.",)
+        one = result.objects.singular
+        return (f"No {one} came near enough to count, so there is nothing to miss.",)
     n_missed = venn.x_only + venn.y_only + venn.neither
     if not n_missed:
         return (f"Neither system misses any of the {venn.n_near} encounters that count.",)
@@ -132,8 +134,8 @@ def describe_misses(result: Result) -> tuple[str, ...]:
         f"and Y does not detect {e.missed_by_y}; {_shared(n_missed, venn.neither)} (Jaccard "
         f"index {e.jaccard:.2f})."
     ]
-    relation = _relation(e.phi, min(e.missed_by_x, e.missed_by_y))
-    if relation:
+    many = result.objects.plural
+    if relation := _relation(many, e.phi, min(e.missed_by_x, e.missed_by_y)):
         sentences.append(relation)
     sentences.append(_split(venn.x_only, venn.y_only, result.mcnemar_p, short=result.is_short))
     return tuple(sentences)
@@ -147,7 +149,7 @@ def _shared(n_missed: int, by_both: int) -> str:
     return f"{by_both} of the {n_missed} that at least one misses are missed by both"
 
 
-def _relation(phi: float, fewest: int) -> str:
+def _relation(many: str, phi: float, fewest: int) -> str:
     """Phi in words; empty where it is undefined."""
     if np.isnan(phi):
         return ""
@@ -155,7 +157,7 @@ def _relation(phi: float, fewest: int) -> str:
         return f"Too few misses to say whether those of X and Y go together (phi {phi:+.2f})."
     return (
         f"The correlation of their misses is phi {phi:+.2f} (0: a miss of one says nothing about "
-        "the other; 1: both miss the same pedestrians; below 0: one rather detects those that the "
+        f"the other; 1: both miss the same {many}; below 0: one rather detects those that the "
         "other misses)."
     )
 
@@ -207,7 +209,7 @@ def describe_lead(result: Result) -> str:
     return f"{text}."
 
 
-def describe_fusion(fusion: pd.DataFrame) -> tuple[str, ...]:
+def describe_fusion(fusion: pd.DataFrame, objects: Objects) -> tuple[str, ...]:
     """What each fused system gains and costs against the better single one, in sentences.
 
     Parameters
@@ -218,7 +220,8 @@ def describe_fusion(fusion: pd.DataFrame) -> tuple[str, ...]:
     rows = {row["system"]: row for row in fusion.to_dict("records")}
     n = rows["x"]["encounters"]
     if not n:
-        return ("No pedestrian came near enough to count, so a fusion can neither gain nor lose.",)
+        one = objects.singular
+        return (f"No {one} came near enough to count, so a fusion can neither gain nor lose.",)
     # against the single system that detects more; X if they are equal
     best = max("xy", key=lambda letter: rows[letter]["encounters_detected"])
     return tuple(
@@ -254,19 +257,20 @@ def describe_saliency(result: Result) -> tuple[str, ...]:
 
 
 def saliency_caveat(params: Params) -> str:
-    """What to know of a saliency that follows the paper's rule; empty where another is set."""
+    """What to know of a saliency that follows the paper's rule, a template; empty: of another."""
     if params.saliency_of != "most_salient":
         return ""
     return (
-        "Only the most salient miss of a frame makes an event: two people missed side by side cut "
-        "each other's events short, so that missing both can come out below missing one."
+        "Only the most salient miss of a frame makes an event: two {people} missed side by side "
+        "cut each other's events short, so that missing both can come out below missing one."
     )
 
 
 def _saliency(result: Result, letter: str, system: SystemResult) -> str:
     events = system.events
     if events.empty:
-        return f"{letter} misses nobody by more than the tolerance: its saliency is 0."
+        nobody = result.objects.say("{nobody}")
+        return f"{letter} misses {nobody} by more than the tolerance: its saliency is 0."
     is_mean = has_several_recordings(result)
     n_events = count_text(len(events), "event")
     if result.params.saliency_aggregate == "sum":
@@ -288,10 +292,12 @@ def _saliency(result: Result, letter: str, system: SystemResult) -> str:
         text = f"{letter}: the most salient of {n_events} {_largest(result, events)}"
     share = relevant_share(system)
     if share == 1:
-        return f"{text} The missed pedestrians count (k >= 0.5) throughout."
-    return (
-        f"{text} In {share:.0%} of the events' time the missed pedestrian counts (k >= 0.5); in "
-        "the rest they are too far to count."
+        return f"{text} The missed {result.objects.plural} count (k >= 0.5) throughout."
+    return result.objects.say(
+        "{text} In {share:.0%} of the events' time the missed {one} counts (k >= 0.5); in the rest "
+        "{he} is too far to count.",
+        text=text,
+        share=share,
     )
 
 

@@ -283,9 +283,9 @@ def _choice(result: Result, name: str) -> Axis:
         plausible=(0.0, len(labels) - 1.0),
         reason=REASON_OF_CHOICES,
         present=(place, place),
-        label=setting.label,
+        label=result.objects.say(setting.label),
         labels=labels,
-        words=tuple(setting.words.values()),
+        words=tuple(map(result.objects.say, setting.words.values())),
     )
 
 

@@ -17,7 +17,7 @@ from nvcore.tables.column import Column, Kind
 
 CLASS_COLUMNS: Final[tuple[Column, ...]] = (
     Column("system", Kind.TEXT, "", "Which system it is about: `x` or `y`."),
-    Column("truth_class", Kind.TEXT, "", "Class of the pedestrians in the truth."),
+    Column("truth_class", Kind.TEXT, "", "Class of the {many} in the truth."),
     Column(
         "read_class",
         Kind.TEXT,
@@ -25,7 +25,7 @@ CLASS_COLUMNS: Final[tuple[Column, ...]] = (
         "Class that the system gives the detections which match them.",
         empty="it gives none",
     ),
-    Column("n", Kind.INTEGER, "boxes", "Pedestrians of the one class matched as the other."),
+    Column("n", Kind.INTEGER, "boxes", "{Many} of the one class matched as the other."),
 )
 """Columns of `classes_table`."""
 

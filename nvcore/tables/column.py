@@ -32,11 +32,11 @@ class Column:
     unit
         Unit or range; empty: none.
     meaning
-        One sentence.
+        One sentence; a template with words of the objects (`nvcore.wording.objects`).
     better
         ``"high"`` or ``"low"`` where one is better; empty: neither.
     empty
-        When the cell is empty (in JSON: null); empty: never.
+        When the cell is empty (in JSON: null), likewise; empty: never.
     is_optional
         Whether files lack it where no detectability is known.
     """

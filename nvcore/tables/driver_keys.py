@@ -70,7 +70,7 @@ DRIVER_ENTRIES: Final[tuple[Entry, ...]] = (
     ),
     _entry(
         "driver.within_sd",
-        "Of both, those for whom that largest one is no further than its standard deviation from "
+        "Of both, those whose largest one is no further than its standard deviation from "
         "`driver_threshold`: whether the driver sees them is open.",
         _count_within_sd,
         empty="no encounter has a standard deviation",
@@ -100,7 +100,7 @@ DRIVER_ENTRIES: Final[tuple[Entry, ...]] = (
     ),
     _entry(
         "driver.boxes_without_detectability",
-        "Pedestrian boxes of unknown detectability; with `driver_weighting` they weigh in full.",
+        "{One} boxes of unknown detectability; with `driver_weighting` they weigh in full.",
         lambda result: count_unknown(result.dataset),
         unit="boxes",
     ),

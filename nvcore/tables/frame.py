@@ -32,21 +32,21 @@ _NEAREST: Final = (
     "Distance to the nearest detection of {letter}; strict pairing: to the match. –: there is none."
 )
 PEDESTRIAN_WORDS: Final[dict[str, Words]] = {
-    "track": Words("ped.", "Track of the pedestrian."),
-    "missed_by": Words("missed by", "Who misses this pedestrian; empty: nobody."),
+    "track": Words("{short}", "Track of the {one}."),
+    "missed_by": Words("missed by", "Who misses this {one}; empty: nobody."),
     "term_x": Words("term X", _TERM.format(letter="X")),
     "term_y": Words("term Y", _TERM.format(letter="Y")),
     "cost": Words(
         "cost",
-        "What missing this pedestrian costs, k × border as a share of half the width; 1: straight "
-        "ahead and near. Counts where the pedestrian is missed and k is at least 0.5.",
+        "What missing this {one} costs, k × border as a share of half the width; 1: straight "
+        "ahead and near. Counts where the {one} is missed and k is at least 0.5.",
     ),
     "k": Words(
         "k", "Proximity weight, 0 far to 1 near; from 0.5 on a miss counts in the encounter."
     ),
     "border_px": Words(
         "border (px)",
-        "The most that missing this pedestrian can count for: by traffic context between the "
+        "The most that missing this {one} can count for: by traffic context between the "
         "distance to the picture's nearer side and half the width.",
     ),
     "nearest_px_x": Words("near X (px)", _NEAREST.format(letter="X")),
@@ -57,7 +57,7 @@ PEDESTRIAN_WORDS: Final[dict[str, Words]] = {
 
 DETECTION_WORDS: Final[dict[str, Words]] = {
     "system": Words("of", "Which system's detection it is."),
-    "outcome": Words("outcome", "Whether it matches a pedestrian or is a false alarm."),
+    "outcome": Words("outcome", "Whether it matches {a_one} or is a false alarm."),
     "term": Words(
         "term",
         "k × the smaller of border and nearest, as a share of half the width. The largest of a "
@@ -65,7 +65,7 @@ DETECTION_WORDS: Final[dict[str, Words]] = {
     ),
     "k": Words("k", "Proximity weight of the detection, 0 far to 1 near."),
     "border_px": Words("border (px)", "The most that this detection can count for."),
-    "nearest_px": Words("near (px)", "Distance to the nearest pedestrian. –: nobody is there."),
+    "nearest_px": Words("near (px)", "Distance to the nearest {one}. –: {nobody} is there."),
     "score": Words("score", "Score of the detection. –: it has none."),
 }
 """Columns of `FrameSummary.detections`, in their order."""

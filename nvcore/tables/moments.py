@@ -283,8 +283,8 @@ def _reason(result: Result, span: _Span) -> tuple[int | None, str]:
     if len(effect) and effect.max() >= ((1 - alpha) * of_alarms * gap).sum():
         worst = int(np.argmax(effect) + encounter.min(initial=0))
         track, text = _miss_reason(result, span, worst, worse, system, other, systems[other])
-        return track, result.dataset.words(text)
-    return None, result.dataset.words(_alarm_reason(result, span, worse, system))
+        return track, text
+    return None, _alarm_reason(result, span, worse, system)
 
 
 def _miss_reason(
@@ -303,7 +303,8 @@ def _miss_reason(
     )
     rows, frame_row = encounters.order[slice(*inside)], encounters.frame_index[slice(*inside)]
     track = int(encounters.track[encounter])
-    pedestrian = f"pedestrian {track} (up to {result.dataset.truth.h[rows].max():.0f} px tall)"
+    height = f"up to {result.dataset.truth.h[rows].max():.0f} px tall"
+    one = f"{result.objects.singular} {track} ({height})"
     missed_rows, rival_missed_rows = (
         # a track that occurs twice in a frame is matched if either box is
         np.setdiff1d(frame_row, frame_row[scored.matches.truth_det[rows] >= 0])
@@ -311,7 +312,7 @@ def _miss_reason(
     )
     if not len(missed_rows):
         apart_px = system.nearest.truth[rows].max()
-        return track, f"{letter}'s nearest detection is up to {apart_px:.0f} px from {pedestrian}."
+        return track, f"{letter}'s nearest detection is up to {apart_px:.0f} px from {one}."
     rival_matched_rows = np.setdiff1d(missed_rows, rival_missed_rows)
     if not len(rival_matched_rows):
         does = "misses it, too"
@@ -322,7 +323,7 @@ def _miss_reason(
     else:
         does = f"finds it for {_seconds(_time_s(result, rival_matched_rows))} of that time"
     lasts = _share(_time_s(result, missed_rows), _span_s(result, span))
-    return track, f"{letter} misses {pedestrian} for {lasts}; {other} {does}."
+    return track, f"{letter} misses {one} for {lasts}; {other} {does}."
 
 
 def _nearer(apart_px: float, rival_px: float) -> str:
@@ -342,7 +343,10 @@ def _alarm_reason(result: Result, span: _Span, letter: str, system: SystemResult
         boxes = result.dataset.system(system.name)
         rows = boxes.rows_of(span.first, span.last + 1)
         apart_px = system.nearest.detections[rows][system.matches.is_counted[rows]]
-        return f"{letter} has detections up to {apart_px.max():.0f} px from the nearest pedestrian."
+        return (
+            f"{letter} has detections up to {apart_px.max():.0f} px from the nearest "
+            f"{result.objects.singular}."
+        )
     lasts = _share(_time_s(result, frames[n_alarms > 0]), _span_s(result, span))
     most = n_alarms.max()
     at_once = f" (up to {most} at once)" if most > 1 else ""

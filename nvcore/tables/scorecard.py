@@ -88,7 +88,7 @@ def score_rows(
         is_whole = table is MeasureTable.FALSE_ALERTS or keys is not None
         part = "" if is_whole else measure.part
         x, y = (measure.of(result, system) for _, system in result.sides)
-        label = result.dataset.words((part or measure.label).format_map(words))
+        label = result.objects.say(part or measure.label, **words)
         whole = whole if part else len(rows)
         if table is not MeasureTable.SCORECARD or _needs_tracks(measure):
             tracked.add(whole)

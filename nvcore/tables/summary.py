@@ -61,7 +61,7 @@ _BORROWED: Final = (
             "truth.boxes_reported_distance",
             _INTEGER,
             "boxes",
-            "Pedestrians weighted by a distance that their matches report.",
+            "{Many} weighted by a distance that their matches report.",
             empty=_NOT_BORROWED,
         ),
         lambda result: result.borrowed and result.borrowed.n_reported,
@@ -71,7 +71,7 @@ _BORROWED: Final = (
             "truth.boxes_between_distances",
             _INTEGER,
             "boxes",
-            "Pedestrians weighted by a distance interpolated along the track.",
+            "{Many} weighted by a distance interpolated along the track.",
             empty=_NOT_BORROWED,
         ),
         lambda result: result.borrowed and result.borrowed.n_between,
@@ -92,7 +92,7 @@ _BORROWED: Final = (
             "truth.distance_spread",
             _NUMBER,
             "share",
-            "Median range of the distances that several systems report of one pedestrian, as a "
+            "Median range of the distances that several systems report of one {one}, as a "
             "share of their mean.",
             empty="as above, or no two systems report one",
         ),
@@ -132,7 +132,7 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
     ),
     Entry(Column("duration_s", _NUMBER, "s", "Sum of their time steps.")),
     Entry(
-        Column("truth.boxes", _INTEGER, "boxes", "Annotated pedestrians, ignore regions left out."),
+        Column("truth.boxes", _INTEGER, "boxes", "Annotated {many}, ignore regions left out."),
         lambda result: int(result.n_truth.sum()),
     ),
     Entry(
@@ -163,7 +163,7 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
             "truth.boxes_without_distance",
             _INTEGER,
             "boxes",
-            "Pedestrians weighted by height because `proximity` is `distance` and they have none.",
+            "{Many} weighted by height because `proximity` is `distance` and they have none.",
         ),
         lambda result: result.k_truth.n_without_distance,
     ),
@@ -247,12 +247,10 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
         ),
         attrgetter("mcnemar_p"),
     ),
-    Entry(Column("boxes.both", _INTEGER, "boxes", "Pedestrian boxes that both systems matched.")),
-    Entry(Column("boxes.x_only", _INTEGER, "boxes", "Pedestrian boxes that only X matched.")),
-    Entry(Column("boxes.y_only", _INTEGER, "boxes", "Pedestrian boxes that only Y matched.")),
-    Entry(
-        Column("boxes.neither", _INTEGER, "boxes", "Pedestrian boxes that neither system matched.")
-    ),
+    Entry(Column("boxes.both", _INTEGER, "boxes", "{One} boxes that both systems matched.")),
+    Entry(Column("boxes.x_only", _INTEGER, "boxes", "{One} boxes that only X matched.")),
+    Entry(Column("boxes.y_only", _INTEGER, "boxes", "{One} boxes that only Y matched.")),
+    Entry(Column("boxes.neither", _INTEGER, "boxes", "{One} boxes that neither system matched.")),
     Entry(
         Column(
             "lead_time_s.encounters",

@@ -25,7 +25,7 @@ _ENCOUNTERS: Final = (
             "time_left",
             _TEXT,
             "",
-            "Whether the system confirmed the pedestrian before `urgent_frame`: `in_time`, `late`, "
+            "Whether the system confirmed the {one} before `urgent_frame`: `in_time`, `late`, "
             "`never`.",
             empty=_NOT_URGENT,
         ),
@@ -48,7 +48,7 @@ _ENCOUNTERS: Final = (
             "impact_kmh",
             _NUMBER,
             "km/h",
-            "Speed with which the car reaches him, if it brakes after `confirmed_frame`.",
+            "Speed with which the car reaches {him}, if it brakes after `confirmed_frame`.",
             "low",
             empty=_NOT_URGENT,
         ),
@@ -57,7 +57,7 @@ _ENCOUNTERS: Final = (
         "min_ttc_s",
         _NUMBER,
         "s",
-        "Least time to contact; `inf`: the pedestrian is never being approached.",
+        "Least time to contact; `inf`: the {one} is never being approached.",
         empty="known in no frame",
     ),
     Column(
@@ -119,8 +119,8 @@ COLUMNS: Final = (
                 "min_ttc_s",
                 _NUMBER,
                 "s",
-                "Least time to contact of its pedestrians; `inf`: none is being approached.",
-                empty="known of no pedestrian",
+                "Least time to contact of its {many}; `inf`: none is being approached.",
+                empty="known of no {one}",
             ),
         ),
         _of_frames,
@@ -152,7 +152,7 @@ ENTRIES: Final = (
             (
                 "urgent",
                 Urgency.URGENT,
-                "Encounters with a last chance to stop before the pedestrian: of these are "
+                "Encounters with a last chance to stop before the {one}: of these are "
                 "`in_time`, `late` and `never` of each system.",
             ),
             (

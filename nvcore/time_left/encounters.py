@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.objects import Objects
 from nvcore.tables.result import encounters_table
 from nvcore.time_left.kinds import TimeLeft
 from nvcore.time_left.steps import confirmed_by, time_left_in, time_left_of
@@ -79,7 +80,7 @@ def systems_in_words(result: Result, encounters: np.ndarray) -> list[tuple[str, 
     columns = ["time_left", "margin_s", "impact_kmh"]
     x, y = (
         [
-            f"{letter.upper()} {_in_words(*row)}"
+            f"{letter.upper()} {_in_words(result.objects, *row)}"
             for row in zip(
                 *(time_left_of(system)[name].to_numpy()[encounters] for name in columns),
                 strict=True,
@@ -90,14 +91,14 @@ def systems_in_words(result: Result, encounters: np.ndarray) -> list[tuple[str, 
     return list(zip(x, y, strict=True))
 
 
-def _in_words(kind: str, margin_s: float, impact_kmh: float) -> str:
+def _in_words(objects: Objects, kind: str, margin_s: float, impact_kmh: float) -> str:
     impact = f"impact at {impact_kmh:.0f} km/h"
     if kind == TimeLeft.NEVER:
-        return f"never confirms him: {impact}"
+        return objects.say("never confirms {him}: {impact}", impact=impact)
     if kind == TimeLeft.IN_TIME:
-        return f"confirms him {margin_s:.2f} s before it, in time"
+        return objects.say("confirms {him} {margin:.2f} s before it, in time", margin=margin_s)
     when = f"{-margin_s:.2f} s after it" if margin_s else "only then"
-    return f"confirms him {when}, late: {impact}"
+    return objects.say("confirms {him} {when}, late: {impact}", when=when, impact=impact)
 
 
 def nearest_contact(result: Result, recording: int) -> pd.DataFrame:

@@ -171,7 +171,7 @@ MEASURES: Final[tuple[Measure, ...]] = (
         leads=True,
         of=lambda _, system: float(time_left_of(system)["impact_kmh"].mean()),
         unit="km/h",
-        meaning="Mean speed with which the car reaches the pedestrians of all urgent encounters: 0 "
+        meaning="Mean speed with which the car reaches the {many} of all urgent encounters: 0 "
         "if confirmed in time, its full speed if never.",
         empty=_NOBODY,
         by_recording=impact_by_recording,

@@ -27,10 +27,14 @@ from nvcore.wording import number
 def _section(result: Result) -> Section:
     """The urgent encounters up to contact, and both systems over the speed of the car."""
     curve, urgent = time_left_in(result).over_speed, urgent_encounters(result)
-    needed = describe_needed(result.params) if time_left_in(result).has_assumed_speed.any() else ""
+    needed = (
+        describe_needed(result.params, result.objects)
+        if time_left_in(result).has_assumed_speed.any()
+        else ""
+    )
     sentences = (
         *describe_time_left(result),
-        describe_urgency(result) or "No pedestrian is met.",
+        describe_urgency(result) or f"No {result.objects.singular} is met.",
         few_urgent(len(urgent)),
         needed,
         *describe_turns(curve),
@@ -71,7 +75,13 @@ def _listing(result: Result, urgent: pd.DataFrame) -> Table:
         for row in urgent.head(MOST_ROWS).to_dict("records")
     ]
     head = (
-        *("Recording", "Pedestrian", "Last chance at (s)", "X confirms", "Y confirms"),
+        *(
+            "Recording",
+            result.objects.say("{One}"),
+            "Last chance at (s)",
+            "X confirms",
+            "Y confirms",
+        ),
         *("Margin X (s)", "Margin Y (s)", "Impact X (km/h)", "Impact Y (km/h)"),
     )
     left_out = len(urgent) - len(rows)

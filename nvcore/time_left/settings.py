@@ -73,7 +73,7 @@ class TimeLeftSettings:
         is_above_low=True,
         label="Window of time to contact",
         meaning="Span of the frames, centred on each one, from which the time until the car "
-        "reaches a pedestrian is estimated.",
+        "reaches {a_one} is estimated.",
         is_advanced=True,
     )
     corridor: float = share(
@@ -81,7 +81,7 @@ class TimeLeftSettings:
         1.0,
         unit="of half the image width",
         label="Corridor (of half the width)",
-        meaning="A pedestrian farther from the middle of the picture than this when the last "
+        meaning="{A_one} farther from the middle of the picture than this when the last "
         "chance to brake comes is outside and does not count. 1: the whole picture counts.",
         is_advanced=True,
     )
@@ -95,8 +95,8 @@ class TimeLeftSettings:
         is_whole=True,
         slider_format="%0.0f",
         label="Confirmed if matched in (frames)",
-        meaning="A system is sure of a pedestrian, so that it can warn, when it matches him in so "
-        "many of his last few frames; of how many, the next setting says. At most that many.",
+        meaning="A system is sure of {a_one}, so that it can warn, when it matches {him} in so "
+        "many of {his} last few frames; of how many, the next setting says. At most that many.",
         is_advanced=True,
     )
     confirm_m: int = setting(
@@ -109,8 +109,8 @@ class TimeLeftSettings:
         is_whole=True,
         slider_format="%0.0f",
         label="Confirmed within the last (frames)",
-        meaning="Among how many of a pedestrian's last frames the matched ones are counted that "
-        "confirm him; at his first frames there are fewer.",
+        meaning="Among how many of {a_one}'s last frames the matched ones are counted that "
+        "confirm {him}; at {his} first frames there are fewer.",
         is_advanced=True,
     )
 

@@ -9,6 +9,7 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.evidence.claims import values_of
+from nvcore.objects import Objects
 from nvcore.params import Params
 from nvcore.report.html.blocks import Intro
 from nvcore.time_left.encounters import systems_in_words
@@ -27,14 +28,14 @@ _AHEAD: Final = {
 """What the system ahead does, the measure, and the sign of X - Y where X is ahead."""
 
 
-def describe_needed(params: Params) -> str:
+def describe_needed(params: Params, objects: Objects) -> str:
     """What the last chance is, with the settings at hand."""
     needed_s = float(needed_time(np.array(params.speed_kmh), params))
     return (
-        f"At {params.speed_kmh:g} km/h the car still stops before a pedestrian if the warning "
-        f"comes more than {needed_s:.1f} s before contact: {params.reaction_s:g} s pass until the "
-        f"brakes act, then it brakes with {params.deceleration:g} m/s². The frame from which "
-        "on less is left is the last chance."
+        f"At {params.speed_kmh:g} km/h the car still stops before {objects.say('{a_one}')} if the "
+        f"warning comes more than {needed_s:.1f} s before contact: {params.reaction_s:g} s pass "
+        f"until the brakes act, then it brakes with {params.deceleration:g} m/s². The frame from "
+        "which on less is left is the last chance."
     )
 
 
@@ -69,7 +70,8 @@ def describe_encounter(result: Result, encounter: int) -> str:
     if kind is Urgency.NO_CHANCE:
         return f"No chance at {speed_kmh}: too near to stop when first known, in {when}."
     if kind is Urgency.OUTSIDE:
-        return f"Outside the corridor when he becomes urgent at {speed_kmh}, in {when}."
+        he = result.objects.say("{he}")
+        return f"Outside the corridor when {he} becomes urgent at {speed_kmh}, in {when}."
     of_both = ". ".join(systems_in_words(result, np.array([encounter]))[0])
     return f"Urgent at {speed_kmh}: the last chance to stop is {when}. {of_both}."
 
@@ -79,8 +81,8 @@ def why_unknown(result: Result, encounter: int) -> str:
     if time_left_in(result).contact.is_sampled[encounter]:
         return "not every frame is evaluated"
     if time_left_in(result).contact.is_linked[encounter]:
-        return "the truth gives this pedestrian no track id"
-    return "he is there for too few frames, or cut by the picture's edge"
+        return f"the truth gives this {result.objects.singular} no track id"
+    return result.objects.say("{he} is there for too few frames, or cut by the picture's edge")
 
 
 def _speed_of(result: Result, encounter: int) -> str:
@@ -142,10 +144,11 @@ def describe_urgency(result: Result) -> str:
     ]
     n = counts[Urgency.URGENT]
     if counts[Urgency.NOT_URGENT] == len(result.encounters):
-        return f"Nobody is urgent {speed_text(result)}."
+        return result.objects.say("{Nobody} is urgent {at}.", at=speed_text(result))
     if counts[Urgency.UNKNOWN] == len(result.encounters):
         return f"Time left to stop is unknown for all encounters{_why_unknown(result)}."
-    who = count_text(n, "encounter is", "encounters are") if n else "Nobody is"
+    none = result.objects.say("{Nobody} is")
+    who = count_text(n, "encounter is", "encounters are") if n else none
     text = f"{who} urgent {speed_text(result)}"
     if others:
         text += f"; {', '.join(others)}"
@@ -206,19 +209,20 @@ def describe_time_left(result: Result) -> tuple[str, ...]:
 def introduction(params: Params) -> Intro:
     """Introduction of time left."""
     return Intro(
-        what="Whether braking could still have helped when a system had found the pedestrian. An "
+        what="Whether braking could still have helped when a system had found the {one}. An "
         "encounter is urgent if the car comes so near that a warning given then could no longer "
         "stop it; where that begins is the last chance.",
-        how="One over the height of his box (or his distance, where the truth states it) falls on "
-        "a line that reaches zero at contact: that gives the time to contact in each frame. The "
+        how="One over the height of {his} box (or {his} distance, where the truth states it) falls "
+        "on a line that reaches zero at contact: that gives the time to contact in each frame. The "
         f"last chance is the first frame with less than {params.reaction_s:g} s and half the time "
-        f"of braking with {params.deceleration:g} m/s² left. A system has confirmed the pedestrian "
-        f"once {params.confirm_n:g} of his last {params.confirm_m:g} frames are matched: in time "
-        "if before the last chance; late, and then the car reaches him with the impact speed; or "
-        "never, at full speed. The margin is the time from confirmation to the last chance.",
+        f"of braking with {params.deceleration:g} m/s² left. A system has confirmed the {{one}} "
+        f"once {params.confirm_n:g} of {{his}} last {params.confirm_m:g} frames are matched: in "
+        "time if before the last chance; late, and then the car reaches {him} with the impact "
+        "speed; or never, at full speed. The margin is the time from confirmation to the last "
+        "chance.",
         best="All in time, an impact speed of 0.",
         limits="In time means that a warning could have come early enough, not that the driver "
-        "would have heeded it. Pedestrians are taken to go on as they do, the car to drive on at "
+        "would have heeded it. {Many} are taken to go on as they do, the car to drive on at "
         "its speed, which is assumed where the recordings do not state it. Whether a difference is "
         "more than chance: see Is the difference real.",
     )

@@ -21,6 +21,7 @@ _OF_PEOPLE_AND_THINGS: Final = {
     "nobody": ("nobody", "nothing"),
     "somebody": ("somebody", "something"),
     "everybody": ("everybody", "everything"),
+    "anybody": ("anybody", "anything"),
     "feet": ("feet", "lower edge"),
     "feet_are": ("feet are", "lower edge is"),
 }
@@ -28,7 +29,10 @@ _OF_PEOPLE_AND_THINGS: Final = {
 
 @lru_cache(64)
 def words_for(singular: str, plural: str, *, are_people: bool) -> Mapping[str, str]:
-    """The words of templates: "one", "many", "a_one", "short", pronouns, and each capitalised.
+    """The words of templates, each capitalised as well.
+
+    ``one``, ``many``, ``a_one``; ``people``, where that reads better than ``many``; ``short``, for
+    labels in figures; and pronouns.
 
     Examples
     --------
@@ -39,6 +43,7 @@ def words_for(singular: str, plural: str, *, are_people: bool) -> Mapping[str, s
     article = "an" if singular[0].casefold() in "aeiou" else "a"
     words = {name: forms[not are_people] for name, forms in _OF_PEOPLE_AND_THINGS.items()}
     words |= {"one": singular, "many": plural, "a_one": f"{article} {singular}"}
+    words["people"] = "people" if are_people else plural
     words["short"] = "ped" if are_people else singular.rpartition(" ")[2]
     return words | {_capital(name): _capital(word) for name, word in words.items()}
 

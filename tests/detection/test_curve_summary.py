@@ -25,7 +25,7 @@ def test_figures_by_hand():
 @pytest.mark.parametrize(
     ("curve", "words"),
     [
-        (curve_of([0], [3], n_truth=0), "no pedestrian"),
+        (curve_of([0], [3], n_truth=0), "no box of the truth"),
         (curve_of([1], [3], n_truth=2, is_ranked=False), "no score"),
     ],
 )

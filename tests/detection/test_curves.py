@@ -142,7 +142,7 @@ def test_without_detections_there_is_no_point_but_an_operating_point():
 
 def test_without_pedestrians_recall_and_f1_are_undefined():
     curve = detection_curve(make_dataset([], [at(0, 50, score=0.5)]), "x", Params())
-    assert curve.why_undefined == "no pedestrian counts under this protocol"
+    assert curve.why_undefined == "no box of the truth counts under this protocol"
     assert np.isnan([*curve.recall, *curve.miss_rate, *curve.f1]).all()
     assert curve.precision.tolist() == [0]
     assert curve.fppi.tolist() == [1]

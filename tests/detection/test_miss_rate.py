@@ -19,6 +19,7 @@ from nvcore.detection.miss_rate import (
     miss_rate_at,
 )
 from nvcore.errors import ParameterError
+from nvcore.objects import PEDESTRIAN
 from nvcore.params import Params
 
 
@@ -98,7 +99,7 @@ def test_a_zero_is_explained_with_how_many_references_make_it():
         "0 at 2 of 9 references: the geometric mean is 0 though at the others up to 66.7% are "
         "missed"
     )
-    assert explain_zero(np.zeros(9)) == "nobody is missed at any of the 9 references"
+    assert explain_zero(np.zeros(9)) == "nothing is missed at any of the 9 references"
     assert explain_zero(np.full(9, 0.1)) == ""
     assert explain_zero(np.full(9, np.nan)) == ""
 
@@ -127,7 +128,7 @@ def test_nothing_is_said_of_the_ends_of_a_curve_that_is_0_or_none():
 
 @pytest.mark.parametrize(("n_truth", "is_few"), [(0, False), (1, True), (99, True), (100, False)])
 def test_few_pedestrians_are_told_with_the_weight_of_each(n_truth, is_few):
-    assert bool(explain_few(n_truth)) is is_few
-    assert explain_few(23) == (
+    assert bool(explain_few(n_truth, PEDESTRIAN)) is is_few
+    assert explain_few(23, PEDESTRIAN) == (
         "few pedestrians: 23, a single miss changes the miss rate by 4.3 percentage points"
     )

@@ -125,7 +125,7 @@ def test_a_log_average_of_0_and_few_pedestrians_are_told():
     row = judge_row(result_of(make_dataset(truth, x, y)))
     assert (row["x"], row["y"]) == (0, 0)
     assert "few pedestrians: 20, a single miss changes" in row["note"]
-    assert "log-average miss rate of X: nobody is missed at any of the 9 references" in row["note"]
+    assert "log-average miss rate of X: nothing is missed at any of the 9 references" in row["note"]
     # references up to 0.0316 are below 1 / 20
     assert "log-average miss rate of Y: 0 at 6 of 9 references" in row["note"]
 

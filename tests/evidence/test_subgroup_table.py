@@ -17,6 +17,7 @@ from nvcore.evidence.operating_points import AS_SET
 from nvcore.evidence.subgroup_table import COLUMNS, subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.measures import EVIDENCE_KEYS, evidence_keys, inference_of
+from nvcore.objects import PEDESTRIAN
 from nvcore.time_left.steps import time_left_of
 
 NIGHT = 10
@@ -127,7 +128,7 @@ def test_frames_and_false_alerts_belong_to_no_group_of_pedestrians(table: pd.Dat
         rows = table[is_of_some & (table["figure"] == figure)]
         assert len(rows) == 2
         assert rows[["x", "y", "difference", "low", "high", "p", "p_holm"]].isna().all(axis=None)
-        assert (rows["note"] == why).all()
+        assert (rows["note"] == PEDESTRIAN.say(why)).all()
         assert (rows["n"] == 0).all()
     rest = table[is_of_some & ~table["figure"].isin(list(lacking))]
     assert rest[["x", "y"]].notna().all(axis=None)

@@ -13,6 +13,7 @@ from figure_parts import trace, words
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import DetectionCurve
 from nvcore.figures.detection import MAX_POINTS, CurveKind, curve_plot, legend_text
+from nvcore.objects import PEDESTRIAN
 from nvcore.published import PublishedPoint
 
 X = curve_of([1, 2, 3], [0, 10, 100], n_truth=4)
@@ -31,7 +32,7 @@ def edge_of(log_axis: Any, label: str = "0") -> float:
 
 
 def test_zeros_stand_at_the_edge_of_a_logarithmic_axis() -> None:
-    figure = curve_plot((X, Y), (None, None), "miss_rate", theme="light")
+    figure = curve_plot((X, Y), (None, None), "miss_rate", theme="light", objects=PEDESTRIAN)
     left, bottom = edge_of(figure.layout.xaxis), edge_of(figure.layout.yaxis)
     assert list(trace(figure, "X: x").x) == pytest.approx([left, 0.1, 1.0])
     assert list(trace(figure, "X: x").y) == pytest.approx([0.75, 0.5, 0.25])
@@ -43,7 +44,7 @@ def test_zeros_stand_at_the_edge_of_a_logarithmic_axis() -> None:
 
 def test_a_perfect_system_is_drawn_and_in_the_legend() -> None:
     perfect = curve_of([4], [0], n_truth=4)
-    figure = curve_plot((perfect, Y), (None, None), "miss_rate", theme="dark")
+    figure = curve_plot((perfect, Y), (None, None), "miss_rate", theme="dark", objects=PEDESTRIAN)
     drawn, mark = trace(figure, "X: x"), trace(figure, "X as set")
     corner = edge_of(figure.layout.xaxis), edge_of(figure.layout.yaxis)
     assert (drawn.x[0], drawn.y[0]) == (mark.x[0], mark.y[0]) == pytest.approx(corner)
@@ -53,14 +54,16 @@ def test_a_perfect_system_is_drawn_and_in_the_legend() -> None:
 
 def test_what_is_below_the_axis_stands_at_its_edge_which_then_says_so() -> None:
     few = curve_of([1, 2], [1, 2], n_truth=4, n_images=5000)
-    figure = curve_plot((few,), (None,), "miss_rate", theme="light")
+    figure = curve_plot((few,), (None,), "miss_rate", theme="light", objects=PEDESTRIAN)
     left = edge_of(figure.layout.xaxis, "< 0.001")
     assert list(trace(figure, "X: x").x) == pytest.approx([left, left])
 
 
 def test_an_axis_without_zeros_has_no_edge_and_reaches_to_the_last_point() -> None:
     many = curve_of([1, 2], [100, 5000], n_truth=4)
-    xaxis = curve_plot((many,), (None,), "miss_rate", theme="light").layout.xaxis
+    xaxis = curve_plot(
+        (many,), (None,), "miss_rate", theme="light", objects=PEDESTRIAN
+    ).layout.xaxis
     assert list(xaxis.ticktext) == ["0.001", "0.01", "0.1", "1", "10", "100"]
     assert 10 ** xaxis.range[1] >= xaxis.tickvals[-1] == 100  # a tick beyond it has no label
 
@@ -79,7 +82,7 @@ def test_each_kind_has_its_own_axes(
     kind: CurveKind, axes: tuple[str, str], x: list[float], y: list[float]
 ) -> None:
     figure = curve_plot((X, Y), (None, None), kind, theme="light", windows_per_image=1000,
-                        summaries=("of X", ""))  # fmt: skip
+                        summaries=("of X", ""), objects=PEDESTRIAN)  # fmt: skip
     titles = figure.layout.xaxis.title.text, figure.layout.yaxis.title.text
     assert tuple(title.partition(" (")[0] for title in titles) == axes
     line = trace(figure, "X: x, of X")
@@ -94,7 +97,7 @@ def test_each_kind_has_its_own_axes(
     [
         ([1, 2], "LAMR 59.9%"),  # (0.75 ** 4 * 0.5 ** 5) ** (1 / 9)
         ([1, 4], "LAMR 0% (0 at 5 of 9 references)"),
-        ([4, 4], "LAMR 0% (nobody missed)"),
+        ([4, 4], "LAMR 0% (nothing missed)"),
     ],
 )
 def test_the_legend_says_why_a_log_average_is_0(tp: list[int], words: str) -> None:
@@ -115,14 +118,17 @@ def test_the_legend_says_why_a_log_average_is_0(tp: list[int], words: str) -> No
 def test_without_a_curve_the_legend_says_what_there_is_instead(
     curve: DetectionCurve, kind: CurveKind, name: str
 ) -> None:
-    drawn = trace(curve_plot((X, curve), (None, None), kind, theme="light"), f"Y: x, {name}")
+    drawn = trace(
+        curve_plot((X, curve), (None, None), kind, theme="light", objects=PEDESTRIAN),
+        f"Y: x, {name}",
+    )
     assert (drawn.mode, drawn.showlegend) == ("markers", True)
 
 
 @pytest.mark.parametrize(
     ("curve", "kind", "told"),
     [
-        (curve_of([0], [5], n_truth=0), "precision_recall", "No pedestrian counts"),
+        (curve_of([0], [5], n_truth=0), "precision_recall", "No box of the truth counts"),
         (X, "roc_windows", "number of windows"),
         (NOTHING, "miss_rate", "no detections"),
         (POINT, "f1", "There are no scores"),
@@ -131,27 +137,29 @@ def test_without_a_curve_the_legend_says_what_there_is_instead(
 def test_a_figure_with_nothing_to_draw_says_why(
     curve: DetectionCurve, kind: CurveKind, told: str
 ) -> None:
-    assert told in words(curve_plot((curve, curve), (None, None), kind, theme="dark"))
+    assert told in words(
+        curve_plot((curve, curve), (None, None), kind, theme="dark", objects=PEDESTRIAN)
+    )
 
 
 def test_a_click_tells_whose_threshold_it_is_and_a_point_without_scores_sets_none() -> None:
-    figure = curve_plot((X, POINT), (None, None), "miss_rate", theme="light")
+    figure = curve_plot((X, POINT), (None, None), "miss_rate", theme="light", objects=PEDESTRIAN)
     clicked = [list(one) for one in trace(figure, "X, points").customdata]
     assert clicked == [["x", 1], ["x", 1 / 2], ["x", 1 / 3]]
     assert [list(one) for one in trace(figure, "Y, points").customdata] == [["y", None]]
 
 
 def test_the_threshold_in_use_has_a_mark_which_is_promised_only_where_it_is() -> None:
-    used = curve_plot((X, Y), (0.5, None), "precision_recall", theme="light")
+    used = curve_plot((X, Y), (0.5, None), "precision_recall", theme="light", objects=PEDESTRIAN)
     mark = trace(used, "X as set")
     assert (mark.x[0], mark.y[0]) == pytest.approx((0.5, 2 / 12))
     assert trace(used, "Y as set").x[0] == 1
     assert "large marks: thresholds in use; click" in words(used)
     # above all scores there is no precision, but everybody is missed
-    above = curve_plot((X, Y), (2.0, 2.0), "precision_recall", theme="light")
+    above = curve_plot((X, Y), (2.0, 2.0), "precision_recall", theme="light", objects=PEDESTRIAN)
     assert not [one for one in above.data if one.name.endswith("as set")]
     assert "large mark" not in words(above)
-    figure = curve_plot((X, Y), (2.0, None), "miss_rate", theme="light")
+    figure = curve_plot((X, Y), (2.0, None), "miss_rate", theme="light", objects=PEDESTRIAN)
     mark = trace(figure, "X as set")
     assert (mark.x[0], mark.y[0]) == (edge_of(figure.layout.xaxis), 1)
 
@@ -162,7 +170,9 @@ def test_a_long_curve_is_thinned_and_keeps_its_ends(kind: CurveKind) -> None:
     fp = np.arange(1, n + 1)
     tp = np.floor(1000 * (1 - np.exp(-fp / 3000))).astype(int)
     long = curve_of(list(tp), list(fp), n_truth=1001)
-    line = trace(curve_plot((long, Y), (None, None), kind, theme="light"), "X: x")
+    line = trace(
+        curve_plot((long, Y), (None, None), kind, theme="light", objects=PEDESTRIAN), "X: x"
+    )
     assert 40 < len(line.x) <= MAX_POINTS + 2
     whole = {"miss_rate": long.fppi, "precision_recall": long.recall, "f1": long.threshold}[kind]
     assert (line.x[0], line.x[-1]) == (whole[0], whole[-1])
@@ -175,13 +185,17 @@ def test_a_published_point_is_marked_where_both_of_its_values_are_known() -> Non
     )
 
     def marked(kind: CurveKind) -> dict[str, tuple[float, float]]:
-        figure = curve_plot((X, Y), (None, None), kind, theme="dark", published=points)
+        figure = curve_plot(
+            (X, Y), (None, None), kind, theme="dark", published=points, objects=PEDESTRIAN
+        )
         named = [one for one in figure.data if str(one.name).endswith("(published)")]
         assert all(one.showlegend and "<b>" not in one.name for one in named)
         return {one.name.partition(" ")[0]: (one.x[0], one.y[0]) for one in named}
 
     assert marked("precision_recall") == {"report": pytest.approx((0.9, 0.2))}
-    miss_rate = curve_plot((X, Y), (None, None), "miss_rate", theme="dark", published=points)
+    miss_rate = curve_plot(
+        (X, Y), (None, None), "miss_rate", theme="dark", published=points, objects=PEDESTRIAN
+    )
     left = edge_of(miss_rate.layout.xaxis)
     assert marked("miss_rate") == {"paper": pytest.approx((left, 0.25))}
     assert marked("roc")["paper"][1] == pytest.approx(0.75)

@@ -16,6 +16,7 @@ from nvcore.figures import (
     driver_venn_plot,
 )
 from nvcore.figures.style import LOOK
+from nvcore.objects import PEDESTRIAN
 
 COURSE = pd.DataFrame(
     {
@@ -35,7 +36,9 @@ def venn(**counts: int) -> DriverVenn:
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_each_of_the_eight_regions_has_its_count_and_can_be_clicked(theme):
-    figure = driver_venn_plot(venn(driver_x_y=3, y=12, unknown=2), ("A", "<B>"), theme=theme)
+    figure = driver_venn_plot(
+        venn(driver_x_y=3, y=12, unknown=2), ("A", "<B>"), theme=theme, objects=PEDESTRIAN
+    )
     (points,) = figure.data
     assert len(points.customdata) == 8
     at = dict(zip(points.customdata, zip(points.x, points.y, strict=True), strict=True))
@@ -51,13 +54,13 @@ def test_each_of_the_eight_regions_has_its_count_and_can_be_clicked(theme):
 
 
 def test_where_nothing_is_known_the_diagram_says_so():
-    figure = driver_venn_plot(venn(unknown=4), ("A", "B"), theme="light")
+    figure = driver_venn_plot(venn(unknown=4), ("A", "B"), theme="light", objects=PEDESTRIAN)
     assert not figure.data
     assert "not known" in figure.layout.annotations[0].text
 
 
 def test_a_course_marks_known_frames_and_its_band_ends_at_0_and_1():
-    figure = detectability_course_plot(COURSE, threshold=0.5, theme="light")
+    figure = detectability_course_plot(COURSE, threshold=0.5, theme="light", objects=PEDESTRIAN)
     band, before, later, outside = figure.data
     shares = [share for share in band.y if share is not None]
     assert (min(shares), max(shares)) == (0, 1)
@@ -70,7 +73,9 @@ def test_a_course_marks_known_frames_and_its_band_ends_at_0_and_1():
 
 def test_a_course_marks_frames_outside_the_range_of_the_training_below_zero():
     course = COURSE.assign(is_outside=[False, True, True])  # of the second nothing is known
-    outside = detectability_course_plot(course, threshold=0.5, theme="light").data[3]
+    outside = detectability_course_plot(
+        course, threshold=0.5, theme="light", objects=PEDESTRIAN
+    ).data[3]
     assert list(outside.x) == [0.6]
     assert outside.y[0] < 0
     assert outside.hoverinfo == "skip"
@@ -78,7 +83,7 @@ def test_a_course_marks_frames_outside_the_range_of_the_training_below_zero():
 
 def test_a_course_of_which_nothing_is_known_says_so():
     unknown = COURSE.assign(detectability=np.nan)
-    figure = detectability_course_plot(unknown, threshold=0.5, theme="light")
+    figure = detectability_course_plot(unknown, threshold=0.5, theme="light", objects=PEDESTRIAN)
     assert "not known how detectable" in figure.layout.annotations[0].text.replace("<br>", " ")
 
 
@@ -92,7 +97,7 @@ def test_light_and_clock_stand_below_the_course_with_changes_marked(theme, sourc
         {"detectability": [0.1, 0.3, 0.4], "is_simulated": [False, False, True]}
     )
     figure = detectability_course_plot(
-        COURSE, threshold=0.5, theme=theme, clock=clock, simulated=simulated
+        COURSE, threshold=0.5, theme=theme, clock=clock, simulated=simulated, objects=PEDESTRIAN
     )
     would = next(trace for trace in figure.data if trace.name == "simulated")
     assert (list(would.customdata), list(would.y)) == ([12], [0.4])
@@ -108,7 +113,9 @@ def test_light_and_clock_stand_below_the_course_with_changes_marked(theme, sourc
 
 def test_where_nothing_is_known_of_the_light_a_simulated_change_is_drawn_all_the_same():
     clock = with_change(unknown_clock(np.arange(20), 10), 10, 0.55)
-    figure = detectability_course_plot(COURSE, threshold=0.5, theme="light", clock=clock)
+    figure = detectability_course_plot(
+        COURSE, threshold=0.5, theme="light", clock=clock, objects=PEDESTRIAN
+    )
     assert "nothing is known of the light" in figure.layout.title.text
     assert 0.55 in [shape.x0 for shape in figure.layout.shapes]
 
@@ -124,14 +131,18 @@ def test_the_band_is_drawn_only_where_the_deviation_is_known():
             "is_up_to_relevant": True,
         }
     )
-    band = detectability_course_plot(course, threshold=0.5, theme="light").data[0]
+    band = detectability_course_plot(course, threshold=0.5, theme="light", objects=PEDESTRIAN).data[
+        0
+    ]
     assert list(band.x) == [0.0, 0.1, 0.1, 0.0, None, 0.3, 0.3, None, 0.5, 0.5, None]
     assert [None if y is None else round(y, 6) for y in band.y[5:]] == [
         *(0.7, 0.3, None),
         *(0.7, 0.3, None),
     ]
     unknown = course.assign(sd=np.nan)
-    band = detectability_course_plot(unknown, threshold=0.5, theme="light").data[0]
+    band = detectability_course_plot(
+        unknown, threshold=0.5, theme="light", objects=PEDESTRIAN
+    ).data[0]
     assert not band.x
     assert not band.showlegend
 
@@ -142,17 +153,25 @@ def test_the_axis_of_adaptation_ends_at_ten_seconds_and_no_light_lies_at_its_bot
     frames = np.arange(1000)
     clock = adaptation_clock(Light(times, level), frames, 10)
     course = COURSE.assign(time_s=[60.0, 60.1, 60.2])
-    figure = detectability_course_plot(course, threshold=0.5, theme="light", clock=clock)
+    figure = detectability_course_plot(
+        course, threshold=0.5, theme="light", clock=clock, objects=PEDESTRIAN
+    )
     assert figure.layout.yaxis3.range == (0, 10)
     (light,) = (trace for trace in figure.data if trace.name == "light")
     assert np.nanmin(np.array(light.y, float)) == 10.0 ** figure.layout.yaxis2.range[0]
-    early = detectability_course_plot(COURSE, threshold=0.5, theme="light", clock=clock)
+    early = detectability_course_plot(
+        COURSE, threshold=0.5, theme="light", clock=clock, objects=PEDESTRIAN
+    )
     assert early.layout.yaxis3.range == (0, 5)
 
 
 def test_a_simulated_observer_is_named_where_the_numbers_stand():
     figure = detectability_course_plot(
-        COURSE, threshold=0.5, theme="light", caution="learnt from simulated subjects"
+        COURSE,
+        threshold=0.5,
+        theme="light",
+        caution="learnt from simulated subjects",
+        objects=PEDESTRIAN,
     )
     assert "learnt from simulated subjects" in figure.layout.title.text
 
@@ -171,7 +190,9 @@ COUNTS = pd.DataFrame(
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_over_the_threshold_each_count_is_a_line_that_is_told_without_its_colour(theme):
-    figure = driver_threshold_plot(COUNTS, ("A", "<B>"), threshold=0.5, theme=theme)
+    figure = driver_threshold_plot(
+        COUNTS, ("A", "<B>"), threshold=0.5, theme=theme, objects=PEDESTRIAN
+    )
     assert [list(line.y) for line in figure.data] == [[5, 4, 3], [2, 3, 4], [1, 1, 2], [1, 2, 2]]
     assert [line.name for line in figure.data] == [
         "the driver sees",
@@ -191,13 +212,17 @@ def test_over_the_threshold_each_count_is_a_line_that_is_told_without_its_colour
 
 @pytest.mark.parametrize(("threshold", "side"), [(0.62, "left"), (0.9, "right")])
 def test_the_threshold_that_is_set_is_marked_wherever_it_is(threshold, side):
-    figure = driver_threshold_plot(COUNTS, ("A", "B"), threshold=threshold, theme="light")
+    figure = driver_threshold_plot(
+        COUNTS, ("A", "B"), threshold=threshold, theme="light", objects=PEDESTRIAN
+    )
     assert [line.x0 for line in figure.layout.shapes] == [threshold]
     (text,) = figure.layout.annotations
     assert (text.text, text.xanchor) == (f"now {threshold:g}", side)
 
 
 def test_over_the_threshold_of_nobody_known_a_sentence_stands():
-    figure = driver_threshold_plot(COUNTS.iloc[:0], ("A", "B"), threshold=0.5, theme="light")
+    figure = driver_threshold_plot(
+        COUNTS.iloc[:0], ("A", "B"), threshold=0.5, theme="light", objects=PEDESTRIAN
+    )
     assert not figure.data
     assert "Of no encounter is it known" in figure.layout.annotations[0].text.replace("<br>", " ")

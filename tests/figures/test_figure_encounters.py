@@ -18,6 +18,7 @@ from nvcore.figures.encounters import (
 )
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.style import LOOK
+from nvcore.objects import PEDESTRIAN
 
 NAMES = ("FIR", "NIR")
 
@@ -61,7 +62,7 @@ def fusion(rate: float = 30.0, encounters: int = 10) -> pd.DataFrame:
 
 
 def test_miss_classes_are_counted_for_each_system_without_distant_encounters() -> None:
-    figure = miss_classes_plot(SIX, NAMES, theme="light")
+    figure = miss_classes_plot(SIX, NAMES, theme="light", objects=PEDESTRIAN)
     x, y = trace(figure, "X: FIR"), trace(figure, "Y: NIR")
     assert list(x.customdata) == ["never", "late", "dropout", "lost_early", "brief", "none"]
     assert x.y.tolist() == [1, 1, 0, 0, 0, 3]
@@ -71,16 +72,16 @@ def test_miss_classes_are_counted_for_each_system_without_distant_encounters() -
 
 
 def test_a_click_fades_neither_bars_nor_their_counts() -> None:
-    for bars in miss_classes_plot(SIX, NAMES, theme="light").data:
+    for bars in miss_classes_plot(SIX, NAMES, theme="light", objects=PEDESTRIAN).data:
         assert bars.unselected.marker.opacity == bars.selected.marker.opacity == 1
         assert bars.unselected.textfont.color == LOOK["light"].ink
 
 
 def test_without_anything_to_draw_a_figure_says_so() -> None:
     for figure, told in (
-        (miss_classes_plot(SIX[:0], NAMES, theme="light"), "widen the filters"),
-        (position_map(SIX[:0], theme="light"), "widen the filters"),
-        (lead_time_plot(SIX[2:3], theme="light"), "matched by both systems"),
+        (miss_classes_plot(SIX[:0], NAMES, theme="light", objects=PEDESTRIAN), "widen the filters"),
+        (position_map(SIX[:0], theme="light", objects=PEDESTRIAN), "widen the filters"),
+        (lead_time_plot(SIX[2:3], theme="light", objects=PEDESTRIAN), "matched by both systems"),
         (recordings_plot(recordings(), NAMES, theme="light"), "no recording"),
         (fusion_plot(fusion(rate=np.nan), theme="light"), "no encounter"),
         (fusion_plot(fusion(encounters=0), theme="light"), "no encounter"),
@@ -90,7 +91,7 @@ def test_without_anything_to_draw_a_figure_says_so() -> None:
 
 
 def test_lead_times_right_of_zero_are_those_where_x_is_first() -> None:
-    figure = lead_time_plot(SIX, theme="light")
+    figure = lead_time_plot(SIX, theme="light", objects=PEDESTRIAN)
     x, y = trace(figure, "X first"), trace(figure, "Y first")
     assert [x.x[i] for i in np.flatnonzero(x.y)] == [pytest.approx(0.8)]
     assert [y.x[i] for i in np.flatnonzero(y.y)] == [pytest.approx(-1.6)]
@@ -101,7 +102,9 @@ def test_lead_times_right_of_zero_are_those_where_x_is_first() -> None:
 
 def test_a_small_lead_in_the_bin_of_zero_is_still_a_lead() -> None:
     lead_s = [0.0, 0.1, 0.1, -0.1, 15.0]  # so long a lead makes bins of two seconds
-    figure = lead_time_plot(pd.DataFrame({"lead_time_s": lead_s}), theme="light")
+    figure = lead_time_plot(
+        pd.DataFrame({"lead_time_s": lead_s}), theme="light", objects=PEDESTRIAN
+    )
     count = {
         one.name: dict(zip(one.x.tolist(), one.y.tolist(), strict=True)) for one in figure.data
     }
@@ -118,12 +121,14 @@ def test_the_bins_of_lead_time_are_few_hold_all_and_one_is_centred_at_zero(reach
     assert len(centre) <= 25
     assert 0 in centre.tolist()
     assert centre[-1] + width / 2 >= reach * (1 - 1e-12)
-    figure = lead_time_plot(pd.DataFrame({"lead_time_s": lead_s}), theme="light")
+    figure = lead_time_plot(
+        pd.DataFrame({"lead_time_s": lead_s}), theme="light", objects=PEDESTRIAN
+    )
     assert sum(int(one.y.sum()) for one in figure.data) == len(lead_s)
 
 
 def test_the_map_marks_each_encounter_by_who_misses_it() -> None:
-    figure = position_map(SIX, theme="light")
+    figure = position_map(SIX, theme="light", objects=PEDESTRIAN)
     rows = {one.name: one.customdata.tolist() for one in figure.data}
     assert rows == {
         "distant (1)": [15], "detected by both (2)": [10, 11], "missed by X (1)": [13],
@@ -136,7 +141,7 @@ def test_the_map_marks_each_encounter_by_who_misses_it() -> None:
 
 
 def test_marks_of_the_map_are_larger_the_more_the_failure_weighs() -> None:
-    figure = position_map(SIX, theme="light")
+    figure = position_map(SIX, theme="light", objects=PEDESTRIAN)
     by_row = {
         row: size
         for one in figure.data
@@ -150,7 +155,7 @@ def test_marks_of_the_map_are_larger_the_more_the_failure_weighs() -> None:
 
 
 def test_a_bar_of_a_miss_class_tells_what_its_failures_weigh() -> None:
-    figure = miss_classes_plot(SIX, NAMES, theme="light")
+    figure = miss_classes_plot(SIX, NAMES, theme="light", objects=PEDESTRIAN)
     never, late = trace(figure, "Y: NIR").hovertext[:2]
     assert never.endswith("severity in all 1.20 s")  # 2 * (0.2 + 0.4)
     assert late.endswith("severity in all 0.00 s")
@@ -161,7 +166,9 @@ def test_the_map_thins_out_those_who_are_seen_before_those_who_are_missed(
 ) -> None:
     monkeypatch.setattr(module, "MAX_MARKS", 6)
     seen = [("both", "none", "none", 0.0)] * 10
-    figure = position_map(table(*seen, ("x_only", "none", "never", np.nan)), theme="light")
+    figure = position_map(
+        table(*seen, ("x_only", "none", "never", np.nan)), theme="light", objects=PEDESTRIAN
+    )
     assert len(trace(figure, "detected by both (10)").x) == 5
     assert len(trace(figure, "missed by Y (1)").x) == 1
     assert "11 encounters, 6 of them drawn" in words(figure)

@@ -17,6 +17,7 @@ from figure_parts import shape, trace, words
 from nvcore.figures.venn import MOST_MARKS, WORDS, overlap_area, place_circles, venn_figure
 from nvcore.figures.venn.plan import MIN_SIZE, REGIONS
 from nvcore.metrics.venn import Venn
+from nvcore.objects import PEDESTRIAN
 from nvcore.tables import weighed_encounters
 
 NAMES = ("FIR", "NIR")
@@ -35,7 +36,7 @@ def label(figure: object, name: str) -> str:
 
 
 def test_the_paper_s_figure_1_has_circles_of_7_and_7_with_5_shared() -> None:
-    figure = venn_figure(Venn(5, 2, 2, 1, 0), NAMES, theme="light")
+    figure = venn_figure(Venn(5, 2, 2, 1, 0), NAMES, theme="light", objects=PEDESTRIAN)
     x, y = shape(figure, "circle x"), shape(figure, "circle y")
     assert (area(figure, "x"), area(figure, "y")) == pytest.approx((7, 7), abs=1e-6)
     apart = (y.x0 + y.x1) / 2 - (x.x0 + x.x1) / 2
@@ -70,13 +71,13 @@ def test_circles_apart_one_inside_the_other_and_one_on_the_other() -> None:
 
 
 def test_a_system_that_detects_nobody_has_no_circle() -> None:
-    figure = venn_figure(Venn(0, 0, 7, 2, 0), NAMES, theme="dark")
+    figure = venn_figure(Venn(0, 0, 7, 2, 0), NAMES, theme="dark", objects=PEDESTRIAN)
     assert [part.name for part in figure.layout.shapes] == ["all encounters", "circle y"]
     assert label(figure, "system x") == "X: FIR 0 of 9"
 
 
 def test_counts_stand_in_their_regions() -> None:
-    figure = venn_figure(Venn(50, 20, 21, 4, 6), NAMES, theme="light")
+    figure = venn_figure(Venn(50, 20, 21, 4, 6), NAMES, theme="light", objects=PEDESTRIAN)
     assert label(figure, "both") == "50 both"
     assert label(figure, "x_only") == "20 only X"
     assert label(figure, "y_only") == "21 only Y"
@@ -88,7 +89,7 @@ def test_counts_stand_in_their_regions() -> None:
 def test_a_click_in_a_region_gives_its_category() -> None:
     venn = Venn(22, 8, 5, 3, 8)
     circles = place_circles(venn)
-    places = trace(venn_figure(venn, NAMES, theme="light"), "regions")
+    places = trace(venn_figure(venn, NAMES, theme="light", objects=PEDESTRIAN), "regions")
     for x, y, category in zip(places.x, places.y, places.customdata, strict=True):
         in_x = x**2 + y**2 <= circles.radius_x**2
         in_y = (x - circles.apart) ** 2 + y**2 <= circles.radius_y**2
@@ -98,19 +99,23 @@ def test_a_click_in_a_region_gives_its_category() -> None:
                 (False, False): "neither",
             }[bool(in_x), bool(in_y)]  # fmt: skip
     assert set(Counter(places.customdata)) == {"both", "x_only", "y_only", "neither", "distant"}
-    narrow = trace(venn_figure(Venn(1, 900, 900, 0, 0), NAMES, theme="light"), "regions")
+    narrow = trace(
+        venn_figure(Venn(1, 900, 900, 0, 0), NAMES, theme="light", objects=PEDESTRIAN), "regions"
+    )
     assert "both" in narrow.customdata
 
 
 def test_names_in_the_diagram_are_text() -> None:
-    figure = venn_figure(Venn(5, 2, 2, 1, 0), ("<i>x</i>", "y"), theme="light")
+    figure = venn_figure(Venn(5, 2, 2, 1, 0), ("<i>x</i>", "y"), theme="light", objects=PEDESTRIAN)
     assert "&lt;i&gt;x" in words(figure)
 
 
 def test_without_encounters_that_count_the_diagram_says_so() -> None:
-    shown = words(venn_figure(Venn(0, 0, 0, 0, 3), NAMES, theme="light"))
+    shown = words(venn_figure(Venn(0, 0, 0, 0, 3), NAMES, theme="light", objects=PEDESTRIAN))
     assert "No pedestrian came near enough to count. 3 encounters stayed distant." in shown
-    assert "distant" not in words(venn_figure(Venn(0, 0, 0, 0, 0), NAMES, theme="light"))
+    assert "distant" not in words(
+        venn_figure(Venn(0, 0, 0, 0, 0), NAMES, theme="light", objects=PEDESTRIAN)
+    )
 
 
 def encounters_of(venn: Venn, *, seed: int = 0) -> pd.DataFrame:
@@ -148,7 +153,7 @@ PATTERNS = [
 def test_every_encounter_has_a_mark_in_its_region_and_none_touches_another(counts) -> None:
     venn = Venn(*counts, 4)
     table = encounters_of(venn)
-    figure = venn_figure(venn, NAMES, theme="light", encounters=table)
+    figure = venn_figure(venn, NAMES, theme="light", encounters=table, objects=PEDESTRIAN)
     marks = marks_of(figure)
     assert sorted(mark[-1] for mark in marks) == sorted(table["shown_row"])
     by_row = table.set_index("shown_row")["category"]
@@ -174,7 +179,7 @@ def test_every_encounter_has_a_mark_in_its_region_and_none_touches_another(count
 def test_marks_are_larger_the_more_an_encounter_weighs_and_visible_without_weight() -> None:
     venn = Venn(3, 2, 0, 0, 0)
     table = encounters_of(venn)
-    figure = venn_figure(venn, NAMES, theme="dark", encounters=table)
+    figure = venn_figure(venn, NAMES, theme="dark", encounters=table, objects=PEDESTRIAN)
     sizes = {row: size for *_, size, row in marks_of(figure)}
     in_order = [sizes[row] for row in table["shown_row"]]
     assert in_order == sorted(in_order, reverse=True)
@@ -186,7 +191,9 @@ def test_marks_are_larger_the_more_an_encounter_weighs_and_visible_without_weigh
 def test_the_same_encounters_are_drawn_in_the_same_places() -> None:
     venn = Venn(22, 8, 5, 3, 0)
     drawn = [
-        venn_figure(venn, NAMES, theme="light", encounters=encounters_of(venn)).to_json()
+        venn_figure(
+            venn, NAMES, theme="light", encounters=encounters_of(venn), objects=PEDESTRIAN
+        ).to_json()
         for _ in range(2)
     ]
     assert drawn[0] == drawn[1]
@@ -195,7 +202,7 @@ def test_the_same_encounters_are_drawn_in_the_same_places() -> None:
 def test_above_a_number_of_encounters_there_are_counts_and_weights_only() -> None:
     venn = Venn(MOST_MARKS, 1, 0, 0, 0)
     table = encounters_of(venn)
-    figure = venn_figure(venn, NAMES, theme="light", encounters=table)
+    figure = venn_figure(venn, NAMES, theme="light", encounters=table, objects=PEDESTRIAN)
     assert [part.name for part in figure.data] == ["regions"]
     weight = table["severity_s_y"].sum()
     assert label(figure, "x_only") == f"1 only X Y {weight:.2f} s"
@@ -206,7 +213,9 @@ def test_a_mark_says_who_it_is_what_the_failure_weighs_and_where_to_look() -> No
     truth = [at(f, 50, track=7) for f in range(10)]
     result = result_of(make_dataset(truth, truth, truth[:6]))
     table = weighed_encounters(result)
-    figure = venn_figure(result.venn, ("a", "b"), theme="light", encounters=table)
+    figure = venn_figure(
+        result.venn, ("a", "b"), theme="light", encounters=table, objects=PEDESTRIAN
+    )
     (text,) = trace(figure, "both, by severity").text
     assert text == (
         "r0, pedestrian 7: both<br>severity X 0.00 s, Y 0.40 s<br>peak cost X 0.00, Y 1.00"
@@ -216,7 +225,9 @@ def test_a_mark_says_who_it_is_what_the_failure_weighs_and_where_to_look() -> No
 
 def test_no_place_for_clicks_on_a_region_lies_on_a_mark() -> None:
     venn = Venn(22, 8, 5, 3, 0)
-    figure = venn_figure(venn, NAMES, theme="light", encounters=encounters_of(venn))
+    figure = venn_figure(
+        venn, NAMES, theme="light", encounters=encounters_of(venn), objects=PEDESTRIAN
+    )
     places = trace(figure, "regions")
     width = np.ptp(figure.layout.xaxis.range)
     for _, x, y, size, _ in marks_of(figure):
@@ -228,7 +239,9 @@ def test_no_place_for_clicks_on_a_region_lies_on_a_mark() -> None:
 def test_the_weights_of_the_regions_add_up_to_the_severities():
     result = at_thresholds()
     encounters = weighed_encounters(result)
-    figure = venn_figure(result.venn, NAMES, theme="light", encounters=encounters)
+    figure = venn_figure(
+        result.venn, NAMES, theme="light", encounters=encounters, objects=PEDESTRIAN
+    )
     labels = [note.text for note in figure.layout.annotations if note.name in set(REGIONS)]
     for letter, system in result.sides:
         texts = re.findall(rf"{letter.upper()} ([\d.]+) s", str(labels))

@@ -18,7 +18,7 @@ from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.measures import significance_table
 from nvcore.measures import MEASURES
-from nvcore.objects import objects_from
+from nvcore.objects import PEDESTRIAN, objects_from
 from nvcore.params import Params
 from nvcore.report.gate import run_gate
 from nvcore.report.gate.measures import gate_measures, listed_names, measure_names
@@ -582,9 +582,8 @@ def test_the_driver_stays_a_person_where_the_objects_are_others():
     met = urgent()
     settings = replace(met.dataset.settings, objects=objects_from("cyclist"))
     result = compare(replace(met.dataset, settings=settings), met.params)
-    words = result.dataset.words
-    texts = [*describe_driver(result), *DRIVER_REGION_TEXT.values(), regions_text(result)]
-    said = " ".join(map(words, texts))
+    regions = map(result.objects.say, DRIVER_REGION_TEXT.values())
+    said = " ".join([*describe_driver(result), *regions, regions_text(result)])
     assert not re.search(r"\b(it needs|warn it|its confirmation|nothing|it is taken)\b", said)
     assert "at least 50 % of drivers would see the cyclist" in said
     assert "none of them in 1" in said
@@ -605,7 +604,7 @@ def test_detectability_of_none_of_the_frames_that_decide_is_said():
     near = [at(f, 50, track=1, detectability=value) for f, value in ((0, NAN), (1, 0.9))]
     result = result_of(make_dataset(near))
     assert not driver_in(result).has_any
-    assert describe_driver(result) == (NOTHING_KNOWN,)
+    assert describe_driver(result) == (PEDESTRIAN.say(NOTHING_KNOWN),)
 
 
 def test_if_he_sees_everybody_shares_of_the_others_are_undefined_not_an_error():

@@ -12,6 +12,7 @@ from builders import Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result, compare
 from nvcore.metrics.venn import Venn, measure_exclusivity
+from nvcore.objects import PEDESTRIAN
 from nvcore.params import Params
 from nvcore.report.verdict.words import describe_time_left
 from nvcore.report.words import (
@@ -99,7 +100,7 @@ def fusion() -> pd.DataFrame:
 
 
 def test_gain_and_cost_of_a_fusion_are_told_against_the_better_system(fusion: pd.DataFrame):
-    assert describe_fusion(fusion) == (
+    assert describe_fusion(fusion, PEDESTRIAN) == (
         "“X or Y” detects 3 of 3 encounters, 1 more than X alone, and costs 1 false-alert episode "
         "(+3600 an hour).",
         "“X and Y” detects 1 of 3 encounters, 1 fewer than X alone, and has as many false-alert "
@@ -107,7 +108,7 @@ def test_gain_and_cost_of_a_fusion_are_told_against_the_better_system(fusion: pd
     )
     fusion.loc[fusion["system"] == "y", "encounters_detected"] = 3
     fusion["gain_on_y"] = fusion["encounters_detected"] - 3
-    either, both = describe_fusion(fusion)
+    either, both = describe_fusion(fusion, PEDESTRIAN)
     assert "as many as Y alone, and has as many" in either
     assert "2 fewer than Y alone, and saves 1 false-alert episode" in both
 
@@ -116,8 +117,8 @@ def test_an_unknown_rate_is_not_told_and_a_fusion_of_nothing_gains_nothing(
     fusion: pd.DataFrame, nothing: Result
 ):
     fusion["more_episodes_per_hour_than_x"] = np.nan
-    assert describe_fusion(fusion)[0].endswith("costs 1 false-alert episode.")
-    assert "can neither gain nor lose" in describe_fusion(fusion_table(nothing))[0]
+    assert describe_fusion(fusion, PEDESTRIAN)[0].endswith("costs 1 false-alert episode.")
+    assert "can neither gain nor lose" in describe_fusion(fusion_table(nothing), PEDESTRIAN)[0]
 
 
 def missed(**params: object) -> Result:

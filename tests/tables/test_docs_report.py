@@ -22,6 +22,7 @@ from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT
 from nvcore.evidence.pairwise import pairwise_table
 from nvcore.findings import Cases, Finding, Severity
 from nvcore.inputs.load import load
+from nvcore.objects import PEDESTRIAN
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.report.files import export_files
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT
@@ -97,8 +98,9 @@ def shown(column: Column, *, name: str = "") -> str:
         column.unit or "–",
         column.kind.value,
         column.better or "–",
-        column.meaning,
-        (column.empty or "never") + ("; left out without detectability" * column.is_optional),
+        PEDESTRIAN.say(column.meaning),
+        PEDESTRIAN.say(column.empty or "never")
+        + "; left out without detectability" * column.is_optional,
     )
     return "| " + " | ".join(cells) + " |\n"
 
@@ -107,7 +109,8 @@ def expected_table(title: str) -> str:
     """The section's table; the columns of X and Y in one row, as their sentences are the same."""
     if title in VALUES:
         head = "| Value | Meaning |\n|---|---|\n"
-        return head + "".join(f"| `{one}` | {text} |\n" for one, text in VALUES[title].items())
+        rows = VALUES[title].items()
+        return head + "".join(f"| `{one}` | {PEDESTRIAN.say(text)} |\n" for one, text in rows)
     is_json = title not in TABLES
     text = f"| {'Key' if is_json else 'Column'} | Unit | Type | Better | Meaning | "
     text += f"{'Null' if is_json else 'Empty'} |\n|---|---|---|---|---|---|\n"

@@ -89,7 +89,7 @@ def test_without_urgent_encounters_the_figures_say_so():
     nobody = over_speed_plot(
         time_left_in(still).over_speed, ("x", "y"), speed_kmh=50, theme="light"
     )
-    assert "Nobody is urgent at any speed" in words(nobody)
+    assert "No encounter is urgent at any speed" in words(nobody)
 
 
 def test_the_curve_over_speed_has_the_numbers_and_marks_speed_and_turn():
@@ -119,7 +119,7 @@ def test_where_recordings_state_their_speed_the_axis_says_that_it_is_replaced():
     assert time_left_in(result).assumed_speed_kmh == 50
     recordings = result.dataset.recordings.assign(speed_kmh=[30.0, np.nan])
     stated = compare(replace(result.dataset, recordings=recordings), result.params)
-    assert stated.assumed_speed_kmh is None
+    assert time_left_in(stated).assumed_speed_kmh is None
     figure = Figures(stated).over_speed()
     assert figure.layout.xaxis.title.text == "speed of all recordings, in place of their own (km/h)"
 

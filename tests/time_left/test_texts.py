@@ -8,6 +8,7 @@ from approach import PLACE, approach, only
 from builders import Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result
+from nvcore.objects import PEDESTRIAN
 from nvcore.params import Params
 from nvcore.time_left.steps import time_left_in
 from nvcore.time_left.texts import (
@@ -79,7 +80,7 @@ def test_a_recording_that_states_its_speed_assumes_none():
 
 
 def test_what_is_needed_to_stop_follows_the_settings():
-    text = describe_needed(Params(speed_kmh=100, reaction_s=1.0, deceleration=5))
+    text = describe_needed(Params(speed_kmh=100, reaction_s=1.0, deceleration=5), PEDESTRIAN)
     assert "At 100 km/h the car still stops" in text
     assert "more than 3.8 s before contact: 1 s pass" in text  # 1 + 27.8 / 10
 

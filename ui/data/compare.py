@@ -44,10 +44,11 @@ def draw() -> None:
     else:
         _draw_same_point(x, y)
     st.caption(
-        state.words(
-            "False alarms here are single detections that match nobody, counted in every frame. "
+        state.say(
+            "False alarms here are single detections that match {nobody}, counted in every frame. "
             "What a driver would notice is on the Overview: false-alert episodes, false alarms "
-            f"linked over frames ({docs_link('more', 'false-alarms')})."
+            "linked over frames ({link}).",
+            link=docs_link("more", "false-alarms"),
         )
     )
     columns = st.columns(2)
@@ -115,7 +116,7 @@ def _draw_system(letter: str, name: str) -> None:
     alarms.metric(
         "False alarms per minute",
         number(point.false_alarms_per_minute, ".1f"),
-        help=state.words("Detections that match nobody, per minute of the recordings."),
+        help=state.say("Detections that match {nobody}, per minute of the recordings."),
     )
     alarms.caption(
         f"{number(point.false_alarms_per_frame, '.3g')} per frame; {point.n_false_alarms:,} in all"

@@ -72,7 +72,7 @@ def _inputs(dataset: Dataset) -> pd.DataFrame:
     n_ignored = int(dataset.truth.ignore.sum())
     n_counted = len(dataset.truth) - n_ignored
     ignored = (
-        state.words(f": {n_counted:,} pedestrians, {n_ignored:,} to be ignored")
+        f": {n_counted:,} {dataset.objects.plural}, {n_ignored:,} to be ignored"
         if n_ignored
         else ""
     )

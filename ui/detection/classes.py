@@ -19,10 +19,10 @@ def draw(result: Result) -> None:
         return
     st.header("Classes")
     st.caption(
-        state.words(
-            "Matched pedestrians by the class that the truth gives them and the one that was read, "
+        state.say(
+            "Matched {many} by the class that the truth gives them and the one that was read, "
             "at the thresholds of the sidebar. To count only what was read right, let a detection "
-            "match pedestrians of its own class alone (Advanced) "
+            "match {many} of its own class alone (Advanced) "
         )
         + f"({docs_link('Classes', 'classes', doc='objects')})."
     )

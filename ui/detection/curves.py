@@ -37,9 +37,9 @@ KIND_WORDS: Final[dict[CurveKind, str]] = {
 EXPLAINED: Final[dict[CurveKind, str]] = {
     "miss_rate": "Lower is better. The log-average miss rate (LAMR) is the geometric mean of the "
     "miss rates at nine references from 0.01 to 1 false positives per image.",
-    "precision_recall": "Higher is better. Recall: share of the pedestrians detected. Precision: "
+    "precision_recall": "Higher is better. Recall: share of the {many} detected. Precision: "
     "share of the detections that are right.",
-    "roc": "Higher is better: the share of pedestrians detected against false positives per image.",
+    "roc": "Higher is better: the share of {many} detected against false positives per image.",
     "roc_windows": "As per image, but over the windows that a sliding-window detector looks at.",
     "f1": "Higher is better: the harmonic mean of precision and recall at every threshold.",
 }
@@ -70,9 +70,10 @@ def draw(result: Result, protocol: Protocol) -> None:
         windows_per_image=windows,
         summaries=[legend_text(summary, kind) for summary in summaries],
         published=result.dataset.settings.published,
+        objects=result.objects,
     )
     clicked = clicked_chart(figure, f"curves_{kind}", clicks="curves")
-    st.caption(f"{state.words(EXPLAINED[kind])} Click a curve to count from that score on.")
+    st.caption(f"{state.say(EXPLAINED[kind])} Click a curve to count from that score on.")
     if kind == "miss_rate":
         _draw_notes(summaries)
     if clicked is not None:
@@ -84,7 +85,7 @@ def draw(result: Result, protocol: Protocol) -> None:
     if kind != "miss_rate":
         _draw_notes(summaries)
     remarks = [
-        explain_few(curves[0].n_truth),
+        explain_few(curves[0].n_truth, result.objects),
         *(note for summary in summaries for note in summary.notes),
     ]
     _draw_evidence(result, [remark for remark in remarks if remark])
@@ -124,7 +125,7 @@ def _draw_evidence(result: Result, remarks: list[str]) -> None:
         note for note in evidence.note.split("; ") if note and not note.endswith(tuple(remarks))
     ]
     for note in notes:
-        st.caption(plain(state.words(f"{capitalised(note)}.")))
+        st.caption(plain(f"{capitalised(note)}."))
     link = docs_link("Significance", "significance", doc="significance")
     st.caption(f"{plain(evidence.method)} ({link})." if evidence.method else f"See {link}.")
 
@@ -215,9 +216,8 @@ def _draw_table(summaries: list[CurveSummary]) -> None:
             why = plain(summary.why_undefined)
             st.caption(f"{letter} has no averages and no areas ({why}).")
     st.caption(
-        state.words(
-            "Absorbed: neither right nor wrong, as they lie on pedestrians or regions that are "
-            "ignored."
+        state.say(
+            "Absorbed: neither right nor wrong, as they lie on {many} or regions that are ignored."
         )
     )
     st.caption(

@@ -30,9 +30,9 @@ def choose(dataset: Dataset) -> Protocol:
         [*([OF_SESSION] if start.name == OWN else []), *PROTOCOLS, OWN],
         key="protocol",
         persist_state="session",
-        help=state.words(
-            "Which pedestrians count. The others are ignored: no miss, and no false positive for "
-            "who detects them. One set of pedestrians serves both systems. The Overview and the "
+        help=state.say(
+            "Which {many} count. The others are ignored: no miss, and no false positive for "
+            "whoever detects them. One set of {many} serves both systems. The Overview and the "
             "reports use the same. Own filters start as those of the protocol chosen before."
         ),
     )
@@ -69,7 +69,7 @@ def choose(dataset: Dataset) -> Protocol:
     protocol = protocol_from(filters.given())
     state.set_protocol(protocol)
     effect = f"Filters: {'; '.join(protocol.filters)}." if protocol.filters else "No filter."
-    st.caption(plain(f"{state.words(protocol.text)} {effect}".strip()))
+    st.caption(plain(f"{state.say(protocol.text)} {effect}".strip()))
     _draw_left_out(filtered(dataset, protocol))
     return protocol
 
@@ -145,8 +145,8 @@ def _own_filters(dataset: Dataset) -> Protocol:
         key="own_occlusion",
         format_func=OCCLUSION_WORDS.__getitem__,
         persist_state="session",
-        help=state.words(
-            "Pedestrians whose occlusion is unknown count as not occluded. None chosen: all "
+        help=state.say(
+            "{Many} whose occlusion is unknown count as not occluded. None chosen: all "
             "levels count."
         ),
     )
@@ -237,7 +237,7 @@ def _draw_left_out(truth: FilteredTruth) -> None:
             f". The occlusion of {truth.n_unknown_occlusion:,} is unknown: they count as not "
             "occluded"
         )
-    st.caption(state.words(f"{words}."))
-    few = explain_few(truth.n_truth)
+    st.caption(f"{words}.")
+    few = explain_few(truth.n_truth, objects)
     if few:
-        st.warning(state.words(f"{capitalised(few)}."), icon=":material/warning:")
+        st.warning(f"{capitalised(few)}.", icon=":material/warning:")

@@ -40,9 +40,9 @@ BAND: Final = (
     " The band is the estimator's error (root mean square) on pedestrians that it was not trained "
     "on, one number for each adaptation period. Estimates and band are cut to 0 to 1."
 )
-NOT_KNOWN: Final = "In no frame is it known how detectable this pedestrian is"
+NOT_KNOWN: Final = "In no frame is it known how detectable this {one} is"
 BOXES_AS_SET: Final = (
-    "The picture shows X and Y as set, not at equal false alarms. How detectable the pedestrian is "
+    "The picture shows X and Y as set, not at equal false alarms. How detectable the {one} is "
     "does not depend on them."
 )
 SHOWN: Final = "driver_shown"
@@ -72,9 +72,9 @@ def draw(result: Result, encounter: int, *, is_as_shown: bool = True) -> None:
     if not is_there:
         state.go_to(*state.place_of(first_shown(course)))
     recording_name, _, track = name[1].rpartition(":")
-    st.header(f"{state.words('Pedestrian')} {track} of {plain(recording_name)}")
+    st.header(f"{state.say('{One}')} {track} of {plain(recording_name)}")
     if not is_as_shown:
-        st.caption(BOXES_AS_SET)
+        st.caption(state.say(BOXES_AS_SET))
     _draw_moving(result, encounter, course)
 
 
@@ -129,7 +129,7 @@ def _draw_moving(result: Result, encounter: int, course: pd.DataFrame) -> None:
             _draw_plot(result, encounter, course, clock, change)
         else:
             why = basis.why_unknown(part_of(recording), features, has_run=run is not None)
-            st.info(state.words(f"{NOT_KNOWN}: {why}"), icon=":material/visibility_off:")
+            st.info(f"{state.say(NOT_KNOWN)}: {why}", icon=":material/visibility_off:")
 
 
 def _look() -> Look:
@@ -174,6 +174,7 @@ def _draw_plot(
         clock=clock,
         caution=caution_of(result),
         simulated=None if change is None else change.estimates,
+        objects=result.objects,
     )
     if may_be_another_clock(state.recording()):
         st.caption(OTHER_CLOCK)

@@ -29,7 +29,7 @@ from ui.shell.navigate import PAGES
 JOB: Final = "driver_run"
 PAGE: Final = "driver"
 """Path of the page."""
-DOING: Final = "Estimating whom the driver sees"
+DOING: Final = "Estimating {what} the driver sees"
 _NEWS: Final = "driver_news"
 """What the workspace remembers of estimates that were taken over, and the page that has said it."""
 _TROUBLE: Final = "driver_trouble"
@@ -73,14 +73,15 @@ def draw_aside(page: str) -> None:
     if page == PAGE:
         return
     if news:  # no toast: what reads pages aloud has no name for those
-        st.success(state.words(news), icon=":material/visibility:")
+        st.success(news, icon=":material/visibility:")
     elif trouble and job is None:
-        text = f"Whom the driver sees was estimated, but cannot be taken over: {trouble}"
-        st.error(text, icon=":material/error:")
+        text = state.say("{What} the driver sees was estimated, but cannot be taken over: ")
+        st.error(text + trouble, icon=":material/error:")
     elif job is not None and (job.is_busy or is_waiting(job)):
-        draw_job_aside(job, DOING, until=lambda: is_ready(job))
+        draw_job_aside(job, state.say(DOING), until=lambda: is_ready(job))
     elif job is not None and job.state is JobState.FAILED and not job.is_told:
-        st.error("Whom the driver sees could not be estimated.", icon=":material/error:")
+        text = state.say("{What} the driver sees could not be estimated.")
+        st.error(text, icon=":material/error:")
     else:
         return
     st.page_link(PAGES / f"{PAGE}.py", label="Driver", icon=":material/arrow_forward:")
@@ -145,7 +146,9 @@ def _open(job: EstimateJob) -> None:
     assert named is not None
     files = (written.features, written.detectability, written.record)
     n = count_text(len(written.run.features.recordings), "recording")
-    text = f"Whom the driver sees is estimated in {n}. All pages count with it now."
+    text = state.say(
+        "{What} the driver sees is estimated in {n}. All pages count with it now.", n=n
+    )
 
     def remember() -> None:
         space.notes[RUN] = OpenedRun(named, written.run, job.spec, files)

@@ -45,7 +45,7 @@ def draw(result: Result, region: DriverRegion | None) -> int | None:
     listed = table[is_shown].sort_values("detectability", kind="stable", na_position="last")
     st.header("One by one")
     if listed.empty:
-        st.info(state.words("No pedestrian is seen so."))
+        st.info(state.say("No {one} is seen so."))
         return None
     shown = listed.head(MOST_ROWS)
     rows = shown.index.to_numpy(np.int64).tolist()
@@ -70,7 +70,7 @@ def draw(result: Result, region: DriverRegion | None) -> int | None:
     chosen = chosen_encounter(result)
     if chosen is None or chosen in rows:
         return rows[0] if chosen is None else chosen
-    st.caption(plain(state.words(_why_not_listed(result, chosen, region))))
+    st.caption(plain(_why_not_listed(result, chosen, region)))
     return rows[0]
 
 
@@ -84,7 +84,7 @@ def _why_not_listed(result: Result, encounter: int, region: DriverRegion | None)
         why = f"the encounter is among those of {REGION_NAMES[own]}"
     else:
         why = "others are less detectable"
-    return f"Pedestrian {track} of {recording} is chosen, but is not in this list: {why}."
+    return f"{state.say('{One}')} {track} of {recording} is chosen, but is not in this list: {why}."
 
 
 def _choose(result: Result, key: str, rows: list[int]) -> None:

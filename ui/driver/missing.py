@@ -15,14 +15,11 @@ nvcore app seen/session.toml"""
 
 def draw() -> None:
     """What is missing."""
-    text = (
-        "Whether the driver sees the pedestrians is not known yet. Press *Estimate* below: an "
+    text = state.say(
+        "Whether the driver sees the {many} is not known yet. Press *Estimate* below: an "
         "estimator, trained on trials with people, tells it from pictures of visible light."
     )
-    st.info(
-        state.words(text),
-        icon=":material/visibility_off:",
-    )
+    st.info(text, icon=":material/visibility_off:")
 
 
 def draw_commands() -> None:

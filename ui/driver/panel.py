@@ -23,7 +23,7 @@ ADAPTED: Final = (
 UNLIT: Final = (
     "It is not known when the light last changed: the estimator of the longest period{longest} is "
     "taken, as if the eyes were adapted. Just after a change, fewer drivers would see the "
-    "pedestrian."
+    "{one}."
 )
 NOT_RUN: Final = f"They are not known here: {basis.NOT_RUN}"
 FROM_FILE: Final = (
@@ -70,7 +70,7 @@ def draw(
     st.markdown(f"**Frame {frames['frame'].iloc[row]}**, {frames['time_s'].iloc[row]:.2f} s")
     here = np.flatnonzero(course["row"].to_numpy() == row)
     if not len(here):
-        st.caption(state.words("The pedestrian is not in this frame."))
+        st.caption(state.say("The {one} is not in this frame."))
         return
     at = int(here[0])
     estimate = course.iloc[at]
@@ -90,14 +90,14 @@ def draw(
     if is_estimated and not is_simulated and _has_no_period(own, clock):
         longest = "" if run is None else f" ({basis.longest_words(run)})"
         is_lit = clock is not None and bool(clock.is_known[state.row()])
-        st.caption(state.words((ADAPTED if is_lit else UNLIT).format(longest=longest)))
+        st.caption(state.say(ADAPTED if is_lit else UNLIT, longest=longest))
 
 
 def _draw_features(features: pd.DataFrame | None, at: int, why_none: str) -> None:
     """The eight features in this row of the course, or why they are not known."""
     st.markdown(f"**{docs_link('Features', 'features', doc='driver')}**")
     if features is None:
-        st.caption(state.words(why_none))
+        st.caption(why_none)
         return
     values = features.iloc[at]
     st.html(
@@ -128,7 +128,7 @@ def _draw_outside(
             words = basis.outside_words(run, own, period_s)
         which = "; ".join(words) or UNKNOWN
         text = f"{name}, outside of the training: {which}. Take it with care."
-        st.warning(state.words(text), icon=":material/warning:")
+        st.warning(text, icon=":material/warning:")
 
 
 def _has_no_period(own: pd.Series | None, clock: AdaptationClock | None) -> bool:

@@ -32,7 +32,9 @@ def draw(result: Result) -> DriverRegion | None:
     left, right = st.columns([2, 3], gap="medium")
     names = result.x.name, result.y.name
     with left:
-        figure = driver_venn_plot(driver_in(result).venn, names, theme=state.theme())
+        figure = driver_venn_plot(
+            driver_in(result).venn, names, theme=state.theme(), objects=result.objects
+        )
         clicked = clicked_chart(figure, "driver_venn")
     if clicked in [*DriverRegion]:
         st.session_state[REGION] = DriverRegion(clicked)
@@ -57,7 +59,7 @@ def draw(result: Result) -> DriverRegion | None:
         told = USEFUL if chosen is None else (chosen,)
         meanings = table.set_index("region")["meaning"]
         lines = [f"**{_sentence(REGION_NAMES[region])}**: {meanings[region]}" for region in told]
-        st.caption(state.words("  \n".join(lines)))
+        st.caption("  \n".join(lines))
     return chosen
 
 

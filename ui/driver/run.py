@@ -33,7 +33,7 @@ FOLDER: Final = "driver"
 MODEL: Final = "estimator.npz"
 TITLE: Final = "Features and estimate"
 HOW_LONG: Final = (
-    "It looks at every pedestrian in every frame, and goes on while you look at other pages. The "
+    "It looks at every {one} in every frame, and goes on while you look at other pages. The "
     "comparison is then made anew, whichever page you look at. Opening something else, or changing "
     "what is compared, ends it."
 )
@@ -84,7 +84,7 @@ def _draw_form(job: EstimateJob | None) -> None:
         else:
             st.rerun()
     if job is None:
-        st.caption(state.words(HOW_LONG))
+        st.caption(state.say(HOW_LONG))
     else:
         _draw_job(job)
     if text := finished.trouble():

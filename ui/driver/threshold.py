@@ -20,13 +20,14 @@ def draw(result: Result) -> None:
             (result.x.name, result.y.name),
             threshold=result.params.driver_threshold,
             theme=state.theme(),
+            objects=result.objects,
         )
         draw_chart(figure, "driver_over_threshold")
         st.caption(
-            state.words(
-                "The driver sees the pedestrian where detectability reaches the threshold in a "
+            state.say(
+                "The driver sees the {one} where detectability reaches the threshold in a "
                 "frame up to the first that counts. How many encounters that leaves for X and Y to "
-                "warn of depends on the threshold, not on the systems "
-                f"({docs_link('whom the driver sees', 'whom-he-sees', doc='driver')})."
+                "warn of depends on the threshold, not on the systems ({link}).",
+                link=docs_link(state.say("{what} the driver sees"), "whom-he-sees", doc="driver"),
             )
         )

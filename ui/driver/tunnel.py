@@ -88,8 +88,9 @@ def draw(
         threshold=threshold,
         change_s=change_s,
         caution=caution_of(result),
+        objects=result.objects,
     )
-    st.info(state.words(text), icon=":material/dark_mode:")
+    st.info(text, icon=":material/dark_mode:")
     return Change(change_s, estimates)
 
 

@@ -21,9 +21,9 @@ HEAD: Final = (
 )
 MEANINGS: Final = {
     CROSSING: "Was on both sides of the picture's middle.",
-    IN_ROAD: "At most 3.5 m beside the camera's axis in half of the frames, by his own height.",
-    GROUP: "Another pedestrian beside him in half of the frames.",
-    CHILD: "Small for where he stands, by his distance or the horizon.",
+    IN_ROAD: "At most 3.5 m beside the camera's axis in half of the frames, by {his} own height.",
+    GROUP: "Another {one} beside {him} in half of the frames.",
+    CHILD: "Small for where {he} stands, by {his} distance or the horizon.",
 }
 
 
@@ -32,7 +32,7 @@ def draw(result: Result) -> None:
     table = class_counts(result)
     if table.empty:
         return
-    st.subheader(state.words("By class of pedestrian"))
+    st.subheader(state.say("By class of {one}"))
     named = classes_of(result.dataset).named
     rows = [
         MeasureRow(
@@ -58,6 +58,6 @@ def draw(result: Result) -> None:
             f"({docs_link('Metrics', 'classes-of-encounters')})"
         )
     st.caption(
-        state.words("A pedestrian may have several classes. They come from the truth's column ")
+        state.say("{A_one} may have several classes. They come from the truth's column ")
         + f"*attributes*{from_boxes}. Shared misses: Jaccard index."
     )

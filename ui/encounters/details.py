@@ -32,8 +32,8 @@ def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
     """The encounter, with the way to the one before and the next."""
     selection.draw_steps(listed, encounter)
     row = listed.iloc[selection.place_of(listed, encounter)]
-    st.header(state.words(f"Pedestrian {row['track']} in {plain(row['recording'])}"))
-    category = state.words(CATEGORY_TEXT[Category(row["category"])])
+    st.header(f"{state.say('{One}')} {row['track']} in {plain(row['recording'])}")
+    category = state.say(CATEGORY_TEXT[Category(row["category"])])
     st.markdown(f"{category}  \n{_who_missed(result, row)}")
     for draw_head in contributed("ENCOUNTER_HEAD"):
         draw_head(result, encounter)
@@ -132,10 +132,9 @@ def _why(result: Result, row: pd.Series[Any], shown_row: int, is_missed: bool) -
     x, y = row["severity_s_x"], row["severity_s_y"]
     heavier, other = ("y", "x") if y > x else ("x", "y")
     what = (
-        state.words("missing the pedestrian")
-        if x == y
-        else f"{heavier.upper()}'s failure, the heavier,"
+        state.say("missing the {one}") if x == y else f"{heavier.upper()}'s failure, the heavier,"
     )
     is_peak = shown_row == result.system(heavier).failures["peak_row"].iloc[int(str(row.name))]
-    while_seen = "" if is_peak else state.words(f" while {other.upper()} detects the pedestrian")
+    one = result.objects.singular
+    while_seen = "" if is_peak else f" while {other.upper()} detects the {one}"
     return f"where {what} costs most{while_seen}"

@@ -30,17 +30,20 @@ def draw_classes(result: Result, encounters: pd.DataFrame) -> None:
     left, right = st.columns(2, gap="medium")
     with left:
         draw_chart(
-            miss_classes_plot(encounters, names, theme=theme),
+            miss_classes_plot(encounters, names, theme=theme, objects=result.objects),
             "encounters_classes",
             on_click=_choose_class,
         )
         st.caption("Click a bar to list its encounters.")
     with right:
-        draw_chart(lead_time_plot(encounters, theme=theme), "encounters_lead")
+        draw_chart(
+            lead_time_plot(encounters, theme=theme, objects=result.objects), "encounters_lead"
+        )
         st.caption(
-            state.words(
-                f"{docs_link('Lead time', 'lead-time')}: how much earlier X matches a pedestrian "
-                "than Y, counted from the moment it is near enough to count."
+            state.say(
+                "{link}: how much earlier X matches {a_one} than Y, counted from the moment {he} "
+                "is near enough to count.",
+                link=docs_link("Lead time", "lead-time"),
             )
         )
 
@@ -54,8 +57,8 @@ def _choose_class() -> None:
 
 def draw_exclusivity(result: Result) -> None:
     """Whether both miss the same pedestrians: in words, and class against class."""
-    st.header(state.words("Do X and Y miss the same pedestrians?"))
-    st.markdown("\n".join(f"- {state.words(sentence)}" for sentence in describe_misses(result)))
+    st.header(state.say("Do X and Y miss the same {many}?"))
+    st.markdown("\n".join(f"- {sentence}" for sentence in describe_misses(result)))
     st.caption(
         f"{docs_link('Jaccard index', 'exclusivity')}: share of all misses that both have, 0 to "
         "1. Phi: how much the misses of X and Y go together, -1 to 1, 0 if not at all. McNemar's "
@@ -116,8 +119,9 @@ def draw_fusion(result: Result) -> None:
     with left:
         draw_chart(fusion_plot(fusion, theme=state.theme()), "encounters_fusion")
     with right:
-        st.markdown("\n".join(f"- {state.words(sentence)}" for sentence in describe_fusion(fusion)))
-        st.caption(plain(state.words(FUSION_RULE)))
+        sentences = describe_fusion(fusion, result.objects)
+        st.markdown("\n".join(f"- {sentence}" for sentence in sentences))
+        st.caption(plain(FUSION_RULE))
         st.dataframe(
             _fusion_shown(fusion),
             hide_index=True,

@@ -226,7 +226,7 @@ def _draw_widgets(encounters: pd.DataFrame, of_subjects: Mapping[str, Sequence[s
             key=key("category"),
             persist_state="session",
             width="content",
-            help=state.words(
+            help=state.say(
                 " ".join(f"*{category_words(kind)}*: {CATEGORY_TEXT[kind]}" for kind in Category)
             ),
         )
@@ -244,7 +244,7 @@ def _draw_widgets(encounters: pd.DataFrame, of_subjects: Mapping[str, Sequence[s
             placeholder="any",
             key=key(f"class_{letter}"),
             persist_state="session",
-            help=state.words(meaning),
+            help=state.say(meaning),
         )
         for column, letter in ((left, "x"), (middle, "y"))
     )
@@ -271,7 +271,7 @@ def _draw_widgets(encounters: pd.DataFrame, of_subjects: Mapping[str, Sequence[s
         "height",
         encounters["peak_height"].to_numpy(),
         1.0,
-        state.words("Height of the pedestrian where it is tallest: how near it came."),
+        state.say("Height of the {one} where it is tallest: how near it came."),
     )
     pose_z = _range(
         right,
@@ -292,7 +292,7 @@ def _draw_widgets(encounters: pd.DataFrame, of_subjects: Mapping[str, Sequence[s
     _choose_among("class", names)
     left, right = place.columns(2)
     classes = left.multiselect(
-        state.words("Class of pedestrian"),
+        state.say("Class of {one}"),
         names,
         format_func=class_name,
         placeholder="any",
@@ -324,7 +324,7 @@ def _choose(known: EncounterFilter, choices: Sequence[str]) -> Sequence[str]:
         key=key(known.name),
         persist_state="session",
         width="content",
-        help=state.words(known.help),
+        help=state.say(known.help),
     )
     return chosen
 
@@ -348,9 +348,9 @@ def _least_severity(place: st.delta_generator.DeltaGenerator, encounters: pd.Dat
             on_change=_set,
             args=("severity", (start,), (0.0,), (0.0,)),
             persist_state="session",
-            help=state.words(
+            help=state.say(
                 "Lists the encounters in which the failure of X or of Y weighs at least so much: "
-                "seconds of a pedestrian missed straight ahead and near. 0 lists all."
+                "seconds of {a_one} missed straight ahead and near. 0 lists all."
             ),
         )
     (severity_s,) = st.session_state.get(_set_key("severity"), (0.0,))

@@ -34,7 +34,7 @@ def draw(result: Result, encounter: int, row: int) -> None:
     st.image(
         picture_address(content),
         width="stretch",
-        alt=state.words("The pedestrian with the boxes of truth, X and Y"),
+        alt=state.say("The {one} with the boxes of truth, X and Y"),
     )
     if has_visible:
         st.session_state[VISIBLE] = is_visible

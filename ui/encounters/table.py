@@ -44,7 +44,7 @@ IS_DESCENDING: Final = "encounters_descending"
 ALL_COLUMNS: Final = "encounters_columns"
 BY_SEVERITY: Final = "Severity, the larger of both"
 NOTE: Final = (
-    "Click a row to see the encounter, a heading to sort by it. By severity, distant pedestrians, "
+    "Click a row to see the encounter, a heading to sort by it. By severity, distant {many}, "
     "which do not count, are last."
 )
 
@@ -119,7 +119,7 @@ def draw(listed: pd.DataFrame, encounter: int) -> None:
         selection_mode=("single-row", "single-cell", "single-column"),
         on_select=partial(_click, key, table.index),
     )
-    st.caption(f"{rows_told(len(listed), 'first')} {state.words(NOTE)}".strip())
+    st.caption(f"{rows_told(len(listed), 'first')} {state.say(NOTE)}".strip())
 
 
 def _click(key: str, index: pd.Index) -> None:
@@ -137,7 +137,9 @@ def _click(key: str, index: pd.Index) -> None:
 def draw_map(encounters: pd.DataFrame) -> None:
     """Where in the picture the encounters are; a click selects."""
     draw_chart(
-        position_map(encounters, theme=state.theme()), "encounters_map", on_click=_choose_point
+        position_map(encounters, theme=state.theme(), objects=state.opened().dataset.objects),
+        "encounters_map",
+        on_click=_choose_point,
     )
 
 

@@ -22,7 +22,7 @@ HEADINGS: Final = {"height": "Height", "horizon": "Horizon", "distance": "Distan
 WHERE_FROM: Final = {
     "horizon": "The row of the horizon is not known: the page Data estimates it from the boxes, or "
     "takes it typed, under \u201cRecordings\u201d.",
-    "distance": "No distance of this pedestrian is known: give the truth's or the systems' "
+    "distance": "No distance of this {one} is known: give the truth's or the systems' "
     "distances as distance_m; by distance, the truth can borrow those of its matches.",
 }
 """What to do about a weighting that cannot be drawn."""
@@ -97,13 +97,14 @@ def _severity(facts: dict[str, Any], letter: str) -> str:
 
 def _words(weightings: Weightings) -> str:
     facts = _facts(weightings)
-    text = state.words(
-        f"What {docs_link('tells how near', 'proximity-weight-k')} a pedestrian is decides which "
-        "frames count: a child is small, and by height comes near late."
+    text = state.say(
+        "What {link} {a_one} is decides which frames count: a child is small, and by height comes "
+        "near late.",
+        link=docs_link("tells how near", "proximity-weight-k"),
     )
     unknown = [kind for kind in KINDS if not facts[kind]["is_known"]]
     for kind in unknown:
-        text += f" {state.words(WHERE_FROM[kind])}"
+        text += f" {state.say(WHERE_FROM[kind])}"
     n_by_height = 0 if "distance" in unknown else int(facts["distance"]["n_by_height"])
     if n_by_height:
         text += f" By distance, {count_text(n_by_height, 'box', 'boxes')} without one count by "

@@ -35,7 +35,7 @@ from ui.widgets.text import UNDEFINED, docs_link, plain
 
 CONTENTS: Final = {
     "frames.csv": "evaluated frames: counts, distances and similarity of each",
-    "encounters.csv": "encounters: who detected the pedestrian, how each system failed, when",
+    "encounters.csv": "encounters: who detected the {one}, how each system failed, when",
     "events.csv": "saliency events of X and Y",
     "intervals.csv": "low-similarity intervals of X and Y",
     "recordings.csv": "recordings, with all aggregates",
@@ -44,19 +44,18 @@ CONTENTS: Final = {
     "findings.csv": "findings of the audit of the inputs",
     "finding_entries.csv": "All boxes, frames and rows that the findings concern",
     "classes.csv": "matches by the class of the truth and the one that was read",
-    MATCHES: "boxes of truth, X and Y: whom each matches, whether it counts, what it weighs",
+    MATCHES: "boxes of truth, X and Y: {what} each matches, whether it counts, what it weighs",
     "summary.json": "All aggregates over all recordings, parameters and version",
     "session.toml": "The session: what to run to get the same report again",
 }
 ESTIMATES: Final = (
-    "What was estimated on the page Driver: in each frame, how detectable each pedestrian is",
+    "What was estimated on the page Driver: in each frame, how detectable each {one} is",
     "How that was estimated; both lie beside session.toml, which names them",
 )
 TERMS: Final = (
-    f"{docs_link('Similarity', 'similarity')} (0 to 1, 1 is best) says how near what a system "
-    f"shows is to what is there. An {docs_link('encounter', 'encounters')} is one pedestrian, from "
-    "the first to the last annotated frame. In a "
-    f"{docs_link('saliency event', 'saliency')} one missed pedestrian stands out."
+    "{similarity} (0 to 1, 1 is best) says how near what a system shows is to what is there. An "
+    "{encounter} is one {one}, from the first to the last annotated frame. In a {event} one missed "
+    "{one} stands out."
 )
 MIME: Final = {
     "csv": "text/csv",
@@ -118,7 +117,14 @@ def draw(result: Result) -> None:
     )
     with st.expander("Single files"):
         _draw_files(result, report, public)
-    st.markdown(state.words(TERMS))
+    st.markdown(
+        state.say(
+            TERMS,
+            similarity=docs_link("Similarity", "similarity"),
+            encounter=docs_link("encounter", "encounters"),
+            event=docs_link("saliency event", "saliency"),
+        )
+    )
     with st.expander("What the columns mean"):
         _draw_columns()
     _draw_session_note(report)
@@ -177,7 +183,7 @@ def _draw_files(result: Result, report: _Report, public: Callable[[], Result]) -
             icon=":material/download:",
             key=f"export_{name}",
         )
-        what = state.words(contents[name])
+        what = state.say(contents[name])
         text.markdown(f"{counts[name]:,} {what}" if name in counts else what)
 
 
@@ -193,8 +199,9 @@ def _draw_columns() -> None:
     rows = ["| Column | Unit | Meaning | Empty |", "|---|---|---|---|"]
     for names, column in _joined(COLUMNS[file]):
         empty = column.empty or "never"
-        rows.append(f"| {names} | {column.unit or UNDEFINED} | {column.meaning} | {empty} |")
-    st.markdown(state.words("\n".join(rows)))
+        texts = " | ".join(map(state.say, (column.meaning, empty)))
+        rows.append(f"| {names} | {column.unit or UNDEFINED} | {texts} |")
+    st.markdown("\n".join(rows))
 
 
 def _joined(columns: tuple[Column, ...]) -> list[tuple[str, Column]]:

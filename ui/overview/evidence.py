@@ -42,16 +42,18 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
             "  \n".join(f"{mark}: {plain(capitalised(note))}." for note, mark in notes.items())
         )
     st.caption(
-        state.words(
-            "Both systems saw the same pedestrians, so differences are judged in pairs: how far "
-            f"they would vary with other {units} (interval), and how often they would be as large "
+        state.say(
+            "Both systems saw the same {many}, so differences are judged in pairs: how far "
+            "they would vary with other {units} (interval), and how often they would be as large "
             "if X and Y could be exchanged (p, from six recordings on). p (Holm) allows for all "
-            f"the rows being looked at together: the verdict claims no difference with more than "
-            f"{SIGNIFICANT}, nor one that does not hold at equal false alarms. Within these "
+            "the rows being looked at together: the verdict claims no difference with more than "
+            "{significant}, nor one that does not hold at equal false alarms. Within these "
             "recordings: McNemar's test, which says nothing of others. effect: size of the "
             "difference, Cohen's d_z or the odds ratio (∞: in all encounters that only one "
-            "system detects it is the same one) "
-            f"({docs_link('Significance', 'significance', doc='significance')})."
+            "system detects it is the same one) ({link}).",
+            units=units,
+            significant=SIGNIFICANT,
+            link=docs_link("Significance", "significance", doc="significance"),
         )
     )
     with st.expander("How it was computed"):
@@ -98,7 +100,7 @@ def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
         draw_chart(figure, "subgroups")
     if why := inference_of(measure).not_of_pedestrians:
         st.caption(
-            f"{UNDEFINED} Near, far, centre, edge, occlusion, pose: {why}. "
+            f"{UNDEFINED} Near, far, centre, edge, occlusion, pose: {state.say(why)}. "
             "Only groups of recordings have this measure, by the tags that a session file gives."
         )
     st.caption(

@@ -65,11 +65,12 @@ def draw(result: Result) -> None:
     draw_as_set_note(result)
     theme = state.theme()
     st.caption(
-        state.words(
+        state.say(
             "The stretches of low similarity that weigh most, and those in which the systems "
-            "differ most. The picture is of the worst frame, around the pedestrian who is named: "
-            "pedestrians white, "
-            f"X {theme.style('x').words}, Y {theme.style('y').words}."
+            "differ most. The picture is of the worst frame, around the {one} {who} is named: "
+            "{many} white, X {x}, Y {y}.",
+            x=theme.style("x").words,
+            y=theme.style("y").words,
         )
     )
     kind = choose_side_by_side(

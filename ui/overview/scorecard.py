@@ -86,12 +86,14 @@ def _draw_scorecard(result: Result, evidence: pd.DataFrame | None) -> Scorecard:
     table = Scorecard(result, evidence)
     little = f" {SHORT_ROWS}." if result.is_short else ""
     st.caption(
-        state.words(
+        state.say(
             "↑ higher is better, ↓ lower is better; the better value has a dot, which says nothing "
-            f"of chance.{plain(little)} Similarity, per frame, 1 is best: how well "
-            "detections fit the pedestrians, near ones first. Saliency, in seconds, 0 is best: "
-            "how long the most salient misses last, in full only when they are late "
-            f"({docs_link('Metrics', 'similarity')}). {_rule(result)}"
+            "of chance.{little} Similarity, per frame, 1 is best: how well detections fit the "
+            "{many}, near ones first. Saliency, in seconds, 0 is best: how long the most salient "
+            "misses last, in full only when they are late ({link}). {rule}",
+            little=plain(little),
+            link=docs_link("Metrics", "similarity"),
+            rule=_rule(result),
         )
     )
     with st.expander(f"How the {result.venn.n_near:,} encounters went"):
@@ -107,15 +109,16 @@ def _rule(result: Result) -> str:
     """When a detection matches, and what it is when it does not."""
     params = result.params
     how = (
-        state.words(f"whom it overlaps by an IoU of {params.iou:g} or more")
+        state.say("{whom} it overlaps by an IoU of {iou:g} or more", iou=params.iou)
         if params.match == "iou"
         else f"at whose sideways position it stands, to {params.lateral_tolerance:.0%} of the width"
     )
     if params.match_class == "same":
         how += ", and whose class it names"
-    return state.words(
-        f"A detection matches a pedestrian {how}; a looser box is a false alarm, and the "
-        "pedestrian is missed (Advanced)."
+    return state.say(
+        "A detection matches {a_one} {how}; a looser box is a false alarm, and the {one} is missed "
+        "(Advanced).",
+        how=how,
     )
 
 

@@ -37,7 +37,7 @@ OPEN: Final = "overview_open"
 
 def draw(result: Result) -> None:
     """The diagram, the same by buttons for those who do not click in pictures, and a list."""
-    st.header(state.words("Who detects whom"))
+    st.header(state.say("Who detects {what}"))
     draw_as_set_note(result)
     row = st.session_state.pop(OPEN, None)
     if row is not None:
@@ -48,7 +48,9 @@ def draw(result: Result) -> None:
     figure = kept_figure(
         "venn",
         (*key, theme),
-        lambda: venn_figure(result.venn, names, theme=theme, encounters=encounters),
+        lambda: venn_figure(
+            result.venn, names, theme=theme, encounters=encounters, objects=result.objects
+        ),
     )
     clicked = clicked_chart(figure, "venn", alt=_in_words(result))
     if isinstance(clicked, str):
@@ -57,9 +59,10 @@ def draw(result: Result) -> None:
         open_row(int(clicked))
     has_marks = len(encounters) <= MOST_MARKS
     st.caption(
-        state.words(
-            f"The seconds are {docs_link('severity', 'severity')}: what failures weigh, 1 s for "
-            "each second that a pedestrian straight ahead and near is missed. "
+        state.say(
+            "The seconds are {severity}: what failures weigh, 1 s for each second that {a_one} "
+            "straight ahead and near is missed. ",
+            severity=docs_link("severity", "severity"),
         )
         + (
             "Each mark is an encounter, the larger the heavier its failure; its colour is the "
@@ -108,9 +111,9 @@ def _draw_worst(encounters: pd.DataFrame) -> None:
         on_select=partial(_ask_for_row, key, worst["shown_row"].tolist()),
     )
     st.caption(
-        state.words(
+        state.say(
             "Click an encounter to see the frame in which its failure costs most, of those in "
-            "which the other system detects the pedestrian, if there are any."
+            "which the other system detects the {one}, if there are any."
         )
     )
     if button(

@@ -90,7 +90,7 @@ class Room:
         with self._basis().container():
             st.caption(_short_extent(result, equal_alarms_of(result, companions)))
             if text := " ".join(describe_weighting(result)):
-                st.markdown(f":material/warning: {plain(state.words(text))}")
+                st.markdown(f":material/warning: {plain(text)}")
             if conclusion.caveat:
                 _draw_caveat(conclusion.caveat)
         with self._rest:
@@ -124,14 +124,18 @@ def _short_extent(result: Result, equal: EqualAlarms | None) -> str:
 
 def _extent(result: Result) -> str:
     venn = result.venn
-    return state.words(
-        f"{count_text(len(result.dataset.recordings), 'recording')}, "
-        f"{count_text(len(result.dataset.frames), 'frame')}, "
-        f"{result.duration_s:,.1f} s. An encounter is one pedestrian from first to last annotated "
-        f"frame; {venn.n_near:,} came near enough to count, {venn.distant:,} stayed distant. A "
-        f"system detects it by matching it in at least {result.params.coverage:.0%} of the frames "
-        "in which it is near. Severity: what failures weigh, 1 s for each second that a pedestrian "
-        "straight ahead and near is missed. p, where given: how often recordings in which X and Y "
-        "could be exchanged would differ as much, by itself and corrected for all measures "
-        f"({docs_link('Significance', 'other-measures', doc='significance')})."
+    return state.say(
+        "{recordings}, {frames}, {duration_s:,.1f} s. An encounter is one {one} from first to last "
+        "annotated frame; {near:,} came near enough to count, {distant:,} stayed distant. A "
+        "system detects it by matching it in at least {coverage:.0%} of the frames in which it is "
+        "near. Severity: what failures weigh, 1 s for each second that {a_one} straight ahead and "
+        "near is missed. p, where given: how often recordings in which X and Y could be exchanged "
+        "would differ as much, by itself and corrected for all measures ({link}).",
+        recordings=count_text(len(result.dataset.recordings), "recording"),
+        frames=count_text(len(result.dataset.frames), "frame"),
+        duration_s=result.duration_s,
+        near=venn.n_near,
+        distant=venn.distant,
+        coverage=result.params.coverage,
+        link=docs_link("Significance", "other-measures", doc="significance"),
     )

@@ -208,8 +208,8 @@ def _draw_in_use(fit_in_use: AppliedFit) -> None:
 def _changes(fit: Fit, start: Params) -> list[str]:
     """The parameters that the fit changes, as the sidebar calls them."""
     return [
-        f"{plain(SETTINGS[name].label_with_unit)}: {_shown(name, _value(start, name))} → "
-        f"**{_shown(name, value)}**"
+        f"{plain(state.say(SETTINGS[name].label_with_unit))}: "
+        f"{_shown(name, _value(start, name))} → **{_shown(name, value)}**"
         for name, value in fit.changed.items()
     ]
 
@@ -221,4 +221,4 @@ def _value(settings: Params, name: str) -> Any:
 
 def _shown(name: str, value: Any) -> str:
     words = SETTINGS[name].words
-    return plain(f"{value:g}" if words is None else words[value])
+    return plain(f"{value:g}" if words is None else state.say(words[value]))

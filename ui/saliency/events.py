@@ -59,7 +59,7 @@ def draw_table(result: Result, recording: int | None) -> None:
     letter = choose_side_by_side("Events of", [BOTH, "X", "Y"], "saliency_system", default=BOTH)
     events, first_row = _events(result, recording, None if letter == BOTH else letter.lower())
     if events.empty:
-        st.info(state.words("No event here: nobody is missed by more than the tolerance."))
+        st.info(state.say("No event here: {nobody} is missed by more than the tolerance."))
         return
     n_events = len(events)
     events, first_row = events.head(MOST_ROWS), first_row[:MOST_ROWS]

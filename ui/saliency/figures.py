@@ -39,13 +39,17 @@ def what_it_is(params: Params) -> str:
     weight = "weighted distance, summed over time," if is_risk else "*duration*"
     passed = "the seconds left" if params.recency_unit == "seconds" else "the share that has passed"
     scope = "encounter" if params.saliency_scope == "encounter" else "recording"
-    return state.words(
-        "How long pedestrians are missed, in full only late, as late misses are remembered best "
-        f"({docs_link('saliency', 'saliency')}, seconds, 0 is best). A "
-        f"*saliency event* is a run of frames in which one pedestrian {who}. It counts by its "
-        f"{weight} times its *recency*, a weight of 0 to 1 that follows from {passed} of "
-        f"the {scope} when it ends. Pedestrians far away can have events, too. "
-        f"{saliency_caveat(params)}"
+    return state.say(
+        "How long {many} are missed, in full only late, as late misses are remembered best "
+        "({link}, seconds, 0 is best). A *saliency event* is a run of frames in which one {one} "
+        "{what_of}. It counts by its {weight} times its *recency*, a weight of 0 to 1 that follows "
+        "from {passed} of the {scope} when it ends. {Many} far away can have events, too. {caveat}",
+        link=docs_link("saliency", "saliency"),
+        what_of=who,
+        weight=weight,
+        passed=passed,
+        scope=scope,
+        caveat=state.say(saliency_caveat(params)),
     )
 
 
@@ -62,7 +66,7 @@ def draw_numbers(result: Result) -> None:
         column.metric(
             f"Late misses of {letter.upper()} (saliency, {kind})", f"{system.saliency_s:.2f} s"
         )
-        column.markdown(state.words(description))
+        column.markdown(description)
         if not system.events.empty:
             with column:
                 _draw_way(result, letter)
@@ -73,11 +77,9 @@ def _draw_way(result: Result, letter: str) -> None:
     worst = worst_events(result, letter, n=1).iloc[0]
     when = "late" if worst["recency"] >= HALF else "early"
     st.caption(
-        state.words(
-            f"The most salient: pedestrian {worst['track']} in {plain(worst['recording'])}, missed "
-            f"{worst['duration_s']:.1f} s, {when} in the {result.params.saliency_scope} (saliency "
-            f"{worst['saliency_s']:.2f} s)."
-        )
+        f"The most salient: {result.objects.singular} {worst['track']} in "
+        f"{plain(worst['recording'])}, missed {worst['duration_s']:.1f} s, {when} in the "
+        f"{result.params.saliency_scope} (saliency {worst['saliency_s']:.2f} s)."
     )
     if button("Show in timeline", key=f"saliency_show_{letter}", icon=":material/movie:"):
         open_row(int(worst["first_row"]))

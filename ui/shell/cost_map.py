@@ -24,11 +24,15 @@ def draw() -> None:
     except ParameterError:  # the sidebar says it below
         return
     with place:
-        draw_chart(cost_plot(cost, theme=state.theme()), "cost_plot")
+        draw_chart(
+            cost_plot(cost, theme=state.theme(), objects=state.opened().dataset.objects),
+            "cost_plot",
+        )
         st.caption(
-            state.words(
-                f"k × border of a pedestrian with the feet there, 0 to 1, in "
-                f"{plain(state.recording_names()[recording])}. {plain(capitalised(cost.text))}. "
-                "Over the picture: Timeline, key c."
+            state.say(
+                "k × border of {a_one} with the {feet} there, 0 to 1, in {where}. {cost}. "
+                "Over the picture: Timeline, key c.",
+                where=plain(state.recording_names()[recording]),
+                cost=plain(capitalised(state.say(cost.text))),
             )
         )

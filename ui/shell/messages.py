@@ -28,17 +28,17 @@ from ui.widgets.text import plain
 def draw_warnings(result: Result, *, is_of_encounters: bool = True) -> None:
     """Warn of what the audit found and, where the page is about encounters, of single frames."""
     if is_of_encounters and result.is_short:
-        st.warning(state.words(SHORT_ENCOUNTERS), icon=":material/warning:")
+        st.warning(state.say(SHORT_ENCOUNTERS), icon=":material/warning:")
     warned = caveats().warned
     texts = [
-        warned[finding.code]
+        state.say(warned[finding.code])
         for finding in input_findings()
         if finding.severity is not Severity.NOTE
         and finding.code in warned
         and finding.code != "short-encounters"
     ]
     if texts:
-        text = state.words("; ".join(dict.fromkeys(texts)))
+        text = "; ".join(dict.fromkeys(texts))
         st.warning(
             f"The audit found: {plain(text)}. Details and remedies are on the page Data.",
             icon=":material/warning:",

@@ -113,8 +113,8 @@ def draw() -> None:
     st.caption(
         f"Single false alarms an hour: X\N{NO-BREAK SPACE}**{rates[0]}**, "
         f"Y\N{NO-BREAK SPACE}**{rates[1]}**. Make them equal:",
-        help=state.words(
-            "Detections that match nobody, counted in every frame. False-alert episodes an hour, "
+        help=state.say(
+            "Detections that match {nobody}, counted in every frame. False-alert episodes an hour, "
             "as on the Overview, are fewer: there a run of them counts once. A system that reports "
             "more of everything looks better unless both have equally many."
         ),

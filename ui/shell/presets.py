@@ -59,14 +59,14 @@ def draw(moved: dict[str, Any]) -> None:
         on_change=_take,
         args=(key,),
         width="stretch",
-        help=state.words("  \n".join(f"*{preset.name}*: {preset.text}" for preset in _presets())),
+        help="  \n".join(f"*{preset.name}*: {state.say(preset.text)}" for preset in _presets()),
     )
     label = f"{count_text(len(moved), 'setting')} changed" if moved else "No setting changed"
     with st.popover(label, type="tertiary", disabled=not moved, key="changed"):
         for name, value in moved.items():
             setting = SETTINGS[name]
             st.button(
-                f"{setting.label_with_unit}: {_text(name, _live()[name])}, back to "
+                f"{state.say(setting.label_with_unit)}: {_text(name, _live()[name])}, back to "
                 f"{_text(name, value)}",
                 key=f"reset_{name}",
                 icon=":material/undo:",
@@ -128,7 +128,7 @@ def _is_same(name: str, value: Any, other: Any) -> bool:
 def _text(name: str, value: Any) -> str:
     value, setting = _resolved(name, value), SETTINGS[name]
     if setting.words is not None:
-        return setting.words[value]
+        return state.say(setting.words[value])
     if value is None:
         return setting.unset or ("all count" if setting.stage is THRESHOLD else "not given")
     return f"{value:.4g}"

@@ -93,7 +93,7 @@ def _reset() -> None:
 
 def _label(name: str) -> str:
     """What a widget calls its setting, with a mark where it was moved away from the preset."""
-    label = state.words(SETTINGS[name].label_with_unit)
+    label = state.say(SETTINGS[name].label_with_unit)
     return f"{label} {presets.MARK}" if name in st.session_state[_CHANGED] else label
 
 
@@ -109,7 +109,7 @@ def _quietness(setting: Setting, text: str = "") -> dict[str, Any]:
     is_quiet = not setting.moves(st.session_state[_SHOWN])
     start = "Grey, as it acts on nothing on this page. " if is_quiet else ""
     return {
-        "help": state.words(f"{start}{text or setting.meaning} Acts on: {setting.acts_on}."),
+        "help": f"{start}{state.say(text or setting.meaning)} Acts on: {setting.acts_on}.",
         "disabled": is_quiet,
     }
 
@@ -183,7 +183,7 @@ def _threshold(name: str) -> None:
         high=high,
         value=low if session_value is None else session_value,
         step=step,
-        help_text=state.words(SETTINGS[name].meaning + " At the left end all count."),
+        help_text=SETTINGS[name].meaning + " At the left end all count.",
     )
     if live_params.counts_all(letter):
         st.caption(f"Every detection of {letter.upper()} counts.")
@@ -221,7 +221,7 @@ def _widget(name: str) -> Any:
     return st.selectbox(
         _label(name),
         list(choices),
-        format_func=lambda value: state.words(choices[value]),
+        format_func=lambda value: state.say(choices[value]),
         key=name,
         on_change=settings.take,
         args=(name,),
@@ -234,7 +234,7 @@ def _is_set(name: str, setting: Setting) -> bool:
     value = live_params.value_of(name) is None
     key = settings.key_of(f"{name}_unset", value)
     is_unset = st.checkbox(
-        state.words(f"{setting.label} {setting.unset}"),
+        state.say(f"{setting.label} {setting.unset}"),
         value=value,
         key=key,
         on_change=_switch,

@@ -40,11 +40,12 @@ def draw(result: Result, urgent: pd.DataFrame) -> None:
     )
     _follow(result, clicked_chart(figure, "time_left_approaches"))
     st.caption(
-        state.words(
+        state.say(
             "Contact is where the time to contact at the last chance says; the picture need not "
-            "show it. A filled mark is where a system has confirmed the pedestrian, an open one "
+            "show it. A filled mark is where a system has confirmed the {one}, an open one "
             "right of contact says that it never does. Click a mark to open its frame in the "
-            f"Timeline ({docs_link('Confirmed in time', 'confirmed-in-time')})."
+            "Timeline ({link}).",
+            link=docs_link("Confirmed in time", "confirmed-in-time"),
         )
     )
 

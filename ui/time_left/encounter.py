@@ -7,7 +7,6 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.time_left.steps import time_left_in
 from nvcore.time_left.texts import describe_encounter
-from ui.session import state
 from ui.shell.navigate import open_row
 from ui.widgets.buttons import button
 from ui.widgets.text import docs_link, plain
@@ -16,7 +15,7 @@ from ui.widgets.text import docs_link, plain
 def draw_text(result: Result, encounter: int) -> None:
     """The last chance, and what each system made of it."""
     if result.dataset.objects.is_on_road:
-        text = state.words(describe_encounter(result, encounter))
+        text = describe_encounter(result, encounter)
         st.caption(f"{docs_link('Time left', 'time-left')}: {plain(text)}")
 
 

@@ -52,7 +52,7 @@ def _draw_nobody(result: Result) -> None:
     link = docs_link("Time left", "time-left")
     if not len(result.encounters):
         st.info(
-            state.words("The truth has no pedestrians: there is nobody whom the car comes near to.")
+            state.say("The truth has no {many}: there is {nobody} {whom} the car comes near to.")
         )
         return
     n_unknown = time_left_in(result).count_urgency()[Urgency.UNKNOWN]
@@ -121,24 +121,26 @@ def _draw_meaning(result: Result) -> None:
     if is_assumed.any():
         if not is_assumed.all():
             st.markdown("In recordings that do not state their speed:")
-        st.markdown(plain(describe_needed(params)))
+        st.markdown(plain(describe_needed(params, result.objects)))
     else:
         st.markdown("The recordings state the speed of the car: the assumed one moves nothing.")
     st.markdown(
-        state.words(
-            f"*In time*: matched in {params.confirm_n:g} of {params.confirm_m:g} frames in a row "
-            "at some time before the last chance, if lost again as well. *Late*: only then or "
-            "later; the car brakes too late and reaches him with the *impact speed*. *Never*: the "
-            "car does not brake."
+        state.say(
+            "*In time*: matched in {n:g} of {m:g} frames in a row at some time before the last "
+            "chance, if lost again as well. *Late*: only then or later; the car brakes too late "
+            "and reaches {him} with the *impact speed*. *Never*: the car does not brake.",
+            n=params.confirm_n,
+            m=params.confirm_m,
         )
     )
     st.caption(
-        state.words(
+        state.say(
             "In time means that a warning could have come early enough, not that the driver would "
-            "have heeded it, nor that nobody is hurt: pedestrians are taken to go on as they do, "
-            f"the car to drive on at its speed. Time to contact comes from {_source(result)}. "
-            "Whether a difference is more than chance is tested on the Overview "
-            f"({docs_link('Time left', 'time-left')})."
+            "have heeded it, nor that {nobody} is hurt: {many} are taken to go on as they do, "
+            "the car to drive on at its speed. Time to contact comes from {source}. Whether a "
+            "difference is more than chance is tested on the Overview ({link}).",
+            source=_source(result),
+            link=docs_link("Time left", "time-left"),
         )
     )
 
@@ -150,8 +152,8 @@ def _source(result: Result) -> str:
         return "the truth's distances"
     if not has_distance.any():
         return "the heights of the truth's boxes"
-    return state.words(
-        "the truth's distances where a pedestrian has one in every frame, else from box heights"
+    return state.say(
+        "the truth's distances where {a_one} has one in every frame, else from box heights"
     )
 
 

@@ -43,13 +43,14 @@ def draw(result: Result) -> None:
             figure = kept_figure(f"time_left_{measure}", (key, speed_kmh, theme), make)
             draw_chart(figure, f"time_left_{measure}")
     st.caption(
-        state.words(
+        state.say(
             "Each speed in place of all others, those of recordings as well, with the approach as "
             "it was recorded: the same seconds are more metres at a higher speed, at which nobody "
-            "knows whether the systems detect as well. At a higher speed more pedestrians are "
+            "knows whether the systems detect as well. At a higher speed more {many} are "
             "urgent, and more are too near when first known and left out: so the share may rise "
             "with speed. Where the order turns is not tested: a single encounter may do it "
-            f"({docs_link('Time left', 'time-left')})."
+            "({link}).",
+            link=docs_link("Time left", "time-left"),
         )
     )
 

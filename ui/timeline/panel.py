@@ -97,7 +97,11 @@ def _chosen(result: Result, row: int) -> None:
         else:
             where = plain(state.recording_names()[recording])
             st.markdown(
-                state.words(f"**Pedestrian {track}** of {where} is chosen, and not in this frame.")
+                state.say(
+                    "**{One} {track}** of {where} is chosen, and not in this frame.",
+                    track=track,
+                    where=where,
+                )
             )
         if button("Open in Encounters", key="open_chosen", width="stretch"):
             open_encounters(encounter=name_of(result, encounter))
@@ -105,7 +109,7 @@ def _chosen(result: Result, row: int) -> None:
 
 def _choose(result: Result, tracks: list[int], row: int) -> None:
     """The pedestrian of a clicked column becomes the chosen one."""
-    clicked = clicked_cell("pedestrians")
+    clicked = clicked_cell("{many}")
     if clicked is None or not clicked[1].isdigit():
         return
     truth = result.dataset.truth
@@ -118,30 +122,33 @@ def _choose(result: Result, tracks: list[int], row: int) -> None:
 def _boxes(result: Result, facts: FrameSummary) -> None:
     """Who costs most, and which detections."""
     if not facts.n_truth:
-        st.caption(state.words("Nobody is annotated in this frame."))
+        st.caption(state.say("{Nobody} is annotated in this frame."))
     else:
         tracks = [int(track) for track in facts.pedestrians["track"]]
         _table(
             facts.pedestrians,
             PEDESTRIAN_WORDS,
-            "pedestrians",
+            "{many}",
+            state.say("{Many} by term"),
             selection_mode="single-cell",
             on_select=partial(_choose, result, tracks, facts.row),
         )
     if facts.detections.empty:
         st.caption("Neither system has a detection that counts in this frame.")
     else:
-        _table(facts.detections, DETECTION_WORDS, "detections")
+        _table(facts.detections, DETECTION_WORDS, "detections", "Detections by term")
 
 
-def _table(boxes: pd.DataFrame, words: Mapping[str, Words], kind: str, **selection: Any) -> None:
+def _table(
+    boxes: pd.DataFrame, words: Mapping[str, Words], key: str, title: str, **selection: Any
+) -> None:
     """A column for each box, the largest term first: a narrow window shows all of the first ones.
 
     The first of `words` is the heading of a column, the others are the rows.
     """
     heading, *names = words
     meanings = "  \n".join(f"*{label}*: {meaning}" for label, meaning in words.values())
-    st.markdown(state.words(f"{kind.capitalize()} by term"), help=state.words(meanings))
+    st.markdown(title, help=state.say(meanings))
     shown = boxes.head(MOST_BOXES).to_dict("records")
     columns = {str(i): [_text(name, box[name]) for name in names] for i, box in enumerate(shown)}
     labels = [words[name].label for name in names]
@@ -151,14 +158,12 @@ def _table(boxes: pd.DataFrame, words: Mapping[str, Words], kind: str, **selecti
         )
         for i, box in enumerate(shown)
     }
-    config["_index"] = st.column_config.TextColumn(
-        state.words(words[heading].label), width=LABEL_PX
-    )
+    config["_index"] = st.column_config.TextColumn(state.say(words[heading].label), width=LABEL_PX)
     st.dataframe(
         pd.DataFrame(columns, index=labels),
         height=HEAD_PX + ROW_PX * len(names),
         row_height=ROW_PX,
-        key=kind,
+        key=key,
         column_config=config,
         **selection,
     )

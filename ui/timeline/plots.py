@@ -72,7 +72,7 @@ def _draw_lanes(result: Result) -> None:
     recording, space = state.recording(), state.workspace()
     left, right = st.columns([2, 3], vertical_alignment="bottom")
     only_missed = left.toggle(
-        state.words("Only pedestrians with misses"), key="lanes_missed", persist_state="session"
+        state.say("Only {many} with misses"), key="lanes_missed", persist_state="session"
     )
     key = (space.version, recording, only_missed, result.params.only_for(*shown_results()))
     order = space.cached(
@@ -108,7 +108,7 @@ def _first_lane(place: DeltaGenerator, order: np.ndarray, chosen: int | None) ->
             st.session_state[FIRST] = lane - lane % LANES
         st.session_state["lanes_seen"] = chosen
     with place:
-        return choose_first(state.words("Pedestrians, most severe first"), len(order), LANES, FIRST)
+        return choose_first(state.say("{Many}, most severe first"), len(order), LANES, FIRST)
 
 
 def _draw_plot(result: Result) -> None:

@@ -10,7 +10,6 @@ import plotly.graph_objects as go
 import streamlit as st
 
 from nvcore.figures.style import HEADING_PX, split_heading
-from nvcore.figures.wording import worded
 from ui.session import state
 from ui.widgets.clicks import is_new_click
 from ui.widgets.figure_menu import CONFIG_WITH_EXPORT
@@ -73,9 +72,8 @@ def kept_figure(kind: str, key: Hashable, make: Callable[[], go.Figure]) -> go.F
 
 
 def _ready(figure: go.Figure) -> go.Figure:
-    """The figure in the words for what is open, without its heading; itself if it is so already."""
-    is_ready = figure.layout.meta is not None
-    return figure if is_ready else _without_heading(worded(figure, state.opened().dataset))
+    """The figure without its heading; itself if it is so already."""
+    return figure if figure.layout.meta is not None else _without_heading(figure)
 
 
 def _draw_heading(figure: go.Figure, time_axis: str | None = None) -> str | None:

@@ -87,7 +87,7 @@ def score_row(row: ScoreRow, *, width: float = math.nan, is_short: bool = False)
         cells=(*values, minus(difference(row.x, row.y, form))),
         better=row._replace(form=form).winner,
         level=row.level,
-        hint=state.words(measure_of(row.key).meaning) if row.key else "",
+        hint=state.say(measure_of(row.key).meaning) if row.key else "",
     )
 
 

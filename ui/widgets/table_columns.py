@@ -26,7 +26,7 @@ SIGNED: Final = "%+.2f"
 WHOLE: Final = "%.0f"
 LOOKS: Final[dict[str, ColumnLook]] = {
     "recording": ColumnLook(width=124),
-    "track": ColumnLook("Pedestrian", 80),
+    "track": ColumnLook("{One}", 80),
     "category": ColumnLook(width=72, words=CATEGORY_WORDS.get),
     "n_relevant": ColumnLook("Frames that count"),
     "n_frames": ColumnLook("Annotated frames"),
@@ -65,7 +65,7 @@ MOST_LINES: Final = 10
 def heading(name: str) -> str:
     """Heading of a column, "X lag (s)" for ``lag_s_x``."""
     base, letter = _split(name)
-    words = state.words(LOOKS.get(base, ColumnLook()).heading or base.replace("_", " "))
+    words = state.say(LOOKS.get(base, ColumnLook()).heading or base.replace("_", " "))
     return f"{letter.upper()} {words}" if letter else words[0].upper() + words[1:]
 
 
@@ -140,7 +140,7 @@ def _config(column: Column) -> Any:
     text = column.meaning + (f" Empty: {column.empty}." if column.empty else "")
     if column.better:
         text += " Higher is better." if column.better == "high" else " Lower is better."
-    label, text = heading(column.name), state.words(text)
+    label, text = heading(column.name), state.say(text)
     look = LOOKS.get(base, ColumnLook())
     pinned, width = column.name in ("recording", "track"), look.width
     if column.kind is Kind.TRUTH_VALUE:

@@ -30,8 +30,8 @@ class DriverSettings:
         0.5,
         is_above_low=True,
         label="The driver sees from (detectability)",
-        meaning="Least detectability with which the driver sees a pedestrian by himself, in a "
-        "frame up to the first in which the pedestrian is near enough to count. Of no effect where "
+        meaning="Least detectability with which the driver sees {a_one} by himself, in a "
+        "frame up to the first in which the {one} is near enough to count. Of no effect where "
         "no detectability is known.",
         is_advanced=True,
         applies=_has_detectability,
@@ -41,9 +41,9 @@ class DriverSettings:
         "off",
         heading=DRIVER.group,
         words={"off": "in full", "on": "by (1 - detectability)"},
-        label="Missed pedestrians weigh",
-        meaning="Whether a missed pedestrian weighs in full (off) or, in similarity, saliency and "
-        "severity, by (1 - detectability) (on): less, the more drivers would see the pedestrian "
+        label="Missed {many} weigh",
+        meaning="Whether a missed {one} weighs in full (off) or, in similarity, saliency and "
+        "severity, by (1 - detectability) (on): less, the more drivers would see the {one} "
         "anyway. This weighting is ours, not the papers'. In full where no detectability is known.",
         is_advanced=True,
         applies=_has_detectability,

@@ -12,7 +12,7 @@ from nvcore.detection.filtered_truth import filter_truth
 from nvcore.errors import InputError, ParameterError
 from nvcore.evidence.bootstrap import ROUNDING
 from nvcore.evidence.measures import Evidence, UnitMeasure, judge_measure, unit_measures
-from nvcore.evidence.miss_rate import judge_miss_rate, log_average_miss_rate_measure
+from nvcore.evidence.miss_rate import NEEDED, judge_miss_rate, log_average_miss_rate_measure
 from nvcore.evidence.paired_tests import MIN_SWAPPED
 from nvcore.evidence.units import RECORDINGS, Units, find_units, sum_units, units_within
 from nvcore.measures import EVIDENCE_KEYS, inference_of
@@ -147,9 +147,7 @@ def make_pilot(
             f"{'is' if n == 1 else 'are'} {n}: stretches of time say nothing of other recordings"
         )
     if measure is None:
-        return None, (
-            "the log-average miss rate needs pedestrians that count, and detections with scores"
-        )
+        return None, result.objects.say(NEEDED)
     pilot = _pilot_of(measure, result, units)
     if not np.isfinite(pilot.difference):
         return None, "the measure is undefined in these recordings"

@@ -100,5 +100,5 @@ def legend_text(summary: CurveSummary, kind: CurveKind) -> str:
     n_zero, n = summary.n_zero_references, len(FPPI_REFERENCES)
     if not n_zero:
         return f"LAMR {summary.log_average_miss_rate:.1%}"
-    why = "nobody missed" if n_zero == n else f"0 at {n_zero} of {n} references"
+    why = "nothing missed" if n_zero == n else f"0 at {n_zero} of {n} references"
     return f"LAMR 0% ({why})"

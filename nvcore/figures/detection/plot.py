@@ -15,6 +15,7 @@ from nvcore.figures.detection.points import Points
 from nvcore.figures.marks import HOVER, click_markers, marks, steady_marker, system_marker
 from nvcore.figures.rate_axis import LogScale, decades, log_scale
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, plain, system_label
+from nvcore.objects import Objects
 from nvcore.palette import Theme
 from nvcore.published import PublishedPoint
 from nvcore.wording import count_text
@@ -39,6 +40,7 @@ def curve_plot(
     kind: CurveKind,
     *,
     theme: Theme,
+    objects: Objects,
     summaries: Sequence[str] = ("", ""),
     windows_per_image: float | None = None,
     hint: str = TO_CLICK,
@@ -93,7 +95,7 @@ def curve_plot(
         list(chain.from_iterable(traces)),
         theme,
         title=of.title,
-        subtitle=_extent(curves, used, hint),
+        subtitle=_extent(curves, used, hint, objects),
         height=420,
         **_axes(of, x_scale, y_scale, theme),
     )
@@ -179,9 +181,11 @@ def _published(
     return traces
 
 
-def _extent(curves: Sequence[DetectionCurve], used: Sequence[Points], hint: str) -> str:
+def _extent(
+    curves: Sequence[DetectionCurve], used: Sequence[Points], hint: str, objects: Objects
+) -> str:
     counted = (
-        f"{count_text(curves[0].n_truth, 'pedestrian')} in "
+        f"{count_text(curves[0].n_truth, objects.singular, objects.plural)} in "
         f"{count_text(curves[0].n_images, 'image')}"
     )
     letters = [letter for letter, points in zip("XY", used, strict=False) if len(points.x)]
@@ -207,7 +211,7 @@ def _why_no_line(curve: DetectionCurve, kind: CurveKind) -> str:
 
 def _why_empty(curves: Sequence[DetectionCurve], kind: CurveKind, windows: float | None) -> str:
     if not curves or not curves[0].n_truth:
-        return "No pedestrian counts under this protocol."
+        return "No box of the truth counts under this protocol."
     if kind == "roc_windows" and windows is None:
         return "Without a number of windows per image there are no false positives per window."
     if not any(len(curve) for curve in curves):

@@ -15,6 +15,7 @@ from nvcore.driver.illumination.clock import AdaptationClock
 from nvcore.figures.marks import marks, steady_marker, still_line
 from nvcore.figures.over_time.similarity import decimate
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, faded, written
+from nvcore.objects import Objects
 from nvcore.palette import Shade, Theme, scheme_of
 from nvcore.wording import count_text
 
@@ -44,6 +45,7 @@ def detectability_course_plot(
     *,
     threshold: float,
     theme: Theme,
+    objects: Objects,
     clock: AdaptationClock | None = None,
     simulated: pd.DataFrame | None = None,
     caution: str = "",
@@ -68,7 +70,7 @@ def detectability_course_plot(
     """
     known = course[course["detectability"].notna()]
     if known.empty:
-        text = "It is not known how detectable this pedestrian is, in any frame."
+        text = f"It is not known how detectable this {objects.singular} is, in any frame."
         return empty_figure(text, theme=theme)
     traces = [
         *_course(known, theme),
@@ -84,7 +86,7 @@ def detectability_course_plot(
         traces += _light(clock, span, theme)
         more = _lower_axes(clock, span, theme)
         subtitle += f"; {_light_words(clock)}"
-    title = "share of drivers who see the pedestrian"
+    title = f"share of drivers who see the {objects.singular}"
     figure = draw(
         traces,
         theme,

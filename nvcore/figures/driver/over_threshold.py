@@ -18,6 +18,7 @@ from nvcore.figures.style import (
     system_label,
     write,
 )
+from nvcore.objects import Objects
 from nvcore.palette import Theme
 from nvcore.wording import count_text
 
@@ -28,7 +29,12 @@ NOW_LEFT_OF: Final = 0.8
 
 
 def driver_threshold_plot(
-    counts: pd.DataFrame, names: tuple[str, str], *, threshold: float, theme: Theme
+    counts: pd.DataFrame,
+    names: tuple[str, str],
+    *,
+    threshold: float,
+    theme: Theme,
+    objects: Objects,
 ) -> go.Figure:
     """Encounters seen by the driver, useful alerts of X and of Y, and unprotected ones.
 
@@ -42,9 +48,8 @@ def driver_threshold_plot(
         `driver_threshold` as it is set, 0 to 1, marked.
     """
     if counts.empty:
-        return empty_figure(
-            "Of no encounter is it known whether the driver sees the pedestrian.", theme=theme
-        )
+        text = f"Of no encounter is it known whether the driver sees the {objects.singular}."
+        return empty_figure(text, theme=theme)
     lines = [
         _line(counts, "seen", "the driver sees", _own("muted", "dot", "triangle-up-open", theme)),
         *(
@@ -58,12 +63,14 @@ def driver_threshold_plot(
         lines,
         theme,
         title="Seen and warned of",
-        subtitle=f"{n} of which it is known; the threshold decides whom the driver sees",
+        subtitle=objects.say(
+            "{n} of which it is known; the threshold decides {what} the driver sees", n=n
+        ),
         height=HEIGHT_PX,
         margin={"l": LEFT_PX, "r": 16, "t": 106, "b": 48},
         xaxis=axis(
             theme,
-            "threshold: share of drivers who would see the pedestrian (driver_threshold)",
+            f"threshold: share of drivers who would see the {objects.singular} (driver_threshold)",
             range=[0, 1],
             fixedrange=True,
             dtick=0.1,

@@ -10,6 +10,7 @@ from nvcore.driver.comparison.judging import DriverVenn
 from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.figures.marks import marks, steady_marker
 from nvcore.figures.style import HIDDEN_AXIS, LOOK, draw, empty_figure, faded, plain, written
+from nvcore.objects import Objects
 from nvcore.palette import Theme
 from nvcore.wording import count_text
 
@@ -30,7 +31,9 @@ PLACES: Final[dict[DriverRegion, tuple[float, float]]] = {
 CLICK_PX: Final = 44
 
 
-def driver_venn_plot(venn: DriverVenn, names: tuple[str, str], *, theme: Theme) -> go.Figure:
+def driver_venn_plot(
+    venn: DriverVenn, names: tuple[str, str], *, theme: Theme, objects: Objects
+) -> go.Figure:
     """Near encounters by who sees them: the driver by himself, X, Y.
 
     A click on a count gives its region (`nvcore.schema.DriverRegion`) as `customdata`. The circles
@@ -47,7 +50,7 @@ def driver_venn_plot(venn: DriverVenn, names: tuple[str, str], *, theme: Theme) 
     regions = list(PLACES)
     counts = [venn.counts[region] for region in regions]
     texts = [
-        f"{count_text(count, 'encounter')}<br>{DRIVER_REGION_TEXT[region]}"
+        f"{count_text(count, 'encounter')}<br>{objects.say(DRIVER_REGION_TEXT[region])}"
         for region, count in zip(regions, counts, strict=True)
     ]
     points = marks(
@@ -67,7 +70,7 @@ def driver_venn_plot(venn: DriverVenn, names: tuple[str, str], *, theme: Theme) 
     return draw(
         points,
         theme,
-        title="Who sees the pedestrian",
+        title=f"Who sees the {objects.singular}",
         subtitle=f"{count_text(venn.n_known, 'near encounter')} of which it is known; not drawn: "
         f"{n_unknown:,} unknown, {n_distant:,} distant; circles are not to scale",
         height=HEIGHT_PX,

@@ -129,10 +129,12 @@ def lanes_figure(
     """
     runs = lanes_table(result, recording)
     if runs.empty:
-        return empty_figure("This recording has no annotated pedestrian.", theme=theme)
+        text = f"This recording has no annotated {result.objects.singular}."
+        return empty_figure(text, theme=theme)
     ordered = lane_order(result, recording, only_missed=only_missed)
     if not len(ordered):
-        return empty_figure("Nobody near enough to count is missed here.", theme=theme)
+        text = result.objects.say("{Nobody} near enough to count is missed here.")
+        return empty_figure(text, theme=theme)
     encounters = ordered[first : first + most]
     lane_of = np.full(len(result.encounters), -1)
     lane_of[encounters] = np.arange(len(encounters))
@@ -145,7 +147,7 @@ def lanes_figure(
         for state in ("matched", "missed")
     ]
     traces = [_bars(runs, *kind, theme) for kind in kinds]
-    extent = count_text(len(ordered), "pedestrian")
+    extent = count_text(len(ordered), result.objects.singular, result.objects.plural)
     if only_missed:
         extent += " with misses"
     extent += ", most severe on top"
@@ -157,7 +159,8 @@ def lanes_figure(
     rows = result.dataset.frame_columns.rows_of(recording)
     time_s = result.dataset.frames["time_s"].to_numpy()
     tracks = result.encounters.track[encounters]
-    pedestrians = [f"ped {plain(track, max_length=8)}" for track in tracks]
+    short = result.objects.say("{short}")
+    pedestrians = [f"{short} {plain(track, max_length=8)}" for track in tracks]
     chosen_lane = -1 if chosen is None else int(lane_of[chosen])
     if chosen_lane >= 0:
         pedestrians[chosen_lane] = f"<b>▶ {pedestrians[chosen_lane]}</b>"
@@ -278,9 +281,12 @@ def _clicks(result: Result, runs: pd.DataFrame, n_lanes: int) -> go.Scatter:
     state = {letter: _state_at(runs, letter, lane, row) for letter in "xy"}
     time_s = result.dataset.frames["time_s"].to_numpy()[row]
     frame = result.dataset.frames["frame"].to_numpy()[row]
-    track = result.encounters.track[ends["encounter"].to_numpy()[lane]]
+    track, one = (
+        result.encounters.track[ends["encounter"].to_numpy()[lane]],
+        result.objects.singular,
+    )
     text = [
-        f"pedestrian {track_id}, frame {number}, {second:.2f} s<br>X: {by_x}   Y: {by_y}"
+        f"{one} {track_id}, frame {number}, {second:.2f} s<br>X: {by_x}   Y: {by_y}"
         for track_id, number, second, by_x, by_y in zip(
             track, frame, time_s, state["x"], state["y"], strict=True
         )

@@ -22,6 +22,7 @@ from nvcore.figures.style import (
     system_label,
     write,
 )
+from nvcore.objects import Objects
 from nvcore.palette import Theme
 from nvcore.scoring import SystemResult
 from nvcore.wording import count_text
@@ -134,7 +135,9 @@ def _crossing(time_s: np.ndarray, values: np.ndarray, row: int, way: int, low: f
     return float(time_s[row] + share * (time_s[other] - time_s[row]))
 
 
-def event_marks(span: TimeSpan, events: pd.DataFrame, letter: str, theme: Theme) -> list[Any]:
+def event_marks(
+    span: TimeSpan, events: pd.DataFrame, letter: str, theme: Theme, objects: Objects
+) -> list[Any]:
     """Bars of the saliency events, the stronger the more salient, and markers to click."""
     worst = events.sort_values("saliency_s", ascending=False, kind="stable").head(MAX_EVENTS)
     start_s = span.time_s[worst["first_row"].to_numpy() - span.start]
@@ -158,8 +161,8 @@ def event_marks(span: TimeSpan, events: pd.DataFrame, letter: str, theme: Theme)
     steady = {"marker": {"opacity": 1}}
     bars.update(selected=steady, unselected=steady)
     text = [
-        f"{letter.upper()} misses pedestrian {track} for {duration:.2f} s<br>from {start:.2f} s: "
-        f"saliency {saliency:.2f} s (recency {recency:.2f})"
+        f"{letter.upper()} misses {objects.singular} {track} for {duration:.2f} s<br>"
+        f"from {start:.2f} s: saliency {saliency:.2f} s (recency {recency:.2f})"
         for track, start, duration, saliency, recency in zip(
             worst["track"], start_s, duration_s, saliency_s, worst["recency"], strict=True
         )
@@ -217,7 +220,7 @@ def similarity_plot(
         traces += [
             low_areas(span, system, lows, letter, result.params.low, theme),
             *_lines(span, system, letter, theme),
-            *event_marks(span, events, letter, theme),
+            *event_marks(span, events, letter, theme, result.objects),
         ]
         counts.append((letter.upper(), len(lows), len(events)))
     floor = _floor(result, span)

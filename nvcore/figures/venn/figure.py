@@ -23,6 +23,7 @@ from nvcore.figures.venn.circles import Circles, Frame
 from nvcore.figures.venn.labels import BASE_PX, Label, Labels, Line, anchor_of
 from nvcore.figures.venn.plan import GAP, IN_CIRCLES, REGIONS, Plan, plan_counts, plan_marks
 from nvcore.metrics.venn import Venn
+from nvcore.objects import Objects
 from nvcore.palette import Theme
 from nvcore.schema import Category
 from nvcore.wording import count_text
@@ -65,6 +66,7 @@ def venn_figure(
     names: tuple[str, str],
     *,
     theme: Theme,
+    objects: Objects,
     encounters: pd.DataFrame | None = None,
 ) -> go.Figure:
     """Encounters by which system detects them, with what its failures weigh.
@@ -85,7 +87,7 @@ def venn_figure(
     Paper 11-0360, figures 1 and 2.
     """
     if venn.n_near == 0:
-        text = "No pedestrian came near enough to count."
+        text = f"No {objects.singular} came near enough to count."
         if venn.distant:
             text += f" {count_text(venn.distant, 'encounter')} stayed distant."
         return empty_figure(text, theme=theme, height=HEIGHT_PX)
@@ -120,7 +122,7 @@ def venn_figure(
     _draw_circles(figure, plan.circles, theme)
     for kind, part in parts.items():
         if len(plan.x.get(kind, ())):
-            figure.add_trace(_marks(part, kind, plan, look))
+            figure.add_trace(_marks(part, kind, plan, look, objects.singular))
     figure.update_layout(annotations=_label_texts(venn, plan, labels, look))
     return figure
 
@@ -188,7 +190,7 @@ def _fill(
     figure.add_shape(type=kind, name=name, line=line, fillcolor=colour, layer="below", **sides)
 
 
-def _marks(part: pd.DataFrame, kind: Category, plan: Plan, look: Look) -> go.Scatter:
+def _marks(part: pd.DataFrame, kind: Category, plan: Plan, look: Look, one: str) -> go.Scatter:
     """A mark for each encounter of a region, in the look of the system whose failure it is."""
     x_s, y_s = (part[f"severity_s_{letter}"].to_numpy() for letter in "xy")
     fails = [x_s > y_s, y_s > x_s, x_s > 0]
@@ -197,7 +199,7 @@ def _marks(part: pd.DataFrame, kind: Category, plan: Plan, look: Look) -> go.Sca
     colour = np.select(fails, [look.x, look.y, look.ink], look.muted)
     symbol = np.select(fails, [look.symbol("x"), look.symbol("y"), "square"], "circle-open")
     text = [
-        f"{plain(row.recording)}, pedestrian {row.track}: {WORDS[kind]}<br>severity X "
+        f"{plain(row.recording)}, {one} {row.track}: {WORDS[kind]}<br>severity X "
         f"{row.severity_s_x:.2f} s, Y {row.severity_s_y:.2f} s<br>peak cost X "
         f"{row.peak_cost_x:.2f}, Y {row.peak_cost_y:.2f}"
         for row in part.itertuples(index=False)

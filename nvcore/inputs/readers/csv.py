@@ -401,7 +401,7 @@ def _classes(
                     "single-class",
                     counts[only],
                     f"All boxes are of the class {only}, and all count.",
-                    options.objects.words("Check that they are pedestrians."),
+                    options.objects.say("Check that they are {many}."),
                     role=options.role,
                     file=first.name,
                     steps=(Step(Remedy.CLASSES, only),),

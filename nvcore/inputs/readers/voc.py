@@ -211,7 +211,7 @@ def _shapes(objects: _Objects, files: Sequence[SourceFile], options: ReadOptions
         warning(
             "no-box",
             len(shapes),
-            options.objects.words("Pedestrians without <bndbox> are not boxes and were left out."),
+            options.objects.say("{Many} without <bndbox> are not boxes and were left out."),
             "Annotate them as upright boxes.",
             role=options.role,
             file=files[index].name,

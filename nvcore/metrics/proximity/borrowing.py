@@ -64,7 +64,7 @@ class Borrowed:
         """In words, how many boxes borrowed theirs, from whom, and how far the lenders differ."""
         lenders = [f"{name} ({n:,})" for name, n in self.lent.items() if n]
         if not lenders:
-            return "no match reports a distance that a pedestrian could borrow"
+            return "no match reports a distance that could be borrowed"
         text = (
             f"{count_text(self.n_borrowed, 'truth box', 'truth boxes')} borrowed a distance: "
             f"{self.n_reported:,} as {listed(lenders)} "

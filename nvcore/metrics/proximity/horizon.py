@@ -55,12 +55,12 @@ class Horizon:
 
     @property
     def text(self) -> str:
-        """In words: "row 155 (95 %: 148 to 162; 1,216 boxes of 18 pedestrians)"."""
+        """A template: "row 155 (95 %: 148 to 162; 1,216 boxes of 18 {many})"."""
         ends = self.row_px, self.row_px - self.margin_px, self.row_px + self.margin_px
         row, low, high = (minus(f"{end:z.0f}") for end in ends)
         return (
             f"row {row} (95 %: {low} to {high}; {self.n_boxes:,} boxes of "
-            f"{self.n_pedestrians:,} pedestrians)"
+            f"{self.n_pedestrians:,} {{many}})"
         )
 
 

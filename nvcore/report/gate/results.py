@@ -52,7 +52,7 @@ def what_is_not_asked(rules: Iterable[Rule]) -> str:
     if not stems & _BLIND_TO_ALARMS or stems & _WORSENED_BY_ALARMS:
         return ""
     return (
-        "no rule is about false alarms: a system that sees a pedestrian everywhere would pass. Add "
+        "no rule is about false alarms: a system that fires everywhere would pass. Add "
         "one such as 'false_alert_episodes_difference >= 0' (Y has no more than X)"
     )
 

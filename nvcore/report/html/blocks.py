@@ -10,6 +10,7 @@ from typing import ClassVar, Final
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
+from nvcore.objects import Objects
 from nvcore.wording import minus, one_line, shortened
 
 MAX_ROWS = 200
@@ -25,7 +26,7 @@ _SIGN: Final = re.compile(r"(?<![\w.])-(?=\.?\d)")
 
 @dataclass(frozen=True)
 class Intro:
-    """What a reader has to know before the content of a section.
+    """What a reader has to know before the content of a section: templates, until they are `said`.
 
     Attributes
     ----------
@@ -43,6 +44,11 @@ class Intro:
     how: str = ""
     best: str = ""
     limits: str = ""
+
+    def said(self, objects: Objects, **values: object) -> Intro:
+        """The introduction with the words for these objects, and with these values."""
+        texts = (self.what, self.how, self.best, self.limits)
+        return Intro(*(objects.say(text, **values) for text in texts))
 
     def parts(self) -> list[tuple[str, str]]:
         """The parts that are not empty, each with its label."""

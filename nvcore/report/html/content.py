@@ -14,7 +14,7 @@ from nvcore.evidence.operating_points import as_set_note
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding
-from nvcore.palette import Scheme, scheme_of
+from nvcore.palette import Scheme, Theme, scheme_of
 from nvcore.pictures.recordings import RecordingPictures
 from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
@@ -42,7 +42,6 @@ from nvcore.report.html.result_sections import (
     scorecard_section,
     similarity_section,
 )
-from nvcore.report.html.wording import worded, worded_sections
 from nvcore.report.words import n_frames_text
 from nvcore.stability.map import MAPS
 from nvcore.subjects import contributed
@@ -142,14 +141,14 @@ def report_content(
     photos = []
     for number, moment in enumerate(moments):
         progress(0.6 + 0.3 * number / len(moments), "evidence frames")
-        photos.append(worded(photo(result, moment, pictures), result.dataset))
+        photos.append(photo(result, moment, pictures))
     names = result.dataset.recordings["name"]
     troubles = [
         f"{one_line(str(names.iloc[number]))}: {one_line(why)}"
         for number, why in pictures.troubles.items()
     ]
     sections += [
-        frames_section(photos, troubles, theme),
+        frames_section(photos, troubles, result.objects),
         only_one_section(result),
         audit_section(findings),
         inputs_section(result, pictures_table(result.dataset, pictures)),
@@ -158,29 +157,37 @@ def report_content(
             "reading",
             "How to read this report",
             None,
-            (Sentences(words.reading(result.params, theme)),),
+            (Sentences(tuple(map(result.objects.say, words.reading(result.params, theme)))),),
         ),
     ]
     progress(0.9, "the page")
     compared = f"{one_line(result.x.name)} (X) and {one_line(result.y.name)} (Y) compared"
     cover = cover_of(result, conclusion, evidence, companions, photos, inscription, compared)
-    sections = _as_set(_with_caution(sections) if result.is_short else sections, result)
+    sections = _as_set(_with_caution(sections, result) if result.is_short else sections, result)
     return Content(
         title=inscription.title or compared,
-        cover=replace(cover, limits=worded(cover.limits, result.dataset)),
+        cover=cover,
         names=(one_line(result.x.name), one_line(result.y.name)),
-        facts=worded(_facts(result, protocol), result.dataset),
-        sections=tuple(worded_sections(sections, result.dataset)),
+        facts=_facts(result, protocol),
+        sections=tuple(_said(section, result, theme) for section in sections),
         theme=scheme_of(theme),
         version=__version__,
         fingerprint=result.dataset.fingerprint,
     )
 
 
-def _with_caution(sections: Sequence[Section]) -> list[Section]:
+def _said(section: Section, result: Result, theme: Theme) -> Section:
+    """The section, its title and introduction in words for the objects, with X's and Y's look."""
+    x, y = (scheme_of(theme).style(letter) for letter in "xy")
+    intro = section.intro and section.intro.said(result.objects, x=x, y=y)
+    return replace(section, title=result.objects.say(section.title), intro=intro)
+
+
+def _with_caution(sections: Sequence[Section], result: Result) -> list[Section]:
     """The sections with a caution where measures mean little as most encounters are one frame."""
+    say = result.objects.say
     return [
-        replace(section, blocks=(Sentences((CAUTION[section.anchor],)), *section.blocks))
+        replace(section, blocks=(Sentences((say(CAUTION[section.anchor]),)), *section.blocks))
         if section.anchor in CAUTION
         else section
         for section in sections
@@ -219,7 +226,7 @@ def _facts(result: Result, protocol: Protocol) -> tuple[tuple[str, str], ...]:
             "Data",
             f"{n_recordings:,} recording{'' if n_recordings == 1 else 's'}, "
             f"{n_frames_text(result, 'evaluated frame')}, {result.duration_s:,.1f} s, "
-            f"{int(result.n_truth.sum()):,} pedestrian boxes",
+            f"{int(result.n_truth.sum()):,} {result.objects.singular} boxes",
         ),
         (
             "Encounters",

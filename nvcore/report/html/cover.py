@@ -139,7 +139,11 @@ def _estimated(result: Result) -> str:
     estimate = result.dataset.estimate
     if not driver_in(result).has_any or estimate is None or is_stated(result):
         return ""
-    return f"Whom the driver sees is estimated: {estimate.caution}." if estimate.caution else ""
+    if not estimate.caution:
+        return ""
+    return result.objects.say(
+        "{What} the driver sees is estimated: {caution}.", caution=estimate.caution
+    )
 
 
 def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
@@ -159,7 +163,7 @@ def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
             (
                 conclusion.caveat,
                 _operating_points(result),
-                words.SHORT_ENCOUNTERS if result.is_short else "",
+                result.objects.say(words.SHORT_ENCOUNTERS) if result.is_short else "",
                 describe_doubt(result) or _estimated(result),
                 " ".join(describe_weighting(result)),
                 few,

@@ -49,7 +49,7 @@ def _saved(result: Result) -> Table:
         for row in saved_encounters(result).to_dict("records")
     ]
     head = (
-        *("Recording", "Pedestrian", "Alone in time", "Last chance (frame)"),
+        *("Recording", result.objects.say("{One}"), "Alone in time", "Last chance (frame)"),
         *("Detectability", "Impact X (km/h)", "Impact Y (km/h)"),
     )
     title = "Urgent encounters in time by one system alone, by neither driver nor the other"

@@ -38,10 +38,10 @@ N_HEAVIEST = 10
 
 def encounters_section(result: Result) -> Section:
     """Which system detects which pedestrians, and how the others are missed."""
-    counts = result.venn.counts()
+    counts, say = result.venn.counts(), result.objects.say
     in_words = ", ".join(f"{WORDS[kind]} {counts[kind]}" for kind in Category)
     classes = [
-        (row.label, number(row.x, "d"), number(row.y, "d"), MISS_CLASS_TEXT[kind])
+        (row.label, number(row.x, "d"), number(row.y, "d"), say(MISS_CLASS_TEXT[kind]))
         for row, kind in zip(
             score_rows(result, MeasureTable.MISS_CLASSES), MISS_CLASS_TEXT, strict=True
         )
@@ -52,14 +52,19 @@ def encounters_section(result: Result) -> Section:
     encounters = weighed_encounters(result)
     return Section(
         "encounters",
-        "Who detects whom",
-        words.who(result.params, result.scheme("light")),
+        "Who detects {what}",
+        words.who(result.params),
         (
             table(
                 "Encounters by who detects them",
                 ("Category", "Encounters", "Severity X (s)", "Severity Y (s)", "Meaning"),
                 [
-                    (WORDS[kind], counts[kind], *_severities(result, kind), CATEGORY_TEXT[kind])
+                    (
+                        WORDS[kind],
+                        counts[kind],
+                        *_severities(result, kind),
+                        say(CATEGORY_TEXT[kind]),
+                    )
                     for kind in Category
                 ],
                 right=(1, 2, 3),
@@ -67,7 +72,11 @@ def encounters_section(result: Result) -> Section:
             Chart(
                 "venn",
                 venn_figure(
-                    result.venn, names, theme=result.scheme("light"), encounters=encounters
+                    result.venn,
+                    names,
+                    theme=result.scheme("light"),
+                    encounters=encounters,
+                    objects=result.objects,
                 ),
                 f"Encounters: {in_words}",
             ),
@@ -76,12 +85,17 @@ def encounters_section(result: Result) -> Section:
             Sentences(sentences),
             Chart(
                 "classes",
-                miss_classes_plot(encounters_table(result), names, theme=result.scheme("light")),
+                miss_classes_plot(
+                    encounters_table(result),
+                    names,
+                    theme=result.scheme("light"),
+                    objects=result.objects,
+                ),
                 "How many encounters each system fails in which way",
             ),
             table("How they were missed", ("Class", "X", "Y", "Meaning"), classes, right=(1, 2)),
             _boxes(result),
-            Sentences(describe_fusion(fusion)),
+            Sentences(describe_fusion(fusion, result.objects)),
             _fusion(fusion),
         ),
     )
@@ -112,14 +126,14 @@ def _heaviest(result: Result, encounters: pd.DataFrame) -> Table:
         for row in heaviest.to_dict("records")
     ]
     head = (
-        *("Recording", "Pedestrian", "Detected by", "Costs most at (s)"),
+        *("Recording", result.objects.say("{One}"), "Detected by", "Costs most at (s)"),
         *("Severity X (s)", "Severity Y (s)", "Peak cost X", "Peak cost Y"),
         *("Failure of X", "Failure of Y"),
     )
     title = "The encounters whose failures weigh most"
-    note = (
+    note = result.objects.say(
         "Sorted by the larger severity of the two; the time is that of its largest cost, of the "
-        "frames in which the other system detects the pedestrian, if there are any."
+        "frames in which the other system detects the {one}, if there are any."
     )
     return table(title, head, rows, right=range(3, 8), note=note)
 
@@ -146,7 +160,8 @@ def _weightings(result: Result, encounters: pd.DataFrame) -> tuple[Chart | Table
         *("Nearness by", "Frames that count", "X misses", "Y misses"),
         *("Severity X (s)", "Severity Y (s)"),
     )
-    note = f"{UNDEFINED}: the horizon, or this pedestrian's distance, is not known."
+    one = result.objects.singular
+    note = f"{UNDEFINED}: the horizon, or this {one}'s distance, is not known."
     title = "The heaviest encounter, weighed by height, horizon and distance"
     return (
         Chart("weightings", figure, "The heaviest encounter's weight over time, by each"),
@@ -163,12 +178,14 @@ def _boxes(result: Result) -> Table:
         f"{system.matches.n_absorbed:,} detections of {letter.upper()}"
         for letter, system in result.sides
     )
-    note = (
-        f"Near and distant pedestrians, frame by frame. {n_absorbed} lie on people or regions that "
-        "the ground truth ignores and do not count."
+    note = result.objects.say(
+        "Near and distant {many}, frame by frame. {n_absorbed} lie on {people} or regions that the "
+        "ground truth ignores and do not count.",
+        n_absorbed=n_absorbed,
     )
     rows = [[f"{n:,}" for n in counts]]
-    return table("Boxes of pedestrians by who matches them", head, rows, right=range(4), note=note)
+    title = f"Boxes of {result.objects.plural} by who matches them"
+    return table(title, head, rows, right=range(4), note=note)
 
 
 def _fusion(fusion: pd.DataFrame) -> Table:
@@ -226,7 +243,7 @@ def only_one_section(result: Result) -> Section:
     head = (
         "Detected by",
         "Recording",
-        "Pedestrian",
+        result.objects.say("{One}"),
         "Missed from (s)",
         "Severity (s)",
         "Peak cost",

@@ -24,10 +24,10 @@ from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.figures.forest import forest_in_words, subgroup_forest
 from nvcore.figures.stability import stability_map
 from nvcore.measures import DETECTED, evidence_form
+from nvcore.objects import Objects
 from nvcore.palette import Theme
 from nvcore.progress import Progress, no_progress
 from nvcore.protocols import Protocol
-from nvcore.published import PublishedPoint
 from nvcore.report.html import words
 from nvcore.report.html.blocks import (
     Block,
@@ -257,12 +257,10 @@ def detection_section(result: Result, protocol: Protocol) -> Section:
         for letter, summary in zip("XY", summaries, strict=True)
         if summary.notes
     ]
-    few = explain_few(curves[0].n_truth)
+    few = explain_few(curves[0].n_truth, result.objects)
     notes += [f"{capitalised(few)}."] if few else []
-    filters = "; ".join(protocol.filters)
-    protocol_text = (
-        f"Protocol {protocol.title}: {protocol.text} {f'Filters: {filters}.' if filters else ''}"
-    )
+    filters = f"Filters: {'; '.join(protocol.filters)}." if protocol.filters else ""
+    protocol_text = f"Protocol {protocol.title}: {result.objects.say(protocol.text)} {filters}"
     blocks: list[Block] = [Sentences((protocol_text.strip(), _left_out(result, protocol), *notes))]
     blocks.append(table("Detection measures", MEASURES_HEAD, rows, right=(1, 2, 3)))
     blocks += [
@@ -271,8 +269,7 @@ def detection_section(result: Result, protocol: Protocol) -> Section:
             thresholds,
             kind,
             [legend_text(summary, kind) for summary in summaries],
-            result.scheme("light"),
-            result.dataset.settings.published,
+            result,
         )
         for kind in CURVES
     ]
@@ -282,8 +279,9 @@ def detection_section(result: Result, protocol: Protocol) -> Section:
 def _left_out(result: Result, protocol: Protocol) -> str:
     """How many pedestrians count, and why the others do not."""
     truth = filter_truth(result.dataset, protocol)
-    counts = f"{count_text(truth.n_truth, 'pedestrian')} in {count_text(truth.n_images, 'image')}"
-    return f"{counts} count; {truth.left_out or 'none is ignored'}."
+    counted = count_text(truth.n_truth, result.objects.singular, result.objects.plural)
+    images = count_text(truth.n_images, "image")
+    return f"{counted} in {images} count; {truth.left_out or 'none is ignored'}."
 
 
 def _curve(
@@ -291,12 +289,18 @@ def _curve(
     thresholds: Sequence[float | None],
     kind: CurveKind,
     legend: Sequence[str],
-    theme: Theme,
-    published: Sequence[PublishedPoint],
+    result: Result,
 ) -> Chart:
     title, best = CURVES[kind]
     figure = curve_plot(
-        curves, thresholds, kind, theme=theme, summaries=legend, hint=best, published=published
+        curves,
+        thresholds,
+        kind,
+        theme=result.scheme("light"),
+        summaries=legend,
+        hint=best,
+        published=result.dataset.settings.published,
+        objects=result.objects,
     )
     return Chart(f"curve-{kind.replace('_', '-')}", figure, f"{title} of X and Y; {best}")
 
@@ -320,7 +324,7 @@ def stability_section(
         Progress of the maps.
     """
     n_frames = len(result.dataset.frames)
-    intro = words.with_colours(words.STABILITY, result.scheme("light"))
+    intro = words.STABILITY
     if is_wanted is False or (is_wanted is None and n_frames > AT_ONCE):
         why_not = Sentences((f"Not computed for these {n_frames:,} frames: not asked for.",))
         return Section("stability", STABILITY_TITLE, intro, (why_not,))
@@ -368,7 +372,7 @@ def _chance_of_each(rows: Sequence[SurveyRow], evidence: pd.DataFrame) -> tuple[
     )
 
 
-def frames_section(photos: Sequence[Photo], troubles: Sequence[str], theme: Theme) -> Section:
+def frames_section(photos: Sequence[Photo], troubles: Sequence[str], objects: Objects) -> Section:
     """The evidence frames; what holds for all of them comes once."""
     blocks: list[Block] = []
     if troubles:
@@ -376,11 +380,6 @@ def frames_section(photos: Sequence[Photo], troubles: Sequence[str], theme: Them
     if photos and all(photo.why_blank for photo in photos):
         blocks.append(Sentences((words.NO_PICTURES,)))
         photos = [replace(photo, why_blank="") for photo in photos]
-    blocks.append(
-        Photos(tuple(photos))
-        if photos
-        else Sentences(("Neither system misses a pedestrian or is low anywhere: nothing to show.",))
-    )
-    return Section(
-        "frames", "Evidence frames", words.with_colours(words.EVIDENCE, theme), tuple(blocks)
-    )
+    nothing = "Neither system misses {a_one} or is low anywhere: nothing to show."
+    blocks.append(Photos(tuple(photos)) if photos else Sentences((objects.say(nothing),)))
+    return Section("frames", "Evidence frames", words.EVIDENCE, tuple(blocks))

@@ -250,8 +250,9 @@ def _coverage_text(
     ]
     kind = MissClass(missed_by.encounters["miss_class"].iloc[encounter])
     failure = "" if kind is MissClass.NONE else f" ({kind.value.replace('_', ' ')})"
+    one = result.objects.say("{One}")
     return (
-        f"Pedestrian {result.encounters.track[encounter]}: {winner} matches {coverage[0]:.0%} of "
+        f"{one} {result.encounters.track[encounter]}: {winner} matches {coverage[0]:.0%} of "
         f"the frames that count, {loser} {coverage[1]:.0%}{failure}."
     )
 
@@ -312,8 +313,9 @@ def _pedestrians(result: Result, row: int) -> Table | None:
     ]
     left_out = len(pedestrians) - len(rows)
     note = f"The {len(rows)} with the largest terms, {left_out} left out." if left_out else ""
-    head = [PEDESTRIAN_WORDS[name].label for name in SHOWN_AS]
-    title = "Pedestrians of the frame, the largest term first"
+    say = result.objects.say
+    head = [say(PEDESTRIAN_WORDS[name].label) for name in SHOWN_AS]
+    title = say("{Many} of the frame, the largest term first")
     is_number = [number for number, name in enumerate(SHOWN_AS) if SHOWN_AS[name] is not str]
     return table(title, head, rows, right=is_number, note=note)
 

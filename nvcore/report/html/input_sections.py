@@ -71,8 +71,8 @@ def inputs_section(result: Result, pictures: pd.DataFrame) -> Section:
     n_linked = len(result.tracks.linked_recordings)
     if n_linked:
         text = (
-            f"The truth of {count_text(n_linked, 'recording')} has pedestrians without track ids: "
-            "they were linked to encounters by overlap from frame to frame."
+            f"The truth of {count_text(n_linked, 'recording')} has {result.objects.plural} without "
+            "track ids: they were linked to encounters by overlap from frame to frame."
         )
         blocks.append(Sentences((text,)))
     left_out = left_out_table(dataset)
@@ -210,7 +210,8 @@ def parameters_section(result: Result) -> Section:
         in_unit = f"{shown} {setting.unit}" if setting.unit and shown != NOT_SET else shown
         changed = "" if value == setting.default else ", changed"
         default = _value(setting.default)
-        rows.append((name, f"{in_unit}{changed}", default, setting.range_text, setting.meaning))
+        meaning = result.objects.say(setting.meaning)
+        rows.append((name, f"{in_unit}{changed}", default, setting.range_text, meaning))
     head = ("Parameter", "Value", "Default", "Range", "Meaning")
     constants = (
         ("weight of nearness from which a frame counts", f"{RELEVANT_K:g}"),

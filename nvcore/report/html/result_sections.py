@@ -192,7 +192,7 @@ def saliency_section(result: Result) -> Section:
     head = (
         "System",
         "Recording",
-        "Pedestrian",
+        result.objects.say("{One}"),
         "Start (s)",
         "Duration (s)",
         "Passed at its end",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from itertools import chain
 from typing import Final
@@ -31,9 +31,9 @@ from nvcore.subjects import contributed, in_place
 CAVEATS: Final = Caveats(
     warned={
         "track-reused": "track ids of the ground truth are used again after a gap, so that two "
-        "persons may be taken for one encounter",
+        "{many} may be taken for one encounter",
         "short-encounters": "most encounters are one frame long, so that counts of them are counts "
-        "of frames rather than persons, and saliency and episodes mean little",
+        "of frames rather than {many}, and saliency and episodes mean little",
         "score-floors": "X and Y are compared at different operating points; with thresholds the "
         "other may come out better",
         "mixed-weighting": "X and Y are weighted by different rules",
@@ -41,9 +41,9 @@ CAVEATS: Final = Caveats(
         "size-too-large": "the image size seems wrong",
         "implausible-fps": "the frame rate seems wrong",
         "box-layout": "boxes seem to be written in another way than they were read",
-        "no-match": "a system matches not a single pedestrian",
-        "agreed-by-both-alone": "both systems match hardly anybody and agree with one another",
-        "lying-pedestrians": "nearly all pedestrians are wider than tall",
+        "no-match": "a system matches not a single {one}",
+        "agreed-by-both-alone": "both systems match hardly {anybody} and agree with one another",
+        "lying-pedestrians": "nearly all {many} are wider than tall",
         "time-offset": "a system seems to be off in time",
         "pixel-offset": "a system's boxes seem to be displaced",
         "scale-mismatch": "a system's boxes seem to be of another resolution",
@@ -65,9 +65,9 @@ CAVEATS: Final = Caveats(
         "outside-picture": "boxes lie outside the picture",
         "boxes-in-fractions": "boxes seem to be in fractions of the picture rather than in pixels",
         "duplicate-box": "boxes are repeated",
-        "duplicate-track": "pedestrians of one frame share a track id",
+        "duplicate-track": "{many} of one frame share a track id",
         "box-disputed-by-both": "both systems agree on other boxes than the ground truth's",
-        "loose-boxes": "many false alarms of a system lie on pedestrians whom it thereby misses",
+        "loose-boxes": "many false alarms of a system lie on {many} {whom} it thereby misses",
         "missing-score": "some detections have no score and pass every threshold",
         "threshold-without-scores": "a threshold has no effect, as no detection has a score",
         "truth-every-nth-frame": "most evaluated frames have no ground truth",
@@ -224,12 +224,11 @@ def verdict(
         for finding in findings
         if finding.severity is not Severity.NOTE and not finding.is_of_pictures
     ]
-    caveat = _caveat(serious) if serious else ""
+    caveat = _caveat(result, serious) if serious else ""
     if any(finding.code == SAME_BOXES for finding in findings):
         return Verdict(NO_TWO_SYSTEMS, (), (), Basis.NONE, caveat)
     if any(finding.severity is Severity.ERROR for finding in serious):
-        return Verdict(WRONG_INPUTS, (), (), Basis.NONE, result.dataset.words(caveat))
-    words = result.dataset.words
+        return Verdict(WRONG_INPUTS, (), (), Basis.NONE, caveat)
     support = find_claims(result, evidence, companions)
     shown, of_shown = comparison_shown(result, evidence, companions)
     points = in_place(
@@ -240,7 +239,7 @@ def verdict(
             Point("Severity", describe_weights(shown)),
             Point("The driver", describe_driver(shown)),
             Point("Other measures", describe_measures(shown, of_shown)),
-            Point("Chance", describe_chance(of_shown, support, is_short=result.is_short)),
+            Point("Chance", describe_chance(result, of_shown, support)),
             Point(
                 "Strict pairing",
                 () if companions is None else describe_strict(shown, companions.strict),
@@ -254,19 +253,15 @@ def verdict(
         ),
     )
     return Verdict(
-        words(headline(result, of_shown, companions, support)),
-        tuple(
-            replace(point, sentences=tuple(map(words, point.sentences)))
-            for point in points
-            if point.sentences
-        ),
+        headline(result, of_shown, companions, support),
+        tuple(point for point in points if point.sentences),
         support.claims,
         support.basis,
-        words(caveat),
+        caveat,
     )
 
 
-def _caveat(serious: Sequence[Finding]) -> str:
+def _caveat(result: Result, serious: Sequence[Finding]) -> str:
     known = {**caveats().warned, **caveats().lesser}
     causes = list(
         dict.fromkeys(known[finding.code] for finding in serious if finding.code in known)
@@ -277,4 +272,4 @@ def _caveat(serious: Sequence[Finding]) -> str:
             f"{len(others)} {'other ' if causes else ''}finding{'s' if len(others) > 1 else ''} "
             "that it lists"
         )
-    return f"This depends on what the audit found: {'; '.join(causes)}."
+    return f"This depends on what the audit found: {result.objects.say('; '.join(causes))}."

@@ -27,7 +27,7 @@ SMALL_SHARE: Final = 0.05
 """Share of the estimates up to which their doubts are not said (ours)."""
 NOTHING_KNOWN: Final = (
     "Detectability is known in some frames, but for no encounter in a frame up to the first that "
-    "counts: whom the driver sees is not known."
+    "counts: {what} the driver sees is not known."
 )
 _MOST_NAMED: Final = 3
 _SHOWN_NAME: Final = 40
@@ -49,13 +49,16 @@ def describe_weighting(result: Result) -> tuple[str, ...]:
 def describe_doubt(result: Result) -> str:
     """Why nothing is claimed of whom the driver sees, whatever the counts; empty: no reason."""
     why = doubt_of_seen(result) if driver_in(result).has_any else ""
-    return f"Nothing is claimed of whom the driver sees: {why}." if why else ""
+    if not why:
+        return ""
+    return result.objects.say("Nothing is claimed of {what} the driver sees: {why}.", why=why)
 
 
 def describe_view(result: Result) -> tuple[str, ...]:
     """`describe_driver` without its doubt."""
     if not driver_in(result).has_any:
-        return (NOTHING_KNOWN,) if result.dataset.has_detectability else ()
+        known = result.dataset.has_detectability
+        return (result.objects.say(NOTHING_KNOWN),) if known else ()
     sentences = (
         _alerts(result),
         _seldom(result),
@@ -167,7 +170,9 @@ def describe_source(result: Result) -> str:
     """Where detectability comes from, and of how much it is known."""
     estimate = result.dataset.estimate
     share = percent(result.params.driver_threshold)
-    threshold = f"seen means that at least {share} of drivers would see the pedestrian"
+    threshold = (
+        f"seen means that at least {share} of drivers would see the {result.objects.singular}"
+    )
     n_estimated, n_stated = count_origins(result)
     if estimate is None or is_stated(result):
         text = f"Detectability is as the ground truth states it; {threshold}"
@@ -190,7 +195,7 @@ def _known(result: Result) -> str:
     n_boxes = n_known + count_unknown(result.dataset)
     parts = []
     if n_known < (1 - SMALL_SHARE) * n_boxes:
-        parts.append(f"it is known of {n_known:,} of {n_boxes:,} pedestrian boxes")
+        parts.append(f"it is known of {n_known:,} of {n_boxes:,} {result.objects.singular} boxes")
     if n_unknown := driver_in(result).venn.counts[DriverRegion.UNKNOWN]:
         are = "is" if n_unknown == 1 else "are"
         encounters = count_text(n_unknown, "encounter")
@@ -231,8 +236,8 @@ def _undecided(result: Result) -> str:
     known = count_text(driver.venn.n_known, "encounter")
     at_least = "at least " if n_with_sd < driver.venn.n_known else ""  # of others it is not known
     return (
-        f"Whether the driver sees the pedestrian is open in {at_least}{n:,} of {known}{unseen}: "
-        "the value that decides is within one standard deviation of "
+        f"Whether the driver sees the {result.objects.singular} is open in {at_least}{n:,} of "
+        f"{known}{unseen}: the value that decides is within one standard deviation of "
         f"{result.params.driver_threshold:g}."
     )
 
@@ -270,7 +275,7 @@ def weighting(result: Result) -> str:
     )
     n = count_unknown(result.dataset)
     verb = "has none and weighs" if n == 1 else "have none and weigh"
-    boxes = count_text(n, "pedestrian box", "pedestrian boxes")
+    boxes = count_text(n, f"{result.objects.singular} box", f"{result.objects.singular} boxes")
     more = "a miss of these weighs more than the same miss where a value is known"
     return f"{text}; {boxes} {verb} in full: {more}." if n else f"{text}."
 

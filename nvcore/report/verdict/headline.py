@@ -69,7 +69,7 @@ def _conclusion(
         if not within:
             return f"nothing is claimed: {why}"
         where = "this recording" if n == 1 else f"these {n} recordings"
-        better = _better_text(within, evidence, n_with_values=len(within))
+        better = _better_text(result, within, evidence, n_with_values=len(within))
         better += _weighting(result, within)
         return f"within {where} {better}; nothing is claimed of others: {why}"
     tested = evidence[np.isfinite(evidence["p_holm"])]
@@ -92,7 +92,7 @@ def _claimed(result: Result, claims: Sequence[Claim], evidence: pd.DataFrame) ->
     """Who is better in what, the strongest difference first and with its values."""
     ranked = sorted(claims, key=lambda claim: claim.p)  # those alike in the table's order
     by = count_text(max(claim.n for claim in claims), "recording")
-    better = _better_text(ranked, evidence, n_with_values=1)
+    better = _better_text(result, ranked, evidence, n_with_values=1)
     return f"{better}: more than chance, by {by}{_weighting(result, claims)}."
 
 
@@ -105,14 +105,16 @@ def _weighting(result: Result, claims: Sequence[Claim]) -> str:
     return " (similarity, saliency and severity weighted by 1 - detectability)"
 
 
-def _better_text(claims: Sequence[Claim], evidence: pd.DataFrame, *, n_with_values: int) -> str:
+def _better_text(
+    result: Result, claims: Sequence[Claim], evidence: pd.DataFrame, *, n_with_values: int
+) -> str:
     """Who is better in what, each system once, the first differences with their values."""
     of_key = {row["figure"]: row for row in evidence.to_dict("records")}
     with_values = {claim.key for claim in claims[:n_with_values]}
     parts: list[str] = []
     for letter in dict.fromkeys(claim.winner for claim in claims):
         nouns = [
-            inference_of(claim.key).noun
+            result.objects.say(inference_of(claim.key).noun)
             + (f" ({_values_text(of_key[claim.key], letter)})" if claim.key in with_values else "")
             for claim in claims
             if claim.winner == letter

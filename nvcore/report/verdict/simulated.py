@@ -8,12 +8,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from nvcore.objects import Objects
 from nvcore.wording import count_text
 
-NOBODY_THERE: Final = "The pedestrian is in no frame after it: nothing changes."
+NOBODY_THERE: Final = "The {one} is in no frame after it: nothing changes."
 SEEN_BEFORE: Final = (
-    "The driver had seen the pedestrian before, at {time_s:.2f} s: the change comes too late to "
-    "matter for an alert."
+    "The driver had seen the {one} before, at {time_s:.2f} s: the change comes too late to matter "
+    "for an alert."
 )
 
 
@@ -24,6 +25,7 @@ def describe_change(
     threshold: float,
     change_s: float,
     caution: str = "",
+    objects: Objects,
 ) -> str:
     """What would be, had it become dark at `change_s`, beside what was.
 
@@ -40,33 +42,38 @@ def describe_change(
     caution
         Whose answers the estimates rest on, where some were simulated
         (`nvcore.dataset.estimates.EstimateRecord.caution`).
+    objects
+        What is to be seen.
     """
+    one = objects.singular
     is_after = simulated["is_simulated"].to_numpy(bool)
     head = f"Simulated: dark from {change_s:.2f} s on."
     if not is_after.any():
-        return f"{head} {NOBODY_THERE}"
+        return f"{head} {objects.say(NOBODY_THERE)}"
     time_s, is_up_to = course["time_s"].to_numpy(float), course["is_up_to_relevant"].to_numpy(bool)
     was, would = (table["detectability"].to_numpy(float) for table in (course, simulated))
     later_s = time_s[is_after] - change_s
     is_there = not is_after[0] or round(later_s[0], 6) <= 0
     until = "" if is_after[-1] else " until the next real change"
     before, soon = (
-        _when(share[is_after], threshold, later_s, is_there=is_there, until=until)
+        _when(one, share[is_after], threshold, later_s, is_there=is_there, until=until)
         for share in (was, would)
     )
     seen = np.flatnonzero(was[: np.argmax(is_after)] >= threshold)
     parts = [head, f"Estimates are {caution}." if caution else ""]
     if len(seen) and is_up_to[seen[0]]:
-        parts.append(SEEN_BEFORE.format(time_s=time_s[seen[0]]))
-    text = " ".join(filter(None, [*parts, _compared(soon, before, again=len(seen) > 0)]))
+        parts.append(objects.say(SEEN_BEFORE, time_s=time_s[seen[0]]))
+    text = " ".join(filter(None, [*parts, _compared(one, soon, before, again=len(seen) > 0)]))
     if not is_up_to.any():
         return f"{text} The encounter is distant: there is no frame by which that matters."
     relevant_s = float(time_s[is_up_to][-1])
-    in_time = _in_time(_is_seen(was[is_up_to], threshold), _is_seen(would[is_up_to], threshold))
+    seen_was, seen_would = (_is_seen(share[is_up_to], threshold) for share in (was, would))
+    in_time = _in_time(one, seen_was, seen_would)
     return f"{text} By the first frame that counts, at {relevant_s:.2f} s, {in_time}"
 
 
 def _when(
+    one: str,
     share: NDArray[np.float64],
     threshold: float,
     later_s: NDArray[np.float64],
@@ -97,25 +104,23 @@ def _when(
     seconds = f"{later_s[n_frames]:.2f} s"
     if not n_frames:
         return (
-            "at once"
-            if is_there
-            else f"as soon as the pedestrian appears, {seconds} after the change"
+            "at once" if is_there else f"as soon as the {one} appears, {seconds} after the change"
         )
     sooner = "" if is_known[:n_frames].all() else "at the latest "
     frames = count_text(n_frames, "frame")
     if is_there:
         return f"{sooner}{frames} ({seconds}) later"
-    return f"{sooner}{frames} after the pedestrian appears, {seconds} after the change"
+    return f"{sooner}{frames} after the {one} appears, {seconds} after the change"
 
 
-def _compared(soon: str, before: str, *, again: bool) -> str:
+def _compared(one: str, soon: str, before: str, *, again: bool) -> str:
     """When he would see the pedestrian, beside when he does, and whether that is not the first."""
     if not soon:
-        return "Whether the driver would see the pedestrian is not known in any frame after it."
-    sees_then = f" the driver sees the pedestrian {before}" if before else ", it is not known"
+        return f"Whether the driver would see the {one} is not known in any frame after it."
+    sees_then = f" the driver sees the {one} {before}" if before else ", it is not known"
     without = f"; without the change{sees_then}"
     same = ", as without the change"
-    sees = "would see the pedestrian again" if again else "would see the pedestrian"
+    sees = f"would see the {one} again" if again else f"would see the {one}"
     return f"After it the driver {sees} {soon}{same if soon == before else without}."
 
 
@@ -124,14 +129,14 @@ def _is_seen(share: NDArray[np.float64], threshold: float) -> bool | None:
     return bool((share >= threshold).any()) if np.isfinite(share).any() else None
 
 
-def _in_time(was: bool | None, would: bool | None) -> str:
+def _in_time(one: str, was: bool | None, would: bool | None) -> str:
     if would is None:
-        return "it is not known whether the driver would have seen the pedestrian."
+        return f"it is not known whether the driver would have seen the {one}."
     if was == would:
         negated = "" if would else "not "
-        return f"the driver would {negated}have seen the pedestrian, with the change or without."
+        return f"the driver would {negated}have seen the {one}, with the change or without."
     negated = "" if would else "**not** "
-    text = f"the driver would {negated}have seen the pedestrian; without the change"
+    text = f"the driver would {negated}have seen the {one}; without the change"
     if was is None:
         return f"{text} it is not known."
     return f"{text} the driver would {'have' if was else 'not have'}."

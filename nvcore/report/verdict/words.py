@@ -146,7 +146,7 @@ def describe_weights(result: Result) -> tuple[str, ...]:
     parts: list[str] = []
     for letter, n, weight_s in sides:
         verb = "" if parts else " weighs" if n == 1 else " weigh"
-        what = "" if parts else " of missed pedestrian"
+        what = "" if parts else f" of missed {result.objects.singular}"
         parts.append(f"the {n} that only {letter} detects{verb} {weight_s:.1f} s{what}")
     sentences = [f"{capitalised(', '.join(parts))}."] if parts else []
     worst = _worst_failure(result)
@@ -162,8 +162,9 @@ def _worst_failure(result: Result) -> str:
     encounters = result.encounters
     name = str(result.dataset.recordings["name"].iloc[encounters.recording[row]])
     return (
-        f"The worst single failure is {'XY'[letter]}'s: pedestrian {encounters.track[row]} in "
-        f"{shortened(one_line(name), NAME_WIDTH)}, {severity_s[letter][row]:.1f} s."
+        f"The worst single failure is {'XY'[letter]}'s: {result.objects.singular} "
+        f"{encounters.track[row]} in {shortened(one_line(name), NAME_WIDTH)}, "
+        f"{severity_s[letter][row]:.1f} s."
     )
 
 
@@ -207,9 +208,10 @@ def _far_away(result: Result) -> str:
         for (letter, _), share in zip(result.sides, shares, strict=True)
         if np.isfinite(share)
     ]
-    return (
-        f"Of the time of the saliency events, {listed(known)} is of pedestrians that count; the "
-        "rest is of people too far away."
+    return result.objects.say(
+        "Of the time of the saliency events, {shares} is of {many} that count; the rest is of "
+        "{people} too far away.",
+        shares=listed(known),
     )
 
 
@@ -228,31 +230,30 @@ def _values(key: str, result: Result, evidence: pd.DataFrame | None) -> tuple[fl
 
 
 def describe_chance(
-    evidence: pd.DataFrame | None, support: Support, *, is_short: bool
+    result: Result, evidence: pd.DataFrame | None, support: Support
 ) -> tuple[str, ...]:
-    """Which differences are more than chance, and why others that seem so are not claimed.
-
-    Parameters
-    ----------
-    is_short
-        Whether most encounters are one frame long, so that measures of time mean little.
-    """
+    """Which differences are more than chance, and why others that seem so are not claimed."""
     if evidence is None:
         return ()
+    say = result.objects.say
     of_key = {row["figure"]: row for row in evidence.to_dict("records")}
     sentences = []
     if support.claims:
         n_tests = count_tests(evidence)
-        parts = [_claim_text(claim, of_key[claim.key], n_tests) for claim in support.claims]
+        parts = [
+            f"{say(inference_of(claim.key).noun)} {_claim_text(claim, of_key[claim.key], n_tests)}"
+            for claim in support.claims
+        ]
         sentences.append(f"More than chance: {listed(parts)}.")
     for reason in dict.fromkeys(support.withheld.values()):
-        nouns = [inference_of(key).noun for key in CLAIMED if support.withheld.get(key) == reason]
+        withheld = [key for key in CLAIMED if support.withheld.get(key) == reason]
+        nouns = [say(inference_of(key).noun) for key in withheld]
         sentences.append(f"Not claimed: {listed(nouns)} ({reason}).")
     settled = {*support.withheld, *(claim.key for claim in support.claims)}
     others = [row for key, row in of_key.items() if key in CLAIMED and key not in settled]
     if settled and any(np.isfinite(row["p_holm"]) for row in others):
         sentences.append("The other differences are not shown to be more than chance.")
-    if is_short:
+    if result.is_short:
         sentences.append(
             "Most encounters are one frame long: saliency, severity and episodes mean little here "
             "and are not judged."
@@ -267,9 +268,7 @@ def _claim_text(claim: Claim, row: Mapping[Hashable, Any], n_tests: int) -> str:
     if np.isfinite(low):
         ends = interval_text(low, high, evidence_form(key))
         interval = f"X - Y 95 % interval {ends}{inference_of(key).noun_unit}, "
-    noun = inference_of(key).noun
-    p = p_text(row["p"], claim.p, n_tests)
-    return f"{noun} (for {claim.winner.upper()}, {interval}{p})"
+    return f"(for {claim.winner.upper()}, {interval}{p_text(row['p'], claim.p, n_tests)})"
 
 
 def describe_strict(result: Result, strict: Result) -> tuple[str, ...]:
@@ -280,7 +279,8 @@ def describe_strict(result: Result, strict: Result) -> tuple[str, ...]:
             values = values_of(quality.key, strict)
             x, y = (format(value, quality.form) for value in values)
             winner = winner_of(values[0] - values[1], measure_of(quality.key).better)
-            parts[winner].append(f"{inference_of(quality.key).noun} (X {x}, Y {y}{quality.unit})")
+            noun = result.objects.say(inference_of(quality.key).noun)
+            parts[winner].append(f"{noun} (X {x}, Y {y}{quality.unit})")
     who = [f"{winner.upper()} is better in {listed(of)}" for winner, of in parts.items() if of]
     if not who:
         return ()

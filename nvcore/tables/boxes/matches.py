@@ -62,7 +62,7 @@ _OF_BOTH = (
         "px",
         "Distance to the nearest box of the other side that counts; strict pairing: to the "
         "partner.",
-        empty=f"nobody is there; the box is not judged; {_NONE}",
+        empty=f"{{nobody}} is there; the box is not judged; {_NONE}",
     ),
     Column(
         "term",
@@ -88,14 +88,14 @@ MATCH_COLUMNS: Final[tuple[Column, ...]] = (
         "track",
         Kind.INTEGER,
         "",
-        "Track: of a pedestrian as in `encounters.csv`, of a detection as in its file.",
+        "Track: of {a_one} as in `encounters.csv`, of a detection as in its file.",
         empty="it has none",
     ),
     Column(
         "counts",
         Kind.TRUTH_VALUE,
         "",
-        "Truth: whether it is a pedestrian near enough to count (k >= 0.5). Detection: whether it "
+        "Truth: whether it is {a_one} near enough to count (k >= 0.5). Detection: whether it "
         "is matched or a false alarm.",
     ),
     Column("k", Kind.NUMBER, "0 to 1", "Proximity weight: 0 far, 1 near."),
@@ -104,7 +104,7 @@ MATCH_COLUMNS: Final[tuple[Column, ...]] = (
         "cost",
         Kind.NUMBER,
         "0 to 1",
-        "What missing the pedestrian costs: k * `border_px` over half the width.",
+        "What missing the {one} costs: k * `border_px` over half the width.",
         empty="ignore region, or a detection",
     ),
     *(replace(column, name=f"{column.name}_{side}") for side in "xy" for column in _OF_BOTH),

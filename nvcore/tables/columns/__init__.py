@@ -44,7 +44,7 @@ _FRAMES = (
         "Frame number, as in the truth's files (with a frame base of 1: one less).",
     ),
     Column("time_s", _NUMBER, "s", "Time since the recording's first evaluated frame."),
-    Column("n_truth", _INTEGER, "boxes", "Annotated pedestrians, ignore regions left out."),
+    Column("n_truth", _INTEGER, "boxes", "Annotated {many}, ignore regions left out."),
     *of_both(
         Column(
             "n_det",
@@ -53,21 +53,21 @@ _FRAMES = (
             "Detections that count: those that pass the threshold, without those that an ignore "
             "region absorbs. `matched` + `false_alarms`.",
         ),
-        Column("matched", _INTEGER, "boxes", "Annotated pedestrians that were matched.", "high"),
-        Column("false_alarms", _INTEGER, "boxes", "Detections that match nobody.", "low"),
+        Column("matched", _INTEGER, "boxes", "Annotated {many} that were matched.", "high"),
+        Column("false_alarms", _INTEGER, "boxes", "Detections that match {nobody}.", "low"),
         Column(
             "d_miss",
             _NUMBER,
             "px",
-            "Effect of misses, D(G, S): the largest weighted distance of a pedestrian from its "
-            "nearest detection, limited by the border; 0 without pedestrians.",
+            "Effect of misses, D(G, S): the largest weighted distance of {a_one} from its "
+            "nearest detection, limited by the border; 0 without {many}.",
             "low",
         ),
         Column(
             "d_false",
             _NUMBER,
             "px",
-            "Effect of false alarms, D(S, G): the same of a detection from its nearest pedestrian; "
+            "Effect of false alarms, D(S, G): the same of a detection from its nearest {one}; "
             "0 without detections.",
             "low",
         ),
@@ -98,7 +98,7 @@ _FRAMES = (
             "salient_track",
             _INTEGER,
             "",
-            "Track of the pedestrian at whom `d_miss` stands, if it is large enough for saliency.",
+            "Track of the {one} where `d_miss` stands, if it is large enough for saliency.",
             empty="`d_miss` is at most `tolerance` of half the width",
         ),
     ),
@@ -114,13 +114,13 @@ _SPAN = (
 _EVENTS = (
     _SYSTEM,
     RECORDING,
-    Column("track", _INTEGER, "", "Track of the missed pedestrian, as in `encounters.csv`."),
+    Column("track", _INTEGER, "", "Track of the missed {one}, as in `encounters.csv`."),
     *_SPAN,
     Column(
         "relevant_s",
         _NUMBER,
         "s",
-        "Of these, time in which the pedestrian counts (k >= 0.5).",
+        "Of these, time in which the {one} counts (k >= 0.5).",
         "low",
     ),
     Column(
@@ -196,7 +196,7 @@ _RECORDINGS = (
     Column("has_gaze", Kind.TRUTH_VALUE, "", "Whether a file says where the driver looked."),
     Column("n_frames", _INTEGER, "frames", "Evaluated frames."),
     Column("duration_s", _NUMBER, "s", "Sum of their time steps."),
-    Column("n_truth", _INTEGER, "boxes", "Annotated pedestrians, ignore regions left out."),
+    Column("n_truth", _INTEGER, "boxes", "Annotated {many}, ignore regions left out."),
     *VENN_COLUMNS,
     Column(
         "driver_known",

@@ -21,7 +21,7 @@ _DRIVER: Final = (
         _NUMBER,
         _SHARE,
         "Largest detectability up to the first frame that counts: the share of drivers who would "
-        "see the pedestrian by themselves.",
+        "see the {one} by themselves.",
         empty=_UNKNOWN,
         is_optional=True,
     ),
@@ -64,7 +64,7 @@ _DRIVER: Final = (
         Kind.TRUTH_VALUE,
         "",
         "Whether `detectability` is no further than `detectability_sd` from the parameter "
-        "`driver_threshold`: whether the driver sees the pedestrian is open then.",
+        "`driver_threshold`: whether the driver sees the {one} is open then.",
         empty=f"{_UNKNOWN}, or no standard deviation is given",
         is_optional=True,
     ),
@@ -72,7 +72,7 @@ _DRIVER: Final = (
         "driver_sees",
         Kind.TRUTH_VALUE,
         "",
-        "Whether the driver sees the pedestrian unaided: detectability reaches the parameter "
+        "Whether the driver sees the {one} unaided: detectability reaches the parameter "
         "`driver_threshold` in a frame up to the first that counts.",
         empty=_UNKNOWN,
         is_optional=True,
@@ -90,7 +90,7 @@ _DRIVER: Final = (
         _INTEGER,
         "",
         "The first such frame: when the driver confirms.",
-        empty="the driver does not see the pedestrian, or it is unknown",
+        empty="the driver does not see the {one}, or it is unknown",
         is_optional=True,
     ),
     Column(
@@ -99,14 +99,14 @@ _DRIVER: Final = (
         "",
         "Whether detectability reaches `driver_threshold` in a frame before `urgent_frame`, also "
         "where that is after the first that counts, so that `driver_frame` is empty.",
-        empty=f"{_NOT_URGENT}, or it is unknown whether the driver sees the pedestrian",
+        empty=f"{_NOT_URGENT}, or it is unknown whether the driver sees the {{one}}",
         is_optional=True,
     ),
     Column(
         "driver_region",
         _TEXT,
         "",
-        "Who sees the pedestrian, of driver, X and Y: `driver_x_y`, `driver_x`, `driver_y`, "
+        "Who sees the {one}, of driver, X and Y: `driver_x_y`, `driver_x`, `driver_y`, "
         "`driver`, `x_y`, `x`, `y`, `nobody`, `unknown`, `distant`.",
         is_optional=True,
     ),
@@ -118,7 +118,7 @@ ENCOUNTER_COLUMNS: Final[tuple[Column, ...]] = (
         "track",
         _INTEGER,
         "",
-        "Track of the pedestrian: the truth's id, or a number given by linking where it has none.",
+        "Track of the {one}: the truth's id, or a number given by linking where it has none.",
     ),
     Column("first_frame", _INTEGER, "", "First evaluated frame in which it is annotated."),
     Column("last_frame", _INTEGER, "", "Last evaluated frame in which it is annotated."),
@@ -186,7 +186,7 @@ ENCOUNTER_COLUMNS: Final[tuple[Column, ...]] = (
             "peak_cost",
             _NUMBER,
             _SHARE,
-            "Largest cost among them: 1 is a pedestrian straight ahead and near.",
+            "Largest cost among them: 1 is {a_one} straight ahead and near.",
             "low",
             _DISTANT,
         ),

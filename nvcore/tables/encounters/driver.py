@@ -39,8 +39,8 @@ SIGHT_WORDS: Final[dict[Sight, str]] = {
 }
 """Whether the driver sees the pedestrian of a near encounter, in short."""
 SIGHT_TEXT: Final[dict[Sight, str]] = {
-    "sees": "the driver sees the pedestrian unaided",
-    "unseen": "the driver does not see the pedestrian unaided",
+    "sees": "the driver sees the {one} unaided",
+    "unseen": "the driver does not see the {one} unaided",
     "open": "the value that decides is within one standard deviation of the threshold",
     "unknown": "detectability is known in no frame up to the first that counts",
 }
@@ -73,7 +73,7 @@ def describe_sight(result: Result, encounter: int) -> str:
     if sight == "distant" or not result.dataset.has_detectability:
         return ""
     if sight == "unknown":
-        return f"Driver: {SIGHT_WORDS[sight]}, as {SIGHT_TEXT[sight]}."
+        return f"Driver: {SIGHT_WORDS[sight]}, as {result.objects.say(SIGHT_TEXT[sight])}."
     largest, sd = driver_in(result).table[["detectability", "sd"]].iloc[encounter]
     value = f"{largest:.2f}" + (f" ± {sd:.2f}" if np.isfinite(sd) else "")
     record = result.dataset.estimate
@@ -100,7 +100,8 @@ def driver_venn_table(result: Result) -> pd.DataFrame:
         is_here = driver_in(result).region == region.value
         of_x, of_y = (float(values[is_here].sum()) for values in severity_s)
         n = driver_in(result).venn.counts[region]
-        rows.append((region.value, who, n, of_x, of_y, DRIVER_REGION_TEXT[region]))
+        meaning = result.objects.say(DRIVER_REGION_TEXT[region])
+        rows.append((region.value, who, n, of_x, of_y, meaning))
     names = ["region", "who", "encounters", "severity_x", "severity_y", "meaning"]
     return pd.DataFrame(rows, columns=names)
 

@@ -147,8 +147,9 @@ def _reach_s(urgent: pd.DataFrame) -> float:
 
 def _labels(result: Result, part: pd.DataFrame) -> list[str]:
     has_several = len(result.dataset.recordings) > 1
+    short = result.objects.say("{short}")
     return [
-        f"ped {plain(track, max_length=8)}"
+        f"{short} {plain(track, max_length=8)}"
         + (f", {plain(recording, max_length=20)}" if has_several else "")
         for track, recording in zip(part["track"], part["recording"], strict=True)
     ]
@@ -164,9 +165,9 @@ def _texts(result: Result, part: pd.DataFrame, frame_row: np.ndarray, what: str)
     frames = result.dataset.frames
     columns = (part[name] for name in ("track", "recording", "ttc_s", "speed_kmh"))
     moments = (frames[name].to_numpy()[frame_row] for name in ("frame", "time_s"))
-    of_both = systems_in_words(result, part.index.to_numpy())
+    of_both, one = systems_in_words(result, part.index.to_numpy()), result.objects.singular
     return [
-        f"pedestrian {track}, {plain(recording)}<br>{what}: frame {frame}, {time_s:.2f} s<br>"
+        f"{one} {track}, {plain(recording)}<br>{what}: frame {frame}, {time_s:.2f} s<br>"
         f"last chance {ttc_s:.2f} s before contact, at {speed_kmh:g} km/h<br>{'<br>'.join(words)}"
         for track, recording, ttc_s, speed_kmh, frame, time_s, words in zip(
             *columns, *moments, of_both, strict=True
@@ -192,7 +193,11 @@ def _system_marks(
     result: Result, part: pd.DataFrame, letter: str, reach: float, theme: Theme
 ) -> list[go.Scatter]:
     """Where a system confirms the pedestrians, and whom it never does."""
-    look, system = LOOK[theme], result.system(letter)
+    look, system, confirms = (
+        LOOK[theme],
+        result.system(letter),
+        result.objects.say("confirms {him}"),
+    )
     shift = -APART if letter == "x" else APART
     at_s = part[f"confirmed_s_{letter}"].to_numpy()
     row = np.arange(len(part)) + shift
@@ -202,7 +207,7 @@ def _system_marks(
     sure = marks(
         np.clip(at_s[~is_never], 0, reach),
         row[~is_never],
-        _texts(result, confirmed, frame_row, f"{letter.upper()} confirms him"),
+        _texts(result, confirmed, frame_row, f"{letter.upper()} {confirms}"),
         customdata=_places(confirmed, frame_row),
         cliponaxis=False,
         name=f"{system_label(letter, system.name)} confirms",

@@ -80,7 +80,7 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
         for letter in "xy"
     }
     texts = [
-        f"pedestrian {track}, {plain(recording)}<br>" + "<br>".join(of_both)
+        f"{result.objects.singular} {track}, {plain(recording)}<br>" + "<br>".join(of_both)
         for of_both, track, recording in zip(
             systems_in_words(result, urgent.index.to_numpy()),
             urgent["track"],

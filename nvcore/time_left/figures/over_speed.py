@@ -73,7 +73,7 @@ def over_speed_plot(
     """
     defined = curve[curve["urgent"] > 0]
     if defined.empty:
-        return empty_figure("Nobody is urgent at any speed up to 130 km/h.", theme=theme)
+        return empty_figure("No encounter is urgent at any speed up to 130 km/h.", theme=theme)
     style, look = LOOKS[measure], LOOK[theme]
     speeds = defined["speed_kmh"].to_numpy()
     traces = []

@@ -119,9 +119,9 @@ def _clicks(
     known = np.flatnonzero(nearest[:, 0] < reach_s)
     known = known[evenly(len(known), n_points=CLICKS)]
     ttc_s, encounter = nearest[known, 0], nearest[known, 1].astype(np.int64)
-    frame = result.dataset.frames["frame"].to_numpy()[start + known]
+    frame, one = result.dataset.frames["frame"].to_numpy()[start + known], result.objects.singular
     text = [
-        f"pedestrian {track}, frame {number}, {second:.2f} s<br>{left:.2f} s to contact, the least"
+        f"{one} {track}, frame {number}, {second:.2f} s<br>{left:.2f} s to contact, the least"
         for track, number, second, left in zip(
             result.encounters.track[encounter], frame, time_s[known], ttc_s, strict=True
         )
@@ -138,8 +138,8 @@ def last_chances(result: Result, encounters: np.ndarray, size: float, theme: The
     frames = result.dataset.frames
     frame, time_s = frames["frame"].to_numpy()[row], frames["time_s"].to_numpy()[row]
     text = [
-        f"pedestrian {result.encounters.track[encounter]}, last chance to stop: frame {number}, "
-        f"{second:.2f} s<br>" + "<br>".join(of_both)
+        f"{result.objects.singular} {result.encounters.track[encounter]}, last chance to stop: "
+        f"frame {number}, {second:.2f} s<br>" + "<br>".join(of_both)
         for encounter, number, second, of_both in zip(
             urgent.tolist(), frame, time_s, systems_in_words(result, urgent), strict=True
         )

@@ -17,6 +17,7 @@ from nvcore.metrics.proximity.horizon import (
     estimate_horizon,
     estimate_horizons,
 )
+from nvcore.objects import PEDESTRIAN
 
 HORIZON = 200.0
 
@@ -39,7 +40,7 @@ def test_people_of_one_stature_on_flat_ground_give_the_row_exactly() -> None:
     assert horizon.row_px == pytest.approx(HORIZON, abs=1e-6)
     assert horizon.margin_px == pytest.approx(0, abs=1e-6)
     assert (horizon.n_boxes, horizon.n_pedestrians) == (120, 6)
-    assert horizon.text == "row 200 (95 %: 200 to 200; 120 boxes of 6 pedestrians)"
+    assert PEDESTRIAN.say(horizon.text) == "row 200 (95 %: 200 to 200; 120 boxes of 6 pedestrians)"
     above = replace(horizon, row_px=-12.4, margin_px=12.0)
     assert above.text.startswith("row −12 (95 %: −24 to 0;")
 

@@ -107,7 +107,7 @@ def test_the_picture_is_that_of_the_frame(pictures):
         "Y 1.00 (lost to misses 0.000, to false alarms 0.000)"
     )
     # the pedestrian is 40 of 50 px from the edge, with nothing of X anywhere
-    assert drawn.boxes.head[:5] == ("ped.", "term X", "term Y", "cost", "missed by")
+    assert drawn.boxes.head[:5] == ("ped", "term X", "term Y", "cost", "missed by")
     assert drawn.boxes.rows == (("7", "0.80", "0.00", "0.80", "X", "1.00", "40", "–", "0"),)
 
 

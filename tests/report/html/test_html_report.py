@@ -21,6 +21,7 @@ from nvcore.figures.venn import venn_figure
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
+from nvcore.objects import PEDESTRIAN
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
 from nvcore.report.html import (
@@ -151,7 +152,7 @@ def test_the_scorecard_has_the_measures_counted_by_hand(page):
     assert page.row(caption, "boxes matched, near or far, of 40") == ["40", "10", "+30", "higher"]
     assert page.row(caption, "false-alert episodes") == ["0", "1", "−1", "lower"]
     assert page.row("Detection measures", "recall at the threshold")[:2] == ["1.0000", "0.2500"]
-    assert "Log-average miss rate of X: nobody is missed at any of the 9 references" in page.text
+    assert "Log-average miss rate of X: nothing is missed at any of the 9 references" in page.text
     assert "Few pedestrians: 40, a single miss changes" in page.text
 
 
@@ -194,11 +195,15 @@ def test_the_words_say_with_which_marks_the_diagram_is_drawn(x, y, loser, text):
     boxes = [at(frame, 50, track=1) for frame in range(8)]
     result = compare(make_dataset(boxes, boxes, boxes[:2]), Params(), x=x, y=y)
     scheme = result.scheme("light")
-    figure = venn_figure(result.venn, (x, y), theme=scheme, encounters=weighed_encounters(result))
+    figure = venn_figure(
+        result.venn, (x, y), theme=scheme, encounters=weighed_encounters(result), objects=PEDESTRIAN
+    )
     marks = next(trace.marker for trace in figure.data if "severity" in trace.name)
     style = scheme.style(loser)
     assert (marks.symbol[0], marks.color[0]) == (style.symbol, style.light)
-    assert text in words.who(result.params, scheme).best
+    x_style, y_style = (scheme.style(letter) for letter in "xy")
+    said = words.who(result.params).said(result.objects, x=x_style, y=y_style)
+    assert text in said.best
 
 
 def test_subgroups_have_who_detects_more_and_the_other_figures(page):
@@ -305,8 +310,8 @@ def test_frames_rather_than_persons_are_no_evidence_of_their_own(tmp_path, page)
     content = written(tmp_path / "r.html", result, session_of(tmp_path), stability=False)
     for anchor, sentence in (
         ("encounters", "shares of encounters are shares of frames"),
-        ("significance", "one person may stand in many of them"),
-        ("subgroups", "one person may stand in many of them"),
+        ("significance", "one pedestrian may stand in many of them"),
+        ("subgroups", "one pedestrian may stand in many of them"),
     ):
         section = content.partition(f'<section id="{anchor}">')[2].partition("</section>")[0]
         assert sentence in section
@@ -316,7 +321,7 @@ def test_frames_rather_than_persons_are_no_evidence_of_their_own(tmp_path, page)
     assert short.row("Differences and tests", f"{label} ↑")[3:7] == ["–"] * 4
     assert short.row("How they were made", label)[1] == "–"
     assert {row[-2] for row in short.tables["Encounters detected by subgroup"][1:]} == {"–"}
-    assert "one person may stand" not in page.text
+    assert "one pedestrian may stand" not in page.text
     # recordings of two sizes have two midpoints
     assert "midpoint 10 to 12 px (10 %" in short.text
     assert short.row("Parameters", "midpoint")[0] == "10 to 12 px"

@@ -57,7 +57,7 @@ def test_another_recording_starts_at_its_first_frame_with_those_missed_in_it():
     assert any("**Frame 0**" in text.value for text in app.markdown)
     (table,) = app.dataframe  # nothing is detected
     headings = [column["label"] for column in json.loads(table.proto.columns).values()]
-    assert sorted(headings) == ["1", "2", "5", "ped."]
+    assert sorted(headings) == ["1", "2", "5", "ped"]
     assert set(table.value.loc["missed by"]) == {"X, Y"}
 
 

@@ -9,6 +9,7 @@ import pytest
 from builders import at, make_dataset
 
 from nvcore.metrics.cost_map import map_cost
+from nvcore.objects import PEDESTRIAN
 from nvcore.palette import STYLES, Scheme
 from nvcore.params import Params
 from nvcore.schema import DetectionState
@@ -59,7 +60,7 @@ def test_the_cost_of_a_miss_is_sent_as_weight_by_row_and_border_by_column():
     assert np.isnan(k[0])
     assert k[1:] == [0, 1, 1]  # feet in rows 37.5, 62.5 and 87.5; half at row 50
     assert unpack(sent["border"], "f4") == [0.5, 0.5]
-    assert sent["text"] == cost.text == "depth of the feet below the horizon"
+    assert sent["text"] == PEDESTRIAN.say(cost.text) == "depth of the feet below the horizon"
 
 
 @pytest.mark.parametrize(

@@ -138,8 +138,8 @@ def _draw_weighting(finding: Finding, number: int) -> None:
                 icon=":material/straighten:",
                 on_click=state.set_params,
                 kwargs={"missing_distance": "borrow"},
-                help=state.words(
-                    "A pedestrian takes the distance that his matches report, along his track."
+                help=state.say(
+                    "{A_one} takes the distance that {his} matches report, along {his} track."
                 ),
             )
 

@@ -49,22 +49,24 @@ def open_horizons(whole: Dataset) -> dict[str, Horizon]:
 
 def _draw_estimates(whole: Dataset, horizons: Mapping[str, Horizon], n_open: int) -> None:
     st.caption(
-        state.words(
-            "On flat ground a pedestrian is as tall in the picture as the feet are below the "
-            f"horizon, times a constant ({docs_link('more', 'horizon')}). Used for nearness by "
-            "horizon, and to tell children."
+        state.say(
+            "On flat ground {a_one} is as tall in the picture as the {feet_are} below the "
+            "horizon, times a constant ({link}). Used for nearness by horizon, and to tell "
+            "children.",
+            link=docs_link("more", "horizon"),
         )
     )
     if not horizons:
         st.info(
-            state.words(
-                "The boxes do not tell: it takes 30 of 3 pedestrians, whole, at different "
-                "distances."
+            state.say(
+                "The boxes do not tell: it takes 30 of 3 {many}, whole, at different distances."
             ),
             icon=":material/info:",
         )
         return
-    lines = [f"- {plain(name)}: {plain(horizon.text)}" for name, horizon in horizons.items()]
+    lines = [
+        f"- {plain(name)}: {plain(state.say(horizon.text))}" for name, horizon in horizons.items()
+    ]
     if len(lines) > MOST_SHOWN:
         lines[MOST_SHOWN:] = [f"- and {len(lines) - MOST_SHOWN:,} more"]
     st.markdown("\n".join(lines))

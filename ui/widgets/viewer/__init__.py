@@ -52,8 +52,8 @@ SCRIPTS = (
 """In the order in which they are joined: the last one exports what Streamlit calls."""
 
 
-PHRASES = ("a pedestrian", "pedestrian", "pedestrians", "Nobody", "the feet are")
-"""What is replaced in the viewer's texts, as `worded` in controls.js looks for it."""
+WORDS = ("a_one", "one", "Nobody", "feet_are")
+"""The words of the objects in the viewer's texts, which `worded` in controls.js fills in."""
 
 
 class ListedBox(NamedTuple):
@@ -213,7 +213,7 @@ def viewer(
             "only": only,
             "cost": None if cost is None or only else pack_cost(cost, objects),
             "chosen": None if chosen is None or only else int(chosen),
-            "phrases": phrases_of(objects),
+            "words": {word: objects.say(f"{{{word}}}") for word in WORDS},
             "listed": None if listed is None or only else listed._asdict(),
             "visible": None if visible is None or only else _pack_visible(visible),
             "look": look._asdict(),
@@ -301,11 +301,6 @@ def colours_of(theme: Theme) -> dict[str, dict[str, Any]]:
             **{f"line-{letter}": style.css for letter, style in styles.items()},
         },
     }
-
-
-def phrases_of(objects: Objects) -> dict[str, str] | None:
-    """What the viewer's texts, written about pedestrians, say instead; None: as they are."""
-    return None if objects.are_pedestrians else {text: objects.words(text) for text in PHRASES}
 
 
 def _nothing() -> None:

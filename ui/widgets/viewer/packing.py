@@ -93,5 +93,5 @@ def pack_times(times_s: np.ndarray, frames: np.ndarray, fps: float) -> dict[str,
 
 def pack_cost(cost: CostMap, objects: Objects = PEDESTRIAN) -> dict[str, str]:
     """A cost map for the browser, which multiplies weight and border and interpolates."""
-    text = objects.words(cost.text)
+    text = objects.say(cost.text)
     return {"k": pack(cost.k, "f4"), "border": pack(cost.border, "f4"), "text": text}

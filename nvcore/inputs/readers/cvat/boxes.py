@@ -144,8 +144,7 @@ def other_shapes(content: CvatContent, file: SourceFile, options: ReadOptions) -
         warning(
             "no-box",
             len(shapes),
-            options.objects.words("Pedestrians drawn as ")
-            + f"{listed} are not boxes and were left out.",
+            options.objects.say("{Many} drawn as ") + f"{listed} are not boxes and were left out.",
             "Convert them to boxes in CVAT and export again.",
             role=options.role,
             file=file.name,

@@ -206,7 +206,7 @@ def choose_categories(
                 sum(counts.values()),
                 f"No box is of a class that counts ({_listed({k: names[k] for k in counted})}); "
                 f"found {_listed({key: names.get(key, key) for key in counts})}.",
-                objects.words("Name the classes that are pedestrians."),
+                objects.say("Name the classes that are {many}."),
                 role=options.role,
                 file=file,
                 steps=(Step(Remedy.CLASSES),),
@@ -281,7 +281,7 @@ def _by_number(
                 "no-counted-class",
                 sum(counts.values()),
                 f"No box is of {numbers} {', '.join(sorted(given))}, which counts; found {boxes}.",
-                options.objects.words("Name the classes that are pedestrians."),
+                options.objects.say("Name the classes that are {many}."),
                 role=options.role,
                 file=file,
                 steps=(Step(Remedy.CLASSES),),

@@ -122,7 +122,7 @@ def choose_classes(
         If neither the format nor the files have a class of `ReadOptions.classes`.
     """
     codes, classes = pd.factorize(label)
-    words = options.objects.words
+    say = options.objects.say
     known = {name.casefold() for name in rule.known}
     folded = pd.Index([str(name).casefold() for name in classes])  # the few different names
     counted_names = {name.casefold() for name in rule.counted}
@@ -152,7 +152,7 @@ def choose_classes(
         "unknown-class",
         "Rows of classes that the format does not have were left out: "
         f"{', '.join(sorted({str(name) for name in label[is_strange]}))}.",
-        words("If one of them is a pedestrian, name it as a class that counts."),
+        say("If one of them is {a_one}, name it as a class that counts."),
         role=options.role,
         example=lambda row: str(label[row]),
         steps=(Step(Remedy.CLASSES),),
@@ -162,7 +162,7 @@ def choose_classes(
         "no-counted-class",
         f"No row is of a class that counts ({', '.join(counted)}); found "
         f"{', '.join(sorted(str(name) for name in classes))}.",
-        words("Name the classes that are pedestrians."),
+        say("Name the classes that are {many}."),
         role=options.role,
         example=lambda row: str(label[row]),
         steps=(Step(Remedy.CLASSES, ",".join(filter(options.objects.counts, map(str, classes)))),),
@@ -218,8 +218,8 @@ def kinds_finding(
             sum(kinds.values()),
             f"Boxes of {boxes} are {fate if options.role == 'truth' else 'left out'}. "
             f"Only {listed(counted)} count{'s' if len(counted) == 1 else ''}.",
-            options.objects.words(
-                "If pedestrians of these kinds are to be detected, let them count, too."
+            options.objects.say(
+                "If {many} of these kinds are to be detected, let them count, too."
             ),
             file=file,
             steps=(Step(Remedy.CLASSES, ",".join([*counted, *kinds])),),

@@ -28,7 +28,6 @@ from nvcore.report.html.words.results import (
     scorecard,
     similarity,
     who,
-    with_colours,
 )
 
 __all__ = [
@@ -58,5 +57,4 @@ __all__ = [
     "scorecard",
     "similarity",
     "who",
-    "with_colours",
 ]

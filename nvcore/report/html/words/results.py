@@ -1,8 +1,6 @@
-"""Introductions to the sections on what the systems did."""
+"""Introductions to the sections on what the systems did; templates, said by the page's content."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 from nvcore.figures.venn import MOST_MARKS
 from nvcore.metrics.encounters import RELEVANT_K
@@ -21,33 +19,27 @@ def reading(params: Params, theme: Theme) -> tuple[str, ...]:
         f"if the boxes overlap by an intersection over union of at least {params.iou:g}"
         if params.match == "iou"
         else f"if it lies at most {_percent(params.lateral_tolerance)} of the picture's width, or "
-        "half the pedestrian's, to the side of them"
+        "half the {one}'s, to the side of them"
     )
     if params.match_class == "same":
         rule += ", and is of the same class where the ground truth names one"
     styles = {letter: scheme_of(theme).style(letter) for letter in "xy"}
     drawn = [f"{letter.upper()} is {style.words}" for letter, style in styles.items()]
     return (
-        "X and Y are two systems that detect pedestrians; both were given the same recordings.",
-        "The ground truth says where pedestrians are: boxes that people drew in the pictures. A "
+        "X and Y are two systems that detect {many}; both were given the same recordings.",
+        "The ground truth says where {many} are: boxes that people drew in the pictures. A "
         "detection is a box of a system, with a score that says how sure it is; boxes with a score "
         "below the system's threshold are left out.",
-        f"A detection matches a pedestrian {rule}; each matches one at most, the best scores "
-        "first. One that matches nobody is a false alarm, a pedestrian whom nothing matches is "
+        f"A detection matches {{a_one}} {rule}; each matches one at most, the best scores "
+        "first. One that matches {nobody} is a false alarm, {a_one} {whom} nothing matches is "
         "missed. Regions that the ground truth marks as ignored count neither way.",
-        "An encounter is one pedestrian, from the first to the last frame in which they are "
-        "annotated. Frames count in which they are near enough (weight of nearness of "
+        "An encounter is one {one}, from the first to the last frame in which {he} is "
+        "annotated. Frames count in which {he} is near enough (weight of nearness of "
         f"{RELEVANT_K:g} or more, see Similarity); an encounter without any is too far to count, "
         "in short: distant.",
         f"In the charts {' and '.join(drawn)}: each system has its colour and line, whichever is "
         "X. A dash in a table means not defined, never zero.",
     )
-
-
-def with_colours(intro: Intro, theme: Theme) -> Intro:
-    """The introduction with the colours and lines of X and Y."""
-    x, y = (scheme_of(theme).style(letter) for letter in "xy")
-    return replace(intro, how=intro.how.format(x=x, y=y))
 
 
 VERDICT = Intro(
@@ -63,11 +55,11 @@ VERDICT = Intro(
 
 SHORT_ENCOUNTERS = (
     "Caution: most encounters here are one frame long, as sampled or unlinked annotation makes "
-    "them. They are frames rather than persons: shares of encounters are shares of frames, and "
+    "them. They are frames rather than {many}: shares of encounters are shares of frames, and "
     "late, dropout, lead time and saliency mean little."
 )
 SHORT_TESTS = (
-    "Caution: most encounters here are one frame long, so one person may stand in many of them. "
+    "Caution: most encounters here are one frame long, so one {one} may stand in many of them. "
     "Tests and intervals of single encounters would take them as independent and be far too sure, "
     "so they are not given. Go by the measures by recordings or blocks of time."
 )
@@ -94,25 +86,24 @@ def scorecard(params: Params) -> Intro:
     )
 
 
-def who(params: Params, theme: Theme) -> Intro:
-    """Introduction of the encounters by who detects them, with the marks of X and Y."""
-    x, y = (scheme_of(theme).style(letter) for letter in "xy")
+def who(params: Params) -> Intro:
+    """Introduction of the encounters by who detects them."""
     return Intro(
-        what="Which pedestrians were detected by both systems, by one only, by neither.",
-        how="A system detects an encounter if it matches the pedestrian in at least "
+        what="Which {many} were detected by both systems, by one only, by neither.",
+        how="A system detects an encounter if it matches the {one} in at least "
         f"{_percent(params.coverage)} of the frames that count, and in one at least. A first match "
         f"more than {params.lag_s:g} s late makes the encounter late, a gap of more than "
         f"{params.gap_s:g} s a dropout, the same after the last match an early loss; the first of "
         "these that holds is counted. Severity is what a system's failure weighs: the cost of each "
-        "frame that counts in which it misses the pedestrian (weight of nearness times distance "
+        "frame that counts in which it misses the {one} (weight of nearness times distance "
         "from the border over half the picture's width, 0 to 1; see Similarity), summed over time. "
-        "1 s is a pedestrian straight ahead and near, missed for 1 s; peak cost is the largest of "
+        "1 s is {a_one} straight ahead and near, missed for 1 s; peak cost is the largest of "
         "a frame. Lead time is Y's delay of the first match less X's. Jaccard index: "
         "shared misses over all misses. Phi: correlation of the two systems' misses.",
         best="Many in the middle of the diagram, few outside the circles, and little severity. A "
         "system dominates the other if it detects all that the other detects, and more. In the "
         f"diagram of up to {MOST_MARKS} encounters each is a mark, larger the more its failure "
-        f"weighs: {x.name} ({x.symbol}) where X's failure weighs more, {y.name} ({y.symbol}) where "
+        "weighs: {x.name} ({x.symbol}) where X's failure weighs more, {y.name} ({y.symbol}) where "
         "Y's does, a black square where neither detects or both weigh the same, an open circle "
         "where nothing was missed.",
         limits="A count takes an encounter once, however long it lasts and however near it comes: "
@@ -123,10 +114,10 @@ def who(params: Params, theme: Theme) -> Intro:
 def classes() -> Intro:
     """Introduction of the classes."""
     return Intro(
-        what="What the systems took the matched pedestrians for: the class in the truth, and the "
+        what="What the systems took the matched {many} for: the class in the truth, and the "
         "one that was read.",
         how="Boxes are matched by place alone, at the thresholds in use. What is right stands in "
-        "the diagonal; a darker cell is a larger share of its row. Pedestrians without a class in "
+        "the diagonal; a darker cell is a larger share of its row. {Many} without a class in "
         "the truth do not count.",
         best="Everything in the diagonal.",
         limits="The interval takes boxes as independent, though many are of one and the same "
@@ -137,17 +128,17 @@ def classes() -> Intro:
 def driver(params: Params) -> Intro:
     """Introduction of the driver."""
     return Intro(
-        what="Whom the driver sees unaided, and which system warns of the others.",
-        how="Detectability is the share of drivers who would see the pedestrian of a frame by "
+        what="{What} the driver sees unaided, and which system warns of the others.",
+        how="Detectability is the share of drivers who would see the {one} of a frame by "
         f"themselves. The driver sees an encounter if it is at least {params.driver_threshold:g} "
-        "in a frame up to the first in which the pedestrian counts; that frame confirms. A useful "
+        "in a frame up to the first in which the {one} counts; that frame confirms. A useful "
         "alert is an encounter that a system detects and the driver does not see, a redundant one "
         "the driver sees anyway, an unprotected one neither sees. Encounters in which "
         "detectability is unknown until then are counted apart. In time is the driver who sees the "
-        "pedestrian, early or late, before the car can no longer stop.",
+        "{one}, early or late, before the car can no longer stop.",
         best="Many useful alerts, no encounter unprotected.",
         limits="It rests on the detectability that was given: an estimate speaks of people like "
-        "those from whose answers it was learnt, who looked for a pedestrian. Where "
+        "those from whose answers it was learnt, who looked for {a_one}. Where "
         "this driver looked is not known, nor whether a warning would have been heeded.",
     )
 
@@ -161,13 +152,13 @@ def similarity(params: Params, midpoint: str, spread: str) -> Intro:
         The values in use, px.
     """
     a = params.alpha
-    borrowed = " (a pedestrian's own, else one that his matches report)" if borrows(params) else ""
+    borrowed = " ({a_one}'s own, else one that {his} matches report)" if borrows(params) else ""
     weights = {
         "height": "1 / (1 + exp(-(height of the box - midpoint) / spread))",
         "horizon": "1 / (1 + exp(-(foot point below the horizon - midpoint) / spread))",
         "distance": f"1 / (1 + exp((distance{borrowed} - midpoint_m) / spread_m)), by the height "
         "of the box where the distance is unknown",
-        "none": "1 for everybody",
+        "none": "1 for {everybody}",
     }
     values_in_use = [
         f"{name} {value} px"
@@ -185,11 +176,11 @@ def similarity(params: Params, midpoint: str, spread: str) -> Intro:
     in_use = "" if params.proximity == "none" else f", here with {' and '.join(values_in_use)}"
     return Intro(
         what="How near what a system shows is to what is there, for each frame: 1 means that the "
-        "detections fit the pedestrians.",
-        how="Of all pedestrians of a frame the one is taken that is worst represented: its "
+        "detections fit the {many}.",
+        how="Of all {many} of a frame the one is taken that is worst represented: its "
         "distance to the nearest detection, or to the border where that is nearer, times its "
         "weight of nearness. That is D(truth, system); D(system, truth) is the same for the "
-        "detection that is farthest from any pedestrian. Similarity is 1 - "
+        "detection that is farthest from any {one}. Similarity is 1 - "
         f"({a:g} × D(truth, system) + {1 - a:.4g} × D(system, truth)) / (half the picture's "
         "width). "
         f"The weight of nearness is {weights[params.proximity]}{in_use}. The border is the nearer "
@@ -198,7 +189,7 @@ def similarity(params: Params, midpoint: str, spread: str) -> Intro:
         f"similarity below {params.low:g}; its depth is the sum of how far below, times the "
         "time step.",
         best="1; the mean over all frames of all recordings is compared.",
-        limits="Only the worst pedestrian and the worst false alarm of a frame count, not how "
+        limits="Only the worst {one} and the worst false alarm of a frame count, not how "
         "many there are.",
     )
 
@@ -212,9 +203,9 @@ def saliency(params: Params) -> Intro:
     weight, recency = "its duration", _recency(params, scope)
     if params.saliency_weight == "risk":
         weight = "its weighted distance over half the picture's width, summed over time,"
-    who = "one pedestrian is the most salient miss"
+    who = "one {one} is the most salient miss"
     if params.saliency_of == "each":
-        who = "one pedestrian is missed, whoever else is"
+        who = "one {one} is missed, whoever else is"
     return Intro(
         what="How much the misses will be noticed by a driver, in seconds: long ones more than "
         "short ones, late ones more than early ones.",
@@ -225,7 +216,7 @@ def saliency(params: Params) -> Intro:
         best="0 s; in the plane of similarity and saliency bottom right (large open marks: means "
         "over the recordings).",
         limits="It is a model of what drivers remember, not a measurement of it. Part of the "
-        "events' time may be of pedestrians too far to count: the share is below. "
+        "events' time may be of {many} too far to count: the share is below. "
         + saliency_caveat(params),
     )
 
@@ -245,25 +236,25 @@ def _recency(params: Params, scope: str) -> str:
 DETECTION = Intro(
     what="The usual measures of detection benchmarks, over all score thresholds, from the same "
     "matching as everything else.",
-    how="At each threshold: recall is matched pedestrian boxes over all of them, miss rate is 1 "
+    how="At each threshold: recall is matched {one} boxes over all of them, miss rate is 1 "
     "less recall, precision is matched over matched plus false; false positives are counted per "
     "image. Average precision is the mean, over recalls 0, 0.01, ... 1, of the largest precision "
     "at that or a larger recall. The log-average miss rate is the geometric mean of the miss "
-    "rates at nine values from 0.01 to 1 false positives per image. Pedestrians that the protocol "
+    "rates at nine values from 0.01 to 1 false positives per image. {Many} that the protocol "
     "leaves out are ignored.",
     best="A low miss rate curve, a high precision-recall curve. Large marks are the thresholds "
     "in use.",
-    limits="Boxes are counted, not persons, and when something is missed makes no difference. "
+    limits="Boxes are counted, not {many}, and when something is missed makes no difference. "
     "The averages run over thresholds that nobody drives with.",
 )
 
 FALSE_ALERTS = Intro(
-    what="Detections that match nobody, and how often a driver would notice one.",
+    what="Detections that match {nobody}, and how often a driver would notice one.",
     how="False alarms that overlap from frame to frame (intersection over union of "
     f"{LINK_IOU:g} or more, gaps of up to {LINK_GAP} evaluated frames) are one episode: a warning "
     "that flickers for two seconds annoys once. Detections with at least "
     f"{100 * ABSORB_SHARE:g} % of their area on an ignored region do not count.",
     best="0.",
-    limits="A real pedestrian whom nobody annotated makes a false alarm. Rates per minute and "
+    limits="A real {one} {whom} nobody annotated makes a false alarm. Rates per minute and "
     "hour are too low where only some frames of a recording are evaluated.",
 )

@@ -32,7 +32,7 @@ def draw() -> None:
     """
     drawn = {name: value for name, value in settings.shown().items() if isinstance(value, float)}
     data = {
-        "labels": {name: state.words(setting.label) for name, setting in SETTINGS.items()},
+        "labels": {name: state.say(setting.label) for name, setting in SETTINGS.items()},
         "drawn": drawn,
         "answered": st.session_state.get(_ANSWERED, 0),
     }

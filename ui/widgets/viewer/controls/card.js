@@ -108,7 +108,7 @@ async function chooseNext(viewer, direction) {
     if (boxes.source[i] === SOURCE.truth && !(boxes.state[i] & TRUTH_STATE.ignore)) truth.push(i - start);
   }
   if (truth.length === 0) {
-    viewer.say(worded("Nobody is annotated in this frame", viewer.sent.phrases));
+    viewer.say(worded("{Nobody} is annotated in this frame", viewer.sent.words));
     return;
   }
   truth.sort((a, b) => boxes.x[start + a] - boxes.x[start + b]);

@@ -29,11 +29,11 @@ const KEYS = [
   ["Shift + ← →", "one second back or forward"],
   ["Home End", "first or last frame"],
   ["n p", "next or previous miss begins; with Shift while a list is open, whose entries they lead to"],
-  ["k Shift + k", "choose the next or previous pedestrian of the frame, and say what it counts and costs"],
+  ["k Shift + k", "choose the next or previous {one} of the frame, and say what it counts and costs"],
   ["x y g", "show or hide X, Y, ground truth"],
   ["l", "show or hide labels"],
-  ["c", "what missing a pedestrian would cost, by where the feet are"],
-  ["t", "follow the chosen pedestrian, four times as large in a corner"],
+  ["c", "what missing {a_one} would cost, by where the {feet_are}"],
+  ["t", "follow the chosen {one}, four times as large in a corner"],
   ["b", "brightness and contrast"],
   ["v d", "where there are pictures of visible light: the next way to see them; as the driver sees them"],
   ["+ −", "zoom (also Ctrl + wheel; drag to move)"],
@@ -48,7 +48,7 @@ const USUAL_KEYS = [
 ];
 
 const SAMPLES = [
-  [{ source: "truth", state: 8 | 2 | 4 }, "pedestrian found by both (ground truth, thin)"],
+  [{ source: "truth", state: 8 | 2 | 4 }, "{one} found by both (ground truth, thin)"],
   [{ source: "x", state: 1 }, "detection of X"],
   [{ source: "y", state: 1 }, "detection of Y"],
   [{ source: "truth", state: 8 | 4 }, "missed by X"],
@@ -57,9 +57,9 @@ const SAMPLES = [
   [{ source: "truth", state: 0 }, "too far to count, or ignored (dotted)"],
 ];
 
-// Texts are written about pedestrians; `phrases` has what to say of other objects, null: as written.
-function worded(text, phrases) {
-  return phrases ? text.replace(/a pedestrian|pedestrians?|Nobody|the feet are/g, (words) => phrases[words]) : text;
+// The text with the words of the objects, such as {one}: the pedestrian, sign or car.
+function worded(text, words) {
+  return text.replace(/\{(\w+)\}/g, (_, name) => words[name]);
 }
 
 function make(tag, attributes = {}, children = []) {
@@ -183,12 +183,12 @@ function showMissKeys({ bar, missKeys }, isListed) {
   }
 }
 
-function makeHelp(palette, phrases, close) {
+function makeHelp(palette, words, close) {
   const closer = iconButton("close", "Close", "Esc", close);
   const keys = make("dl", {}, KEYS.flatMap(([key, meaning]) =>
-    [make("dt", { text: key }), make("dd", { text: worded(meaning, phrases) })]));
+    [make("dt", { text: key }), make("dd", { text: worded(meaning, words) })]));
   const samples = make("ul", {}, SAMPLES.map(([sample, meaning]) =>
-    make("li", {}, [drawSample(sample, palette), make("span", { text: worded(meaning, phrases) })])));
+    make("li", {}, [drawSample(sample, palette), make("span", { text: worded(meaning, words) })])));
   const note = make("p", {
     text: "The keys work while the picture is in sight and nothing is being typed; arrows and space move a slider or press a button while that has the focus. Playback is in real time. Recordings sampled more slowly than four frames a second play at four frames a second.",
   });

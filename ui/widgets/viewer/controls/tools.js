@@ -15,10 +15,10 @@ function makeViewTools(actions) {
   return { zoomIn, zoomOut, scale, light, follow };
 }
 
-const FOLLOW = "Follow the chosen pedestrian";
+const FOLLOW = "Follow the chosen {one}";
 
-function nameFollow(button, phrases) {
-  const label = worded(FOLLOW, phrases);
+function nameFollow(button, words) {
+  const label = worded(FOLLOW, words);
   button.title = `${label} (t)`;
   button.setAttribute("aria-label", label);
 }

@@ -111,7 +111,7 @@ class Viewer extends Looking {
       this.parts.cost.hidden = !this.cost.isKnown;
     }
     if (differs("height_px", "width", "height", "visible")) this.showLook();
-    if (differs("phrases")) nameFollow(this.parts.follow, sent.phrases);
+    if (differs("words")) nameFollow(this.parts.follow, sent.words);
     if (differs("listed")) showMissKeys(this.parts, sent.listed !== null);
     const isSeek = isOther || before.seek[1] !== sent.seek[1];
     if (isOther) {
@@ -350,7 +350,7 @@ class Viewer extends Looking {
 
   toggleFollow() {
     if (this.chosen === null && !this.isFollowing) {
-      const hint = worded("Choose a pedestrian first: click its box, or press k", this.sent.phrases);
+      const hint = worded("Choose {a_one} first: click its box, or press k", this.sent.words);
       this.say(hint);
       this.showHint(hint);
       return;
@@ -377,7 +377,7 @@ class Viewer extends Looking {
       this.root.focus();
       return;
     }
-    this.help = makeHelp(this.sent.colours.picture, this.sent.phrases, () => this.toggleHelp());
+    this.help = makeHelp(this.sent.colours.picture, this.sent.words, () => this.toggleHelp());
     this.root.append(this.help);
     this.help.querySelector("button").focus();
   }
