@@ -14,16 +14,15 @@ from nvcore.comparison import Result, compare
 from nvcore.metrics.venn import Venn, measure_exclusivity
 from nvcore.objects import PEDESTRIAN
 from nvcore.params import Params
-from nvcore.report.verdict.words import describe_time_left
 from nvcore.report.words import (
     describe_fusion,
     describe_lead,
     describe_misses,
     describe_saliency,
-    describe_urgency,
     saliency_caveat,
 )
 from nvcore.tables.encounters.miss_classes import fusion_table
+from nvcore.time_left.texts import describe_time_left, describe_urgency
 
 
 @pytest.fixture(scope="module")
