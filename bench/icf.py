@@ -28,8 +28,8 @@ from nvcore.detectors.icf.channels import channel_planes, integral_images, resiz
 from nvcore.detectors.icf.displays import approximation_error
 from nvcore.detectors.icf.pyramid import levels
 from nvcore.detectors.suppression import suppress
-from scripts.sign_data import TESTED, held_out, read_crops, read_scenes
-from scripts.sign_data import SignScenes as SignScenes
+from scripts.detectors.sign_data import TESTED, held_out, read_crops, read_scenes
+from scripts.detectors.sign_data import SignScenes as SignScenes
 
 ROOT = Path(__file__).resolve().parents[1]
 TREES = (64, 256, 686)

@@ -5,7 +5,6 @@
     │   ├── FormatError             its content is not what the format says
     │   ├── UnknownFormatError      no reader recognises it, or no reader has that name
     │   ├── MediaError              pictures, a video or an archive cannot be used
-    │   ├── DetectorError           a detector's model or settings cannot be used
     │   ├── EstimatorError          a model of what the driver sees cannot be used
     │   ├── MissingFactError        image size, frame rate, ... are needed and not in the files
     │   ├── SessionError            a session file says something that cannot be done
@@ -90,10 +89,6 @@ class UnknownFormatError(InputError):
 
 class MediaError(InputError):
     """Pictures, a video or an archive cannot be used."""
-
-
-class DetectorError(InputError):
-    """A detector, its model or its settings cannot be used."""
 
 
 class EstimatorError(InputError):

@@ -75,6 +75,8 @@ class Subject:
         Commands of ``nvcore``.
     models
         What ``nvcore models`` lists and describes (`nvcore.cli.models.Models`).
+    formats
+        What each kind of its model files is, by the format that it names (`nvcore.output.arrays`).
     names
         Public names of ``nvcore``, by reference.
     extras
@@ -105,6 +107,7 @@ class Subject:
     inputs: str = ""
     commands: str = ""
     models: str = ""
+    formats: Mapping[str, str] = field(default_factory=dict)
     names: Mapping[str, str] = field(default_factory=dict)
     extras: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     ui: str = ""

@@ -12,7 +12,6 @@ A record written by hand, for a detector of one's own, needs what it was trained
 
 from __future__ import annotations
 
-import hashlib
 import json
 import re
 from collections.abc import Mapping, Sequence
@@ -49,8 +48,8 @@ class TrainedOn:
     Attributes
     ----------
     fingerprint
-        Of the ground truth in these frames (`truth_fingerprint`), by which the recording is known
-        under another name, too; of crops and scenes sha256 of their bytes. Empty: not known.
+        Of the ground truth in these frames, by which the recording is known under another name,
+        too; of crops and scenes sha256 of their bytes. Empty: not known.
     recording
         Name of the recording; empty: crops and scenes of no recording.
     first_frame, last_frame
@@ -141,43 +140,6 @@ class Provenance:
         )
         frames = {recordings.get(name, name): ranges for name, ranges in self.frames.items()}
         return replace(self, about=replace(self.about, trained_on=trained_on), frames=frames)
-
-
-def truth_fingerprint(
-    frame: NDArray[np.int64],
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
-    w: NDArray[np.float64],
-    h: NDArray[np.float64],
-) -> str:
-    """sha256 over the boxes of a recording's ground truth, in whatever order they come.
-
-    Coordinates count in hundredths of a pixel: the same truth in another format has the same
-    fingerprint. No box gives an empty text: nothing can be known by it.
-
-    Parameters
-    ----------
-    frame
-        Frame number of each box, shape (n,).
-    x, y, w, h
-        Left, top, width, height, px, shape (n,).
-    """
-    rows = fingerprint_rows(frame, x, y, w, h)
-    return hashlib.sha256(rows.tobytes()).hexdigest() if len(rows) else ""
-
-
-def fingerprint_rows(
-    frame: NDArray[np.int64],
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
-    w: NDArray[np.float64],
-    h: NDArray[np.float64],
-) -> NDArray[np.int64]:
-    """What `truth_fingerprint` is taken of: frame and sides of each box, shape (n, 5), by frame."""
-    hundredths = [np.rint(100 * side).astype("<i8") for side in (x, y, w, h)]
-    rows = np.column_stack([np.asarray(frame).astype("<i8"), *hundredths])
-    ordered: NDArray[np.int64] = rows[np.lexsort(rows.T[::-1])]
-    return ordered
 
 
 def ranges_of(frames: NDArray[np.int64]) -> Ranges:

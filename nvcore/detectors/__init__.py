@@ -8,6 +8,7 @@ SUBJECT = Subject(
     caveats="findings:CAVEATS",
     commands="commands:COMMANDS",
     models="words:MODELS",
+    formats={"nvcore-icf": "a detector of pedestrians or signs, which nvcore detect takes"},
     names={"detect": "face:detect", "train": "training.face:train"},
     extras={"detectors": ("av", "cv2"), "onnx": ("av", "cv2", "google", "onnxruntime")},
     ui="ui.detectors",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import threading
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -9,13 +11,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.dataset.provenance import About, Setting, TrainedOn
+from nvcore.errors import InputError
 from nvcore.extras import needs
 
 with needs("detectors", "detectors need"):
     from nvcore.pictures import Picture, stretch
     from nvcore.pictures.stretch import STRETCH
 
-__all__ = ["About", "Detections", "Detector", "Setting", "TrainedOn", "to_8_bits"]
+__all__ = [
+    "About",
+    "Detections",
+    "Detector",
+    "DetectorError",
+    "Setting",
+    "TrainedOn",
+    "one_for_a_picture",
+    "threads_for_a_picture",
+    "to_8_bits",
+]
+
+_here = threading.local()
+
+
+class DetectorError(InputError):
+    """A detector, its model or its settings cannot be used."""
 
 
 @dataclass(frozen=True)
@@ -79,3 +98,16 @@ def to_8_bits(picture: Picture, *, always: bool = False) -> NDArray[np.uint8]:
     if picture.dtype == np.uint8 and not always:
         return np.asarray(picture, np.uint8)
     return stretch(picture, *STRETCH)
+
+
+def one_for_a_picture() -> None:
+    """From now on what this thread begins takes no further thread: others work beside it."""
+    _here.is_shared = True
+
+
+def threads_for_a_picture() -> int:
+    """How many threads the work on a picture may take that this thread begins.
+
+    All cores if the picture is alone, one where others are beside it.
+    """
+    return 1 if getattr(_here, "is_shared", False) else os.cpu_count() or 1

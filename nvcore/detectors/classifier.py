@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.special import log_softmax, softmax
 
-from nvcore.detectors.base import Detections, to_8_bits
-from nvcore.errors import DetectorError
+from nvcore.detectors.base import Detections, DetectorError, to_8_bits
 from nvcore.objects import labels_in_order
 from nvcore.pictures import Picture
 

@@ -20,11 +20,9 @@ from typing import Any, Final
 import numpy as np
 
 from nvcore.dataset.provenance import About, Setting
-from nvcore.detectors.base import Detections, to_8_bits
+from nvcore.detectors.base import Detections, DetectorError, threads_for_a_picture, to_8_bits
 from nvcore.detectors.settings import setting, settings_from
 from nvcore.detectors.suppression import sorted_detections, suppress
-from nvcore.detectors.threads import threads_for_a_picture
-from nvcore.errors import DetectorError
 from nvcore.extras import needs
 from nvcore.pictures import Picture
 

@@ -9,19 +9,19 @@ What a kind needs is imported when one of it is opened.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, Final
 
-from nvcore.dataset.provenance import Setting
-from nvcore.detectors.base import Detector
-from nvcore.detectors.settings import typed_like
-from nvcore.errors import DetectorError, ParameterError
+from nvcore.dataset.provenance import About, Setting
+from nvcore.detectors.base import Detector, DetectorError
+from nvcore.detectors.settings import SettingFacts, facts_of, typed_like
+from nvcore.errors import ParameterError
 from nvcore.file_kinds import binary_kind
 from nvcore.wording import did_you_mean, listed, one_line
 
 SAMPLE_MODEL: Final = Path(__file__).with_name("models") / "sample.npz"
-"""Written by scripts/train_sample.py."""
+"""Written by scripts/detectors/train_sample.py."""
 _HEAD_BYTES: Final = 4096
 
 
@@ -195,3 +195,20 @@ def kind_of_file(path: Path) -> Kind:
         "an ONNX file (.onnx)",
         file=name,
     )
+
+
+def run_settings(about: About) -> dict[str, SettingFacts]:
+    """The settings whose values a run of this detector may choose, by name."""
+    settings = DETECTORS[about.kind].settings()
+    if settings is None:
+        from nvcore.detectors.icf.settings import OF_A_RUN
+
+        return {name: facts for name, facts in model_settings().items() if name in OF_A_RUN}
+    return {spec.name: facts_of(spec) for spec in fields(settings)}
+
+
+def model_settings() -> dict[str, SettingFacts]:
+    """All settings of a model that is trained here, by name: of its training and of its runs."""
+    from nvcore.detectors.icf.settings import IcfSettings
+
+    return {spec.name: facts_of(spec) for spec in fields(IcfSettings)}

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About
-from nvcore.detectors.base import Detections, Detector
-from nvcore.detectors.threads import one_for_a_picture
+from nvcore.detectors.base import Detections, Detector, one_for_a_picture
 from nvcore.errors import InputError
 from nvcore.inputs.evaluated_frames import frames_there
 from nvcore.pictures import Picture, RecordingPictures

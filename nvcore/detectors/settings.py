@@ -8,7 +8,7 @@ from dataclasses import MISSING, Field, dataclass, field, fields
 from typing import Any, Final, TypeVar
 
 from nvcore.dataset.provenance import Setting
-from nvcore.errors import DetectorError
+from nvcore.detectors.base import DetectorError
 from nvcore.wording import did_you_mean, listed
 
 AnySettings = TypeVar("AnySettings")

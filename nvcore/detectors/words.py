@@ -15,10 +15,9 @@ from nvcore.wording import UNDEFINED, count_text, listed, one_line
 
 with needs("detectors", "nvcore models needs"):
     from nvcore.detectors.base import Detector
-    from nvcore.detectors.facts import model_settings, run_settings
     from nvcore.detectors.icf import IcfDetector, IcfModel
     from nvcore.detectors.icf.settings import OF_A_RUN
-    from nvcore.detectors.registry import DETECTORS, open_detector
+    from nvcore.detectors.registry import DETECTORS, model_settings, open_detector, run_settings
     from nvcore.detectors.training.presets import PRESETS
 
 _ICF: Final = "icf"

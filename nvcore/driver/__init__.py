@@ -10,6 +10,9 @@ SUBJECT = Subject(
     view="comparison.steps:driver_view",
     miss_weights="comparison.judging:weigh_unseen",
     models="estimators.listing:MODELS",
+    formats={
+        "nvcore-driver": "an estimator of what the driver sees, which nvcore driver estimate takes"
+    },
     extras={"driver": ("av", "cv2", "sklearn")},
     ui="ui.driver",
 )

@@ -11,22 +11,21 @@ import zipfile
 import zlib
 from collections.abc import Container, Iterator, Mapping
 from contextlib import contextmanager
+from itertools import chain
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.file_kinds import binary_kind
+from nvcore.subjects import subjects
 from nvcore.wording import one_line
 
 ABOUT: Final = "about"
 """The array of the JSON's bytes."""
 Kinds = Mapping[str, tuple[str, tuple[str | int, ...]]]
 """Type and shape of each array by its name; equal words are equal lengths."""
-FORMATS: Final = {
-    "nvcore-icf": "a detector of pedestrians or signs, which nvcore detect takes",
-    "nvcore-driver": "an estimator of what the driver sees, which nvcore driver estimate takes",
-}
+FORMATS: Final = dict(chain(*(subject.formats.items() for _, subject in subjects().values())))
 """What each kind of model is, by the format that its JSON names."""
 _TIME: Final = (1980, 1, 1, 0, 0, 0)
 _ZIP: Final = b"PK"

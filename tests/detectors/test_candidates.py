@@ -10,9 +10,8 @@ import pytest
 from onnx_models import blob_model
 
 from nvcore.detectors.candidates import candidates, counting, open_loosened, usual_threshold
-from nvcore.detectors.facts import run_settings
 from nvcore.detectors.icf.settings import OF_A_RUN
-from nvcore.detectors.registry import open_detector
+from nvcore.detectors.registry import open_detector, run_settings
 from nvcore.detectors.suppression import only
 
 

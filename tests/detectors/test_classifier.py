@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from nvcore.detectors.base import Detections
+from nvcore.detectors.base import Detections, DetectorError
 from nvcore.detectors.classifier import (
     N_VALUES,
     SIDE,
@@ -15,7 +15,6 @@ from nvcore.detectors.classifier import (
     describe,
     train_classifier,
 )
-from nvcore.errors import DetectorError
 
 
 def barred(seed: int) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from places import SAMPLE
 
+from nvcore.detectors.base import DetectorError
 from nvcore.detectors.hog import Hog, HogSettings, open_hog
-from nvcore.errors import DetectorError
 from nvcore.pictures import Picture, open_pictures
 
 

@@ -15,12 +15,11 @@ from picture_files import number_in, numbered, write_numbered_video, write_pictu
 
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import About
-from nvcore.detectors.base import Detections
+from nvcore.detectors.base import Detections, DetectorError, threads_for_a_picture
 from nvcore.detectors.run import run_detector
 from nvcore.detectors.suppression import sorted_detections
-from nvcore.detectors.threads import threads_for_a_picture
 from nvcore.detectors.timing import TIMED_PER_THREAD, expect
-from nvcore.errors import DetectorError, InputError
+from nvcore.errors import InputError
 from nvcore.inputs.load import load
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import read_session

@@ -7,13 +7,13 @@ from typing import Final
 
 import streamlit as st
 
+from nvcore.detectors.base import DetectorError
 from nvcore.detectors.icf.model_file import MAX_BYTES
 from nvcore.detectors.registry import DETECTORS, kind_of_file
-from nvcore.errors import DetectorError, NvcoreError
+from nvcore.errors import NvcoreError
 from nvcore.wording import count_text, listed, shortened
-from ui.detectors.asking import described
+from ui.detectors.asking import described, trained_recordings
 from ui.detectors.confined import DetectorFacts, DetectorSpec
-from ui.detectors.training import trained_recordings
 from ui.session import state
 from ui.shell.page_words import page_text
 from ui.widgets.models import ModelKind, draw_field, is_sent, model_files

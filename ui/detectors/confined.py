@@ -15,10 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.dataset.provenance import About, Setting
-from nvcore.detectors.base import Detections, Detector
+from nvcore.detectors.base import Detections, Detector, one_for_a_picture
 from nvcore.detectors.candidates import candidates, open_loosened
 from nvcore.detectors.registry import open_detector
-from nvcore.detectors.threads import one_for_a_picture
 from nvcore.pictures import Picture
 from ui.confined.process import MODELS, SteadyProcess
 

@@ -6,7 +6,7 @@ import streamlit as st
 
 from nvcore.errors import NvcoreError
 from nvcore.pictures import Picture
-from ui.detectors import asking, choose, inside, run, settings, training, trial
+from ui.detectors import asking, choose, inside, run, settings, trial
 from ui.detectors.confined import DetectorFacts, DetectorSpec
 from ui.detectors.finished import RUN, OnScreen
 from ui.session import state
@@ -26,7 +26,7 @@ def draw(own: DetectorSpec) -> OnScreen | None:
         return None
     st.header("Try it on a frame")
     choose_recording_and_frame("detector_frame")
-    if training.is_trained_frame(what.about):
+    if asking.is_trained_frame(what.about):
         st.caption(
             ":material/warning: The detector was trained on this frame: what it finds here says "
             "nothing of frames that it has not seen."

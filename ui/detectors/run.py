@@ -20,10 +20,9 @@ from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress
 from nvcore.wording import MOST_NAMED, listed
 from ui.detectors import finished
-from ui.detectors.asking import described, key_of
+from ui.detectors.asking import described, key_of, trained_recordings
 from ui.detectors.confined import ConfinedDetector, DetectorFacts, DetectorSpec
 from ui.detectors.finished import FOLDER, RUN, OnScreen, RunJob, RunKey
-from ui.detectors.training import trained_recordings
 from ui.detectors.trial import Levels, levels_of
 from ui.jobs.background import BackgroundJob, JobState, while_open
 from ui.jobs.progress import draw_job

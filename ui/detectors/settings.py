@@ -7,8 +7,7 @@ from typing import Any, Final
 import streamlit as st
 
 from nvcore.dataset.provenance import About, Setting
-from nvcore.detectors.facts import run_settings
-from nvcore.detectors.registry import DETECTORS
+from nvcore.detectors.registry import DETECTORS, run_settings
 from nvcore.detectors.settings import SettingFacts
 from nvcore.wording import capitalised
 from ui.detectors.asking import key_of

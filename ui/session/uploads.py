@@ -5,7 +5,7 @@
     FOLDER/upload-N/SLOT/annotations/data/
                                       ground truth and detections of the N-th form sent
     FOLDER/model-KIND-N/model/annotations/data/
-                                      a model, such as that of a detector
+                                      a model
 
 Names from a browser are never joined as they come. A safe base name is kept, since recordings
 are named after their files.

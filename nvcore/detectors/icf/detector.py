@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.detectors.base import About, Detections
+from nvcore.detectors.base import About, Detections, threads_for_a_picture
 from nvcore.detectors.icf.cascade import floors
 from nvcore.detectors.icf.channels import Bytes, channel_sets, check_picture, integral_images
 from nvcore.detectors.icf.features import corner_offsets, has_differences
@@ -21,7 +21,6 @@ from nvcore.detectors.icf.model_file import fingerprint
 from nvcore.detectors.icf.pyramid import Level, levels, planes_of
 from nvcore.detectors.icf.regions import Places, places
 from nvcore.detectors.suppression import suppress
-from nvcore.detectors.threads import threads_for_a_picture
 from nvcore.pictures import Picture
 
 KIND: Final = "icf"

@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from nvcore.detectors.base import DetectorError
 from nvcore.detectors.icf.kernels.training import feature_values
 from nvcore.detectors.icf.settings import IcfSettings
-from nvcore.errors import DetectorError
 from nvcore.metrics.kernels import over_ranges
 
 Features = NDArray[np.int32]

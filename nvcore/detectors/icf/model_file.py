@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.dataset.provenance import trained_on_from
+from nvcore.detectors.base import DetectorError
 from nvcore.detectors.classifier import MAX_CLASSES, N_VALUES, Classifier
 from nvcore.detectors.icf.boosting import Trees
 from nvcore.detectors.icf.cascade import Calibration
@@ -18,7 +19,7 @@ from nvcore.detectors.icf.features import N_COLUMNS
 from nvcore.detectors.icf.model import IcfModel
 from nvcore.detectors.icf.regions import EVERYWHERE, Band
 from nvcore.detectors.icf.settings import MAX_FEATURES, MAX_TREES, IcfSettings
-from nvcore.errors import DetectorError, ParameterError
+from nvcore.errors import ParameterError
 from nvcore.output import arrays as archives
 from nvcore.output.arrays import BadArchiveError
 

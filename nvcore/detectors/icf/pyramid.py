@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from nvcore.detectors.base import DetectorError
 from nvcore.detectors.icf.channels import (
     Bytes,
     channel_planes,
@@ -19,7 +20,6 @@ from nvcore.detectors.icf.channels import (
     resized,
 )
 from nvcore.detectors.icf.settings import IcfSettings
-from nvcore.errors import DetectorError
 
 MAX_BYTES: Final = 1 << 31
 """Of the channels and integral images of a level."""

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.detectors.base import TrainedOn
+from nvcore.detectors.base import DetectorError, TrainedOn
 from nvcore.detectors.classifier import Classifier, train_classifier
 from nvcore.detectors.icf.boosting import BoostingRound, boost
 from nvcore.detectors.icf.cascade import Calibration, calibrate, lower
@@ -27,7 +27,6 @@ from nvcore.detectors.icf.windows import (
     object_values,
     random_background,
 )
-from nvcore.errors import DetectorError
 from nvcore.progress import Progress, no_progress, part_of
 
 HELD_OUT_SHARE: Final = 0.1

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.dataset.provenance import About, Setting
-from nvcore.detectors.base import Detections
+from nvcore.detectors.base import Detections, DetectorError
 from nvcore.detectors.onnx.external import MAX_BYTES, external_files
 from nvcore.detectors.onnx.inputs import Form, network_input
 from nvcore.detectors.onnx.layouts import (
@@ -30,7 +30,6 @@ from nvcore.detectors.onnx.layouts import (
 from nvcore.detectors.onnx.settings import AUTO, OnnxSettings
 from nvcore.detectors.settings import settings_from
 from nvcore.detectors.suppression import sorted_detections, suppress
-from nvcore.errors import DetectorError
 from nvcore.extras import needs
 from nvcore.pictures import Picture
 from nvcore.wording import one_line, shortened

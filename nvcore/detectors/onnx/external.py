@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
-from nvcore.errors import DetectorError
+from nvcore.detectors.base import DetectorError
 from nvcore.extras import needs
 
 with needs("onnx", "ONNX models need"):

@@ -13,7 +13,7 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.errors import DetectorError
+from nvcore.detectors.base import DetectorError
 
 Outputs: TypeAlias = Mapping[str, NDArray[Any]]
 """Outputs of a network by name, in its order."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nvcore.dataset import Dataset
-from nvcore.dataset.provenance import TrainedOn, fingerprint_rows, truth_fingerprint
+from nvcore.dataset.provenance import TrainedOn
 from nvcore.errors import InputError
 from nvcore.wording import MOST_NAMED, did_you_mean, listed
 
@@ -63,6 +63,43 @@ def rows_of_part(dataset: Dataset, number: int, part: TrainedOn) -> slice:
     return slice(rows.start + start, rows.start + max(start, stop))
 
 
+def truth_fingerprint(
+    frame: NDArray[np.int64],
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    w: NDArray[np.float64],
+    h: NDArray[np.float64],
+) -> str:
+    """sha256 over the boxes of a recording's ground truth, in whatever order they come.
+
+    Coordinates count in hundredths of a pixel: the same truth in another format has the same
+    fingerprint. No box gives an empty text: nothing can be known by it.
+
+    Parameters
+    ----------
+    frame
+        Frame number of each box, shape (n,).
+    x, y, w, h
+        Left, top, width, height, px, shape (n,).
+    """
+    rows = _fingerprint_rows(frame, x, y, w, h)
+    return hashlib.sha256(rows.tobytes()).hexdigest() if len(rows) else ""
+
+
+def _fingerprint_rows(
+    frame: NDArray[np.int64],
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    w: NDArray[np.float64],
+    h: NDArray[np.float64],
+) -> NDArray[np.int64]:
+    """What `truth_fingerprint` is taken of: frame and sides of each box, shape (n, 5), by frame."""
+    hundredths = [np.rint(100 * side).astype("<i8") for side in (x, y, w, h)]
+    rows = np.column_stack([np.asarray(frame).astype("<i8"), *hundredths])
+    ordered: NDArray[np.int64] = rows[np.lexsort(rows.T[::-1])]
+    return ordered
+
+
 def part_fingerprint(dataset: Dataset, rows: slice) -> str:
     """`truth_fingerprint` of the boxes in these rows of the frames table."""
     boxes = dataset.truth.of_frames(rows.start, rows.stop)
@@ -83,7 +120,7 @@ def fingerprints_of_ranges(
     frames = dataset.frame_columns
     own = frames.rows_of(number)
     boxes = dataset.truth.of_frames(own.start, own.stop)
-    content = fingerprint_rows(frames.frame[boxes.frame_index], *boxes.xywh)
+    content = _fingerprint_rows(frames.frame[boxes.frame_index], *boxes.xywh)
     fingerprints = []
     begin = done = -1
     for first, end in zip(start.tolist(), stop.tolist(), strict=True):

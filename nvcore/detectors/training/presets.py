@@ -7,9 +7,9 @@ from dataclasses import fields, replace
 from typing import Any, Final
 
 from nvcore.detectors.arguments import Preset
+from nvcore.detectors.base import DetectorError
 from nvcore.detectors.icf import AS_IN_REPORT, PEDESTRIANS, SIGNS, IcfSettings
 from nvcore.detectors.settings import typed_like
-from nvcore.errors import DetectorError
 from nvcore.objects import PEDESTRIAN, SPEED_SIGN, Objects
 from nvcore.wording import did_you_mean, listed
 

@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from nvcore.detectors.base import DetectorError
 from nvcore.detectors.classifier import MAX_CLASSES
 from nvcore.detectors.icf import IcfModel, IcfSettings, Scene, train
 from nvcore.detectors.icf.cascade import passes
@@ -18,7 +19,7 @@ from nvcore.detectors.icf.model_file import LONGEST_NAME
 from nvcore.detectors.icf.windows import object_windows, window_values
 from nvcore.detectors.training.gathering import TrainingData
 from nvcore.detectors.training.shots import PictureStore, Shot, scenes_of
-from nvcore.errors import DetectorError, InputError, ParameterError
+from nvcore.errors import InputError, ParameterError
 from nvcore.memory import free_bytes
 from nvcore.progress import Progress, no_progress, part_of, with_time_left
 from nvcore.wording import count_text, duration_text, one_line

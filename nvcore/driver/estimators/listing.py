@@ -14,7 +14,7 @@ from nvcore.report.driver import render_estimator, render_estimators
 
 def _described(model: str, settings: Mapping[str, str]) -> str:
     if settings:
-        raise click.UsageError("--set is about a detector; this is an estimator")
+        raise click.UsageError("--set: an estimator has no settings")
     return render_estimator(read_estimator(estimator_path(model)))
 
 

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
+from nvcore.detectors.base import DetectorError
 from nvcore.detectors.classifier import to_grey
 from nvcore.detectors.icf import IcfSettings
 from nvcore.detectors.icf.channels import (
@@ -20,7 +21,6 @@ from nvcore.detectors.icf.channels import (
     plane_names,
     resized,
 )
-from nvcore.errors import DetectorError
 from nvcore.pictures import stretch
 from nvcore.pictures.stretch import STRETCH
 

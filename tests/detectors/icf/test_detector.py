@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 
 from nvcore.detection import WindowGrid, scale_steps
-from nvcore.detectors.base import Detector
+from nvcore.detectors.base import Detector, DetectorError
 from nvcore.detectors.candidates import candidates, counting, open_loosened
 from nvcore.detectors.icf import AS_IN_REPORT, IcfDetector, write_model
 from nvcore.detectors.icf.cascade import Calibration, calibrate, floors, lower, passes
 from nvcore.detectors.icf.displays import window_path
 from nvcore.detectors.icf.pyramid import levels
 from nvcore.detectors.registry import open_detector
-from nvcore.errors import DetectorError
 
 SCALES_OF_HEADS = scale_steps(1.0, 2.4, 0.2)
 OF_SIGNS = (4415340, 1103840, 490593, 275959, 176614, 122648, 90109, 68989, 54510, 44153)

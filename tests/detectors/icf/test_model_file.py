@@ -20,12 +20,11 @@ from damaged_models import (
     with_odd_values,
 )
 
-from nvcore.detectors.base import TrainedOn
+from nvcore.detectors.base import DetectorError, TrainedOn
 from nvcore.detectors.classifier import N_VALUES, Classifier
 from nvcore.detectors.icf import IcfDetector, read_model, write_model
 from nvcore.detectors.icf.model_file import from_bytes, to_bytes
 from nvcore.detectors.icf.regions import Band
-from nvcore.errors import DetectorError
 
 
 def test_a_model_is_read_as_it_was_written(model, tmp_path, drawn):

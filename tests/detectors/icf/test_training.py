@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nvcore.detectors.base import TrainedOn
+from nvcore.detectors.base import DetectorError, TrainedOn
 from nvcore.detectors.icf import IcfDetector, IcfSettings, Scene, train
 from nvcore.detectors.icf.channels import check_picture
 from nvcore.detectors.icf.features import draw_features
@@ -21,7 +21,6 @@ from nvcore.detectors.icf.windows import (
     object_windows,
     window_values,
 )
-from nvcore.errors import DetectorError
 
 
 def quick(settings: IcfSettings) -> IcfSettings:

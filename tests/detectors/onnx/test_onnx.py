@@ -14,8 +14,8 @@ from onnx import TensorProto, helper
 from onnx_models import blob_model, constant, external_model, fixed_model, save
 from places import ROOT
 
+from nvcore.detectors.base import DetectorError
 from nvcore.detectors.onnx import open_onnx
-from nvcore.errors import DetectorError
 
 
 def bright_at(x: int, y: int, *, width: int = 128, height: int = 64) -> np.ndarray:

@@ -7,9 +7,10 @@ from typing import Any, get_args
 import pytest
 
 from nvcore.detectors.arguments import Preset
+from nvcore.detectors.base import DetectorError
 from nvcore.detectors.icf import AS_IN_REPORT, PEDESTRIANS, SIGNS
 from nvcore.detectors.training.presets import PRESETS, objects_of, preset_for, preset_settings
-from nvcore.errors import DetectorError, ParameterError
+from nvcore.errors import ParameterError
 from nvcore.objects import PEDESTRIAN, SPEED_SIGN
 
 

@@ -13,7 +13,7 @@ from nvcore.detectors.icf import PEDESTRIANS, read_model
 from nvcore.detectors.registry import SAMPLE_MODEL, open_detector
 from nvcore.detectors.training.parts import trained_part
 from nvcore.detectors.training.presets import preset_settings
-from scripts.train_sample import SEED, SETTINGS, TESTED, TRAINED
+from scripts.detectors.train_sample import SEED, SETTINGS, TESTED, TRAINED
 
 FRAMES = range(40, 300, 40)
 

@@ -6,15 +6,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 from builders import Place, at, make_dataset
 
 from nvcore.auditing import audit
 from nvcore.dataset import Dataset
-from nvcore.dataset.provenance import About, Provenance, TrainedOn, truth_fingerprint
+from nvcore.dataset.provenance import About, Provenance, TrainedOn
 from nvcore.detectors.findings import audit_provenance
-from nvcore.detectors.training.parts import trained_part
+from nvcore.detectors.training.parts import trained_part, truth_fingerprint
 from nvcore.errors import InputError
 from nvcore.findings import Finding, Severity
 
@@ -44,6 +45,18 @@ def codes_and_counts(data: Dataset) -> list[tuple[str, str, int]]:
 def only_finding(data: Dataset) -> Finding:
     (finding,) = audit_provenance(data)
     return finding
+
+
+def test_the_fingerprint_of_a_truth_depends_on_its_boxes_alone():
+    frame, x = np.array([3, 1, 1]), np.array([1.0, 2.0, 3.0])
+    sides = x, x + 1, x + 2, x + 3
+    own = truth_fingerprint(frame, *sides)
+    order = [2, 0, 1]
+    assert truth_fingerprint(frame[order], *(side[order] for side in sides)) == own
+    assert truth_fingerprint(frame, sides[0] + 0.001, *sides[1:]) == own
+    assert truth_fingerprint(frame, sides[0] + 0.1, *sides[1:]) != own
+    assert truth_fingerprint(frame + 1, *sides) != own
+    assert truth_fingerprint(frame[:0], *(side[:0] for side in sides)) == ""
 
 
 def test_a_whole_recording_of_the_training_is_an_error():

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 import small_icf
 
+from nvcore.detectors.base import DetectorError
 from nvcore.detectors.icf.displays import MOST_CELLS
 from nvcore.detectors.registry import open_detector
-from nvcore.errors import DetectorError, InputError, ParameterError
+from nvcore.errors import InputError, ParameterError
 from ui.confined.process import MODELS, Allowance, SteadyProcess
 from ui.detectors.confined import (
     ConfinedDetector,

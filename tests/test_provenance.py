@@ -19,7 +19,6 @@ from nvcore.dataset.provenance import (
     provenance_json,
     ranges_of,
     read_provenance,
-    truth_fingerprint,
 )
 from nvcore.errors import FormatError, InputError
 
@@ -104,18 +103,6 @@ def test_ranges_hold_exactly_their_frames(frames: list[int]):
     every = np.arange(-60, 60)
     assert every[is_in_ranges(every, ranges)].tolist() == sorted(set(frames))
     assert all(last < first - 1 for (_, last), (first, _) in pairwise(ranges))
-
-
-def test_the_fingerprint_of_a_truth_depends_on_its_boxes_alone():
-    frame, x = np.array([3, 1, 1]), np.array([1.0, 2.0, 3.0])
-    sides = x, x + 1, x + 2, x + 3
-    own = truth_fingerprint(frame, *sides)
-    order = [2, 0, 1]
-    assert truth_fingerprint(frame[order], *(side[order] for side in sides)) == own
-    assert truth_fingerprint(frame, sides[0] + 0.001, *sides[1:]) == own
-    assert truth_fingerprint(frame, sides[0] + 0.1, *sides[1:]) != own
-    assert truth_fingerprint(frame + 1, *sides) != own
-    assert truth_fingerprint(frame[:0], *(side[:0] for side in sides)) == ""
 
 
 def test_renaming_a_recording_renames_it_everywhere():

@@ -9,9 +9,16 @@ from time import perf_counter
 import numpy as np
 
 from nvcore.detectors.classifier import Classifier, train_classifier
-from scripts.sign_data import SPEED_LIMITS, TESTED, held_out, read_crops, read_rgb, read_scenes
-from scripts.sign_examples import examples
-from scripts.sign_measures import SEED, share_text
+from scripts.detectors.sign_data import (
+    SPEED_LIMITS,
+    TESTED,
+    held_out,
+    read_crops,
+    read_rgb,
+    read_scenes,
+)
+from scripts.detectors.sign_examples import examples
+from scripts.detectors.sign_measures import SEED, share_text
 
 MOVED = (0.08, 0.15)
 """Shares of their sides by which boxes are moved and resized, as those of a detector may be."""

@@ -1,9 +1,9 @@
 """Train a detector of speed limits on real signs, and measure it on signs that it has not seen.
 
-    python -m scripts.train_signs [--model FILE] [--evaluate] [--left-out FILE]
+    python -m scripts.detectors.train_signs [--model FILE] [--evaluate] [--left-out FILE]
 
-Trains on the scenes and crops of `scripts.sign_data` (some ten minutes on two free cores), writes
-the model, and the names of what was left out because it resembles a sign of a test scene: crops,
+Trains on the scenes and crops of `sign_data.py` (some ten minutes on two free cores), writes the
+model, and the names of what was left out because it resembles a sign of a test scene: crops,
 and with `--strict` scenes, too. `--evaluate` only measures a model that is there, `--reader` only
 trains and measures what reads the limit in a box (half a minute), and puts it into a model that is
 there. The data are those in `$NVCORE_REALDATA` (default: `../shared/realdata`); their licence is
@@ -18,12 +18,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from nvcore.detectors.icf import AS_IN_REPORT, SIGNS, read_model, write_model
-from scripts.sign_data import CHOOSING, TESTED, held_out, read_crops, read_scenes
-from scripts.sign_examples import examples, train_signs
-from scripts.sign_measures import LEAST_PX, measure, rejected
-from scripts.sign_reading import reading_in_truth, train_reader
+from scripts.detectors.sign_data import CHOOSING, TESTED, held_out, read_crops, read_scenes
+from scripts.detectors.sign_examples import examples, train_signs
+from scripts.detectors.sign_measures import LEAST_PX, measure, rejected
+from scripts.detectors.sign_reading import reading_in_truth, train_reader
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 LOWEST = -1e6
 """A threshold that every window passes which the cascade lets through."""
 

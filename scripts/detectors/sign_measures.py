@@ -22,7 +22,7 @@ from nvcore.metrics.matching import match_system
 from nvcore.metrics.shares import share_of
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
-from scripts.sign_data import Crop, SignScene, read_rgb
+from scripts.detectors.sign_data import Crop, SignScene, read_rgb
 
 SIZE = (1360, 800)
 LEAST_PX = 20

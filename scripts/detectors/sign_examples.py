@@ -7,7 +7,7 @@ from pathlib import Path
 from time import perf_counter
 
 from nvcore.detectors.icf import SIGNS, IcfModel, IcfSettings, train
-from scripts.sign_data import (
+from scripts.detectors.sign_data import (
     CHOOSING,
     TESTED,
     Crop,
@@ -19,7 +19,7 @@ from scripts.sign_data import (
     unlike,
     unlike_scenes,
 )
-from scripts.sign_measures import SEED
+from scripts.detectors.sign_measures import SEED
 
 EVERY = 6
 """Every sixth crop and scene with a sign is held out of the training for calibration."""

@@ -1,11 +1,11 @@
 """What each setting of the speed-sign detector brings, in accuracy and in time.
 
-    python -m scripts.sign_ablation [--out docs/validation.md]
+    python -m scripts.detectors.sign_ablation [--out docs/validation.md]
 
 Trains a small model on half of the training scenes and crops, again with one setting changed, and
 measures each on the scenes on which settings are chosen; those for testing are not touched. What
 a run alone decides is changed without training again. Some fifty minutes on two free cores. Data
-as for `scripts.train_signs`.
+as for `scripts.detectors.train_signs`.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from typing import Any, Final
 
 from nvcore.detection import scale_steps
 from nvcore.detectors.icf import AS_IN_REPORT, SIGNS, IcfDetector, IcfSettings
-from scripts.sign_data import CHOOSING, SignScene, read_scenes
-from scripts.sign_examples import Examples, examples, train_signs
-from scripts.sign_measures import Measured, measure
-from scripts.train_signs import LOWEST, ROOT
+from scripts.detectors.sign_data import CHOOSING, SignScene, read_scenes
+from scripts.detectors.sign_examples import Examples, examples, train_signs
+from scripts.detectors.sign_measures import Measured, measure
+from scripts.detectors.train_signs import LOWEST, ROOT
 
 BASE: Final = replace(
     SIGNS,

@@ -1,7 +1,7 @@
 """Train the pedestrian model of the sample recordings, which ships as `icf:sample`, or measure it.
 
-    python -m scripts.train_sample                # writes nvcore/detectors/models/sample.npz
-    python -m scripts.train_sample --evaluate     # on the recordings that it was not trained on
+    python -m scripts.detectors.train_sample             # writes nvcore/detectors/models/sample.npz
+    python -m scripts.detectors.train_sample --evaluate  # on recordings that it was not trained on
 
 Its settings were chosen on `oncoming_glare` and `rural_child`, with a model of four others of
 `TRAINED`. The same versions of OpenCV and of the video library give the same bytes.
@@ -24,7 +24,7 @@ from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
 from tools.sample.camera import N_FRAMES
 
-SESSION: Final = Path(__file__).resolve().parents[1] / "sample_data" / "session.toml"
+SESSION: Final = Path(__file__).resolve().parents[2] / "sample_data" / "session.toml"
 TRAINED: Final = (
     *("urban_crossing", "urban_groups", "rural_road", "rural_child"),
     *("summer_night", "oncoming_glare", "winter_frost"),

@@ -1,11 +1,11 @@
 """Choose the settings of what reads speed limits, without a look at what they are tested on.
 
-    python -m scripts.choose_reader
+    python -m scripts.detectors.choose_reader
 
 Trains on crops and scenes of the training, of which every fourth crop is put aside, and reads
 these crops, as they are and with boxes moved by up to 8 %, and the scenes for choosing. The best
 setting has the highest mean of the three shares (three minutes on a free core). Then
-`scripts.train_signs --reader` measures it on what is for testing.
+`scripts.detectors.train_signs --reader` measures it on what is for testing.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import numpy as np
 
 from nvcore.detectors import classifier
 from nvcore.detectors.classifier import Classifier, train_classifier
-from scripts.sign_data import (
+from scripts.detectors.sign_data import (
     CHOOSING,
     SPEED_LIMITS,
     Crop,
@@ -29,10 +29,10 @@ from scripts.sign_data import (
     read_rgb,
     read_scenes,
 )
-from scripts.sign_examples import examples
-from scripts.sign_measures import SEED
-from scripts.sign_reading import MOVED, Boxes, moved
-from scripts.train_signs import ROOT
+from scripts.detectors.sign_examples import examples
+from scripts.detectors.sign_measures import SEED
+from scripts.detectors.sign_reading import MOVED, Boxes, moved
+from scripts.detectors.train_signs import ROOT
 
 EVERY: Final = 4
 VARIANTS: Final = [

@@ -1,0 +1,1 @@
+"""How the detectors that ship and those of docs/validation.md are trained and measured."""
