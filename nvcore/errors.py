@@ -19,13 +19,24 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
-from nvcore.findings import Step
+from nvcore.findings import Remedy, Step
 
 
 class NvcoreError(Exception):
-    """Base of all errors that a user can fix."""
+    """Base of all errors that a user can fix.
+
+    Attributes
+    ----------
+    steps
+        Ways on, for a medium that has a flag or a field for them.
+    needs_all_steps
+        Whether all of them have to be taken; else one will do.
+    """
+
+    steps: tuple[Step, ...] = ()
+    needs_all_steps = False
 
 
 class InputError(NvcoreError):
@@ -95,6 +106,9 @@ class EstimatorError(InputError):
     """An estimator of what the driver sees, a model file, cannot be used."""
 
 
+_OF_FACT: Final = {"size": Remedy.SIZE, "fps": Remedy.RATE, "frames": Remedy.FRAMES}
+
+
 class MissingFactError(InputError):
     """A needed fact (image size, frame rate, ...) is neither in the files nor given.
 
@@ -104,6 +118,7 @@ class MissingFactError(InputError):
         See `InputError`.
     facts
         What the user has to give: ``size``, ``fps``, ``frames``; empty where none of these helps.
+        The ways on are to give all of them, unless others are named.
     """
 
     def __init__(
@@ -116,7 +131,9 @@ class MissingFactError(InputError):
         steps: tuple[Step, ...] = (),
     ):
         self.facts = facts
-        super().__init__(message, file=file, line=line, steps=steps)
+        of_facts = tuple(Step(_OF_FACT[fact]) for fact in facts)
+        super().__init__(message, file=file, line=line, steps=steps or of_facts)
+        self.needs_all_steps = self.steps == of_facts
 
     def _keywords(self) -> dict[str, Any]:
         return {**super()._keywords(), "facts": self.facts}
@@ -132,6 +149,10 @@ class StoreError(InputError):
 
 class ParameterError(NvcoreError):
     """A live parameter is outside its range."""
+
+    def __init__(self, message: str, *, steps: tuple[Step, ...] = ()):
+        super().__init__(message)
+        self.steps = steps
 
 
 class MissingExtraError(NvcoreError, ImportError):

@@ -6,7 +6,7 @@ and the dashboard show a single list, worst first.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Final, Literal
@@ -86,12 +86,18 @@ class Remedy(StrEnum):
     """Give the frame rate; value: frames per second."""
     FRAMES = "frames"
     """Say which frames are evaluated; value: ``first:last:step``."""
+    FRAME_LIST = "frame list"
+    """Give this file as the list of evaluated frames, not as boxes."""
     FRAME_NAMES = "frame names"
     """Say how names of pictures and large frame numbers are meant; value: such as ``times``."""
     FRAME_STEP = "frame step"
     """Multiply the frame numbers of a system; value: the factor."""
     FORMAT = "format"
     """Say in which format the files are; value: its name."""
+    THRESHOLD = "threshold"
+    """Set the threshold of a system; value: a score."""
+    BOX_BASE = "box base"
+    """Say which number the first pixel has; value: 0 or 1."""
     BOXES = "boxes"
     """Say what the four numbers of a box are; value: such as ``corners``."""
     ACCEPT = "accept"
@@ -102,6 +108,9 @@ class Remedy(StrEnum):
     """Say where a recording's pictures are; value: a path; subject: the recording's name."""
     FIRST_PICTURE = "first picture"
     """Say which frame a recording's first picture shows; value: its number; subject: as above."""
+    OPTION = "option"
+    """Give an option; value: such as ``height``; subject: its name, a field of `Params` or a
+    keyword of the Python functions."""
 
 
 @dataclass(frozen=True)
@@ -116,7 +125,7 @@ class Step:
         What to give, as it is typed; empty: only the user knows it.
     subject
         Whose files it is about: `TRUTH_NAME` or the name of a system; empty: all. Of pictures, the
-        name of the recording.
+        name of the recording; of an option, its name.
     """
 
     remedy: Remedy
@@ -150,8 +159,8 @@ class Finding:
     example
         The first case: line, recording, frame.
     suggestion
-        Corrections, each with its key in the session file, such as
-        ``(("offset_frames", -2.0),)``, for a page that offers to apply them; empty: none.
+        Corrections, each with its key in the session file, such as ``(("offset_frames", -2.0),)``,
+        for a medium that has flags for them or offers to apply them; empty: none.
     cases
         All places that it concerns; None: an input as a whole, or not known.
     """
@@ -197,24 +206,30 @@ RemedyTexts = Mapping[Remedy, tuple[str, str]]
 
 
 def steps_text(
-    steps: Iterable[Step], texts: RemedyTexts, marks: Mapping[str, str] | None = None
+    steps: Iterable[Step],
+    texts: RemedyTexts,
+    mark: Callable[[Step], str] = lambda _: "",
+    *,
+    are_all_needed: bool = False,
 ) -> str:
     """Ways on as a sentence; empty: there is none.
 
     Parameters
     ----------
-    marks
-        What ``{of}`` becomes, by the subject of a step; others have none.
+    mark
+        What ``{of}`` becomes.
+    are_all_needed
+        Whether all of them have to be taken; else one will do.
 
     Examples
     --------
-    >>> texts = {Remedy.CLASSES: ("give --classes{of} {value}", "NAMES")}
-    >>> steps_text([Step(Remedy.CLASSES, "pedestrian,child", "truth")], texts, {"truth": "-truth"})
-    'Give --classes-truth pedestrian,child.'
+    >>> texts = {Remedy.CLASSES: ("enter {value} as the classes{of}", "the names")}
+    >>> steps_text([Step(Remedy.CLASSES, "child")], texts, lambda step: " that count")
+    'Enter child as the classes that count.'
     """
-    marks = {} if marks is None else marks
     ways = []
     for step in steps:
         text, unknown = texts[step.remedy]
-        ways.append(text.format(value=step.value or unknown, of=marks.get(step.subject, "")))
-    return f"{capitalised(', or '.join(dict.fromkeys(ways)))}." if ways else ""
+        ways.append(text.format(value=step.value or unknown, of=mark(step)))
+    joined = (" and " if are_all_needed else ", or ").join(dict.fromkeys(ways))
+    return f"{capitalised(joined)}." if ways else ""

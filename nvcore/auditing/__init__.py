@@ -123,8 +123,7 @@ def audit(
     params = dataset.params_of(x, y) if params is None else params
     findings = [*audit_inputs(dataset)]
     for system in dataset.systems:
-        threshold, letter = role_of(system, names, params)
-        findings += audit_system(dataset, system, threshold, letter=letter)
+        findings += audit_system(dataset, system, threshold_of(system, names, params))
     findings += audit_pair(dataset, params, x=x, y=y)
     findings += audit_view(dataset, params)
     return ranked(dataset, findings)
@@ -156,9 +155,7 @@ def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
     return *dataset.findings, *_worded(dataset, findings)  # readers quote files, and say it so
 
 
-def audit_system(
-    dataset: Dataset, name: str, threshold: float | None, *, letter: str = ""
-) -> tuple[Finding, ...]:
+def audit_system(dataset: Dataset, name: str, threshold: float | None) -> tuple[Finding, ...]:
     """The part of `audit` that depends on one system's threshold: what it leaves, and offsets.
 
     Parameters
@@ -167,15 +164,13 @@ def audit_system(
         Of the system.
     threshold
         Lowest score that counts; None: every detection counts.
-    letter
-        ``x`` or ``y`` where it is one of the compared systems: its flags are named.
     """
     system = system_source(dataset, name)
-    findings = [*audit_threshold(system, threshold, flag=f"--threshold-{letter}")]
+    findings = [*audit_threshold(system, threshold)]
     if not {name, TRUTH_NAME} & find_layouts(dataset).keys():  # else all of them would be wrong
         counting = above_threshold(system.boxes, threshold)
         # an offset would fit a few frames only, and hide the rate
-        findings += find_rate(system, counting) or find_offsets(system, counting, letter=letter)
+        findings += find_rate(system, counting) or find_offsets(system, counting)
     return _worded(dataset, findings)
 
 
@@ -268,14 +263,11 @@ def _audit_boxes(source: BoxSource) -> list[Finding]:
     return [*audit_geometry(source), *audit_doubles(source)]
 
 
-def role_of(system: str, names: Sequence[str | None], params: Params) -> tuple[float | None, str]:
-    """Threshold and letter of a system; that of X where one system is compared with itself."""
-    for name, threshold, letter in zip(
-        names, (params.threshold_x, params.threshold_y), "xy", strict=False
-    ):
-        if name == system:
-            return threshold, letter
-    return None, ""
+def threshold_of(system: str, names: Sequence[str | None], params: Params) -> float | None:
+    """Threshold of a system; that of X where one system is compared with itself."""
+    thresholds = (params.threshold_x, params.threshold_y)
+    of_names = zip(names, thresholds, strict=False)
+    return next((threshold for name, threshold in of_names if name == system), None)
 
 
 def _compared(dataset: Dataset, x: str | None, y: str | None) -> list[str]:

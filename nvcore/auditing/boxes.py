@@ -56,7 +56,7 @@ def audit_geometry(source: BoxSource) -> list[Finding]:
         suspects.append(block.start + np.flatnonzero(is_odd))
     was = parse_layout(source.dataset.read_as.get(source.name, ReadAs()).boxes)
     if smallest > 10 and furthest <= FRACTION_EXTENT:
-        findings = source.findings(
+        return source.findings(
             Severity.ERROR,
             "boxes-in-fractions",
             np.arange(len(boxes)),
@@ -65,9 +65,8 @@ def audit_geometry(source: BoxSource) -> list[Finding]:
             "Multiply x and w by the width and y and h by the height of the picture, or say what "
             "they are.",
             is_of_all=True,
+            steps=(Step(Remedy.BOXES, str(replace(was, unit="shares")), source.name),),
         )
-        step = Step(Remedy.BOXES, str(replace(was, unit="shares")), source.name)
-        return [replace(finding, steps=(step,)) for finding in findings]
     # the boxes that may not lie inside; of the others all of the area does
     rows = np.concatenate(suspects)
     x, y, w, h = boxes.x[rows], boxes.y[rows], boxes.w[rows], boxes.h[rows]
@@ -79,7 +78,10 @@ def audit_geometry(source: BoxSource) -> list[Finding]:
     is_off = inside_share < 0.5
     are_many = int(np.count_nonzero(is_off)) > MANY_OUTSIDE * len(boxes)
     if source.is_truth and np.count_nonzero(is_off) > MOST_OUTSIDE * len(boxes):
-        findings = source.findings(
+        steps = [Step(Remedy.SIZE)]
+        if furthest <= THOUSAND:
+            steps.append(Step(Remedy.BOXES, str(replace(was, unit="thousandths"))))
+        return source.findings(
             Severity.ERROR,
             "outside-picture",
             rows[is_off],
@@ -87,11 +89,8 @@ def audit_geometry(source: BoxSource) -> list[Finding]:
             "than half of their area outside the picture: its size, or what the numbers of a box "
             "were taken for, is wrong.",
             "See at which resolution the boxes were made, or in which unit.",
+            steps=tuple(steps),
         )
-        steps = [Step(Remedy.SIZE)]
-        if furthest <= THOUSAND:
-            steps.append(Step(Remedy.BOXES, str(replace(was, unit="thousandths"))))
-        return [replace(finding, steps=tuple(steps)) for finding in findings]
     return [
         *_outside(source, rows[is_outside], are_many=are_many),
         *_mostly_outside(source, rows[~is_outside & is_off], are_many=are_many),
@@ -102,11 +101,12 @@ def _outside(source: BoxSource, rows: np.ndarray, *, are_many: bool) -> list[Fin
     advice = "Remove the boxes, or check the image size."
     if are_many:
         advice = (
-            "That is too many for stray boxes: check the image size (--size), and at which "
-            "resolution the boxes were made."
+            "That is too many for stray boxes: check the image size, and at which resolution the "
+            "boxes were made."
         )
+    steps = (Step(Remedy.SIZE),) if are_many else ()
     message = f"{count_text(len(rows), 'box lies', 'boxes lie')} wholly outside the picture."
-    return source.findings(Severity.WARNING, "outside-picture", rows, message, advice)
+    return source.findings(Severity.WARNING, "outside-picture", rows, message, advice, steps=steps)
 
 
 def _mostly_outside(source: BoxSource, rows: np.ndarray, *, are_many: bool) -> list[Finding]:
@@ -115,10 +115,12 @@ def _mostly_outside(source: BoxSource, rows: np.ndarray, *, are_many: bool) -> l
         "position is taken at the edge."
     )
     if are_many:
-        advice = f"Check the image size (--size) first: so many are unusual. {advice}"
+        advice += " So many are unusual: check the image size first."
+    steps = (Step(Remedy.SIZE),) if are_many else ()
     what = count_text(len(rows), "box has", "boxes have")
     message = f"{what} more than half of the area outside the picture."
-    return source.findings(Severity.NOTE, "mostly-outside-picture", rows, message, advice)
+    code = "mostly-outside-picture"
+    return source.findings(Severity.NOTE, code, rows, message, advice, steps=steps)
 
 
 def audit_doubles(source: BoxSource) -> list[Finding]:

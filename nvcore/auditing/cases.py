@@ -12,7 +12,7 @@ import numpy as np
 from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
 from nvcore.file_kinds import unpacked_name
-from nvcore.findings import TRUTH_NAME, Cases, Finding, Severity
+from nvcore.findings import TRUTH_NAME, Cases, Finding, Severity, Step
 from nvcore.schema import TABLE_ENDING
 from nvcore.wording import count_text
 
@@ -70,6 +70,7 @@ class BoxSource:
         *,
         count: int | None = None,
         is_of_all: bool = False,
+        steps: tuple[Step, ...] = (),
     ) -> list[Finding]:
         """A finding about some boxes, the first of which is the example; none without boxes.
 
@@ -92,7 +93,13 @@ class BoxSource:
         n = len(rows) if count is None else count
         example = place_of_frame(self.dataset, frame_index, line=line, file=name)
         cases = None if is_of_all else Cases("boxes", self.boxes.first_row + rows)
-        return [Finding(severity, code, self.name, n, message, advice, name, example, cases=cases)]
+        return [
+            Finding(
+                *(severity, code, self.name, n, message, advice, name, example),
+                cases=cases,
+                steps=steps,
+            )
+        ]
 
 
 def truth_source(dataset: Dataset) -> BoxSource:
@@ -147,6 +154,7 @@ def recording_findings(
     *,
     frame_index: int | None = None,
     frame_rows: np.ndarray | None = None,
+    steps: tuple[Step, ...] = (),
 ) -> list[Finding]:
     """A finding about some recordings, the first of which is the example; none without any.
 
@@ -182,6 +190,7 @@ def recording_findings(
             advice=advice,
             example=example,
             cases=Cases("frames", frame_rows),
+            steps=steps,
         )
     ]
 

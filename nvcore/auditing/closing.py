@@ -8,7 +8,7 @@ import numpy as np
 
 from nvcore.auditing.cases import spelled
 from nvcore.dataset import Dataset
-from nvcore.findings import TRUTH_NAME, Cases, Finding, Severity
+from nvcore.findings import TRUTH_NAME, Cases, Finding, Remedy, Severity, Step
 from nvcore.metrics.encounters import encounters_of
 from nvcore.params import Params
 from nvcore.schema import KMH, NO_TRACK
@@ -55,9 +55,9 @@ def audit_closing_speed(dataset: Dataset, params: Params) -> list[Finding]:
             ),
             advice=(
                 "Read last chances to stop and impact speeds as those of a car at the assumed or "
-                "stated speed; for the car that made the recording, give its speed (--speed-kmh, "
-                "or speed_kmh of the recording)."
+                "stated speed; for the car that made the recording, give its speed."
             ),
+            steps=(Step(Remedy.OPTION, "", "speed_kmh"),),
             example=f"recording {names.iloc[odd[0]]}",
             cases=Cases("frames", dataset.frame_columns.first[odd]),
         )

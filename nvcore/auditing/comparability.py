@@ -10,7 +10,7 @@ import numpy as np
 from nvcore.auditing.cases import BoxSource, spelled
 from nvcore.dataset import Dataset
 from nvcore.detection.operating_point import are_unequal_alarms, threshold_for
-from nvcore.findings import TRUTH_NAME, Cases, Finding, Severity
+from nvcore.findings import TRUTH_NAME, Cases, Finding, Remedy, Severity, Step
 from nvcore.inputs.evaluated_frames import nth
 from nvcore.metrics.encounters import encounters_of, mostly_one_frame
 from nvcore.metrics.matching import Matches
@@ -122,13 +122,18 @@ def audit_weighting(
             f"{_how_many(len(own), n_boxes)} no distance and weigh by height"
             f"{', the others by metres' if len(own) < n_boxes else ''}: {_whose(source, own)}. "
             f"Boxes without a distance, by source: {of_each}.",
-            "Compare with --proximity height, which all boxes have, or give the distances"
+            "Weigh by height, which all boxes have, or give the distances"
             + (
-                " (--missing-distance borrow takes those of the systems)."
+                ", or borrow those of the systems."
                 if source.is_truth and not borrows(params)
                 else "."
             ),
             is_of_all=True,
+            steps=(
+                BY_HEIGHT,
+                *[Step(Remedy.OPTION, "borrow", "missing_distance")]
+                * (source.is_truth and not borrows(params)),
+            ),
         )
     ]
 
@@ -150,6 +155,7 @@ def _whose(source: BoxSource, rows: np.ndarray) -> str:
     return f"in {count_text(len(names), 'recording')}, {spelled(names)}"
 
 
+BY_HEIGHT: Final = Step(Remedy.OPTION, "height", "proximity")
 LARGE_SPREAD: Final = 0.25
 """Difference of the distances that systems report of one pedestrian, as a share, that is odd."""
 
@@ -172,7 +178,7 @@ def audit_borrowing(dataset: Dataset, params: Params) -> list[Finding]:
         return []
     n_boxes = borrowed.n_own + borrowed.n_borrowed + borrowed.n_unknown
     rest = borrowed.n_unknown / n_boxes
-    advice = _advice_on_borrowing(borrowed, rest, n_systems=len(dataset.systems))
+    advice, steps = _advice_on_borrowing(borrowed, rest, n_systems=len(dataset.systems))
     return [
         Finding(
             severity=Severity.WARNING if advice else Severity.NOTE,
@@ -184,32 +190,36 @@ def audit_borrowing(dataset: Dataset, params: Params) -> list[Finding]:
                 f"{borrowed.n_unknown:,} ({rest:.0%}) have no distance and weigh by height."
             ),
             advice=advice or "Nothing to do: X and Y are judged by the same weights.",
+            steps=steps,
         )
     ]
 
 
-def _advice_on_borrowing(borrowed: Borrowed, rest: float, *, n_systems: int) -> str:
+def _advice_on_borrowing(
+    borrowed: Borrowed, rest: float, *, n_systems: int
+) -> tuple[str, tuple[Step, ...]]:
     """What to do about what was borrowed; empty: nothing."""
     n_lenders = sum(n > 0 for n in borrowed.lent.values())
     if not n_lenders:
         return (
-            "Give the distances of the truth or of a system's detections (distance_m), or compare "
-            "with --proximity height, which all boxes have."
-        )
-    advice = []
+            "Give the distances of the truth or of a system's detections (distance_m), or weigh by "
+            "height, which all boxes have."
+        ), (BY_HEIGHT,)
+    advice, steps = [], []
     if rest >= LARGE_REST:
         advice.append(
-            "Compare with --proximity height, too, which all boxes have: near and far are told by "
-            "two rules here."
+            "Compare by height, too, which all boxes have: near and far are told by two rules here."
         )
+        steps.append(BY_HEIGHT)
     if n_lenders == 1 < n_systems:
         advice.append(
-            "Compare with --missing-distance height, too: one system alone says here how near "
-            "pedestrians are, and only where it finds them."
+            "Compare without borrowing, too: one system alone says here how near pedestrians are, "
+            "and only where it finds them."
         )
+        steps.append(Step(Remedy.OPTION, "height", "missing_distance"))
     if borrowed.spread >= LARGE_SPREAD:
         advice.append("Check the unit of the distances, and what they are measured from.")
-    return " ".join(advice)
+    return " ".join(advice), tuple(steps)
 
 
 MIN_DETECTIONS: Final = 50
@@ -268,9 +278,12 @@ def audit_operating_points(
             message=(
                 f"{what}: without thresholds the comparison is at two different operating points."
             ),
-            advice="Give --threshold-x and --threshold-y."
+            advice="Set thresholds for both."
             + _proposal(alarms[more], threshold, len(alarms[1 - more]), more, x, y),
             suggestion=() if threshold is None else (("threshold", threshold),),
+            steps=tuple(
+                Step(Remedy.THRESHOLD, "", system.name) for system in systems if threshold is None
+            ),
         )
     ]
 
@@ -290,7 +303,7 @@ def _proposal(
     first, other = ((x, y), (y, x))[more]
     n_frames = len(x.dataset.frames)
     return (
-        f" For example, --threshold-{'xy'[more]} {threshold:g} alone leaves {first.name} "
-        f"{n_left / n_frames:.2g} false alarms per frame; {other.name} has "
-        f"{n_wanted / n_frames:.2g} ({count_text(n_wanted, 'false alarm')} in all)."
+        f" For example, {threshold:g} for {first.name} alone leaves it {n_left / n_frames:.2g} "
+        f"false alarms per frame; {other.name} has {n_wanted / n_frames:.2g} "
+        f"({count_text(n_wanted, 'false alarm')} in all)."
     )

@@ -9,7 +9,7 @@ import numpy as np
 from nvcore.auditing.cases import BoxSource, recording_findings
 from nvcore.columns import BoxColumns
 from nvcore.dataset import Dataset
-from nvcore.findings import TRUTH_NAME, Finding, Severity
+from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.inputs.evaluated_frames import nth
 
 PART_CODE: Final = "detections-in-part-of-recording"
@@ -37,9 +37,10 @@ def audit_truth_coverage(dataset: Dataset) -> list[Finding]:
                 count=len(truth),
                 message=f"There is no pedestrian in the ground truth{why}.",
                 advice=(
-                    "Check which classes count as pedestrians (--classes) and that this is the "
-                    "ground truth: without pedestrians nothing can be missed."
+                    "Check which classes count as pedestrians and that this is the ground truth: "
+                    "without pedestrians nothing can be missed."
                 ),
+                steps=(Step(Remedy.CLASSES, "", TRUTH_NAME),),
             )
         ]
     has_truth = frames_with(truth, counts)
@@ -63,8 +64,9 @@ def audit_truth_coverage(dataset: Dataset) -> list[Finding]:
             TRUTH_NAME,
             np.flatnonzero(steps > 1),
             f"ground truth in every {_first_step(steps, steps > 1)} evaluated frame only",
-            "If only those frames were annotated, give the frame list (--frames "
-            "first:last:step): in all others every detection counts as a false alarm.",
+            "If only those frames were annotated, evaluate no others: in these every detection "
+            "counts as a false alarm.",
+            (Step(Remedy.FRAMES),),
         ),
     ]
 
@@ -106,8 +108,9 @@ def audit_system_coverage(source: BoxSource) -> list[Finding]:
             source.name,
             np.flatnonzero(is_sparse),
             f"detections in every {_first_step(steps, is_sparse)} evaluated frame only",
-            "If the system ran on those frames only, evaluate both systems on them "
-            "(--frames first:last:step): in all others it misses everybody.",
+            "If the system ran on those frames only, evaluate both systems on them: in all others "
+            "it misses everybody.",
+            (Step(Remedy.FRAMES),),
         ),
         *_silent_ends(source, has_box),
     ]
@@ -156,8 +159,9 @@ def _silent_ends(source: BoxSource, has_box: np.ndarray) -> list[Finding]:
         f"detections in a part only (first: frames {number[lo[first]]} to "
         f"{number[hi[first] - 1]} of {number[start[first]]} to {number[stop[first] - 1]}), "
         "although there are near pedestrians in the rest",
-        "If the system ran on that part only, evaluate both systems on it (--frames "
-        "first:last): in the rest it misses everybody.",
+        "If the system ran on that part only, evaluate both systems on it: in the rest it misses "
+        "everybody.",
+        (Step(Remedy.FRAMES),),
     )
 
 
@@ -214,6 +218,7 @@ def _about_recordings(
     recordings: np.ndarray,
     what: str,
     advice: str,
+    steps: tuple[Step, ...] = (),
 ) -> list[Finding]:
     """As `recording_findings`; the example is the first frame, if there is one."""
     first_frames = dataset.frame_columns.first
@@ -221,5 +226,7 @@ def _about_recordings(
     if len(recordings) and first_frames[recordings[0]] < first_frames[recordings[0] + 1]:
         frame_index = int(first_frames[recordings[0]])
     return recording_findings(
-        dataset, severity, code, subject, recordings, what, advice, frame_index=frame_index
+        *(dataset, severity, code, subject, recordings, what, advice),
+        frame_index=frame_index,
+        steps=steps,
     )

@@ -204,20 +204,19 @@ def _lying(dataset: Dataset) -> list[Finding]:
         return []
     was = parse_layout(dataset.read_as.get(TRUTH_NAME, ReadAs()).boxes)
     n_wide = np.count_nonzero(are_wide)
-    findings = truth.findings(
+    return truth.findings(
         Severity.ERROR,
         "lying-pedestrians",
         rows[are_wide],
         f"{n_wide:,} of {count_text(len(rows), 'pedestrian')} are wider than tall: they are "
         "objects of another class, or the vertical number of each pair comes first.",
         "Look at one of them in its picture.",
+        steps=(
+            Step(Remedy.CLASSES),
+            Step(Remedy.BOXES, str(replace(was, is_yx=not was.is_yx))),
+            Step(Remedy.ACCEPT, "lying-pedestrians"),
+        ),
     )
-    steps = (
-        Step(Remedy.CLASSES),
-        Step(Remedy.BOXES, str(replace(was, is_yx=not was.is_yx))),
-        Step(Remedy.ACCEPT, "lying-pedestrians"),
-    )
-    return [replace(finding, steps=steps) for finding in findings]
 
 
 def _are_corners(source: BoxSource) -> bool:

@@ -61,7 +61,7 @@ class _Step:
         return self.after - self.before
 
 
-def find_offsets(source: BoxSource, detections: BoxColumns, *, letter: str = "") -> list[Finding]:
+def find_offsets(source: BoxSource, detections: BoxColumns) -> list[Finding]:
     """Scale mismatch, time offset and constant pixel offset of a system against the truth.
 
     Each is looked for after what was found before has been corrected: first the scale (with the
@@ -74,8 +74,6 @@ def find_offsets(source: BoxSource, detections: BoxColumns, *, letter: str = "")
         The system.
     detections
         Those of its detections that count.
-    letter
-        ``x`` or ``y`` where the system is one of the compared ones: its flags are named.
 
     Notes
     -----
@@ -89,15 +87,15 @@ def find_offsets(source: BoxSource, detections: BoxColumns, *, letter: str = "")
     findings = []
     # boxes of another resolution fit a bit better when moved, but best when scaled
     if scaled is not None and all(scaled.after > step.after for step in moved):
-        findings.append(_scale_finding(source, sample, scaled, letter))
+        findings.append(_scale_finding(source, sample, scaled))
         moved = _find_moves(sample, scaled.correction)
     is_moved_in_time = False
     for step in moved:
         if step.correction.offset_frames and not is_moved_in_time:
-            findings.append(_time_finding(source, sample, step, letter))
+            findings.append(_time_finding(source, sample, step))
             is_moved_in_time = True
         else:
-            findings.append(_pixel_finding(source, sample, step, letter))
+            findings.append(_pixel_finding(source, sample, step))
     if moved and _explains_rows(source, moved[0].correction.offset_frames):
         findings = [replace(finding, severity=Severity.ERROR) for finding in findings]
     if any(finding.severity is Severity.ERROR for finding in findings):
@@ -239,7 +237,7 @@ def _spread(values: np.ndarray) -> float:
     return float(high - low)
 
 
-def _scale_finding(source: BoxSource, sample: Sample, step: _Step, letter: str) -> Finding:
+def _scale_finding(source: BoxSource, sample: Sample, step: _Step) -> Finding:
     sx, sy = step.correction.scale
     x, y = step.correction.offset_px
     is_uniform, is_moved = sx == sy, bool(x or y)
@@ -248,19 +246,13 @@ def _scale_finding(source: BoxSource, sample: Sample, step: _Step, letter: str) 
         f"{scale_text(sx, sy)}{f' and moved by {x:g} and {y:g} px' * is_moved} they fit the "
         "pedestrians"
     )
-    value = f"{sx:.4g}" if is_uniform else f"[{sx:.4g}, {sy:.4g}]"
-    flag = f", or --scale-{letter} {value.strip('[]').replace(' ', '')}" if letter else ""
-    flag += f" --offset-px-{letter} {x:g},{y:g}" if letter and is_moved else ""
-    advice = (
-        f"Set scale = {value}{f' and offset_px = [{x:g}, {y:g}]' * is_moved} for this system "
-        f"([[system]] in the session file{flag})."
-    )
+    advice = "Scale them as they are read, or in the files."
     factors = (("scale", sx),) if is_uniform else (("scale_x", sx), ("scale_y", sy))
     suggestion = (*factors, *((("offset_x_px", x), ("offset_y_px", y)) if is_moved else ()))
     return _finding(source, sample, step, "scale-mismatch", message, advice, suggestion)
 
 
-def _time_finding(source: BoxSource, sample: Sample, step: _Step, letter: str) -> Finding:
+def _time_finding(source: BoxSource, sample: Sample, step: _Step) -> Finding:
     frames = step.correction.offset_frames
     n = abs(frames)
     message = (
@@ -268,18 +260,14 @@ def _time_finding(source: BoxSource, sample: Sample, step: _Step, letter: str) -
         f"{'late' if frames < 0 else 'early'}: moved by {frames:+d} they fit the pedestrians better"
     )
     at_limit = n == MAX_SHIFT * sample.frame_step()
-    flag = f", or --offset-frames-{letter} {frames}" if letter else ""
-    advice = (
-        f"Check the frame numbers; set offset_frames = {frames} for this system ([[system]] in "
-        f"the session file{flag})."
-    )
+    advice = "Check the frame numbers, or move them as they are read."
     if at_limit:
         advice += " No larger offset was tried: the true one may be larger still."
     suggestion = (("offset_frames", float(frames)),)
     return _finding(source, sample, step, "time-offset", message, advice, suggestion)
 
 
-def _pixel_finding(source: BoxSource, sample: Sample, step: _Step, letter: str) -> Finding:
+def _pixel_finding(source: BoxSource, sample: Sample, step: _Step) -> Finding:
     x, y = step.correction.offset_px
     parts = [
         f"{abs(value):.1f} px too far {words[value < 0]}"
@@ -287,11 +275,7 @@ def _pixel_finding(source: BoxSource, sample: Sample, step: _Step, letter: str) 
         if abs(value) >= 0.5
     ]
     message = f"The boxes stand {' and '.join(parts)}, all alike; moved back they fit better"
-    flag = f", or --offset-px-{letter} {x:g},{y:g}" if letter else ""
-    advice = (
-        f"Check the picture's origin and cropping; set offset_px = [{x:g}, {y:g}] for this system "
-        f"([[system]] in the session file{flag})."
-    )
+    advice = "Check the picture's origin and cropping, or move the boxes as they are read."
     suggestion = (("offset_x_px", x), ("offset_y_px", y))
     return _finding(source, sample, step, "pixel-offset", message, advice, suggestion)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from nvcore.auditing.cases import recording_findings
 from nvcore.dataset import Dataset
-from nvcore.findings import TRUTH_NAME, Finding, Severity
+from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.metrics.encounters import encounters_of
 from nvcore.params import Params
 
@@ -40,8 +40,9 @@ def audit_foot_spread(dataset: Dataset, params: Params) -> list[Finding]:
         odd,
         "feet spread over many rows of the picture, unlike before a camera in a car (first: their "
         f"spread is {spread[odd[0]]:.0%} of that sideways)",
-        "Compare with --distance ground, too: sideways, people above one another in the picture "
-        "are in one place.",
+        "Compare by foot points, too: sideways, people above one another in the picture are in one "
+        "place.",
+        steps=(Step(Remedy.OPTION, "ground", "distance"),),
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
 from typing import Final
 
@@ -83,9 +82,10 @@ def audit_size(dataset: Dataset) -> list[Finding]:
                     f"{H:g}."
                 ),
                 advice=(
-                    f"Check the image size (--size){_fitting(reach[i], sizes[i])}: lateral "
-                    "position and proximity depend on it."
+                    f"Check the image size{_fitting(reach[i], sizes[i])}: lateral position and "
+                    "proximity depend on it."
                 ),
+                steps=(Step(Remedy.SIZE),),
                 example=f"recording {names.iloc[0]}",
             )
         )
@@ -119,8 +119,9 @@ def audit_kitti_size(dataset: Dataset) -> list[Finding]:
         odd,
         f"a picture size that the truth contradicts (first: given {W:g}x{H:g}, its boxes end at "
         f"the edge of {width:g}x{height:g})",
-        "Recordings of KITTI differ in size: look at the pictures, and give --size, or a size for "
-        "each recording in a table (--recordings).",
+        "Recordings of KITTI differ in size: look at the pictures, and give one size for all or "
+        "one for each recording.",
+        steps=(Step(Remedy.SIZE), Step(Remedy.OPTION, "", "recordings")),
     )
 
 
@@ -174,8 +175,9 @@ def audit_fps(dataset: Dataset) -> list[Finding]:
         TRUTH_NAME,
         odd,
         f"an implausible frame rate (first: {fps[odd[0]]:g} frames per second)",
-        "Check the frame rate (--fps), which counts all frames of the camera, annotated or not: "
-        "every time and every rate per hour depends on it.",
+        "Check the frame rate, which counts all frames of the camera, annotated or not: every time "
+        "and every rate per hour depends on it.",
+        steps=(Step(Remedy.RATE),),
     )
 
 
@@ -211,7 +213,9 @@ def audit_frame_steps(dataset: Dataset) -> list[Finding]:
     if not odd:
         return []
     how = "in the steps of milliseconds at this frame rate" if is_period else "in nearly even steps"
-    [finding] = recording_findings(
+    ways = [Step(Remedy.FRAME_NAMES, "times")]
+    ways += [Step(Remedy.ACCEPT, LIKE_TIMES)] if is_period else []
+    return recording_findings(
         dataset,
         Severity.ERROR if is_period else Severity.WARNING,
         LIKE_TIMES,
@@ -219,10 +223,8 @@ def audit_frame_steps(dataset: Dataset) -> list[Finding]:
         np.array(odd),
         f"frame numbers that rise {how} (first: {steps_of}), as times do",
         "If they are times, every length in seconds is wrong by the step: say that they are.",
+        steps=tuple(ways),
     )
-    ways = [Step(Remedy.FRAME_NAMES, "times")]
-    ways += [Step(Remedy.ACCEPT, LIKE_TIMES)] if is_period else []
-    return [replace(finding, steps=tuple(ways))]
 
 
 def audit_frame_list(dataset: Dataset) -> list[Finding]:
@@ -257,8 +259,9 @@ def audit_frame_list(dataset: Dataset) -> list[Finding]:
         "no box of anybody in a long part at the beginning or end (first: none "
         f"{' and none '.join(where)} of {frames.frame[start[recording]]} to "
         f"{frames.frame[stop[recording] - 1]})",
-        "Check the frame list (--frames first:last): frames without anybody count as perfect, and "
-        "as recording time. Nothing to do if nobody was there.",
+        "Check the list of evaluated frames: those without anybody count as perfect, and as "
+        "recording time. Nothing to do if nobody was there.",
         frame_index=int(empty_rows[0]),
         frame_rows=empty_rows,
+        steps=(Step(Remedy.FRAMES),),
     )

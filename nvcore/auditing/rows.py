@@ -15,7 +15,7 @@ from nvcore.auditing.cases import (
 )
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import is_in_ranges
-from nvcore.findings import TRUTH_NAME, Cases, Finding, Severity
+from nvcore.findings import TRUTH_NAME, Cases, Finding, Remedy, Severity, Step
 from nvcore.inputs.session import Session
 from nvcore.schema import DETECTABILITY
 from nvcore.wording import count_text
@@ -120,7 +120,7 @@ def _not_listed(dataset: Dataset, subject: str, rows: pd.DataFrame) -> list[Find
                 subject,
                 odd,
                 message,
-                _advice(subject, frame[is_odd], first[is_odd], last[is_odd]),
+                *_advice(subject, frame[is_odd], first[is_odd], last[is_odd]),
             )
         )
     if is_wanted.any():
@@ -133,7 +133,7 @@ def _not_listed(dataset: Dataset, subject: str, rows: pd.DataFrame) -> list[Find
                 subject,
                 chosen,
                 f"{count_text(len(chosen), 'row is', 'rows are')} left out, in frames that are not "
-                "among those given (--frames, or frames in the session).",
+                "among those given.",
                 "Nothing to do if these frames were left out on purpose.",
                 has_cases=False,
             )
@@ -196,27 +196,30 @@ def _is_of_truth(dataset: Dataset, number: int, frame: np.ndarray) -> np.ndarray
     return is_within
 
 
-def _advice(subject: str, frame: np.ndarray, first: np.ndarray, last: np.ndarray) -> str:
+def _advice(
+    subject: str, frame: np.ndarray, first: np.ndarray, last: np.ndarray
+) -> tuple[str, tuple[Step, ...]]:
     outside = np.minimum(frame - first, 0) + np.maximum(frame - last, 0)
     if np.all(outside == -1):
         return (
             "They stand just before the first evaluated frame: the file may count frames from 0 "
             "where the ground truth counts from 1. Correct the frame base, or set offset_frames."
-        )
+        ), ()
     if np.all(outside == 1):
         return (
             "They stand just after the last evaluated frame: the file may count frames from 1 "
             "where the ground truth counts from 0. Correct the frame base, or set offset_frames."
-        )
+        ), ()
     advice = (
-        "Check the frame list (--frames) and that the file counts frames as the ground truth does."
+        "Check the list of evaluated frames, and that the file counts frames as the ground truth "
+        "does."
     )
     if subject != TRUTH_NAME:
         advice += (
-            " If nobody was there in these frames and that was checked, list them with --frames: "
-            "these detections then count as false alarms."
+            " If nobody was there in these frames and that was checked, list them, too: these "
+            "detections then count as false alarms."
         )
-    return advice
+    return advice, (Step(Remedy.FRAMES),)
 
 
 def listed_ranges(
@@ -257,6 +260,7 @@ def _finding(
     rows: pd.DataFrame,
     message: str,
     advice: str,
+    steps: tuple[Step, ...] = (),
     *,
     has_cases: bool = True,
 ) -> Finding:
@@ -273,6 +277,7 @@ def _finding(
         count=len(rows),
         message=message,
         advice=advice,
+        steps=steps,
         file=name,
         example=place(first["recording"], int(first["frame"]), line=line, file=name),
         # usual rows may be most of the input: nobody looks them up one by one

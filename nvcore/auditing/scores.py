@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from nvcore.auditing.cases import BoxSource
-from nvcore.findings import Finding, Severity
+from nvcore.findings import Finding, Remedy, Severity, Step
 from nvcore.wording import count_text
 
 
@@ -60,14 +60,8 @@ def audit_scores(source: BoxSource) -> list[Finding]:
     ]
 
 
-def audit_threshold(source: BoxSource, threshold: float | None, *, flag: str) -> list[Finding]:
-    """A threshold that keeps nothing, keeps everything, or has no scores to work on.
-
-    Parameters
-    ----------
-    flag
-        The threshold's flag, for the advice.
-    """
+def audit_threshold(source: BoxSource, threshold: float | None) -> list[Finding]:
+    """A threshold that keeps nothing, keeps everything, or has no scores to work on."""
     score = source.boxes.score
     if threshold is None or not len(score):
         return []
@@ -79,7 +73,7 @@ def audit_threshold(source: BoxSource, threshold: float | None, *, flag: str) ->
             "threshold-without-scores",
             rows,
             f"{subject} has no effect: no detection has a score.",
-            f"Leave out {flag}, or give a file with scores.",
+            "Leave out the threshold, or give a file with scores.",
             is_of_all=True,
         )
     span = f"the scores go from {np.nanmin(score):g} to {np.nanmax(score):g}"
@@ -90,8 +84,9 @@ def audit_threshold(source: BoxSource, threshold: float | None, *, flag: str) ->
             "threshold-keeps-nothing",
             rows,
             f"{subject} leaves no detection: {span}.",
-            f"Give {flag} a value within that range.",
+            "Set a threshold within that range.",
             is_of_all=True,
+            steps=(Step(Remedy.THRESHOLD, "", source.name),),
         )
     if n_below == 0:
         return source.findings(

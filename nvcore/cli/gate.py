@@ -213,16 +213,17 @@ def _takes_standard_output(files: Sequence[Path], lists: bool) -> bool:
 def _read(texts: Iterable[str], file: Path | None, session: Path | None) -> list[Rule]:
     """The rules of the flags and of the file, or all that is wrong with them."""
     from nvcore.report.gate.measures import measure_names
-    from nvcore.report.gate.rules import SOME_SESSION, read_rules
+    from nvcore.report.gate.rules import read_rules
 
     lines = [("--rule", text) for text in texts]
     if file is not None:
         name = "standard input" if file == STANDARD else one_line(str(file))
         numbered = enumerate(_content(file).splitlines(), 1)
         lines += [(f"{name}, line {number}", text) for number, text in numbered]
-    listed_of = SOME_SESSION if session is None else shlex.quote(one_line(str(session)))
-    rules, problems = read_rules(lines, measure_names(), session=listed_of)
+    rules, problems = read_rules(lines, measure_names())
     if problems:
+        listed_of = "SESSION_FILE" if session is None else shlex.quote(one_line(str(session)))
+        problems.append(f"nvcore gate {listed_of} --list shows all measures")
         raise BadInput("\n".join(problems))
     return rules
 

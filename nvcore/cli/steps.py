@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nvcore.cli.remedies import ways_text
+from nvcore.cli.remedies import suggestion_text, ways_text
 from nvcore.errors import InputError, MissingFactError
 from nvcore.findings import TRUTH_NAME
 from nvcore.inputs.session import Session, Source
@@ -71,12 +71,9 @@ def errors_of(session: Session) -> Iterator[None]:
             proposal = _proposal(session, error.facts)
             if not proposal:
                 raise
-            raise InputError(
-                f"{error.message}. {proposal}",
-                file=error.file,
-                line=error.line,
-                steps=error.steps,
-            ) from error
+            ways = ways_text(error.steps, {}, are_all_needed=error.needs_all_steps)
+            message = f"{error.message.rstrip('.')}. {ways} {proposal}"
+            raise InputError(message, file=error.file, line=error.line) from error
         except InputError as error:
             from nvcore.inputs.files import system_names
 
@@ -194,13 +191,15 @@ def findings_shown(
     compared
         Names of X and Y, whose flags are named.
     """
-    ends = {name: f"-{letter}" for name, letter in zip(compared, "xy", strict=False) if name}
+    letters = reversed([*zip(compared, "xy", strict=False)])  # X, where both are one system
+    ends = {name: f"-{letter}" for name, letter in letters if name}
     marks = {TRUTH_NAME: "-truth"} | ends if compared else {}
     return tuple(
         replace(
             finding,
             file=path(finding.subject, finding.file),
-            advice=f"{finding.advice} {ways_text(finding.steps, marks)}".strip(),
+            advice=f"{finding.advice} {ways}".strip(),
         )
         for finding in findings
+        for ways in [ways_text(finding.steps, marks) or suggestion_text(finding, marks)]
     )

@@ -13,7 +13,7 @@ from nvcore.auditing.cases import place_of_frame, spelled
 from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import Provenance, TrainedOn, is_in_ranges
 from nvcore.detectors.training.overlap import training_overlap
-from nvcore.findings import Cases, Caveats, Finding, Severity
+from nvcore.findings import Cases, Caveats, Finding, Remedy, Severity, Step
 
 CAVEATS: Final = Caveats(
     warned={
@@ -66,8 +66,9 @@ def _on_frames(dataset: Dataset, name: str, is_trained: NDArray[np.bool_]) -> li
         Severity.ERROR,
         "trained-on-tested",
         "Trained on {n} of the {n_all} evaluated frames: {recordings}.",
-        "Compare it on recordings that it was not trained on (--only), or on other frames "
-        "(--frames): these say how well it remembers, not how well it detects.",
+        "Compare it on recordings that it was not trained on, or on other frames: these say how "
+        "well it remembers, not how well it detects.",
+        (Step(Remedy.OPTION, "", "only"), Step(Remedy.FRAMES)),
     )
 
 
@@ -116,7 +117,8 @@ def _unchecked(
         f"The ground truth of {{n}} of the {{n_all}} evaluated frames was not compared with the "
         f"{n_parts:,} parts of its training, which are too many: {{recordings}}.",
         "They may be of its training, under their own name or another. Compare fewer recordings "
-        "at a time (--only).",
+        "at a time.",
+        (Step(Remedy.OPTION, "", "only"),),
     )
 
 
@@ -136,7 +138,8 @@ def _not_run(dataset: Dataset, name: str, record: Provenance) -> list[Finding]:
         Severity.WARNING,
         "frames-not-run",
         "Not run on {n} of the {n_all} evaluated frames: {recordings}.",
-        "Their pedestrians count as missed. Run it on them, or leave them out (--only, --frames).",
+        "Their pedestrians count as missed. Run it on them, or leave them out.",
+        (Step(Remedy.OPTION, "", "only"), Step(Remedy.FRAMES)),
     )
 
 
@@ -148,6 +151,7 @@ def _frames_finding(
     code: str,
     message: str,
     advice: str,
+    steps: tuple[Step, ...] = (),
 ) -> list[Finding]:
     """A finding about rows of the frames table; none where there is no row.
 
@@ -163,7 +167,14 @@ def _frames_finding(
     n, n_all = f"{len(rows):,}", f"{len(frames):,}"
     text = message.format(n=n, n_all=n_all, recordings=spelled(names))
     example, cases = place_of_frame(dataset, int(rows[0])), Cases("frames", rows)
-    return [Finding(severity, code, name, len(rows), text, advice, example=example, cases=cases)]
+    return [
+        Finding(
+            *(severity, code, name, len(rows), text, advice),
+            example=example,
+            cases=cases,
+            steps=steps,
+        )
+    ]
 
 
 def _other_files(dataset: Dataset, name: str, record: Provenance) -> list[Finding]:

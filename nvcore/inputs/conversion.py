@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Final
 
 from nvcore.arguments import PathLike, called_with
 from nvcore.errors import InputError, MissingFactError
-from nvcore.findings import Finding
+from nvcore.findings import Finding, Remedy, Step
 from nvcore.inputs.arguments import ConvertArguments
 from nvcore.inputs.evaluated_frames import LostFrames, frames_lost_without_list
 from nvcore.inputs.facts import objects_named, size_from
@@ -19,6 +20,8 @@ from nvcore.inputs.readers.base import Format, Reading, Role, SourceFile
 from nvcore.inputs.session import Source
 from nvcore.inputs.writers import format_by_name, write, write_frame_lists
 from nvcore.objects import PEDESTRIAN, Objects
+
+DETECTIONS: Final = Step(Remedy.OPTION, "detections", "role")
 
 
 @dataclass(frozen=True)
@@ -107,9 +110,9 @@ def convert(arguments: ConvertArguments) -> Conversion:
     inputs += [file.path for file in files]
     if role is None and _has_scores(files, source_format, source, size, objects):
         raise InputError(
-            "this has scores, as detections have; give --role detections to keep them, or --role "
-            "truth to leave them out",
+            "this has scores, as detections have and ground truth has not: say which of them it is",
             file=source.path[0],
+            steps=(DETECTIONS, replace(DETECTIONS, value="truth")),
         )
     reading = read_source(source, role=kind, size=size, truth=of_truth, objects=objects)
     reading, warnings = _with_size(reading, size)
@@ -148,7 +151,7 @@ def _files_of(source: Source, role: Role, *, is_guess: bool) -> tuple[list[Sourc
     except InputError:
         if is_guess and _are_detections(source):
             raise InputError(
-                "this holds detections; give --role detections", file=source.path[0]
+                "this holds detections, not ground truth", file=source.path[0], steps=(DETECTIONS,)
             ) from None
         raise
 
@@ -194,8 +197,8 @@ def _with_size(reading: Reading, size: tuple[int, int] | None) -> tuple[Reading,
     warnings = []
     if n_others:
         warnings.append(
-            f"the data say another size than --size for {n_others} of {len(table)} recordings; "
-            "theirs is written"
+            f"the data say another size than the given one for {n_others} of {len(table)} "
+            "recordings; theirs is written"
         )
     return replace(reading, recordings=table), warnings
 
@@ -207,7 +210,7 @@ def _unknown_sizes(reading: Reading) -> list[str]:
         return []
     return [
         f"the image size of {n_unknown} of {len(reading.recordings)} recordings is not known, and "
-        "their images have no width and height, which many tools want; give --size WIDTHxHEIGHT"
+        "their images have no width and height, which many tools want: give it"
     ]
 
 
@@ -215,7 +218,7 @@ def _lost(lost: LostFrames, to: str, frames_out: Path | None) -> list[str]:
     """A warning about evaluated frames that do not follow from the boxes, if there are any."""
     if lost.is_same:
         return []
-    advice = "; write the list too, with --frames-out PATH" if frames_out is None else ""
+    advice = "; write the list of evaluated frames, too" if frames_out is None else ""
     why = (
         f"{lost.n_empty} of {lost.n_frames} evaluated frames have no box"
         if lost.n_empty

@@ -138,7 +138,7 @@ def infer_frames(annotated: np.ndarray) -> tuple[np.ndarray, str]:
     if (last - first) // step >= MAX_FRAMES:
         raise MissingFactError(
             f"the truth reaches from frame {first} to {last}, more than {MAX_FRAMES} frames; "
-            "correct the frame numbers, or give the evaluated frames with --frames",
+            "correct the frame numbers, or say which frames are evaluated",
             facts=("frames",),
         )
     n_frames = (last - first) // step + 1
@@ -146,7 +146,7 @@ def infer_frames(annotated: np.ndarray) -> tuple[np.ndarray, str]:
         raise MissingFactError(
             f"the truth has boxes in {len(annotated)} frames between frame {first} and {last}; "
             f"expected at least one in {SPARSE} of so many. Correct the frame numbers (are they "
-            "times?), or give the evaluated frames with --frames",
+            "times?), or say which frames are evaluated",
             facts=("frames",),
         )
     if step > 1:

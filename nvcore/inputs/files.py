@@ -14,6 +14,7 @@ from typing import Final
 
 from nvcore.errors import InputError
 from nvcore.file_kinds import PACKED_ENDINGS, suffix_of, unpacked_name
+from nvcore.findings import Remedy, Step
 from nvcore.inputs.patterns import matching
 from nvcore.inputs.readers import NOTHING, detect_format, format_named, holds_nothing
 from nvcore.inputs.readers.base import Format, Role, SourceFile
@@ -31,10 +32,6 @@ EMPTY_DOCUMENT: Final = (
     "CSV file, or an empty list ([]) in a JSON file"
 )
 
-FRAME_LIST: Final = (
-    "found a whole number on every line, as in a list of evaluated frames: it belongs in the field "
-    "“Evaluated frames” (on the command line: --frames)"
-)
 HEAD_BYTES: Final = 4096
 """Bytes of a file that are read to recognise a list of frames."""
 
@@ -75,7 +72,12 @@ def find_files(source: Source, folder: Path, role: Role) -> tuple[list[SourceFil
         return files, NOTHING
     if declared is None and _is_frame_list(files):
         expected = "ground truth" if role == "truth" else "the detections of a system"
-        raise InputError(f"expected {expected}, {FRAME_LIST}", file=files[0].name)
+        raise InputError(
+            f"expected {expected}, found a whole number on every line, as in a list of evaluated "
+            "frames",
+            file=files[0].name,
+            steps=(Step(Remedy.FRAME_LIST),),
+        )
     file_format = declared if declared is not None else detect_format(files, role)
     # a file that was named is always read, whatever its folder or a glob adds
     stated = {folder / text for text in source.path}

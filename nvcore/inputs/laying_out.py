@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from nvcore.errors import MissingFactError, SessionError
-from nvcore.findings import Remedy, Step
 from nvcore.inputs.layouts import SCORE_FIRST, parse_layout
 from nvcore.inputs.readers.base import Reading
 from nvcore.inputs.session import Session, Source
@@ -67,7 +66,6 @@ def laid_out(reading: Reading, source: Source, given: Sizes, truth: Reading | No
                 f"each box is {wanted.text}: the size of the pictures is needed",
                 file=source.path[0],
                 facts=("size",),
-                steps=(Step(Remedy.SIZE),),
             )
         size = width, height, width, height
     x, y, w, h, score = (boxes[name].to_numpy() for name in (*"xywh", "score"))

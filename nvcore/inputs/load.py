@@ -18,7 +18,7 @@ from nvcore.dataset import Dataset, refuse_doubles
 from nvcore.dataset.provenance import read_provenance
 from nvcore.dataset.tables import tables_fingerprint
 from nvcore.errors import InputError, UnnamedClassesError
-from nvcore.findings import Step
+from nvcore.findings import Remedy, Step
 from nvcore.inputs.driver.joining import with_detectability
 from nvcore.inputs.files import digest, find_files, located, system_names
 from nvcore.inputs.laying_out import laid_out, sizes_given
@@ -309,7 +309,9 @@ def _about(subject: str) -> Iterator[None]:
 
 
 def _steps_about(steps: Iterable[Step], subject: str) -> tuple[Step, ...]:
-    return tuple(replace(step, subject=subject) for step in steps)
+    return tuple(
+        step if step.remedy is Remedy.OPTION else replace(step, subject=subject) for step in steps
+    )
 
 
 def _with_provenance(system: LoadedSource, source: SystemSource, folder: Path) -> LoadedSource:

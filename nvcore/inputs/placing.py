@@ -24,6 +24,7 @@ from nvcore.inputs.readers.base import Format, Reading, SourceFile
 from nvcore.inputs.readers.meaning.labels import merged
 from nvcore.inputs.recordings import (
     NO_BOX,
+    NO_BOX_STEPS,
     check_listed,
     contradicted_facts,
     describe_recordings,
@@ -314,7 +315,8 @@ def _frames(
             texts_given = listed([*map(repr, asked)])
             raise InputError(f"no frame is in {texts_given}: {frames_there(there)}")
     if not any(map(len, frames)):
-        raise MissingFactError(NO_BOX, file=session.truth.path[0], facts=("frames",))
+        path = session.truth.path[0]
+        raise MissingFactError(NO_BOX, file=path, facts=("frames",), steps=NO_BOX_STEPS)
     return frames, notes
 
 

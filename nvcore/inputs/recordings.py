@@ -1,4 +1,4 @@
-"""Size, frame rate and horizon of every recording: from the data, the session, or flags."""
+"""Size, frame rate and horizon of every recording: from the data, or as given."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pandas as pd
 
 from nvcore.errors import InputError, MissingFactError
 from nvcore.file_kinds import as_stored
-from nvcore.findings import Finding
+from nvcore.findings import Finding, Remedy, Step
 from nvcore.inputs.readers.base import Reading, warning
 from nvcore.inputs.session import Session
 from nvcore.wording import MOST_NAMED, count_text, did_you_mean, listed
@@ -21,9 +21,10 @@ MOST_SIGNS: Final = 1000
 """Of a recording's name: names are shown, and become names of files."""
 NO_BOX: Final = (
     "no frame is evaluated: the ground truth holds no box (only a header, or other classes?). "
-    "Check that it is the right file and --classes; if there is no pedestrian in it, give the "
-    "evaluated frames with --frames"
+    "Check that it is the right file, and which classes count; if there is no pedestrian in it, "
+    "say which frames are evaluated"
 )
+NO_BOX_STEPS: Final = (Step(Remedy.CLASSES), Step(Remedy.FRAMES))
 
 
 def check_names(reading: Reading) -> None:
@@ -46,10 +47,7 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
     """Sizes and frame rates that were given although the data say something else."""
     stated = truth.recordings.set_index("name").reindex(recordings["name"])
     findings = []
-    for columns, quantity, flag in (
-        (["width", "height"], "image size", "--size"),
-        (["fps"], "frame rate", "--fps"),
-    ):
+    for columns, quantity in ((["width", "height"], "image size"), (["fps"], "frame rate")):
         ours, theirs = recordings[columns].to_numpy(), stated[columns].to_numpy(dtype=float)
         # a rate is rounded here, measured there
         is_same = np.isclose(ours, theirs, rtol=0.01 if columns == ["fps"] else 0, atol=0)
@@ -62,7 +60,7 @@ def contradicted_facts(truth: Reading, recordings: pd.DataFrame) -> list[Finding
             "contradicted-fact",
             int(np.count_nonzero(differs)),
             f"The {quantity} given ({given_text}) is not that of the data ({stated_text}).",
-            f"Leave {flag} away (or the value in the session file) where the data hold it.",
+            "Do not give it where the data hold it.",
             role="truth",
             example=f"recording {recordings['name'].iloc[first]}",
         )
@@ -158,7 +156,7 @@ def describe_recordings(
         extra = pd.DataFrame({"name": more, "width": np.nan, "height": np.nan, "fps": np.nan})
         table = pd.concat([table, extra], ignore_index=True)
     if table.empty:
-        raise InputError(NO_BOX, file=session.truth.path[0])
+        raise InputError(NO_BOX, file=session.truth.path[0], steps=NO_BOX_STEPS)
     table = table.assign(horizon=np.nan, context=np.nan, speed_kmh=np.nan)
     for row, name in enumerate(table["name"]):  # a loop over recordings: at most hundreds
         entry = entries.get(name)
@@ -195,7 +193,6 @@ def _check_known(table: pd.DataFrame, entries: Collection[str]) -> None:
     first = int(np.argmax(is_incomplete))
     size, fps = bool(is_unknown[first, :2].any()), bool(is_unknown[first, 2])
     quantities = " and ".join(["image size"] * size + ["frame rate"] * fps)
-    flags = " and ".join(["--size WIDTHxHEIGHT"] * size + ["--fps FPS"] * fps)
     keys = {(True, True): "width, height and fps", (True, False): "width and height"}
     n_others = int(np.count_nonzero(is_incomplete)) - 1
     others = f" (nor those of {n_others} more)" if n_others else ""
@@ -206,7 +203,7 @@ def _check_known(table: pd.DataFrame, entries: Collection[str]) -> None:
         way_out = "; or compare only some: recordings = [NAME] under [compare] in the session file"
     raise MissingFactError(
         f"the {quantities} of recording {name!r} {'are' if size and fps else 'is'} not in the "
-        f"data{others}{unnamed}; give {flags}, or {keys.get((size, fps), 'fps')} in the session "
-        f"file{way_out}",
+        f"data{others}{unnamed}; the session file can state {keys.get((size, fps), 'fps')}"
+        f"{way_out}",
         facts=(*["size"] * size, *["fps"] * fps),
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Iterator
 from typing import Final
 
@@ -104,8 +103,7 @@ def _subject(name: str, odd: str, *, is_left_out: bool) -> str:
     """A subject who is odd, or whose responses are not used."""
     if is_left_out:
         return f"subject {name} is left out" + (f": {odd}" if odd else "")
-    flag = shlex.join(["--leave-out", name])
-    return f"subject {name} is odd: {odd}. The responses count all the same; without them: {flag}"
+    return f"subject {name} is odd: {odd}. The responses count unless the subject is left out"
 
 
 def render_training(training: Training) -> str:
@@ -185,7 +183,7 @@ def _caution(estimator: Estimator) -> list[str]:
 def render_estimators() -> str:
     """The estimators that ship."""
     return (
-        "driver: estimators of what the driver sees (.npz), for nvcore driver estimate --model\n"
+        "driver: estimators of what the driver sees (.npz), as nvcore driver estimate takes them\n"
         f"  {SAMPLE_NAME:14} of a simulated observer, on the sample's drawings: not of people"
     )
 

@@ -164,9 +164,9 @@ def render_horizons(dataset: Dataset) -> str:
     return _text(
         [
             "horizon, which is not stated, as box heights and foot rows tell (give it as horizon "
-            "in the session file; --out writes a table that --recordings reads):",
+            "in the session file, or in a table of recordings, which this command can write):",
             *(f"  {text}" for text in horizons[:MOST_RECORDINGS]),
-            *([f"  and of {more:,} more, in the table that --out writes"] if more > 0 else []),
+            *([f"  and of {more:,} more, in that table"] if more > 0 else []),
         ]
     )
 

@@ -10,6 +10,7 @@ from builders import Box, Place, make_dataset
 from nvcore.auditing import audit
 from nvcore.auditing.boxes import repeated_rows
 from nvcore.dataset import Dataset
+from nvcore.findings import Remedy, Step
 
 STILL = [Box(f, 100, 200, 40, 100, track=1, score=0.5 + f / 100) for f in range(N)]
 FRACTIONS = [Box(f, 0.3, 0.4, 0.1, 0.2, score=0.5 + f / 100) for f in range(N)]
@@ -117,7 +118,7 @@ def test_boxes_mostly_outside_count_when_the_size_is_in_doubt() -> None:
     findings = {one.code: one for one in audit(made) if one.subject == "x"}
     for code, count in (("outside-picture", 1), ("mostly-outside-picture", 4)):
         assert findings[code].count == count
-        assert "check the image size (--size)" in findings[code].advice.lower()
+        assert findings[code].steps == (Step(Remedy.SIZE),)
 
 
 def test_a_few_boxes_mostly_outside_do_not_put_the_size_in_doubt() -> None:

@@ -11,7 +11,7 @@ from builders import NAN, Box, Place, make_dataset
 from nvcore.comparison import compare
 from nvcore.dataset import Dataset
 from nvcore.evidence.operating_points import are_unequal
-from nvcore.findings import Severity
+from nvcore.findings import Remedy, Severity, Step
 from nvcore.params import Params
 
 FRAMES = 40
@@ -47,16 +47,17 @@ def test_scores_that_end_at_different_values_are_a_warning() -> None:
 
 def test_the_advice_names_the_threshold_of_as_many_false_alarms() -> None:
     # X's ten highest are 0.41, 0.45, ..., 0.77, the next one 0.37
-    advice = find(low_and_high(), "score-floors").advice
-    assert "--threshold-x 0.38 alone leaves x 0.25 false alarms per frame" in advice
-    assert "y has 0.25 (10 false alarms in all)" in advice
+    finding = find(low_and_high(), "score-floors")
+    assert dict(finding.suggestion) == {"threshold": pytest.approx(0.38, abs=0.01)}
+    assert "0.38 for x alone leaves it 0.25 false alarms per frame" in finding.advice
+    assert "y has 0.25 (10 false alarms in all)" in finding.advice
 
 
 def test_the_threshold_is_that_of_the_system_with_more_false_alarms() -> None:
     many = [*hits(0.9, 1), *alarms([0.01] + [0.2 + i / 100 for i in range(19)], 500)]
     finding = find(compared([*hits(0.9, 2), *alarms([0.1] * 10, 400)], many), "score-floors")
     assert finding.subject == "y"
-    assert "--threshold-y 0.29" in finding.advice
+    assert "0.29 for y alone" in finding.advice
 
 
 @pytest.mark.parametrize("name", ["threshold_x", "threshold_y"])
@@ -233,7 +234,7 @@ def test_borrowed_distances_are_told_and_no_mixed_weighting() -> None:
 def test_a_single_lender_among_two_systems_is_a_warning() -> None:
     finding = find(dataset(truth_walk(), NEAR, walk()), "borrowed-distances", BORROWED)
     assert finding.severity.value == "warning"
-    assert "--missing-distance height" in finding.advice
+    assert finding.steps == (Step(Remedy.OPTION, "height", "missing_distance"),)
 
 
 def test_lenders_far_apart_are_a_warning() -> None:
@@ -248,7 +249,7 @@ def test_many_pedestrians_whom_no_distance_reaches_are_a_warning() -> None:
     finding = find(dataset(truth_walk(), seen, seen), "borrowed-distances", BORROWED)
     assert finding.severity.value == "warning"
     assert "Of 40 truth boxes 20 (50%) have no distance and weigh by height." in finding.message
-    assert finding.advice.startswith("Compare with --proximity height, too")
+    assert finding.steps == (Step(Remedy.OPTION, "height", "proximity"),)
 
 
 def test_without_any_lender_borrowing_is_a_warning_where_a_distance_is_missing() -> None:

@@ -8,6 +8,7 @@ from builders import Box, Place, make_dataset
 
 from nvcore.auditing.perspective import MIN_BOXES, audit_foot_spread, foot_spread
 from nvcore.dataset import Dataset
+from nvcore.findings import Remedy, Step
 from nvcore.params import Params
 
 
@@ -44,7 +45,7 @@ def test_feet_all_over_the_picture_are_noted_with_the_recording() -> None:
     (finding,) = audit_foot_spread(made, Params())
     assert (finding.severity.value, finding.code, finding.count) == ("note", "foot-spread", 1)
     assert "their spread is 50% of that sideways): r1" in finding.message
-    assert "--distance ground" in finding.advice
+    assert finding.steps == (Step(Remedy.OPTION, "ground", "distance"),)
 
 
 @pytest.mark.parametrize(

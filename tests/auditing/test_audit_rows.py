@@ -40,7 +40,8 @@ def test_rows_that_say_that_nothing_is_there_are_a_note() -> None:
 
 
 @pytest.mark.parametrize(
-    ("frame", "advice"), [(60, "--frames"), (-1, "count frames from 0"), (N, "count frames from 1")]
+    ("frame", "advice"),
+    [(60, "the list of"), (-1, "count frames from 0"), (N, "count frames from 1")],
 )
 def test_a_row_outside_the_listed_frames_is_a_warning(frame: int, advice: str) -> None:
     # A frame beyond the sequence's length aborted another tool. Frames just before

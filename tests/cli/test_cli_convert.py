@@ -81,8 +81,9 @@ def test_the_conversion_and_oddities_of_the_input_are_told(tmp_path: Path):
 def test_an_input_with_scores_needs_a_role(tmp_path: Path, name: str):
     mot_layout(drive(tmp_path))
     target = tmp_path / "a.json"
-    message = "this has scores, as detections have; give --role detections"
-    assert message in convert(tmp_path / name, target, "coco", exit_code=2)
+    text = convert(tmp_path / name, target, "coco", exit_code=2)
+    assert "this has scores, as detections have" in text
+    assert text.endswith(". Give --role detections, or give --role truth.\n")
     assert not target.exists()
 
 
@@ -99,7 +100,7 @@ def test_scores_are_left_out_where_the_role_is_truth(tmp_path: Path):
         ("gt.txt", "1,1,1,1,9,9,1,1,1\n" * 30 + "1.5,1,1,1,9,9,1,1,1",
          "line 31: expected a whole number as frame, found 1.5"),
         ("r.json", '[{"image_id": 1, "category_id": 1, "bbox": [1, 2, 3, 4], "score": 0.5}]',
-         "r.json: this holds detections; give --role detections"),
+         "r.json: this holds detections, not ground truth. Give --role detections."),
     ],
 )  # fmt: skip
 def test_what_is_wrong_with_the_input_is_told(
@@ -112,7 +113,7 @@ def test_what_is_wrong_with_the_input_is_told(
 
 def test_an_output_that_exists_is_kept_unless_forced(tmp_path: Path):
     target = write(tmp_path / "a.csv", "mine")
-    message = "a.csv: exists; give another file to write, or --force"
+    message = "a.csv: exists; give another file to write. Give --force."
     assert message in convert(TRUTH, target, "csv", exit_code=2)
     assert target.read_text() == "mine\n"
     convert(TRUTH, target, "csv", "--force")
@@ -165,7 +166,7 @@ def kaist(folder: Path) -> Path:
 def test_frames_that_the_format_cannot_list_are_counted(tmp_path: Path, to: str):
     text = convert(kaist(tmp_path), tmp_path / "out", to)
     assert f"9 of 11 evaluated frames have no box, and {to} cannot list frames" in text
-    assert "by itself, 3 frames are evaluated; write the list too, with --frames-out" in text
+    assert "by itself, 3 frames are evaluated; write the list of evaluated frames, too" in text
 
 
 def test_single_frames_that_come_back_with_those_between_are_counted(tmp_path: Path):
@@ -250,7 +251,6 @@ def test_a_given_size_is_written_to_coco_which_needs_it(tmp_path: Path):
     arguments = (drive(tmp_path) / "truth.csv", tmp_path / "a.json", "coco")
     text = convert(*arguments)
     assert "the image size of 2 of 2 recordings is not known" in text
-    assert "give --size WIDTHxHEIGHT" in text
     assert "warning" not in convert(*arguments, "--size", "640x480", "--force")
     document = json.loads((tmp_path / "a.json").read_text())
     entries = [*document["images"], *document["videos"]]
@@ -259,7 +259,7 @@ def test_a_given_size_is_written_to_coco_which_needs_it(tmp_path: Path):
 
 def test_a_given_size_that_contradicts_the_data_is_told_and_not_written(tmp_path: Path):
     source, target = mot_layout(tmp_path / "in"), tmp_path / "a.json"
-    assert "another size than --size for 2 of 2 recordings; theirs is written" in (
+    assert "another size than the given one for 2 of 2 recordings; theirs is written" in (
         convert(source, target, "coco", "--size", "10x10")
     )
     assert {one["width"] for one in json.loads(target.read_text())["images"]} == {640}

@@ -87,8 +87,8 @@ def test_a_missing_size_proposes_that_of_kitti():
     truth, x = DATA / "kitti_tracking" / "0016.txt", DATA / "kitti_detections" / "ab3dmot.txt"
     result = nvcore("check", "--truth", truth, "--x", x, "--fps", 10)
     assert result.exit_code == 2
-    assert "; give --size WIDTHxHEIGHT, " in result.stderr
-    assert ". Usual in KITTI: --size 1242x375 (some of its recordings have " in result.stderr
+    assert ". Give --size WIDTHxHEIGHT. Usual in KITTI: " in result.stderr
+    assert " Usual in KITTI: --size 1242x375 (some of its recordings have " in result.stderr
     result = nvcore("check", "--truth", truth, "--x", x, "--size", "1242x375")
     assert result.stderr.endswith(". Usual in KITTI: --fps 10\n")
 

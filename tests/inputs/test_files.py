@@ -10,6 +10,7 @@ import pytest
 from inputs import mot_layout, write
 
 from nvcore.errors import InputError
+from nvcore.findings import Remedy, Step
 from nvcore.inputs.files import digest, find_files, system_name, system_names
 from nvcore.inputs.session import Source
 
@@ -178,8 +179,9 @@ def test_a_seqinfo_named_beside_its_truth_is_no_annotation(tmp_path: Path) -> No
 @pytest.mark.parametrize("role", ["truth", "detections"])
 def test_a_list_of_frames_says_where_it_belongs(tmp_path: Path, role: str, n: int):
     write(tmp_path / "frames.txt", *(str(frame) for frame in range(n)))
-    with pytest.raises(InputError, match=r"list of evaluated frames.*--frames"):
+    with pytest.raises(InputError, match="list of evaluated frames") as raised:
         names(tmp_path, "frames.txt", role=role)
+    assert raised.value.steps == (Step(Remedy.FRAME_LIST),)
 
 
 def refused(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

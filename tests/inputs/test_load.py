@@ -25,6 +25,7 @@ from reader_files import rows
 import nvcore as nv
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError, MissingFactError, SessionError
+from nvcore.findings import Remedy, Step
 from nvcore.inputs.load import load, read_source
 from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from nvcore.metrics.encounter_classes import classes_of
@@ -163,15 +164,18 @@ def test_a_recording_does_not_get_the_name_of_another_that_a_system_holds(tmp_pa
 @pytest.mark.parametrize(
     ("unknown", "words"),
     [
-        (("size",), "image size of .* is not .* give --size WIDTHxHEIGHT, or width"),
-        (("fps",), "frame rate of .* is not .* give --fps FPS, or fps in the session"),
-        (("size", "fps"), "size and frame rate of .* are not .* give --size .* and --fps FPS"),
+        (("size",), "image size of .* is not .* session file can state width and height"),
+        (("fps",), "frame rate of .* is not .* session file can state fps"),
+        (("size", "fps"), "size and frame rate of .* are not .* state width, height and fps"),
     ],
 )
-def test_an_error_names_all_unknown_facts_and_their_flags(tmp_path: Path, unknown, words: str):
+def test_an_error_names_all_unknown_facts(tmp_path: Path, unknown, words: str):
     with pytest.raises(MissingFactError, match=words) as caught:
         load(session_of(one_box(tmp_path), "truth.csv", "fir.csv", **dict.fromkeys(unknown)))
+    remedies = {"size": Remedy.SIZE, "fps": Remedy.RATE}
     assert caught.value.facts == unknown
+    assert [step.remedy for step in caught.value.steps] == [remedies[fact] for fact in unknown]
+    assert caught.value.needs_all_steps
 
 
 def test_an_unknown_fact_of_several_recordings_says_of_how_many(tmp_path: Path):
@@ -262,8 +266,10 @@ def test_a_recording_without_truth_counts_where_its_frames_are_given(tmp_path: P
 def test_no_frame_at_all_asks_for_frames(tmp_path: Path):
     write(tmp_path / "truth.csv", TRUTH)
     write(tmp_path / "fir.csv", DETECTIONS, "0,1,1,5,10,0.5")
-    with pytest.raises(MissingFactError, match=r"truth\.csv: no frame is evaluated.*--frames"):
+    with pytest.raises(MissingFactError, match=r"truth\.csv: no frame is evaluated") as raised:
         load(session_of(tmp_path, "truth.csv", "fir.csv"))
+    assert raised.value.steps == (Step(Remedy.CLASSES), Step(Remedy.FRAMES))
+    assert not raised.value.needs_all_steps
 
 
 def test_progress_names_each_step(tmp_path: Path):

@@ -5,6 +5,7 @@ import pytest
 from builders import at, make_dataset, result_of
 
 from nvcore.errors import ParameterError
+from nvcore.findings import Remedy, Step
 from nvcore.metrics.similarity import find_low_intervals, runs_of, smooth, summarise_similarity
 from nvcore.scoring import SystemResult
 
@@ -51,8 +52,9 @@ def test_rounding_never_takes_similarity_below_0(alpha: float, width: float) -> 
 
 
 def test_proximity_by_horizon_without_a_horizon_says_what_to_give() -> None:
-    with pytest.raises(ParameterError, match="give --horizon, or horizon for every recording"):
+    with pytest.raises(ParameterError, match="for all recordings or for each") as raised:
         result_of(make_dataset(n_frames=1), proximity="horizon")
+    assert raised.value.steps == (Step(Remedy.OPTION, "", "horizon"),)
 
 
 def test_boxes_without_a_distance_are_weighed_by_height_and_counted() -> None:

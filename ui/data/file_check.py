@@ -22,7 +22,7 @@ from nvcore.schema import NO_TRACK
 from ui.confined.reading import find_confined, read_confined
 from ui.session import state
 from ui.session.cache import Caching
-from ui.shell.page_words import page_text
+from ui.shell.messages import error_text
 from ui.widgets.text import plain
 
 USUAL_IN_KITTI: Final = ("kitti-tracking", "kitti-object")
@@ -68,7 +68,7 @@ def read_unless_known(
         try:
             return read()
         except NvcoreError as error:
-            return refuse(page_text(error))
+            return refuse(error_text(error))
 
     key = (str(file), status.st_mtime_ns, status.st_size)
     return state.workspace().cached(kind, key, read_or_refuse)
@@ -147,11 +147,11 @@ def _check(
         )
     except MissingFactError as error:
         if not error.facts:
-            return FileCheck(trouble=page_text(error))
+            return FileCheck(trouble=error_text(error))
         # formats that need the size never hold a frame rate
         return FileCheck(unknown=frozenset(error.facts) | _RATE[role], format=name)
     except NvcoreError as error:
-        return FileCheck(trouble=page_text(error))
+        return FileCheck(trouble=error_text(error))
     frames = reading.boxes["frame"]
     unknown = _unknown(reading) if role == "truth" else frozenset()
     summary, first_frame = f"{title}: {len(frames):,} boxes", None

@@ -32,7 +32,7 @@ from ui.data.recordings_table import (
 )
 from ui.session.local_files import Entry, LocalRoot
 from ui.session.opening import check_confined
-from ui.shell.page_words import page_text
+from ui.shell.messages import error_text
 from ui.widgets.buttons import button
 from ui.widgets.text import plain
 
@@ -170,7 +170,7 @@ def _check(
         check_confined(Session(root.folder, source, ()), root.folder)
         paths_read = find_confined(source, root.folder, role).paths
     except NvcoreError as error:
-        return FileCheck(trouble=page_text(error))
+        return FileCheck(trouble=error_text(error))
     key = (*paths, role, _state_of(root, paths_read))
     return check_files(
         key, lambda: source, role=role, folder=root.folder, truth=truth, objects=objects

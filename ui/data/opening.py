@@ -12,8 +12,8 @@ from streamlit.delta_generator import DeltaGenerator
 from nvcore.errors import MissingFactError, NvcoreError
 from nvcore.inputs.session import Session
 from ui.session import state
+from ui.shell.messages import error_text
 from ui.shell.navigate import ask_for_page
-from ui.shell.page_words import page_text
 from ui.widgets.text import plain
 
 _KEY: Final = "data_trouble"
@@ -61,9 +61,9 @@ def try_to_open(
     try:
         state.open_session(session() if callable(session) else session, label=label)
     except MissingFactError as error:
-        trouble = Trouble(_question(error.facts) or page_text(error), label, error.facts)
+        trouble = Trouble(_question(error.facts) or error_text(error), label, error.facts)
     except NvcoreError as error:
-        trouble = Trouble(page_text(error), label)
+        trouble = Trouble(error_text(error), label)
     # only reached when it failed: opening something starts the run again
     st.session_state[_key(place)] = trouble
     st.rerun()

@@ -44,7 +44,7 @@ from ui.session.uploads import (
     store_annotations,
 )
 from ui.session.workspace import PICTURES, Workspace
-from ui.shell.page_words import page_text
+from ui.shell.messages import error_text
 from ui.widgets.buttons import button
 from ui.widgets.text import plain
 from ui.widgets.upload import upload_pictures
@@ -319,7 +319,7 @@ def _store(space: Workspace, fields: Sequence[_Field]) -> _Stored:
                 _refuse_equal_names(field.files)
                 paths[field.slot] = store_annotations(space, folder, field.slot, field.files)
             except NvcoreError as error:
-                troubles[field.slot] = page_text(error)
+                troubles[field.slot] = error_text(error)
     stored = st.session_state[_STORED] = _Stored(ids, folder, paths, troubles)
     return stored
 

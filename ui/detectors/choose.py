@@ -15,7 +15,7 @@ from nvcore.wording import count_text, listed, shortened
 from ui.detectors.asking import described, trained_recordings
 from ui.detectors.confined import DetectorFacts, DetectorSpec
 from ui.session import state
-from ui.shell.page_words import page_text
+from ui.shell.messages import error_text, shown_error
 from ui.widgets.models import ModelKind, draw_field, is_sent, model_files
 from ui.widgets.text import docs_link, plain
 
@@ -85,7 +85,7 @@ def checked(spec: DetectorSpec) -> DetectorFacts | None:
     try:
         return described(spec)
     except NvcoreError as error:
-        st.error(plain(page_text(error)), icon=":material/error:")
+        st.error(shown_error(error), icon=":material/error:")
         return None
 
 
@@ -106,7 +106,7 @@ def _options() -> dict[str, tuple[str, DetectorSpec]]:
 
 def _take_model() -> None:
     """The field for a model."""
-    draw_field(KIND, "Model file (.npz, as nvcore train writes it)", shown=page_text)
+    draw_field(KIND, "Model file (.npz, as nvcore train writes it)", shown=error_text)
     st.caption(
         "It stays on this server while the tab is open. Networks in ONNX are programs: they are "
         "run only from the folder that the app was started with "

@@ -10,7 +10,7 @@ from ui.detectors import asking, choose, inside, run, settings, trial
 from ui.detectors.confined import DetectorFacts, DetectorSpec
 from ui.detectors.finished import RUN, OnScreen
 from ui.session import state
-from ui.shell.page_words import page_text
+from ui.shell.messages import shown_error
 from ui.widgets.recording import choose_recording_and_frame
 from ui.widgets.text import docs_link, plain
 
@@ -43,7 +43,7 @@ def _draw_picture(spec: DetectorSpec, what: DetectorFacts, picture: Picture) -> 
     try:
         trial.draw(spec, what, picture, has_run=state.workspace().job(RUN) is not None)
     except NvcoreError as error:  # it takes too long, or too much memory
-        st.error(plain(page_text(error)), icon=":material/error:")
+        st.error(shown_error(error), icon=":material/error:")
         return
     if what.inside is not None:
         inside.draw(spec, what.inside, picture)

@@ -29,10 +29,9 @@ from ui.detectors.confined import (
 )
 from ui.detectors.trial import chosen_box
 from ui.session import state
-from ui.shell.page_words import page_text
+from ui.shell.messages import shown_error
 from ui.widgets.charts import draw_chart
 from ui.widgets.choices import choose_side_by_side
-from ui.widgets.text import plain
 
 VIEWS: Final = {
     "pictures": "Picture and channels",
@@ -71,7 +70,7 @@ def draw(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
                 "more background, that which the round before took for objects: it is harder."
             )
     except NvcoreError as error:  # the picture is too small at that scale
-        st.warning(plain(page_text(error)), icon=":material/warning:")
+        st.warning(shown_error(error), icon=":material/warning:")
 
 
 def _choose_scale(inside: Inside, picture: Picture) -> float:

@@ -13,7 +13,7 @@ from nvcore.errors import NvcoreError
 from nvcore.wording import count_text, listed
 from ui.confined.driver import EstimatorFacts, EstimatorSpec, describe_estimator
 from ui.session import state
-from ui.shell.page_words import page_text
+from ui.shell.messages import error_text, shown_error
 from ui.widgets.models import ModelKind, draw_field, model_files
 from ui.widgets.text import docs_link, plain
 
@@ -69,7 +69,7 @@ def draw() -> EstimatorSpec | None:
         try:
             facts = described(spec)
         except NvcoreError as error:
-            st.error(plain(page_text(error)), icon=":material/error:")
+            st.error(shown_error(error), icon=":material/error:")
             return None
         _draw_facts(facts)
     return spec
@@ -87,7 +87,7 @@ def _options() -> dict[str, tuple[str, EstimatorSpec]]:
 
 
 def _draw_field() -> None:
-    draw_field(KIND, "Estimator (.npz, as nvcore driver train writes it)", shown=page_text)
+    draw_field(KIND, "Estimator (.npz, as nvcore driver train writes it)", shown=error_text)
     st.caption(
         "It stays on this server while the tab is open. How one is trained: by trials of the page "
         f"Study ({docs_link('how', 'estimators', doc='driver')})."

@@ -21,6 +21,7 @@ from ui.session.results.findings import input_findings
 from ui.session.workspace import Workspace
 from ui.settings.start import start_file
 from ui.shell.navigate import open_page
+from ui.shell.remedies import ways_text
 from ui.widgets.buttons import button
 from ui.widgets.text import plain
 
@@ -81,12 +82,21 @@ def path_remover() -> Callable[[object], str]:
     return partial(public_text, folders=_folders())
 
 
+def error_text(error: BaseException) -> str:
+    """The error with its ways on, without the paths of the machine; not yet plain."""
+    text = without_paths(error)
+    if not isinstance(error, NvcoreError):
+        return text
+    ways = ways_text(error.steps, are_all_needed=error.needs_all_steps)
+    return f"{text.rstrip('.')}. {ways}" if ways else text
+
+
 def shown_error(error: BaseException) -> str:
-    """The error as Markdown that shows it as it is, without the paths of the machine.
+    """`error_text` as Markdown that shows it as it is.
 
     Opens nothing, so that it also works where the workspace itself could not be opened.
     """
-    return plain(without_paths(error))
+    return plain(error_text(error))
 
 
 def shown_root() -> Path | None:

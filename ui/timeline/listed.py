@@ -13,7 +13,6 @@ from ui.session import state
 from ui.shell import review
 from ui.shell.messages import without_paths
 from ui.shell.navigate import open_page
-from ui.shell.page_words import page_text
 from ui.widgets.buttons import button
 from ui.widgets.steps import draw_steps
 from ui.widgets.text import plain
@@ -44,7 +43,7 @@ def draw() -> None:
         return
     with st.container(border=True, key="listed", gap="small"):
         with st.container(horizontal=True, vertical_alignment="center"):
-            text = shortened(page_text(walk.finding.message), MOST_WORDS)
+            text = shortened(without_paths(walk.finding.message), MOST_WORDS)
             st.markdown(f"**{plain(review.subject_text(walk.finding))}:** {plain(text)}")
             if button(
                 "Back to the list", key="listed_back", icon=":material/list:", type="tertiary"

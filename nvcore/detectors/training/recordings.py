@@ -104,7 +104,7 @@ def _left_out(
     n_low, n_others = int(is_low.sum()), int((is_out & ~is_low).sum())
     boxes = "box", "boxes"
     parts = {
-        f"{count_text(n_low, *boxes)} lower than {least:g} px (--least-height)": n_low,
+        f"{count_text(n_low, *boxes)} lower than the least height, {least:g} px": n_low,
         f"{count_text(n_others, *boxes)} that do not count: ignored, mostly hidden, cut off by the "
         "edge, or left out by the session's protocol": n_others,
     }

@@ -86,8 +86,7 @@ class Training:
         """How many were learned, in how many pictures."""
         pictures = count_text(self.n_pictures, "picture")
         if self.training_data.every > 1:
-            every = self.training_data.every
-            pictures += f", one in {every} of the evaluated frames (--every {every})"
+            pictures += f", one in {self.training_data.every} of the evaluated frames"
         return f"{count_text(self.n_objects, 'box', 'boxes')} learned in {pictures}"
 
     @property

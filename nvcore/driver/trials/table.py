@@ -20,6 +20,7 @@ from nvcore.driver.trials.reading import (
 )
 from nvcore.driver.trials.subjects import CELL, subjects_table
 from nvcore.errors import InputError
+from nvcore.findings import Remedy, Step
 from nvcore.inputs.driver.picture_boxes import PEDESTRIAN
 from nvcore.inputs.driver.trials import LATE_S, NO_ANSWER, is_same_time
 from nvcore.metrics.shares import share_of
@@ -135,8 +136,9 @@ def training_table(
     if boxes is None and own_boxes is None:
         raise InputError(
             "to judge the responses the boxes of the pedestrians are needed: columns x,y,w,h "
-            "here, or a file of image,pedestrian,x,y,w,h (--boxes)",
+            "here, or a file of image,pedestrian,x,y,w,h",
             file=features,
+            steps=(Step(Remedy.OPTION, "", "boxes"),),
         )
     places = own_boxes if boxes is None else read_boxes(boxes)
     assert places is not None

@@ -176,15 +176,19 @@ def detect_format(files: Sequence[SourceFile], role: Role) -> Format:
         for candidate in FORMATS:
             if role in candidate.roles and candidate.recognise(file.name, head, role):
                 return candidate
-        raise UnknownFormatError(
-            _unknown(file, content, head, role),
-            file=file.name,
-            steps=() if binary_kind(content) else (Step(Remedy.TABLE, _TABLE[role]),),
-        )
+        text = _recognised(file, content, head, role)
+        steps = [] if binary_kind(content) else [Step(Remedy.TABLE, _TABLE[role])]
+        if not text:
+            first = head.strip().splitlines()[0][:60]
+            readable = ", ".join(c.name for c in FORMATS if role in c.roles)
+            text = f"no reader recognises this as {role}; it begins with {first!r}. "
+            text += f"Name the format, one of {readable}"
+            steps.insert(0, Step(Remedy.FORMAT))
+        raise UnknownFormatError(text, file=file.name, steps=tuple(steps))
     raise UnknownFormatError(
-        f"the format cannot be told: the first {len(files[:MAX_LOOKS])} files are empty; name it "
-        "with --format",
+        f"the format cannot be told: the first {len(files[:MAX_LOOKS])} files are empty",
         file=files[0].name if files else None,
+        steps=(Step(Remedy.FORMAT),),
     )
 
 
@@ -199,8 +203,8 @@ def holds_nothing(files: Sequence[SourceFile]) -> bool:
     return bool(files) and all(not _head(file).strip() for file in files)
 
 
-def _unknown(file: SourceFile, content: bytes, head: str, role: Role) -> str:
-    """What a file is that no format takes in this role, and what to do."""
+def _recognised(file: SourceFile, content: bytes, head: str, role: Role) -> str:
+    """What a file is that no format takes in this role; empty: nobody knows."""
     kind = binary_kind(content)
     if kind is not None:
         return f"expected {_HOLDS[role]}, found {kind}"
@@ -219,14 +223,7 @@ def _unknown(file: SourceFile, content: bytes, head: str, role: Role) -> str:
             "name (file_name); call the one that is so"
         )
     foreign = describe_foreign(file, head, role)
-    if foreign is not None:
-        return f"no reader recognises this as {role}: it is {foreign}"
-    first = head.strip().splitlines()[0][:60]
-    readable = ", ".join(c.name for c in FORMATS if role in c.roles)
-    return (
-        f"no reader recognises this as {role}; it begins with {first!r}. Name the format with "
-        f"--format (one of {readable})"
-    )
+    return "" if foreign is None else f"no reader recognises this as {role}: it is {foreign}"
 
 
 def _head(file: SourceFile) -> bytes:

@@ -313,7 +313,6 @@ def _boxes(
                 "boxes are shares of the picture: its size is needed",
                 file=source.file.name,
                 facts=("size",),
-                steps=(Step(Remedy.SIZE),),
             )
         numbers = numbers * [*options.size, *options.size]
         fact = f"shares of the picture to pixels of {options.size[0]} x {options.size[1]}; {fact}"

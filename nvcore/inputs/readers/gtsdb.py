@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.errors import InputError
+from nvcore.findings import Remedy, Step
 from nvcore.inputs.readers.base import (
     Format,
     Lines,
@@ -143,9 +144,9 @@ def _check_objects(file: SourceFile, options: ReadOptions) -> None:
     if options.classes is None and not any(map(options.objects.counts, CLASSES)):
         raise InputError(
             f"these are traffic signs, and none is called {options.objects.singular}: say what the "
-            'boxes are of (--objects "speed sign"), or which classes count (--classes, by number '
-            "or name)",
+            "boxes are of, or which classes count, by number or name",
             file=file.name,
+            steps=(Step(Remedy.OPTION, "speed sign", "objects"), Step(Remedy.CLASSES)),
         )
 
 

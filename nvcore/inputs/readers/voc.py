@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from nvcore.findings import Finding
+from nvcore.findings import Finding, Remedy, Step
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
     Format,
@@ -127,8 +127,9 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
             is_before_first,
             "box-base",
             "Boxes have xmin or ymin 0, but Pascal VOC counts pixels from 1.",
-            "The files seem to count from 0: say so with --box-base 0.",
+            "The files seem to count from 0: say so.",
             role=options.role,
+            steps=(Step(Remedy.BOX_BASE, "0"),),
         ),
         *odd_sizes,
         *choice.findings,

@@ -119,8 +119,8 @@ def read(files: Sequence[SourceFile], options: ReadOptions) -> Reading:
     named = listed_frames(frames, options)
     if options.size is None:
         raise MissingFactError(
-            "YOLO text holds shares of the picture's width and height: give the size of the "
-            "pictures with --size WIDTHxHEIGHT",
+            "YOLO text holds shares of the picture's width and height: the size of the pictures is "
+            "needed",
             file=files[0].name if files else None,
             facts=("size",),
         )

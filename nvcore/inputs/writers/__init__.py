@@ -12,6 +12,7 @@ import tomli_w
 
 from nvcore.errors import InputError, UnknownFormatError
 from nvcore.file_kinds import suffix_of
+from nvcore.findings import Remedy, Step
 from nvcore.inputs.readers.base import Reading, Role
 from nvcore.inputs.writers.classes import class_names
 from nvcore.inputs.writers.coco import attribute_texts, coco_bytes
@@ -174,7 +175,8 @@ def _write_files(contents: dict[Path, bytes], inputs: Sequence[Path], force: boo
         if any(path.is_file() and target.samefile(path) for path in inputs):
             raise InputError("is the input; give another file to write", file=target)
         if not force:
-            raise InputError("exists; give another file to write, or --force", file=target)
+            force_step = Step(Remedy.OPTION, "", "force")
+            raise InputError("exists; give another file to write", file=target, steps=(force_step,))
     for target, content in contents.items():
         write_whole(target, content)
     return list(contents)

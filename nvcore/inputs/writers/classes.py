@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from nvcore.errors import InputError
+from nvcore.findings import Remedy, Step
 from nvcore.inputs.readers.base import Reading
 from nvcore.objects import Objects
 from nvcore.schema import NO_LABEL
@@ -55,11 +56,11 @@ def category_ids(reading: Reading, truth: Reading | None, objects: Objects) -> l
     if missing and (has_categories or len(reading.labels) > 1):
         classes = ", ".join(_name(label, objects) for label in missing)
         raise InputError(
-            "results of COCO number their classes as the truth does; give it with --truth, or "
-            "write csv"
+            "results of COCO number their classes as the truth does: it is needed; or write csv"
             if truth is None
             else f"the truth has no category for {classes}, which results of COCO could name; "
-            "write csv"
+            "write csv",
+            steps=(Step(Remedy.OPTION, "", "truth"),) if truth is None else (),
         )
     of_label = [ids.get(label, 1) for label in reading.labels]
     without = ids.get(objects.label_of(objects.singular), 1)

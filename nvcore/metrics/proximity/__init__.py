@@ -10,6 +10,7 @@ import numpy as np
 
 from nvcore.columns import BoxColumns, FrameColumns
 from nvcore.errors import ParameterError
+from nvcore.findings import Remedy, Step
 from nvcore.params import SETTINGS, Params
 from nvcore.params.traffic import UNSTATED
 
@@ -81,8 +82,9 @@ def weigh_proximity(
     by_horizon = params.proximity == "horizon"
     if by_horizon and np.isnan(horizon).any():
         raise ParameterError(
-            "proximity by horizon needs the row of the horizon: give --horizon, or horizon for "
-            "every recording in the session file; nvcore check estimates it from the boxes"
+            "proximity by horizon needs the row of the horizon, for all recordings or for each "
+            "(horizon in the session file); nvcore check estimates it from the boxes",
+            steps=(Step(Remedy.OPTION, "", "horizon"),),
         )
     zero = horizon + midpoint if by_horizon else midpoint
     k = np.empty(len(boxes))

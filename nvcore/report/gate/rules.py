@@ -37,8 +37,6 @@ _RULE: Final = re.compile(
 )
 OF_CLASSES: Final = ("new_misses", "mended_misses", "missed_by_both", "encounters")
 """Measures that a rule may ask of one class of encounters: ``new_misses.child``."""
-SOME_SESSION: Final = "SESSION_FILE"
-"""What stands in a command for the file of a session that is not known."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +87,7 @@ def parse_rule(text: str) -> Rule:
 
 
 def read_rules(
-    lines: Iterable[tuple[str, str]], names: Sequence[str], *, session: str = SOME_SESSION
+    lines: Iterable[tuple[str, str]], names: Sequence[str]
 ) -> tuple[list[Rule], list[str]]:
     """Rules from lines, and what is wrong with invalid lines.
 
@@ -100,8 +98,6 @@ def read_rules(
         follows a ``#``, are skipped.
     names
         Names of the existing measures.
-    session
-        File of the session, as a shell reads it: whose measures can be listed.
     """
     rules, problems = [], []
     for where, line in lines:
@@ -110,7 +106,7 @@ def read_rules(
             continue
         try:
             rule = parse_rule(text)
-            check_name(rule, names, session=session)
+            check_name(rule, names)
         except ParameterError as error:
             problems.append(f"{where}: {error}")
         else:
@@ -130,7 +126,7 @@ def class_in(name: str) -> str:
     return wanted if of_all in OF_CLASSES else ""
 
 
-def check_name(rule: Rule, names: Iterable[str], *, session: str = SOME_SESSION) -> None:
+def check_name(rule: Rule, names: Iterable[str]) -> None:
     """Refuse a rule about none of these measures.
 
     Raises
@@ -143,7 +139,4 @@ def check_name(rule: Rule, names: Iterable[str], *, session: str = SOME_SESSION)
         return
     close = get_close_matches(rule.name, existing, n=3, cutoff=0.5)
     hint = f"; did you mean {', '.join(close)}?" if close else ""
-    raise ParameterError(
-        f"{rule.text!r}: there is no measure {rule.name!r}{hint} (nvcore gate {session} --list "
-        "shows all)"
-    )
+    raise ParameterError(f"{rule.text!r}: there is no measure {rule.name!r}{hint}")

@@ -15,6 +15,7 @@ from nvcore.driver.feature_record import record_beside, record_bytes
 from nvcore.driver.features import FeatureSettings
 from nvcore.driver.trials import training_table
 from nvcore.errors import InputError
+from nvcore.findings import Remedy, Step
 
 FEW = ("A", "B", "C", "D")
 
@@ -105,8 +106,9 @@ def test_what_lacks_boxes_or_features_is_refused(tmp_path: Path):
     trials = made_trials(features, FEW)
     without_boxes = features.drop(columns=["x", "y", "w", "h"])
     files = written(tmp_path, trials, without_boxes)
-    with pytest.raises(InputError, match=r"features\.csv: .* the boxes .* \(--boxes\)"):
+    with pytest.raises(InputError, match=r"features\.csv: .* the boxes .*") as raised:
         training_table(*files)
+    assert raised.value.steps == (Step(Remedy.OPTION, "", "boxes"),)
     boxes = tmp_path / "boxes.csv"
     features[["image", "pedestrian", "x", "y", "w", "h"]].to_csv(boxes, index=False)
     assert training_table(*files, boxes=boxes).n_pedestrians == 3

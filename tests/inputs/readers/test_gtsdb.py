@@ -9,6 +9,7 @@ import pytest
 from reader_files import rows, source
 
 from nvcore.errors import FormatError, InputError
+from nvcore.findings import Remedy, Step
 from nvcore.inputs.load import load
 from nvcore.inputs.readers.base import Reading, ReadOptions
 from nvcore.inputs.readers.gtsdb import CLASSES, read
@@ -82,8 +83,10 @@ def test_other_objects_are_told_by_the_names_of_the_classes(tmp_path: Path):
 
 
 def test_pedestrians_are_not_among_traffic_signs(tmp_path: Path):
-    with pytest.raises(InputError, match=r'none is called pedestrian.*--objects "speed sign"'):
+    with pytest.raises(InputError, match="none is called pedestrian") as raised:
         read_rows(tmp_path, objects=objects_from("pedestrian"))
+    of_signs = Step(Remedy.OPTION, "speed sign", "objects")
+    assert raised.value.steps == (of_signs, Step(Remedy.CLASSES))
 
 
 @pytest.mark.parametrize(

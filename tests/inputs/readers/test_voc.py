@@ -8,6 +8,7 @@ import pytest
 from reader_files import golden, only_finding, rows, source
 
 from nvcore.errors import FormatError, InputError
+from nvcore.findings import Remedy, Step
 from nvcore.inputs.readers.base import Reading, ReadOptions
 from nvcore.inputs.readers.voc import read
 
@@ -80,7 +81,7 @@ def test_corners_at_0_make_the_base_suspicious_unless_it_is_0(tmp_path: Path) ->
     body = object_at(1, 1, 9, 9) + object_at(0, 3, 9, 9)
     finding = only_finding(read_xml(tmp_path, body), "box-base")
     assert (finding.count, finding.example) == (1, "line 3")
-    assert "--box-base 0" in finding.advice
+    assert finding.steps == (Step(Remedy.BOX_BASE, "0"),)
     assert read_xml(tmp_path, body, box_base=0).findings == ()
 
 

@@ -8,6 +8,7 @@ import pytest
 from reader_files import golden, only_finding, rows, source
 
 from nvcore.errors import FormatError, InputError, MissingFactError, UnnamedClassesError
+from nvcore.findings import Remedy, Step
 from nvcore.inputs.readers.base import LeftOut, Reading, ReadOptions
 from nvcore.inputs.readers.yolo import read, recognise
 
@@ -41,9 +42,10 @@ def test_shares_become_pixels_and_an_empty_file_an_evaluated_frame() -> None:
     assert "class 0 throughout: counted (no names)" in reading.conversion
 
 
-def test_without_a_size_the_error_names_the_flag() -> None:
-    with pytest.raises(MissingFactError, match="--size WIDTHxHEIGHT"):
+def test_without_a_size_the_error_asks_for_it() -> None:
+    with pytest.raises(MissingFactError, match="the size of the pictures is needed") as raised:
         read_golden(size=None)
+    assert raised.value.steps == (Step(Remedy.SIZE),)
 
 
 def test_several_classes_without_names_are_asked_for(tmp_path: Path) -> None:

@@ -12,7 +12,6 @@ from nvcore.findings import (
     TRUTH_NAME,
     Finding,
     Severity,
-    steps_text,
     worst_first,
 )
 from nvcore.inputs.remedies import applied
@@ -22,9 +21,8 @@ from ui.session import state
 from ui.session.opening import corrected, corrections_up_to
 from ui.session.results.findings import input_findings
 from ui.shell.messages import without_paths
-from ui.shell.page_words import page_text
 from ui.shell.recordings_filter import filter_text
-from ui.shell.remedies import BUTTONS, TEXTS
+from ui.shell.remedies import BUTTONS, ways_text
 from ui.shell.review import subject_text
 from ui.widgets.buttons import button
 from ui.widgets.text import plain
@@ -89,7 +87,7 @@ def _draw_one(findings: Sequence[Finding], finding: Finding, number: int) -> Non
     with st.container(border=True):
         st.markdown(
             f"{BADGES[finding.severity]} **{plain(subject_text(finding))}:** "
-            f"{plain(page_text(finding.message))}"
+            f"{plain(without_paths(finding.message))}"
         )
         where = ", ".join(part for part in (without_paths(finding.file), finding.example) if part)
         if where:
@@ -109,8 +107,9 @@ def _draw_ways(finding: Finding, number: int) -> None:
     """What to do; a button for each way on that needs no more than the session."""
     opened = state.opened()
     ways = [(step, applied(opened.session, step, opened.dataset.systems)) for step in finding.steps]
-    by_hand = steps_text([step for step, session in ways if session is None], TEXTS)
-    st.markdown(f"*What to do:* {plain(f'{page_text(finding.advice)} {by_hand}'.strip())}")
+    by_hand = ways_text([step for step, session in ways if session is None], state.systems())
+    advice = f"{without_paths(finding.advice)} {by_hand}".strip()
+    st.markdown(f"*What to do:* {plain(advice)}")
     with st.container(horizontal=True):
         for at, (step, session) in enumerate(ways):
             if session is not None and button(

@@ -34,7 +34,7 @@ from ui.data.recordings.names import n_changes, use_names
 from ui.session import state
 from ui.session.opening import with_recordings
 from ui.session.uploads import SentFile, new_upload, store_annotations
-from ui.shell.page_words import page_text
+from ui.shell.messages import shown_error
 from ui.widgets.buttons import submit_button
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
@@ -211,7 +211,7 @@ def _filled(table: pd.DataFrame, file: SentFile, choices: Mapping[str, str | Non
     try:
         entries = _by_name_here(_entries(file), table["name"].tolist())
     except NvcoreError as error:
-        st.error(plain(page_text(error)), icon=":material/error:")
+        st.error(shown_error(error), icon=":material/error:")
         return table
     if isinstance(entries, str):
         st.error(plain(entries), icon=":material/error:")
@@ -266,7 +266,7 @@ def _apply(before: pd.DataFrame, after: pd.DataFrame, choices: Mapping[str, str 
         if {field for change in changes.values() for field in change} <= NAMES_ALONE:
             use_names({}, changes)
     except NvcoreError as error:
-        st.error(plain(page_text(error)), icon=":material/error:")
+        st.error(shown_error(error), icon=":material/error:")
         return
     opened = state.opened()
     session = with_recordings(opened.session, before["name"].tolist(), changes)

@@ -15,7 +15,7 @@ from nvcore.inputs.session import Session
 from ui.session import state
 from ui.session.chosen import rename_chosen
 from ui.session.opening import with_recordings
-from ui.shell.page_words import page_text
+from ui.shell.messages import shown_error
 from ui.widgets.buttons import submit_button
 from ui.widgets.text import plain
 
@@ -52,7 +52,7 @@ def draw_systems() -> None:
     try:
         use_names(new, {})
     except NvcoreError as error:
-        st.error(plain(page_text(error)), icon=":material/error:")
+        st.error(shown_error(error), icon=":material/error:")
 
 
 def use_names(systems: Mapping[str, str], changes: Mapping[str, Mapping[str, Any]]) -> None:

@@ -12,7 +12,7 @@ from nvcore.auditing import (
     audit_system,
     audit_view,
     ranked,
-    role_of,
+    threshold_of,
 )
 from nvcore.auditing.pictures import audit_pictures
 from nvcore.dataset import Dataset
@@ -56,11 +56,11 @@ def findings_kept_by(
     def make() -> tuple[Finding, ...]:
         findings = [*cached("audit_inputs", (), lambda: audit_inputs(dataset))]
         for name in dataset.systems:
-            threshold, letter = role_of(name, (x, y), relevant)
+            threshold = threshold_of(name, (x, y), relevant)
             findings += cached(
                 "audit_system",
-                (name, threshold, letter),
-                partial(audit_system, dataset, name, threshold, letter=letter),
+                (name, threshold),
+                partial(audit_system, dataset, name, threshold),
                 most=2 * len(dataset.systems),
             )
         of_pair = relevant.only_for(THRESHOLD, MATCH, PROXIMITY)

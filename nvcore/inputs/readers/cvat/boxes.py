@@ -111,7 +111,7 @@ def _attributes(
         "shared-line",
         "Boxes with different attributes stand in one line of the file: their attributes are left "
         "out.",
-        "Write each box in a line of its own (xmllint --format).",
+        "Write each box in a line of its own, as xmllint formats XML.",
         role="truth",
     )
     return np.where(is_shared, "", texts), findings

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.findings import Finding
+from nvcore.findings import Finding, Remedy, Step
 from nvcore.inputs.readers.base import (
     BOTH_ROLES,
     Format,
@@ -241,10 +241,11 @@ def _frames_of(
             1,
             "Size, start, stop and step of the task do not agree: the evaluated frames are not "
             "taken from them.",
-            "Give the evaluated frames with --frames.",
+            "Say which frames are evaluated.",
             role=options.role,
             file=file.name,
             example=f"line {task.line}: {text}",
+            steps=(Step(Remedy.FRAMES),),
         )
         return None, [finding]
     if n_frames is None:
@@ -321,7 +322,7 @@ def _findings(
     by_track = rows.sort_values(["owner", "frame"], kind="stable")
     is_last = ~by_track.duplicated("owner", keep="last").sort_index()
     findings: list[Finding] = []
-    for is_odd, code, message, advice in (
+    for is_odd, code, message, advice, *steps in (
         (
             is_visible & ((rows["frame"] - rows["start"]) % rows["step"] != 0),
             "frame-beside-step",
@@ -333,7 +334,8 @@ def _findings(
             "track-with-gap",
             "Tracks miss frames beside boxes that are no keyframes; nothing was filled in (CVAT "
             "leaves out deleted frames).",
-            "If the frames were deleted, leave them out of the evaluated frames (--frames).",
+            "If the frames were deleted, leave them out of the evaluated frames.",
+            Step(Remedy.FRAMES),
         ),
         (
             is_visible & is_early & is_last,
@@ -352,6 +354,7 @@ def _findings(
             example=lambda row: (
                 f"track {track[rows['owner'].iloc[row]]}, frame {rows['frame'].iloc[row]}"
             ),
+            steps=tuple(steps),
         )
     # a file of several tasks may number the tracks of each
     is_double = owners.duplicated(["track", "task"]).to_numpy() & (track >= 0)
