@@ -136,7 +136,7 @@ def test_the_format_is_told_from_the_first_file_that_is_not_empty():
 
 
 def test_empty_files_and_no_file_tell_no_format():
-    with pytest.raises(UnknownFormatError, match=r"000002\.txt: .* first 50 files are empty; name"):
+    with pytest.raises(UnknownFormatError, match=r"000002\.txt: .* first 50 files are empty"):
         detect_format([source("yolo/drive1/000002.txt")] * (MAX_LOOKS + 1), "truth")
     with pytest.raises(UnknownFormatError, match="cannot be told"):
         detect_format([], "truth")
