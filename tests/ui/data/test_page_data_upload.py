@@ -382,7 +382,7 @@ def test_a_list_of_frames_is_of_one_recording_and_no_ground_truth(tmp_path: Path
     assert "of one recording, and the ground truth has 2" in error.value
     send(page, "upload_truth", ("frames.txt", b"0\n3\n9\n"))
     checked(page.run())
-    assert "it belongs in the field “Evaluated frames”" in texts(page)
+    assert "Give this file as “Evaluated frames”." in texts(page)
 
 
 def test_a_gap_in_a_list_of_pictures_is_asked_about_at_its_field(tmp_path: Path):
