@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from nvcore.arguments import method_with
+from nvcore.arguments.plan import PlanArguments
+from nvcore.arguments.report import HtmlArguments
 from nvcore.auditing import audit, picture_findings
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
@@ -20,7 +23,7 @@ from nvcore.errors import InputError, ParameterError
 from nvcore.evidence.claims import Claim
 from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.operating_points import are_unequal
-from nvcore.evidence.planning import DEFAULT_KEY, POWER, Plan, Side, plan_recordings
+from nvcore.evidence.planning import Plan, plan_recordings
 from nvcore.evidence.table import evidence_table
 from nvcore.extras import needs
 from nvcore.findings import Finding, worst_first
@@ -194,38 +197,21 @@ class Comparison:
         """The differences that the verdict calls more than chance: measure, winner, p."""
         return self._verdict.claims
 
-    def plan(
-        self,
-        measure: str = DEFAULT_KEY,
-        *,
-        power: float = POWER,
-        difference: float | None = None,
-        margin: float | None = None,
-        candidate: Side = "y",
-        n_tests: int = 1,
-    ) -> Plan:
+    @method_with(PlanArguments)
+    def plan(self, asked: PlanArguments) -> Plan:
         """How many recordings like these would show a difference, or non-inferiority.
 
         Parameters
         ----------
-        measure, power, difference, margin, candidate, n_tests
-            See `nvcore.evidence.planning.plan_recordings`; a share of 3 percentage points is 0.03.
+        measure, difference, margin, candidate, power, n_tests
+            See `nvcore.arguments.PlanArguments`; a share of 3 percentage points is 0.03.
 
         Raises
         ------
         ParameterError
             If a study cannot be planned for this measure, or a value is outside its range.
         """
-        return plan_recordings(
-            self.result,
-            measure,
-            power=power,
-            difference=difference,
-            margin=margin,
-            candidate=candidate,
-            n_tests=n_tests,
-            protocol=self.protocol,
-        )
+        return plan_recordings(self.result, asked, protocol=self.protocol)
 
     def write(
         self, folder: str | Path, *, tables: TableFormat = "csv", matches: bool = False
@@ -253,16 +239,8 @@ class Comparison:
         kinds: dict[str, Any] = {"tables": tables, "matches": matches}
         write_report(self.result, self.dataset.settings, folder, self.findings, **kinds)
 
-    def write_html(
-        self,
-        path: str | Path,
-        *,
-        stability: bool | None = None,
-        title: str = "",
-        author: str = "",
-        question: str = "",
-        date: str = "",
-    ) -> None:
+    @method_with(HtmlArguments)
+    def write_html(self, arguments: HtmlArguments) -> None:
         """Write the comparison as one HTML file that explains itself; needs the extra ``report``.
 
         Parameters
@@ -280,14 +258,17 @@ class Comparison:
             If the extra is not installed.
         """
         with needs("report", "the HTML report needs"):
-            from nvcore.report.html import Inscription, write_html_report
+            from nvcore.report.html import write_html_report
 
-        path = Path(path)
+        path = Path(arguments.path)
         self._protect_inputs([path])
         write_html_report(
-            *(self.result, self.dataset.settings, self.findings, path),
-            stability=stability,
-            inscription=Inscription(title, author, question, date),
+            self.result,
+            self.dataset.settings,
+            self.findings,
+            path,
+            stability=arguments.stability,
+            inscription=arguments,
         )
 
     @cached_property

@@ -9,7 +9,17 @@ from typing import Any
 
 import click
 
-from nvcore.arguments import CORRECTIONS, FACTS, FRAMES, INPUTS, OTHER, OUTPUT, READING, Part
+from nvcore.arguments import (
+    CORRECTIONS,
+    FACTS,
+    FRAMES,
+    INPUTS,
+    OTHER,
+    OUTPUT,
+    READING,
+    Arguments,
+    Part,
+)
 from nvcore.inputs.facts import FRAME_NAMES
 from nvcore.objects import PEDESTRIAN
 from nvcore.params import AUDIT_SETTINGS, SETTINGS
@@ -114,6 +124,11 @@ def options_of(kind: type, *names: str) -> Callable[[Callable[..., Any]], Callab
         flag = spec.metadata["flag"] or flag_of(spec.name)
         options.append(grouped_option(facts.pop("group"), flag, spec.name, **facts))
     return with_options(*options)
+
+
+def arguments_of(kind: type[Arguments], options: Mapping[str, Any]) -> Arguments:
+    """The arguments of this class among the options of a command."""
+    return kind(**{spec.name: options[spec.name] for spec in fields(kind)})  # type: ignore[arg-type]
 
 
 def refuse_without_session(options: Mapping[str, Any], *more: str) -> None:

@@ -8,11 +8,15 @@ from typing import Any
 import click
 
 from nvcore.arguments import OUTPUT
+from nvcore.arguments.plan import PlanArguments
 from nvcore.cli.options import (
     GroupedCommand,
+    arguments_of,
     examples,
+    flag_of,
     grouped_option,
     input_options,
+    options_of,
     parameter_options,
     protocol_option,
     strict_option,
@@ -30,8 +34,6 @@ from nvcore.wording import one_line
 
 # As in nvcore/cli/__init__.py, numpy and pandas are imported by the command only.
 
-STUDY = "Study"
-
 
 @click.command(
     cls=GroupedCommand,
@@ -42,54 +44,7 @@ STUDY = "Study"
     ),
 )
 @input_options
-@grouped_option(
-    STUDY,
-    "--measure",
-    metavar="KEY",
-    default="encounters_detected",
-    show_default=True,
-    help="What to compare by: severity_s_per_encounter, encounters_detected, mean_similarity, "
-    "share_low, lost_s_per_min, saliency, in_time, mean_impact_kmh, useful_alerts, "
-    "false_alert_episodes_per_hour or log_average_miss_rate.",
-)
-@grouped_option(
-    STUDY,
-    "--difference",
-    metavar="D",
-    help="The smallest difference that would matter, in the unit of the measure; 3% is 0.03, 3 "
-    "percentage points of a share. Default: as in these recordings.",
-)
-@grouped_option(
-    STUDY,
-    "--margin",
-    metavar="M",
-    help="Ask another question: is the candidate worse by less than this? Likewise.",
-)
-@grouped_option(
-    STUDY,
-    "--candidate",
-    type=click.Choice(["x", "y"]),
-    default="y",
-    show_default=True,
-    help="The system that --margin is for, such as the one that costs less.",
-)
-@grouped_option(
-    STUDY,
-    "--power",
-    type=float,
-    default=0.8,
-    show_default=True,
-    help="Share of studies that should show it.",
-)
-@grouped_option(
-    STUDY,
-    "--tests",
-    "n_tests",
-    type=click.IntRange(min=1),
-    default=1,
-    show_default=True,
-    help="Measures that the study will test, for which its p is corrected.",
-)
+@options_of(PlanArguments)
 @grouped_option(
     OUTPUT,
     "--out",
@@ -101,18 +56,7 @@ STUDY = "Study"
 @strict_option
 @protocol_option
 @parameter_options
-def plan(
-    measure: str,
-    difference: str | None,
-    margin: str | None,
-    candidate: str,
-    power: float,
-    n_tests: int,
-    out: Path | None,
-    as_json: bool,
-    strict: bool,
-    **options: Any,
-) -> None:
+def plan(out: Path | None, as_json: bool, strict: bool, **options: Any) -> None:
     """Say how many recordings like these would show a difference between X and Y.
 
     Inputs as for compare. Studies are simulated by drawing whole recordings from these, of which 6
@@ -128,7 +72,10 @@ def plan(
     from nvcore.report.protect_inputs import files_read, refuse_to_replace
     from nvcore.report.terminal import render_findings
 
-    key = plan_key(measure)
+    key = plan_key(options["measure"])
+    for name in ("difference", "margin"):
+        options[name] = _amount(flag_of(name), options[name], key)
+    asked = arguments_of(PlanArguments, options)
     if out is not None and out.suffix.lower() != ".json":  # no input by mistake
         raise click.UsageError(
             f"--out: expected a file that ends in .json, got {one_line(str(out))}"
@@ -138,16 +85,8 @@ def plan(
         refuse_to_replace([out], files_read(session))
     with errors_of(session):
         result, findings = compare_session(session)
-    plan = plan_recordings(
-        result,
-        measure,
-        power=power,
-        difference=_amount("--difference", difference, key),
-        margin=_amount("--margin", margin, key),
-        candidate="x" if candidate == "x" else "y",
-        n_tests=n_tests,
-        protocol=result.dataset.settings.protocol,
-    )
+    protocol = result.dataset.settings.protocol
+    plan = plan_recordings(result, asked, protocol=protocol)
     row = plan.evidence
     if row.unit != RECORDINGS or row.n < MIN_PILOT:
         raise InputError(plan.sizes[0].reason)

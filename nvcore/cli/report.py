@@ -8,12 +8,15 @@ from typing import Any
 import click
 
 from nvcore.arguments import OUTPUT
+from nvcore.arguments.report import HtmlArguments, Inscription
 from nvcore.cli.options import (
     GroupedCommand,
+    arguments_of,
     check_html_name,
     examples,
     grouped_option,
     input_options,
+    options_of,
     parameter_options,
     protocol_option,
     strict_option,
@@ -31,8 +34,6 @@ from nvcore.cli.steps import (
 from nvcore.extras import needs
 from nvcore.wording import one_line
 
-REPORT = "Report"
-
 
 @click.command(
     cls=GroupedCommand,
@@ -41,23 +42,8 @@ REPORT = "Report"
 )
 @input_options
 @protocol_option
-@grouped_option(
-    REPORT,
-    "--stability/--no-stability",
-    default=None,
-    help="Whether to map the verdict over the settings: alpha and midpoint, thresholds, matching, "
-    "traffic context, pairing, rules of saliency. Default: for up to 20,000 frames.",
-)
-@grouped_option(REPORT, "--title", default="", help="Title of the report.")
-@grouped_option(REPORT, "--author", default="", help="Whose report it is.")
-@grouped_option(REPORT, "--question", default="", help="The question that it answers.")
-@grouped_option(
-    REPORT,
-    "--date",
-    default="",
-    help="Its date, in any words; by itself it has none, so that the same inputs give the same "
-    "file.",
-)
+@options_of(HtmlArguments, "stability")
+@options_of(Inscription)
 @grouped_option(
     OUTPUT,
     "--out",
@@ -69,16 +55,7 @@ REPORT = "Report"
 )
 @strict_option
 @parameter_options
-def report(
-    stability: bool | None,
-    title: str,
-    author: str,
-    question: str,
-    date: str,
-    out: Path,
-    strict: bool,
-    **options: Any,
-) -> None:
+def report(out: Path, strict: bool, **options: Any) -> None:
     """Write the comparison of X and Y as one HTML file.
 
     Inputs as for compare. Its first page has title, question, verdict, four measures, two frames
@@ -92,7 +69,7 @@ def report(
     from nvcore.report.terminal import render_findings
 
     with needs("report", "the HTML report needs"):
-        from nvcore.report.html import Inscription, write_html_report
+        from nvcore.report.html import write_html_report
 
     check_html_name("--out", out)
     session = session_from(options, needs_y=True)
@@ -105,8 +82,8 @@ def report(
             write_html_report(
                 *(result, as_loaded(session, result.dataset), findings, out),
                 pictures=pictures,
-                stability=stability,
-                inscription=Inscription(title, author, question, date),
+                stability=options["stability"],
+                inscription=arguments_of(Inscription, options),
                 progress=progress,
             )
     path = shown_paths(session.folder, session.sources, result.dataset.systems)

@@ -10,12 +10,13 @@ from typing import Any
 
 import pandas as pd
 
+from nvcore.arguments.plan import PlanArguments
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.measures import Evidence
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.evidence.planning.pilot import DEFAULT_KEY, plan_key
+from nvcore.evidence.planning.pilot import plan_key
 from nvcore.evidence.planning.plan import Plan, plan_recordings
 from nvcore.evidence.planning.words import (
     ASSUMPTIONS,
@@ -48,7 +49,7 @@ def verdict_plan(
     plans
         Plans of the result for differences as found, by key, if already computed.
     """
-    key, basis = plan_key(DEFAULT_KEY), result
+    key, basis = plan_key(PlanArguments.measure), result
     tables: tuple[pd.DataFrame, ...] = () if evidence is None else (evidence,)
     if are_unequal(result):
         if companions is None or companions.equal is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from builders import Place, at, make_dataset, result_of
 from drives import by_figure, drives
 from scipy.stats import nct, t
 
+from nvcore.arguments.plan import PlanArguments
 from nvcore.errors import ParameterError
 from nvcore.evidence.bootstrap import ratio, studentised_p
 from nvcore.evidence.measures import Evidence
@@ -210,7 +212,7 @@ def test_unequal_operating_points_show_no_noninferiority():
     x = [box for box in truth if box.frame or box.recording % 3]
     y = truth + [at(f, 5, recording=r) for r in range(8) for f in range(6)]
     result = result_of(make_dataset(truth, x, y, places=[Place(range(6))] * 8))
-    plan = plan_recordings(result, "mean_similarity", margin=0.5)
+    plan = plan_recordings(result, PlanArguments("mean_similarity", margin=0.5))
     text = " ".join(describe_plan(plan))
     assert "nothing is claimed from these settings" in text
     assert "It cannot be said that Y is at most 0.5000 worse than X: X and Y are set to" in text
@@ -238,7 +240,7 @@ def test_the_pilot_is_what_each_recording_adds_to_the_measure():
 
 def test_a_plan_says_recordings_encounters_and_time():
     result = result_of(drives(12))
-    plan = plan_recordings(result, difference=0.2)
+    plan = plan_recordings(result, PlanArguments(difference=0.2))
     named, as_found = plan.sizes
     assert (named.assumption, as_found.assumption) == ("as named", "as found")
     assert named.difference == 0.2  # X detects more, as found
@@ -253,27 +255,31 @@ def test_a_plan_says_recordings_encounters_and_time():
     assert ("of this measure by itself, not corrected" in text) is is_clear
     assert is_clear
     assert str(plan) == "\n".join(describe_plan(plan))
-    again = plan_recordings(result, difference=0.2)
+    again = plan_recordings(result, PlanArguments(difference=0.2))
     assert again.sizes == plan.sizes  # the seed is fixed
 
 
 def test_tests_of_several_measures_and_more_power_take_more_recordings():
     result = result_of(drives(12))
-    by_itself = plan_recordings(result, difference=0.1).sizes[0].n_recordings
-    assert plan_recordings(result, difference=0.1, n_tests=2).sizes[0].n_recordings > by_itself
-    assert plan_recordings(result, difference=0.1, power=0.95).sizes[0].n_recordings > by_itself
-    assert plan_recordings(result, difference=0.05).sizes[0].n_recordings > 2 * by_itself
+
+    def n_needed(**asked: Any) -> int:
+        return plan_recordings(result, PlanArguments(**asked)).sizes[0].n_recordings
+
+    by_itself = n_needed(difference=0.1)
+    assert n_needed(difference=0.1, n_tests=2) > by_itself
+    assert n_needed(difference=0.1, power=0.95) > by_itself
+    assert n_needed(difference=0.05) > 2 * by_itself
 
 
 def test_a_plan_for_noninferiority_takes_both_for_equal_and_for_different_as_found():
     result = result_of(drives(12))  # Y detects far less
-    plan = plan_recordings(result, margin=0.1, candidate="y")
+    plan = plan_recordings(result, PlanArguments(margin=0.1, candidate="y"))
     assert plan.noninferiority.is_shown is False
     equal, as_found = plan.sizes
     assert equal.n_recordings is not None
     assert as_found.n_recordings is None
     assert "worse by the margin or more" in as_found.reason
-    better = plan_recordings(result, margin=0.1, candidate="x")
+    better = plan_recordings(result, PlanArguments(margin=0.1, candidate="x"))
     assert better.noninferiority.is_shown is True
     assert better.sizes[1].n_recordings == 8  # the least with an interval
     text = " ".join(describe_plan(better))
@@ -284,7 +290,7 @@ def test_the_miss_rate_can_be_planned_for():
     dataset = drives(12)
     score = np.random.default_rng(3).random(len(dataset.boxes))
     scored = replace(dataset, boxes=dataset.boxes.assign(score=score))
-    plan = plan_recordings(result_of(scored), "log_average_miss_rate")
+    plan = plan_recordings(result_of(scored), PlanArguments("log_average_miss_rate"))
     (size,) = plan.sizes
     assert plan.evidence.difference < 0  # X misses less
     assert size.difference == pytest.approx(plan.evidence.difference)
@@ -349,4 +355,4 @@ def test_recordings_without_an_encounter_of_the_measure_do_not_differ(n_unseen: 
 )
 def test_what_makes_no_sense_is_refused(arguments, words):
     with pytest.raises(ParameterError, match=words):
-        plan_recordings(equal_drives(), **arguments)
+        plan_recordings(equal_drives(), PlanArguments(**arguments))

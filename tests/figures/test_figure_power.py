@@ -5,12 +5,13 @@ from __future__ import annotations
 from builders import result_of
 from drives import drives
 
+from nvcore.arguments.plan import PlanArguments
 from nvcore.evidence.planning import plan_recordings
 from nvcore.figures.power import power_plot
 
 
 def test_each_assumption_has_its_line_with_the_interval_of_the_simulation():
-    plan = plan_recordings(result_of(drives(12)), difference=0.1)
+    plan = plan_recordings(result_of(drives(12)), PlanArguments(difference=0.1))
     figure = power_plot(plan, theme="light")
     named, as_found = figure.data
     assert list(named.x) == [point.n_recordings for point in plan.sizes[0].points]

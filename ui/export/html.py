@@ -10,6 +10,7 @@ from typing import Final
 
 import streamlit as st
 
+from nvcore.arguments.report import MAX_CHARACTERS, Inscription
 from nvcore.comparison import Result
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
@@ -17,8 +18,7 @@ from nvcore.params import Params
 from nvcore.pictures import RecordingPictures
 from nvcore.progress import Progress
 from nvcore.protocols import Protocol
-from nvcore.report.html import Inscription, write_html_report
-from nvcore.report.html.cover import MAX_CHARACTERS
+from nvcore.report.html import write_html_report
 from nvcore.report.html.evidence_sections import AT_ONCE
 from ui.export.session import public_findings, with_public_names
 from ui.jobs.background import FileJob, JobState, new_path, while_open

@@ -9,10 +9,11 @@ import numpy as np
 import pandas as pd
 import streamlit as st
 
+from nvcore.arguments.plan import PlanArguments
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import are_unequal
-from nvcore.evidence.planning import DEFAULT_KEY, PLAN_KEYS, Plan, Side, plan_recordings
+from nvcore.evidence.planning import PLAN_KEYS, Plan, plan_recordings
 from nvcore.evidence.planning.pilot import MIN_PILOT
 from nvcore.evidence.planning.words import QUESTION, describe_plan
 from nvcore.evidence.units import RECORDINGS
@@ -37,17 +38,6 @@ QUESTIONS: Final = {
     "x": "Is X at most so much worse?",
     "y": "Is Y at most so much worse?",
 }
-
-
-class _Asked(NamedTuple):
-    """What is planned for: also the key of the plan."""
-
-    measure: str
-    difference: float | None
-    margin: float | None
-    candidate: Side
-    n_tests: int
-    protocol: Protocol
 
 
 class _Answer(NamedTuple):
@@ -84,7 +74,7 @@ def draw(result: Result, evidence: pd.DataFrame, companions: Companions | None) 
         )
 
 
-def _ask(evidence: pd.DataFrame) -> _Asked | None:
+def _ask(evidence: pd.DataFrame) -> PlanArguments | None:
     """The question; None while a margin is lacking."""
     labels = dict(zip(evidence["figure"], evidence["label"], strict=True))
     question = choose_side_by_side("Question", QUESTIONS, "plan_question", default=DIFFERENCE)
@@ -95,7 +85,7 @@ def _ask(evidence: pd.DataFrame) -> _Asked | None:
     measure = left.selectbox(
         "Measure",
         names,
-        index=names.index(DEFAULT_KEY),
+        index=names.index(PlanArguments.measure),
         format_func=lambda name: capitalised(labels[PLAN_KEYS[name]]),
         key="plan_measure",
         persist_state="session",
@@ -123,23 +113,22 @@ def _ask(evidence: pd.DataFrame) -> _Asked | None:
     if is_margin and size is None:
         st.markdown("Give the margin: by how much it may be worse and still be taken.")
         return None
-    return _Asked(
+    return PlanArguments(
         measure=measure,
         difference=None if is_margin else size,
         margin=size if is_margin else None,
         candidate="x" if question == "x" else "y",
         n_tests=max(n_tested, 1) if is_corrected else 1,
-        protocol=state.protocol(),
     )
 
 
 def _draw_answer(
-    result: Result, evidence: pd.DataFrame, companions: Companions | None, asked: _Asked
+    result: Result, evidence: pd.DataFrame, companions: Companions | None, asked: PlanArguments
 ) -> None:
     work = Computation(
         kind=JOB,
-        key=(*comparison_key(result), asked),
-        compute=partial(_answer, result, evidence, companions, asked),
+        key=(*comparison_key(result), asked, state.protocol()),
+        compute=partial(_answer, result, evidence, companions, asked, state.protocol()),
         thing="plan",
         doing="Simulating studies",
         most=MOST,
@@ -163,9 +152,10 @@ def _answer(
     result: Result,
     evidence: pd.DataFrame,
     companions: Companions | None,
-    asked: _Asked,
+    asked: PlanArguments,
+    protocol: Protocol,
     progress: Progress,
 ) -> _Answer:
-    plan = plan_recordings(result, **asked._asdict(), progress=part_of(progress, 0.0, 0.7))
+    plan = plan_recordings(result, asked, protocol=protocol, progress=part_of(progress, 0.0, 0.7))
     progress(0.7, "the verdict")
     return _Answer(plan, verdict_plan(result, evidence, companions))

@@ -1,35 +1,28 @@
 """How much more would it take? Power of studies like the recordings at hand, non-inferiority."""
 
 from nvcore.evidence.planning.noninferiority import (
-    SIDES,
     NonInferiority,
-    Side,
     judge_noninferiority,
     worse_at_most,
 )
 from nvcore.evidence.planning.pilot import (
-    DEFAULT_KEY,
     PLAN_KEYS,
     Pilot,
     judge_key,
     make_pilot,
     plan_key,
 )
-from nvcore.evidence.planning.plan import POWER, Plan, PlanSize, plan_recordings
+from nvcore.evidence.planning.plan import Plan, PlanSize, plan_recordings
 from nvcore.evidence.planning.power import PowerPoint
 from nvcore.evidence.planning.words import describe_plan, plan_sentence
 
 __all__ = [
-    "DEFAULT_KEY",
     "PLAN_KEYS",
-    "POWER",
-    "SIDES",
     "NonInferiority",
     "Pilot",
     "Plan",
     "PlanSize",
     "PowerPoint",
-    "Side",
     "describe_plan",
     "judge_key",
     "judge_noninferiority",

@@ -29,7 +29,6 @@ PLAN_KEYS: Final = {
 }
 """Measures that a study can be planned for, by the names that users give them: those judged by
 recordings. ``encounters_detected`` is the one by recordings, too."""
-DEFAULT_KEY: Final = "encounters_detected"
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,12 +6,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Final, Literal
+from typing import Final, Literal, get_args
 
 import numpy as np
 import pandas as pd
 from scipy.stats import chi2
 
+from nvcore.arguments.plan import PlanArguments, Side
 from nvcore.comparison import Result
 from nvcore.errors import ParameterError
 from nvcore.evidence.bootstrap import MIN_UNITS
@@ -19,13 +20,11 @@ from nvcore.evidence.measures import Evidence
 from nvcore.evidence.operating_points import is_undecided
 from nvcore.evidence.paired_tests import MIN_SWAPPED, SIGNIFICANT
 from nvcore.evidence.planning.noninferiority import (
-    SIDES,
     NonInferiority,
-    Side,
     favour,
     judge_noninferiority,
 )
-from nvcore.evidence.planning.pilot import DEFAULT_KEY, Pilot, judge_key, make_pilot, plan_key
+from nvcore.evidence.planning.pilot import Pilot, judge_key, make_pilot, plan_key
 from nvcore.evidence.planning.power import (
     MOST_RECORDINGS,
     PowerPoint,
@@ -40,8 +39,6 @@ from nvcore.measures import inference_of
 from nvcore.progress import Progress, no_progress, part_of
 from nvcore.protocols import PROTOCOLS, Protocol
 
-POWER: Final = 0.8
-"""Share of studies that should show what they look for."""
 ONE_SIDED: Final = 0.025
 """Level at which the 95 % interval shows non-inferiority."""
 SPREAD_SHARE: Final = 0.8
@@ -165,13 +162,8 @@ CURVE_COLUMNS: Final = (
 
 def plan_recordings(
     result: Result,
-    measure: str = DEFAULT_KEY,
+    asked: PlanArguments = PlanArguments(),  # noqa: B008
     *,
-    power: float = POWER,
-    difference: float | None = None,
-    margin: float | None = None,
-    candidate: Side = "y",
-    n_tests: int = 1,
     protocol: Protocol = PROTOCOLS["all"],
     units: Units | None = None,
     evidence: Evidence | None = None,
@@ -181,21 +173,8 @@ def plan_recordings(
 
     Parameters
     ----------
-    measure
-        A name of `PLAN_KEYS`, such as ``encounters_detected``.
-    power
-        Share of studies that should show it, 0.5 to 0.99.
-    difference
-        Size of the difference to be shown, in the unit of the measure, shares from 0 to 1: the
-        smallest one that would matter. None: as in these recordings.
-    margin
-        By how much the candidate may be worse, likewise: asks for non-inferiority instead of a
-        difference.
-    candidate
-        The system of which that is asked.
-    n_tests
-        Measures that the study is going to test, this one included: it shows a difference where p
-        is at most 0.05 over this number.
+    asked
+        Measure and question.
     protocol
         Which pedestrians count in the log-average miss rate.
     units, evidence
@@ -208,11 +187,13 @@ def plan_recordings(
 
     Examples
     --------
-    >>> plan_recordings(result, difference=0.03).sizes[0].n_recordings  # doctest: +SKIP
+    >>> asked = PlanArguments(difference=0.03)
+    >>> plan_recordings(result, asked).sizes[0].n_recordings  # doctest: +SKIP
     212
     """
-    key = plan_key(measure)
-    _check(key, power, difference, margin, candidate, n_tests)
+    key = plan_key(asked.measure)
+    _check(key, asked)
+    margin, difference = asked.margin, asked.difference
     units = find_units(result) if units is None else units
     if evidence is None:
         evidence = judge_key(result, key, protocol=protocol, units=units)
@@ -222,19 +203,19 @@ def plan_recordings(
         evidence=evidence,
         n_encounters=result.venn.n_near,
         duration_s=result.duration_s,
-        power=power,
-        n_tests=n_tests,
+        power=asked.power,
+        n_tests=asked.n_tests,
         sizes=(),
         is_unequal=is_unequal,
         noninferiority=None
         if margin is None
-        else judge_noninferiority(evidence, candidate, margin, is_undecided=is_unequal),
+        else judge_noninferiority(evidence, asked.candidate, margin, is_undecided=is_unequal),
     )
     assumed: list[tuple[Assumption, float]]
     if margin is not None:
         assumed = [("equal", 0.0), ("as found", evidence.difference)]
         of_size = partial(
-            _noninferiority_size, margin=margin, sign=favour(candidate, evidence.better)
+            _noninferiority_size, margin=margin, sign=favour(asked.candidate, evidence.better)
         )
     else:
         assumed = [("as found", evidence.difference)]
@@ -248,7 +229,7 @@ def plan_recordings(
         of_size(
             pilot,
             *size,
-            target=power,
+            target=asked.power,
             progress=part_of(progress, index / len(assumed), (index + 1) / len(assumed)),
         )
         for index, size in enumerate(assumed)
@@ -262,19 +243,12 @@ def plan_recordings(
     )
 
 
-def _check(
-    key: str,
-    power: float,
-    difference: float | None,
-    margin: float | None,
-    candidate: str,
-    n_tests: int,
-) -> None:
-    if difference is not None and margin is not None:
+def _check(key: str, asked: PlanArguments) -> None:
+    if asked.difference is not None and asked.margin is not None:
         raise ParameterError(
             "a study looks for a difference, or for no more than a margin: give one of the two"
         )
-    for name, value in (("difference", difference), ("margin", margin)):
+    for name, value in (("difference", asked.difference), ("margin", asked.margin)):
         if value is None:
             continue
         if not (math.isfinite(value) and value > 0):
@@ -284,12 +258,12 @@ def _check(
                 f"{name} is {value:g}: expected a share below 1, such as 0.03 for 3 percentage "
                 "points"
             )
-    if candidate not in SIDES:
-        raise ParameterError(f"candidate is {candidate!r}: expected x or y")
-    if not 0.5 <= power <= 0.99:
-        raise ParameterError(f"power is {power:g}: expected a share from 0.5 to 0.99")
-    if n_tests < 1:
-        raise ParameterError(f"{n_tests} tests: expected 1 or more")
+    if asked.candidate not in get_args(Side):
+        raise ParameterError(f"candidate is {asked.candidate!r}: expected x or y")
+    if not 0.5 <= asked.power <= 0.99:
+        raise ParameterError(f"power is {asked.power:g}: expected a share from 0.5 to 0.99")
+    if asked.n_tests < 1:
+        raise ParameterError(f"{asked.n_tests} tests: expected 1 or more")
 
 
 def _difference_size(

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence, Set
-from typing import Any, Final
+from typing import Any, Final, get_args
 
 import numpy as np
 import pandas as pd
 
+from nvcore.arguments.plan import Side
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import detection_curve
@@ -17,7 +18,7 @@ from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.companions import find_companions
 from nvcore.evidence.operating_points import is_undecided
-from nvcore.evidence.planning import PLAN_KEYS, SIDES, Side, judge_key, worse_at_most
+from nvcore.evidence.planning import PLAN_KEYS, judge_key, worse_at_most
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
 from nvcore.findings import Finding, Severity
@@ -40,7 +41,7 @@ _OF_CURVE: Final = {
 WORSE: Final = {
     f"{measure_of(key).rule or name}_worse_{letter}": (key, letter)
     for name, key in PLAN_KEYS.items()
-    for letter in SIDES
+    for letter in get_args(Side)
 }
 """By how much a system may be worse, by the interval over recordings: measure and system."""
 COUNTED_ENCOUNTERS: Final = {

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
+from nvcore.arguments.report import Inscription
 from nvcore.comparison import Result
 from nvcore.findings import Finding
 from nvcore.inputs.session import Session
@@ -20,11 +21,10 @@ from nvcore.output.files import write_whole
 from nvcore.pictures.recordings import RecordingPictures, session_pictures
 from nvcore.progress import Progress, no_progress
 from nvcore.report.html.content import Content, report_content
-from nvcore.report.html.cover import Inscription
 from nvcore.report.html.page import render_page
 from nvcore.settings import Settings
 
-__all__ = ["Inscription", "render", "write_html_report"]
+__all__ = ["render", "write_html_report"]
 
 NO_INSCRIPTION: Final = Inscription()
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import chain
 
 from nvcore import __version__
+from nvcore.arguments.report import Inscription
 from nvcore.comparison import Result
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.companions import find_companions
@@ -21,7 +22,7 @@ from nvcore.protocols import Protocol
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Section, Sentences
 from nvcore.report.html.classes_section import classes_section
-from nvcore.report.html.cover import Cover, Inscription, cover_of
+from nvcore.report.html.cover import Cover, cover_of
 from nvcore.report.html.driver_section import driver_section
 from nvcore.report.html.encounter_sections import encounters_section, only_one_section
 from nvcore.report.html.evidence_sections import (

@@ -8,6 +8,7 @@ from typing import Final
 
 import pandas as pd
 
+from nvcore.arguments.report import Inscription
 from nvcore.comparison import Result
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.companions import Companions
@@ -22,34 +23,9 @@ from nvcore.report.tiles import Tile, tiles
 from nvcore.report.verdict import Verdict
 from nvcore.report.verdict.driver import describe_doubt, describe_weighting
 from nvcore.report.words import n_frames_text, sampling_note
-from nvcore.wording import count_text, duration_text, one_line, shortened
+from nvcore.wording import count_text, duration_text
 
-MAX_CHARACTERS: Final = 400
-"""Of a title, an author or a question; an ellipsis replaces the rest."""
 N_PHOTOS: Final = 2
-
-
-@dataclass(frozen=True)
-class Inscription:
-    """What its author writes on a report; empty: nothing. The program adds no date of its own.
-
-    Attributes
-    ----------
-    title, author, question
-        What it is called, by whom it is, and which question it answers.
-    date
-        Of the report, in any words.
-    """
-
-    title: str = ""
-    author: str = ""
-    question: str = ""
-    date: str = ""
-
-    def in_short(self) -> Inscription:
-        """Each as one harmless line."""
-        texts = (self.title, self.author, self.question, self.date)
-        return Inscription(*(shortened(one_line(text.strip()), MAX_CHARACTERS) for text in texts))
 
 
 @dataclass(frozen=True)

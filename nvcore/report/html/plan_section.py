@@ -7,11 +7,12 @@ from typing import Final
 
 import pandas as pd
 
+from nvcore.arguments.plan import PlanArguments
 from nvcore.comparison import Result
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.pilot import MIN_PILOT, PLAN_KEYS
-from nvcore.evidence.planning.plan import POWER, Plan, PlanSize, plan_recordings
+from nvcore.evidence.planning.plan import Plan, PlanSize, plan_recordings
 from nvcore.evidence.planning.words import (
     FRESH,
     OPTIMISTIC,
@@ -65,7 +66,8 @@ def plan_measures(
     n = len(not_shown)
     return {
         key: plan_recordings(
-            *(result, name),
+            result,
+            PlanArguments(name),
             protocol=protocol,
             evidence=row,
             progress=part_of(progress, index / n, (index + 1) / n),
@@ -96,7 +98,7 @@ def plan_section(result: Result, evidence: pd.DataFrame, plans: Mapping[str, Pla
         none_left = f"No p is above {SIGNIFICANT:g} after correction: nothing to plan for."
         blocks = [Sentences((none_left,))]
     else:
-        share = percent(POWER)
+        share = percent(PlanArguments.power)
         caption = f"Recordings that would show a difference as found, in {share} of studies"
         rows, reasons = [_row(plan) for plan in plans.values()], _reasons(plans.values())
         sentences = [OPTIMISTIC, FRESH, *([UNEQUAL] if are_unequal(result) else [])]

@@ -14,6 +14,7 @@ from limits import limits_read
 from report_page import Page, written
 
 from nvcore import __version__
+from nvcore.arguments.report import Inscription
 from nvcore.comparison import Result, compare
 from nvcore.errors import InputError
 from nvcore.evidence.bootstrap import INTERVAL_RULE
@@ -25,7 +26,6 @@ from nvcore.objects import PEDESTRIAN
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
 from nvcore.report.html import (
-    Inscription,
     encounter_sections,
     result_sections,
     words,
@@ -128,7 +128,9 @@ def test_the_first_page_has_verdict_tiles_frames_and_limits(content, result):
 
 
 def test_what_the_author_writes_stands_on_the_first_page_as_text(result, session, tmp_path):
-    inscription = Inscription("Night <b>drive</b>", "A. N. Other", "Which\none?", "1 May")
+    inscription = Inscription(
+        title="Night <b>drive</b>", author="A. N. Other", question="Which\none?", date="1 May"
+    )
     content = written(
         tmp_path / "r.html", result, session, stability=False, inscription=inscription
     )

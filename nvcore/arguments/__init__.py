@@ -7,11 +7,11 @@ have to know of it; other fields are parameters of the Python call alone.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import KW_ONLY, MISSING, dataclass, field
 from functools import wraps
 from pathlib import Path
-from typing import Any, Final, ParamSpec, TypeVar, dataclass_transform
+from typing import Any, Concatenate, Final, ParamSpec, TypeVar, dataclass_transform
 
 import click
 
@@ -39,6 +39,8 @@ FRAMES: Final = (
 P = ParamSpec("P")
 Arguments = TypeVar("Arguments")
 Output = TypeVar("Output")
+Owner = TypeVar("Owner")
+Call = TypeVar("Call", bound=Callable[..., Any])
 
 
 def argument(
@@ -82,12 +84,36 @@ def called_with(
         def call(*given: P.args, **named: P.kwargs) -> Output:
             return function(kind(*given, **named))
 
-        output = function.__annotations__["return"]
-        signature = inspect.signature(kind).replace(return_annotation=output)
-        call.__signature__ = signature  # type: ignore[attr-defined]
-        return call
+        return _shown(call, inspect.signature(kind).parameters.values())
 
     return decorate
+
+
+def method_with(
+    kind: Callable[P, Arguments],
+) -> Callable[[Callable[[Owner, Arguments], Output]], Callable[Concatenate[Owner, P], Output]]:
+    """As `called_with`, for a method."""
+
+    def decorate(
+        method: Callable[[Owner, Arguments], Output],
+    ) -> Callable[Concatenate[Owner, P], Output]:
+        @wraps(method)
+        def call(owner: Owner, /, *given: P.args, **named: P.kwargs) -> Output:
+            return method(owner, kind(*given, **named))
+
+        owner = inspect.Parameter("self", inspect.Parameter.POSITIONAL_ONLY)
+        own = inspect.signature(kind).parameters.values()
+        return _shown(call, [owner, *own])
+
+    return decorate
+
+
+def _shown(call: Call, parameters: Iterable[inspect.Parameter]) -> Call:
+    """The call, shown with these parameters."""
+    output = call.__annotations__["return"]
+    signature = inspect.Signature(list(parameters), return_annotation=output)
+    call.__signature__ = signature  # type: ignore[attr-defined]
+    return call
 
 
 @arguments

@@ -1,0 +1,74 @@
+"""What a study is planned for."""
+
+from __future__ import annotations
+
+from dataclasses import KW_ONLY
+from typing import Final, Literal, get_args
+
+import click
+
+from nvcore.arguments import argument, arguments
+
+Side = Literal["x", "y"]
+STUDY: Final = "Study"
+
+
+@arguments
+class PlanArguments:
+    """What a study is planned for.
+
+    Attributes
+    ----------
+    measure
+        A name of `nvcore.evidence.planning.PLAN_KEYS`, such as ``encounters_detected``.
+    difference
+        Size of the difference to be shown, in the unit of the measure, shares from 0 to 1: the
+        smallest one that would matter. None: as in these recordings.
+    margin
+        By how much the candidate may be worse, likewise: asks for non-inferiority instead of a
+        difference.
+    candidate
+        The system of which that is asked.
+    power
+        Share of studies that should show it, 0.5 to 0.99.
+    n_tests
+        Measures that the study is going to test, this one included: it shows a difference where p
+        is at most 0.05 over this number.
+    """
+
+    measure: str = argument(
+        STUDY,
+        "What to compare by: severity_s_per_encounter, encounters_detected, mean_similarity, "
+        "share_low, lost_s_per_min, saliency, in_time, mean_impact_kmh, useful_alerts, "
+        "false_alert_episodes_per_hour or log_average_miss_rate.",
+        default="encounters_detected",
+        metavar="KEY",
+    )
+    _: KW_ONLY
+    difference: float | None = argument(
+        STUDY,
+        "The smallest difference that would matter, in the unit of the measure; 3% is 0.03, 3 "
+        "percentage points of a share. Default: as in these recordings.",
+        default=None,
+        metavar="D",
+    )
+    margin: float | None = argument(
+        STUDY,
+        "Ask another question: is the candidate worse by less than this? Likewise.",
+        default=None,
+        metavar="M",
+    )
+    candidate: Side = argument(
+        STUDY,
+        "The system that --margin is for, such as the one that costs less.",
+        default="y",
+        type=click.Choice(get_args(Side)),
+    )
+    power: float = argument(STUDY, "Share of studies that should show it.", default=0.8)
+    n_tests: int = argument(
+        STUDY,
+        "Measures that the study will test, for which its p is corrected.",
+        flag="--tests",
+        default=1,
+        type=click.IntRange(min=1),
+    )

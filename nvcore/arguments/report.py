@@ -1,0 +1,52 @@
+"""What a report is told by its author."""
+
+from __future__ import annotations
+
+from dataclasses import KW_ONLY, fields
+from typing import Final
+
+from nvcore.arguments import PathLike, argument, arguments
+from nvcore.wording import one_line, shortened
+
+REPORT: Final = "Report"
+MAX_CHARACTERS: Final = 400
+"""Of a title, an author or a question; an ellipsis replaces the rest."""
+
+
+@arguments
+class Inscription:
+    """What its author writes on a report; empty: nothing. The program adds no date of its own."""
+
+    _: KW_ONLY
+    title: str = argument(REPORT, "Title of the report.", default="")
+    author: str = argument(REPORT, "Whose report it is.", default="")
+    question: str = argument(REPORT, "The question that it answers.", default="")
+    date: str = argument(
+        REPORT,
+        "Its date, in any words; by itself it has none, so that the same inputs give the same "
+        "file.",
+        default="",
+    )
+
+    def in_short(self) -> Inscription:
+        """Each as one harmless line."""
+        short = {
+            spec.name: shortened(one_line(getattr(self, spec.name).strip()), MAX_CHARACTERS)
+            for spec in fields(Inscription)
+        }
+        return Inscription(**short)
+
+
+@arguments
+class HtmlArguments(Inscription):
+    """See `nvcore.api.comparison.Comparison.write_html`."""
+
+    path: PathLike
+    _: KW_ONLY
+    stability: bool | None = argument(
+        REPORT,
+        "Whether to map the verdict over the settings: alpha and midpoint, thresholds, matching, "
+        "traffic context, pairing, rules of saliency. Default: for up to 20,000 frames.",
+        flag="--stability/--no-stability",
+        default=None,
+    )
