@@ -169,9 +169,12 @@ P = TypeVar("P", bound=Placed)
 
 def in_place(own: Sequence[P], added: Iterable[P]) -> tuple[P, ...]:
     """The core's own entries of a list with those that subjects add, each after what it follows."""
-    entries = list(own)
-    for entry in added:
+    entries, waiting = list(own), list(added)
+    while waiting:
         keys = [known.key for known in entries]
+        # first those that follow what is there; others may follow one of these
+        entry = next((entry for entry in waiting if entry.after in keys), waiting[0])
+        waiting.remove(entry)
         place = keys.index(entry.after) + 1 if entry.after in keys else len(entries)
         # after those that were placed there before
         while place < len(entries) and entry.after and entries[place].after == entry.after:

@@ -7,7 +7,8 @@ from typing import Final
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.report.html.blocks import Chart, Section, SectionOf, Sentences, Table, table
+from nvcore.params import Params
+from nvcore.report.html.blocks import Chart, Intro, Section, SectionOf, Sentences, Table, table
 from nvcore.report.html.result_sections import names_of
 from nvcore.time_left.encounters import urgent_encounters
 from nvcore.time_left.figures.approach import MOST_ROWS, approach_plot
@@ -19,7 +20,6 @@ from nvcore.time_left.texts import (
     describe_turns,
     describe_urgency,
     few_urgent,
-    introduction,
 )
 from nvcore.wording import number
 
@@ -46,7 +46,28 @@ def _section(result: Result) -> Section:
         blocks += [Chart("approach", figure, in_words), _listing(result, urgent)]
     if curve["urgent"].any():
         blocks += [_over_speed(result, curve, measure) for measure in LOOKS]
-    return Section("time-left", "Time left", introduction(result.params), tuple(blocks))
+    return Section("time-left", "Time left", _introduction(result.params), tuple(blocks))
+
+
+def _introduction(params: Params) -> Intro:
+    return Intro(
+        what="Whether braking could still have helped when a system had found the {one}. An "
+        "encounter is urgent if the car comes so near that a warning given then could no longer "
+        "stop it; where that begins is the last chance.",
+        how="One over the height of {his} box (or {his} distance, where the truth states it) falls "
+        "on a line that reaches zero at contact: that gives the time to contact in each frame. The "
+        f"last chance is the first frame with less than {params.reaction_s:g} s and half the time "
+        f"of braking with {params.deceleration:g} m/s² left. A system has confirmed the {{one}} "
+        f"once {params.confirm_n:g} of {{his}} last {params.confirm_m:g} frames are matched: in "
+        "time if before the last chance; late, and then the car reaches {him} with the impact "
+        "speed; or never, at full speed. The margin is the time from confirmation to the last "
+        "chance.",
+        best="All in time, an impact speed of 0.",
+        limits="In time means that a warning could have come early enough, not that the driver "
+        "would have heeded it. {Many} are taken to go on as they do, the car to drive on at "
+        "its speed, which is assumed where the recordings do not state it. Whether a difference is "
+        "more than chance: see Is the difference real.",
+    )
 
 
 def _over_speed(result: Result, curve: pd.DataFrame, measure: OverSpeed) -> Chart:

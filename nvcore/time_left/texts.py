@@ -11,7 +11,6 @@ from nvcore.comparison import Result
 from nvcore.evidence.claims import values_of
 from nvcore.objects import Objects
 from nvcore.params import Params
-from nvcore.report.html.blocks import Intro
 from nvcore.time_left.encounters import systems_in_words
 from nvcore.time_left.judging import needed_time, turning_speeds
 from nvcore.time_left.kinds import TimeLeft, Urgency
@@ -203,26 +202,4 @@ def describe_time_left(result: Result) -> tuple[str, ...]:
     return (
         f"Of {n} urgent encounters {speed}, X confirms {in_time_x} in time and Y {in_time_y}; mean "
         f"{impact}",
-    )
-
-
-def introduction(params: Params) -> Intro:
-    """Introduction of time left."""
-    return Intro(
-        what="Whether braking could still have helped when a system had found the {one}. An "
-        "encounter is urgent if the car comes so near that a warning given then could no longer "
-        "stop it; where that begins is the last chance.",
-        how="One over the height of {his} box (or {his} distance, where the truth states it) falls "
-        "on a line that reaches zero at contact: that gives the time to contact in each frame. The "
-        f"last chance is the first frame with less than {params.reaction_s:g} s and half the time "
-        f"of braking with {params.deceleration:g} m/s² left. A system has confirmed the {{one}} "
-        f"once {params.confirm_n:g} of {{his}} last {params.confirm_m:g} frames are matched: in "
-        "time if before the last chance; late, and then the car reaches {him} with the impact "
-        "speed; or never, at full speed. The margin is the time from confirmation to the last "
-        "chance.",
-        best="All in time, an impact speed of 0.",
-        limits="In time means that a warning could have come early enough, not that the driver "
-        "would have heeded it. {Many} are taken to go on as they do, the car to drive on at "
-        "its speed, which is assumed where the recordings do not state it. Whether a difference is "
-        "more than chance: see Is the difference real.",
     )

@@ -22,8 +22,6 @@ _DOCUMENTS: Final[tuple[Document, ...]] = in_place(
         Document("objects", "Objects"),
         Document("significance", "Significance"),
         Document("validation", "Validation"),
-        Document("ratings", "Ratings"),
-        Document("study", "Study"),
         Document("report", "Report files"),
         Document("formats", "Formats"),
         Document("driver", "The driver"),

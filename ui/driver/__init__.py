@@ -2,6 +2,10 @@
 
 from typing import Final
 
+from ui.subjects import Document, Page
+
+PAGES: Final = (Page("study", "Study", "Evidence", after="ratings", shown=()),)
+DOCUMENTS: Final = (Document("study", "Study", after="ratings"),)
 ASIDE: Final = "finished:ASIDE"
 ROUTES: Final = "study.routes:ROUTES"
 STUDIES: Final = "study.files:STUDIES"

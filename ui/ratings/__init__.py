@@ -2,4 +2,11 @@
 
 from typing import Final
 
+from nvcore.params.metadata import SALIENCY
+from ui.subjects import Document, Page
+
+PAGES: Final = (
+    Page("ratings", "Ratings", "Evidence", after="stability", shown=(SALIENCY,), is_folded=True),
+)
+DOCUMENTS: Final = (Document("ratings", "Ratings", after="validation"),)
 STUDIES: Final = "sessions:SESSIONS"

@@ -60,8 +60,6 @@ _PAGES: Final[tuple[Page, ...]] = in_place(
         Page("systems", "Systems", "Evidence", shown=(SIMILARITY, ENCOUNTERS)),
         Page("detection", "Detection", "Evidence", shown=(MATCH,)),
         Page("stability", "Stability", "Evidence"),
-        Page("ratings", "Ratings", "Evidence", shown=(SALIENCY,), is_folded=True),
-        Page("study", "Study", "Evidence", shown=()),
         Page("export", "Export", "Export", is_folded=True),
         Page("metrics", "Documentation", "Help", shown=()),
     ),
