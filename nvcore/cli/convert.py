@@ -64,7 +64,7 @@ def convert(source: str, target: Path | None, out: Path | None, **options: Any) 
     frames_out = options["frames_out"]
     if frames_out is not None and kind == "detections":
         raise click.UsageError("--frames-out is for ground truth, whose frames are evaluated")
-    origin = Source((source,), format=options["format_"], **source_options(options))
+    origin = Source((source,), format=options["format"], **source_options(options))
     truth = Source((options["truth"],)) if options["truth"] else None
     sources: list[tuple[Source, Role]] = [(origin, kind)]
     sources += [] if truth is None else [(truth, "truth")]

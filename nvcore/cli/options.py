@@ -207,7 +207,6 @@ strict_option = grouped_option(
 format_option = grouped_option(
     READING,
     "--format",
-    "format_",
     metavar="FORMAT",
     help="Format of all files, such as csv, coco or kitti-tracking (all: docs/formats.md). "
     "Default: by their content.",

@@ -25,24 +25,12 @@ from nvcore.protocols import PROTOCOLS
 from nvcore.wording import one_line
 
 OF_FILES: Final = (
-    "format_",
-    "format_truth",
-    "format_x",
-    "format_y",
-    "classes",
-    "classes_truth",
-    "classes_x",
-    "classes_y",
-    "frame_base",
-    "box_base",
-    "boxes",
-    "boxes_truth",
-    "boxes_x",
-    "boxes_y",
-    "frame_names",
-    "frame_names_truth",
-    "frame_names_x",
-    "frame_names_y",
+    *("frame_base", "box_base"),
+    *(
+        name + end
+        for name in ("format", "classes", "boxes", "frame_names")
+        for end in ("", "_truth", "_x", "_y")
+    ),
 )
 """Flags that say how the files named by flags are read."""
 
@@ -86,7 +74,7 @@ def _from_flags(options: dict[str, Any], given: dict[str, Any], *, needs_y: bool
             else "--truth and --x; one system is enough, --y may be added"
         )
         raise click.UsageError(f"give a session file, or {expected}")
-    format_of_all = options["format_"]
+    format_of_all = options["format"]
     truth = Source(
         options["truth"],
         format=options["format_truth"] or format_of_all,
@@ -143,7 +131,7 @@ def _from_file(options: dict[str, Any], given: dict[str, Any], *, needs_y: bool)
         raise click.UsageError("give a session file or --truth, --x and --y, not both")
     for name in OF_FILES:
         if options[name] is not None:
-            flag = flag_of(name.rstrip("_"))
+            flag = flag_of(name)
             raise click.UsageError(
                 f"{flag} is for files named by flags; in a session file write it under [truth] "
                 "or [[system]]"

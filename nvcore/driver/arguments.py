@@ -24,17 +24,8 @@ _FILE: Final = click.Path(dir_okay=False, path_type=Path)
 
 
 @arguments
-class FeatureArguments(Part):
-    """See `nvcore.driver_features`."""
-
+class _RunArguments(Part):
     source: PathLike | Session | Dataset
-    out: PathLike = argument(
-        OUTPUT,
-        "Write features.csv and driver.json into this folder; of --images the features into this "
-        "file, and how they were made beside it.",
-        type=click.Path(path_type=Path),
-        metavar="DIR|FILE",
-    )
     _: KW_ONLY
     settings: Mapping[str, Any] | None = None
     n_threads: int | None = argument(
@@ -48,10 +39,22 @@ class FeatureArguments(Part):
 
 
 @arguments
-class EstimateArguments(Part):
+class FeatureArguments(_RunArguments):
+    """See `nvcore.driver_features`."""
+
+    out: PathLike = argument(
+        OUTPUT,
+        "Write features.csv and driver.json into this folder; of --images the features into this "
+        "file, and how they were made beside it.",
+        type=click.Path(path_type=Path),
+        metavar="DIR|FILE",
+    )
+
+
+@arguments
+class EstimateArguments(_RunArguments):
     """See `nvcore.estimate_driver`."""
 
-    source: PathLike | Session | Dataset
     model: PathLike = argument(
         INPUTS,
         "An estimator that nvcore driver train wrote (.npz), or sample: that of the sample's "
@@ -66,7 +69,6 @@ class EstimateArguments(Part):
         metavar="DIR",
     )
     _: KW_ONLY
-    settings: Mapping[str, Any] | None = None
     interpolate: bool = argument(
         INPUTS,
         "Between the estimators of the adaptation periods before and after. Default: that of the "
@@ -74,14 +76,6 @@ class EstimateArguments(Part):
         default=False,
         is_flag=True,
     )
-    n_threads: int | None = argument(
-        VIEW,
-        "Pictures at a time. Default: as many as there are cores.",
-        flag="--threads",
-        default=None,
-        type=click.IntRange(1, 256),
-    )
-    progress: Progress = no_progress
 
 
 @arguments
