@@ -47,8 +47,6 @@ __all__ = [
 
 _HOMES = {
     "nvcore.api.calls": ("audit", "compare", "gate"),
-    "nvcore.api.driver": ("evaluate_driver", "train_driver"),
-    "nvcore.api.driver_run": ("driver_features", "estimate_driver", "image_features"),
     "nvcore.api.inputs": ("load",),
     "nvcore.comparison": ("Result",),
     "nvcore.dataset": ("Dataset",),
@@ -73,14 +71,14 @@ if TYPE_CHECKING:
     from nvcore import stability as stability
     from nvcore import tables as tables
     from nvcore.api.calls import audit, compare, gate
-    from nvcore.api.driver import evaluate_driver, train_driver
-    from nvcore.api.driver_run import driver_features, estimate_driver, image_features
     from nvcore.api.inputs import load
     from nvcore.comparison import Result
     from nvcore.dataset import Dataset
     from nvcore.dataset.tables import dataset_from_tables
     from nvcore.detectors.face import detect
     from nvcore.detectors.training.face import train
+    from nvcore.driver.face import driver_features, estimate_driver, image_features
+    from nvcore.driver.trials.face import evaluate_driver, train_driver
     from nvcore.errors import NvcoreError
     from nvcore.inputs.conversion import convert
     from nvcore.inputs.session import Session, Source, SystemSource

@@ -14,7 +14,6 @@ from nvcore import __version__
 from nvcore.cli.app import app
 from nvcore.cli.compare import check, compare
 from nvcore.cli.convert import convert
-from nvcore.cli.driver import driver
 from nvcore.cli.gate import gate
 from nvcore.cli.matrix import matrix
 from nvcore.cli.models import models
@@ -41,7 +40,6 @@ def main() -> None:
 for command in (
     *(compare, check, convert, gate, matrix, plan, report),
     *chain(*contributed("commands")),
-    *(models, driver),
-    *(app, sample),
+    *(models, app, sample),
 ):
     main.add_command(command)

@@ -9,9 +9,17 @@ SUBJECT = Subject(
     steps="comparison.steps:STEPS",
     view="comparison.steps:driver_view",
     miss_weights="comparison.judging:weigh_unseen",
+    commands="commands:COMMANDS",
     models="estimators.listing:MODELS",
     formats={
         "nvcore-driver": "an estimator of what the driver sees, which nvcore driver estimate takes"
+    },
+    names={
+        "driver_features": "face:driver_features",
+        "estimate_driver": "face:estimate_driver",
+        "evaluate_driver": "trials.face:evaluate_driver",
+        "image_features": "face:image_features",
+        "train_driver": "trials.face:train_driver",
     },
     extras={"driver": ("av", "cv2", "sklearn")},
     ui="ui.driver",

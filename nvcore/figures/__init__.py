@@ -6,14 +6,7 @@ with needs("report", "figures need"):
     from nvcore.figures.cost_map import cost_plot
     from nvcore.figures.detection import CurveKind, curve_plot, legend_text
     from nvcore.figures.driver.course import detectability_course_plot
-    from nvcore.figures.driver.detectability import (
-        detectability_histograms_plot,
-        detectability_plot,
-    )
-    from nvcore.figures.driver.errors import estimator_errors_plot
-    from nvcore.figures.driver.estimates import estimates_plot
     from nvcore.figures.driver.over_threshold import driver_threshold_plot
-    from nvcore.figures.driver.pairs import feature_pairs_plot, pair_ranks_plot
     from nvcore.figures.driver.venn import driver_venn_plot
     from nvcore.figures.encounters import (
         fusion_plot,
@@ -40,14 +33,9 @@ __all__ = [
     "cost_plot",
     "curve_plot",
     "detectability_course_plot",
-    "detectability_histograms_plot",
-    "detectability_plot",
     "driver_threshold_plot",
     "driver_venn_plot",
-    "estimates_plot",
-    "estimator_errors_plot",
     "false_alarm_plot",
-    "feature_pairs_plot",
     "fusion_plot",
     "lanes_figure",
     "lead_time_plot",
@@ -55,7 +43,6 @@ __all__ = [
     "loss_plot",
     "loss_strip_plot",
     "miss_classes_plot",
-    "pair_ranks_plot",
     "parts_plot",
     "plane_plot",
     "position_map",

@@ -23,8 +23,8 @@ from typing import Any, Final
 import numpy as np
 
 from nvcore.driver.estimators import model_file as driver_file
+from nvcore.driver.texts import render_estimator
 from nvcore.output.arrays import pack
-from nvcore.report.driver import render_estimator
 
 ODD: Final = ("null", "true", "[]", "{}", "-1", "0.5", "1e308", "9" * 400, '"x"', "[[1]]", "")
 """In place of a value."""

@@ -13,10 +13,10 @@ import pytest
 from driver_estimators import CONTRAST, LAB, estimator, origin, regression
 from picture_files import write_picture
 
-from nvcore.api.driver_run import estimate_driver
 from nvcore.comparison import compare
 from nvcore.driver.estimate import DETECTABILITY_COLUMNS, EstimateRun, run_estimate
 from nvcore.driver.estimators import Estimator, Quality, write_estimator
+from nvcore.driver.face import estimate_driver
 from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
 from nvcore.driver.run import run_features
 from nvcore.driver.steps import Steps, steps_between_periods

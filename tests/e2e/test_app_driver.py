@@ -23,7 +23,7 @@ from study_visit import (
 )
 
 import nvcore as nv
-from nvcore.api.driver_run import image_features
+from nvcore.driver.face import image_features
 from nvcore.driver.study.plan import plan_trials
 from nvcore.driver.study.settings import Timing
 from nvcore.driver.trials import Judging

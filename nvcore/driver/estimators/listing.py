@@ -9,7 +9,7 @@ import click
 
 from nvcore.cli.models import Models
 from nvcore.driver.estimators.model_file import estimator_path, is_estimator_file, read_estimator
-from nvcore.report.driver import render_estimator, render_estimators
+from nvcore.driver.texts import render_estimator, render_estimators
 
 
 def _described(model: str, settings: Mapping[str, str]) -> str:

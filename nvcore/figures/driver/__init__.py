@@ -1,1 +1,1 @@
-"""Estimators of what the driver sees: errors, pairs of features, detectability by period."""
+"""Would the driver have seen him: the regions, over the threshold, the course."""

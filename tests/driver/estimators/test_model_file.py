@@ -36,8 +36,8 @@ from nvcore.driver.estimators.model import SvrSettings
 from nvcore.driver.estimators.model_file import SAMPLE_ESTIMATOR, from_bytes, to_bytes
 from nvcore.driver.estimators.search import fit
 from nvcore.driver.features import FeatureSettings
+from nvcore.driver.texts import render_estimator
 from nvcore.errors import EstimatorError
-from nvcore.report.driver import render_estimator
 
 
 def test_an_estimator_is_read_as_it_was_written(training: Training, tmp_path: Path):

@@ -22,7 +22,7 @@ from nvcore.driver.evaluation import (
     published,
 )
 from nvcore.driver.features import FEATURE_KEYS
-from nvcore.report.driver import EVALUATION_FILES, evaluation_files, render_evaluation
+from nvcore.driver.texts import EVALUATION_FILES, evaluation_files, render_evaluation
 
 N = 10
 

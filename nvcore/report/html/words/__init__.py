@@ -1,6 +1,5 @@
 """Introductions to the sections of the report, for a reader who does not have the program."""
 
-from nvcore.report.html.words.evaluation import ERRORS, FEATURES, SEEN, SUBJECTS
 from nvcore.report.html.words.evidence import (
     EVIDENCE,
     ONLY_ONE,
@@ -33,22 +32,18 @@ from nvcore.report.html.words.results import (
 __all__ = [
     "AUDIT",
     "DETECTION",
-    "ERRORS",
     "EVIDENCE",
     "FALSE_ALERTS",
-    "FEATURES",
     "INPUTS",
     "NO_PICTURES",
     "ONLY_ONE",
     "PARAMETERS",
     "PLAN",
-    "SEEN",
     "SHORT_ENCOUNTERS",
     "SHORT_TESTS",
     "SIGNIFICANCE",
     "STABILITY",
     "SUBGROUPS",
-    "SUBJECTS",
     "VERDICT",
     "classes",
     "driver",

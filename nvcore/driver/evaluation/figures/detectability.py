@@ -7,7 +7,7 @@ from typing import Any, Final
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.figures.driver.errors import period_axis
+from nvcore.driver.evaluation.figures.errors import period_axis
 from nvcore.figures.marks import HOVER
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, written
 from nvcore.palette import Theme

@@ -8,7 +8,7 @@ import plotly.graph_objects as go
 import pytest
 from figure_parts import trace, words
 
-from nvcore.figures import (
+from nvcore.driver.evaluation.figures import (
     detectability_histograms_plot,
     detectability_plot,
     estimates_plot,

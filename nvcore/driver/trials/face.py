@@ -119,11 +119,11 @@ def evaluate_driver(arguments: EvaluateArguments) -> Evaluation:
     """
     with needs("driver", "evaluating an estimator needs"):
         from nvcore.driver.evaluation import evaluate_estimators
-        from nvcore.report.driver import EVALUATION_FILES, evaluation_files
+        from nvcore.driver.texts import EVALUATION_FILES, evaluation_files
     out, html = (None if path is None else Path(path) for path in (arguments.out, arguments.html))
     if html is not None:
         with needs("report", "the HTML page of an evaluation needs"):
-            from nvcore.report.html.evaluation import write_evaluation_html
+            from nvcore.driver.evaluation.page import write_evaluation_html
 
     files = [] if out is None else [out / name for name in EVALUATION_FILES]
     refuse_to_replace([*files, *([] if html is None else [html])], _inputs(arguments))

@@ -11,22 +11,25 @@ import pandas as pd
 from nvcore import __version__
 from nvcore.driver.estimators.training import origin_of
 from nvcore.driver.evaluation import PUBLISHED_NOTE, Evaluation, evaluation_tables
+from nvcore.driver.evaluation.figures import (
+    detectability_histograms_plot,
+    detectability_plot,
+    estimates_plot,
+    estimator_errors_plot,
+    feature_pairs_plot,
+    pair_ranks_plot,
+)
 from nvcore.driver.evaluation.tables import errors_table
-from nvcore.figures.driver.detectability import detectability_histograms_plot, detectability_plot
-from nvcore.figures.driver.errors import estimator_errors_plot
-from nvcore.figures.driver.estimates import estimates_plot
-from nvcore.figures.driver.pairs import feature_pairs_plot, pair_ranks_plot
+from nvcore.driver.texts import ERROR, SAMPLING_NOTE, describe_evaluated, describe_learning
 from nvcore.output.files import write_whole
-from nvcore.report.driver import ERROR, SAMPLING_NOTE, describe_evaluated, describe_learning
-from nvcore.report.html import words
-from nvcore.report.html.blocks import Chart, Section, Sentences, Table, table
+from nvcore.report.html.blocks import Chart, Intro, Section, Sentences, Table, table
 from nvcore.report.html.page import render_page
 from nvcore.wording import capitalised, number, percent
 
 TITLE: Final = "How well estimators know whom the driver sees"
 MEAN: Final = "mean"
 SINGLE: Final = "single"
-_ERRORS: Final = {
+_ERROR_TITLES: Final = {
     "switched": "Switched",
     "single": "Single",
     "constant": "Constant",
@@ -35,6 +38,29 @@ _ERRORS: Final = {
     "published_single": "Paper, single",
 }
 """Columns of errors, with their titles."""
+ERRORS: Final = Intro(
+    what="How far estimates are from the share of the subjects who saw the pedestrian: the mean of "
+    "the squared differences.",
+    how="Every pedestrian is estimated by regressions that were chosen and trained without him. "
+    "Switched: the regression of the adaptation period, the time since it became dark. Single: one "
+    "for all periods, which does not know the period. Constant: the mean of the other pedestrians' "
+    "detectability at that period, without any picture.",
+    best="0; an error at or above the constant's means that nothing was learned.",
+    limits="It says nothing of other cameras, roads or people than those of the trials.",
+)
+SEEN: Final = Intro(
+    what="Detectability is the share of the subjects who found the pedestrian that long after it "
+    "became dark: 0 nobody, 1 everybody.",
+)
+FEATURES: Final = Intro(
+    what="Which features of the pedestrian in the picture the estimators were chosen to look at.",
+    how="The choice is made anew without each pedestrian. The ranking of the pairs is of their own "
+    "errors: read it as a ranking; what an honest choice is worth is the error of switched, above.",
+)
+SUBJECTS: Final = Intro(
+    what="Who responded, and whose responses are unlike those of the others. Nobody is left out "
+    "for being odd.",
+)
 _Row = Mapping[Hashable, Any]
 
 
@@ -79,7 +105,7 @@ def _sections(evaluation: Evaluation) -> list[Section]:
         Section(
             "errors",
             "Error on pedestrians left out",
-            words.ERRORS,
+            ERRORS,
             (
                 Sentences(_learned(errors)),
                 Chart("errors", estimator_errors_plot(errors, theme="light"), "Errors by period."),
@@ -94,7 +120,7 @@ def _sections(evaluation: Evaluation) -> list[Section]:
         Section(
             "seen",
             "What the subjects saw",
-            words.SEEN,
+            SEEN,
             (
                 Chart(
                     "periods",
@@ -112,7 +138,7 @@ def _sections(evaluation: Evaluation) -> list[Section]:
         Section(
             "features",
             "Which features",
-            words.FEATURES,
+            FEATURES,
             (
                 _choices(tables["choices"]),
                 Chart(
@@ -127,7 +153,7 @@ def _sections(evaluation: Evaluation) -> list[Section]:
                 ),
             ),
         ),
-        Section("subjects", "Subjects", words.SUBJECTS, (_subjects(tables["subjects"]),)),
+        Section("subjects", "Subjects", SUBJECTS, (_subjects(tables["subjects"]),)),
     ]
 
 
@@ -138,7 +164,7 @@ def _learned(errors: pd.DataFrame) -> tuple[str, ...]:
 
 
 def _errors(errors: pd.DataFrame) -> Table:
-    shown = [name for name in _ERRORS if errors[name].notna().any()]
+    shown = [name for name in _ERROR_TITLES if errors[name].notna().any()]
     notes = [SAMPLING_NOTE] if "sampling" in shown else []
     return _table(
         "Mean squared error; 0 is best",
@@ -146,7 +172,7 @@ def _errors(errors: pd.DataFrame) -> Table:
         {
             "Period (s)": lambda row: _period(row["period_s"], MEAN),
             "Pedestrians": lambda row: f"{row['n']:,}",
-            **{_ERRORS[name]: _number_of(name, ERROR) for name in shown},
+            **{_ERROR_TITLES[name]: _number_of(name, ERROR) for name in shown},
         },
         note=" ".join([*notes, PUBLISHED_NOTE]),
     )

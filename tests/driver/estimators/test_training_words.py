@@ -11,8 +11,8 @@ from driver_estimators import estimator
 from driver_trials import made_table
 
 from nvcore.driver.estimators import Training
+from nvcore.driver.texts import render_table, render_training
 from nvcore.driver.trials import TrainingTable
-from nvcore.report.driver import render_table, render_training
 
 
 @pytest.fixture

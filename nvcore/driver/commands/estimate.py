@@ -7,9 +7,9 @@ from typing import Any
 
 import click
 
-from nvcore.cli.driver.options import run_on_session, setting_options
 from nvcore.cli.options import GroupedCommand, examples, options_of
 from nvcore.driver.arguments import EstimateArguments
+from nvcore.driver.commands.options import run_on_session, setting_options
 from nvcore.wording import one_line
 
 
@@ -31,7 +31,7 @@ def estimate(session_file: Path, **options: Any) -> None:
     session with the estimates, which nvcore compare takes. Features are computed with the settings
     of those that the model was trained on; others are refused. Exit code 0: fine, 2: bad input.
     """
-    from nvcore.api.driver_run import estimate_job
+    from nvcore.driver.face import estimate_job
 
     written = run_on_session(session_file, EstimateArguments, estimate_job, options)
     click.echo(str(written.run))

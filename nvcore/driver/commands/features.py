@@ -8,7 +8,6 @@ from typing import Any
 import click
 
 from nvcore.arguments import INPUTS
-from nvcore.cli.driver.options import run_on_session, setting_options
 from nvcore.cli.options import (
     GroupedCommand,
     examples,
@@ -18,6 +17,7 @@ from nvcore.cli.options import (
 )
 from nvcore.cli.progress import ShareProgress
 from nvcore.driver.arguments import FeatureArguments
+from nvcore.driver.commands.options import run_on_session, setting_options
 from nvcore.wording import one_line
 
 
@@ -66,7 +66,7 @@ def features(
         raise click.UsageError("--images and --boxes belong together; give both")
     if images is not None and boxes is not None:
         refuse_without_session(options)
-        from nvcore.api.driver_run import image_features
+        from nvcore.driver.face import image_features
 
         with ShareProgress() as progress:
             table = image_features(
@@ -81,7 +81,7 @@ def features(
         click.echo(one_line(f"written to {options['out']}"), err=True)
         return
     assert session_file is not None
-    from nvcore.api.driver_run import features_job
+    from nvcore.driver.face import features_job
 
     written = run_on_session(session_file, FeatureArguments, features_job, options)
     click.echo(str(written.run))

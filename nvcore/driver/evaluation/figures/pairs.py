@@ -9,7 +9,7 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.driver.estimators.words import words_of
-from nvcore.figures.driver.errors import PERIOD
+from nvcore.driver.evaluation.figures.errors import PERIOD
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, loss_scale
 from nvcore.palette import Theme
 from nvcore.wording import count_text, minus

@@ -6,12 +6,9 @@ from typing import Final
 
 import click
 
-from nvcore.cli.driver.estimate import estimate
-from nvcore.cli.driver.features import features
-from nvcore.cli.driver.train import evaluate, train
-
-COMMANDS: Final[tuple[click.Command, ...]] = (features, train, evaluate, estimate)
-"""The commands below ``nvcore driver``, in the order of its help."""
+from nvcore.driver.commands.estimate import estimate
+from nvcore.driver.commands.features import features
+from nvcore.driver.commands.train import evaluate, train
 
 
 @click.group(short_help="Would the driver have seen the pedestrian himself.")
@@ -19,5 +16,7 @@ def driver() -> None:
     """Estimate whether the driver would have seen each pedestrian himself."""
 
 
-for command in COMMANDS:
+for command in (features, train, evaluate, estimate):
     driver.add_command(command)
+
+COMMANDS: Final = (driver,)

@@ -10,7 +10,7 @@ import pytest
 from driver_trials import made_table
 
 from nvcore.driver.estimators import Search, Training, train_estimator
-from nvcore.report.driver import render_table, render_training
+from nvcore.driver.texts import render_table, render_training
 from nvcore.wording import MOST_NAMED
 
 

@@ -101,8 +101,8 @@ def train(trials: Path, out: Path, **options: Any) -> None:
     ends it and leaves nothing behind. Exit code 0: fine, 2: bad input.
     """
     with needs("driver", "nvcore driver train needs"):
-        from nvcore.api.driver import train_driver
-        from nvcore.report.driver import render_training
+        from nvcore.driver.texts import render_training
+        from nvcore.driver.trials.face import train_driver
 
     with ShareProgress() as progress:
         training = train_driver(trials, out=out, progress=progress, **_judged(options))
@@ -132,8 +132,8 @@ def evaluate(trials: Path, out: Path | None, html: Path | None, **options: Any) 
     a tenth. Exit code 0: fine, 2: bad input.
     """
     with needs("driver", "nvcore driver evaluate needs"):
-        from nvcore.api.driver import evaluate_driver
-        from nvcore.report.driver import render_evaluation
+        from nvcore.driver.texts import render_evaluation
+        from nvcore.driver.trials.face import evaluate_driver
 
     if html is not None:
         check_html_name("--html", html)
