@@ -255,7 +255,7 @@ def test_many_pedestrians_whom_no_distance_reaches_are_a_warning() -> None:
 def test_without_any_lender_borrowing_is_a_warning_where_a_distance_is_missing() -> None:
     finding = find(dataset(truth_walk(), walk(), walk()), "borrowed-distances", BORROWED)
     assert (finding.severity.value, finding.count) == ("warning", 40)
-    assert finding.message.startswith("No match reports a distance that a pedestrian could borrow")
+    assert finding.message.startswith("No match reports a distance that could be borrowed")
     assert "distance_m" in finding.advice
     everywhere = dataset(truth_walk(distance_m=20.0), walk(), walk())
     assert "borrowed-distances" not in codes(everywhere, BORROWED)

@@ -130,7 +130,7 @@ def test_a_setting_without_effect_is_named_with_the_choice_that_uses_it(folder: 
     ) in ran.stderr
     ran = nvcore("check", *flags(folder), "--missing-distance", "borrow", "--proximity", "distance")
     assert "has no effect" not in ran.stderr
-    assert "No match reports a distance that a pedestrian could borrow" in ran.stdout
+    assert "No match reports a distance that could be borrowed" in ran.stdout
 
 
 def test_flags_go_before_the_parameters_of_the_session(folder: Path, tmp_path: Path):
