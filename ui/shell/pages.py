@@ -21,11 +21,14 @@ from nvcore.params.metadata import (
     Stage,
     shown_results,
 )
+from nvcore.subjects import contributed as results_of_subjects
 from nvcore.subjects import in_place
-from nvcore.time_left.settings import CONFIRMED, CONTACT, TIME_LEFT, URGENCY
+from nvcore.time_left.settings import TIME_LEFT
 from ui.shell.navigate import PAGES
 from ui.subjects import Page, contributed
 
+_ADDED: Final = tuple(chain(*results_of_subjects("results")))
+"""Stages whose results subjects show, on the pages about moments and encounters too."""
 _PAGES: Final[tuple[Page, ...]] = in_place(
     (
         Page("data", "Data", "Data", shown=(MATCH, PROXIMITY)),
@@ -34,20 +37,13 @@ _PAGES: Final[tuple[Page, ...]] = in_place(
             "timeline",
             "Timeline",
             "Compare",
-            shown=(SIMILARITY, LOW, ENCOUNTERS, SEVERITY, EVENTS, TIME_LEFT),
+            shown=(SIMILARITY, LOW, ENCOUNTERS, SEVERITY, EVENTS, *_ADDED),
         ),
         Page(
             "encounters",
             "Encounters",
             "Compare",
-            shown=(SIMILARITY, ENCOUNTERS, SEVERITY, TIME_LEFT, DRIVER),
-        ),
-        Page(
-            "time_left",
-            "Time left",
-            "Compare",
-            shown=(TIME_LEFT,),
-            own=(URGENCY, CONTACT, CONFIRMED),
+            shown=(SIMILARITY, ENCOUNTERS, SEVERITY, *_ADDED),
         ),
         Page(
             "driver",
