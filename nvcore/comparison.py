@@ -39,7 +39,6 @@ from nvcore.metrics.venn import (
 from nvcore.objects import Objects
 from nvcore.palette import Scheme, Shade, scheme_for
 from nvcore.params import Params
-from nvcore.params.metadata import COST, ENCOUNTERS, MATCH, MISS_WEIGHTS, PROXIMITY
 from nvcore.schema import Category, DetectionState
 from nvcore.scoring import (
     Inputs,
@@ -52,6 +51,7 @@ from nvcore.scoring import (
     steps_of,
     weigh_misses,
 )
+from nvcore.stages import COST, ENCOUNTERS, MATCH, MISS_WEIGHTS, PROXIMITY
 from nvcore.subjects import resolve, subjects
 
 LEAST_FOR_THREADS: Final = 5_000

@@ -39,7 +39,7 @@ class Subject:
     settings
         Class whose fields become those of `nvcore.params.Params`.
     results
-        Stages of these settings whose results are shown (`nvcore.params.metadata.Stage`).
+        Stages of these settings whose results are shown (`nvcore.stages.Stage`).
     steps
         Steps of the comparison (`nvcore.scoring.step.Step`).
     view

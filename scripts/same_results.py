@@ -83,7 +83,7 @@ from nvcore.protocols import PROTOCOLS
 
 def range_of(spec):
     setting = spec.metadata.get("setting")
-    if setting is None:  # before there was nvcore.params.metadata
+    if setting is None:  # before there was nvcore.stages
         return {key: spec.metadata.get(key) for key in ("choices", "low", "high", "above_low")}
     is_whole = getattr(setting, "is_whole", False)
     choices = None if setting.words is None else list(setting.words)

@@ -20,7 +20,7 @@ from nvcore.errors import InputError
 from nvcore.measures import MEASURES, Measure
 from nvcore.metrics import kernels
 from nvcore.params import SETTINGS, Params, settings_for
-from nvcore.params.metadata import (
+from nvcore.stages import (
     COST,
     DISTANCES,
     ENCOUNTERS,

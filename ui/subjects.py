@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.params.metadata import Stage
+from nvcore.stages import Stage
 from nvcore.subjects import resolve, subjects
 
 

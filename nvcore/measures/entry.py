@@ -13,8 +13,8 @@ from nvcore.comparison import Result
 from nvcore.detection.curve_summary import CurveSummary
 from nvcore.metrics.venn import Venn
 from nvcore.params import SETTINGS
-from nvcore.params.metadata import Stage
 from nvcore.scoring import SystemResult
+from nvcore.stages import Stage
 
 Better = Literal["higher", "lower", ""]
 HIGHER: Final = "higher"

@@ -19,7 +19,7 @@ from nvcore.measures.values import (
     episodes_by_recording,
     rate_by_recording,
 )
-from nvcore.params.metadata import MATCH
+from nvcore.stages import MATCH
 
 ALARM_MEASURES: Final[tuple[Measure, ...]] = (
     Measure(

@@ -6,7 +6,7 @@ from operator import attrgetter
 from typing import Final
 
 from nvcore.measures.entry import HIGHER, LOWER, AxisScale, Better, Inference, Measure, MeasureTable
-from nvcore.params.metadata import MATCH
+from nvcore.stages import MATCH
 
 
 def _of_curve(

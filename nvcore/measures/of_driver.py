@@ -22,9 +22,9 @@ from nvcore.measures.entry import (
     Parts,
 )
 from nvcore.measures.values import per_recording
-from nvcore.params.metadata import ENCOUNTERS, Stage
 from nvcore.schema import integers_of
 from nvcore.scoring import SystemResult
+from nvcore.stages import ENCOUNTERS, Stage
 from nvcore.time_left.measures import is_in_time
 from nvcore.time_left.settings import TIME_LEFT
 from nvcore.time_left.steps import time_left_in

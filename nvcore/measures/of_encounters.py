@@ -29,9 +29,9 @@ from nvcore.measures.values import (
     severity_by_recording,
     severity_parts,
 )
-from nvcore.params.metadata import ENCOUNTERS, EVENTS, MATCH, SALIENCY, SEVERITY
 from nvcore.schema import Category, MissClass
 from nvcore.scoring import SystemResult
+from nvcore.stages import ENCOUNTERS, EVENTS, MATCH, SALIENCY, SEVERITY
 
 DETECTED: Final = "encounters_detected"
 """Key of the measure."""

@@ -21,7 +21,7 @@ from nvcore.measures.values import (
     similarity_parts,
     worst_windows,
 )
-from nvcore.params.metadata import LOW, MATCH, PROXIMITY, SIMILARITY
+from nvcore.stages import LOW, MATCH, PROXIMITY, SIMILARITY
 
 _NO_FRAMES_OF_GROUPS: Final = "a frame belongs to no group of {many}"
 

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 from nvcore.errors import ParameterError
 from nvcore.params.judging import JudgingSettings, Match, MatchClass
-from nvcore.params.metadata import AUDITED, Setting, Stage
 from nvcore.params.saliency import (
     Aggregate,
     RecencyUnit,
@@ -33,6 +32,7 @@ from nvcore.params.similarity import (
     Proximity,
     SimilaritySettings,
 )
+from nvcore.stages import AUDITED, Setting, Stage
 from nvcore.subjects import contributed
 from nvcore.wording import did_you_mean
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from nvcore.params.metadata import ENCOUNTERS, LOW, MATCH, THRESHOLD, setting, share
+from nvcore.stages import ENCOUNTERS, LOW, MATCH, THRESHOLD, setting, share
 
 Match = Literal["iou", "lateral"]
 MatchClass = Literal["any", "same"]

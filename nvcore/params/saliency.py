@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from nvcore.params.metadata import EVENTS, SALIENCY, SALIENT, setting, share
+from nvcore.stages import EVENTS, SALIENCY, SALIENT, setting, share
 
 Aggregate = Literal["max", "sum"]
 Scope = Literal["recording", "encounter"]

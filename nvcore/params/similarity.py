@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from nvcore.params.metadata import COST, NEAREST, PROXIMITY, SIMILARITY, setting, share
+from nvcore.stages import COST, NEAREST, PROXIMITY, SIMILARITY, setting, share
 
 Distance = Literal["lateral", "ground"]
 Pairing = Literal["nearest", "matched"]

@@ -14,7 +14,7 @@ from nvcore.dataset import Dataset
 from nvcore.metrics.encounters import Encounters
 from nvcore.metrics.linking import TruthTracks
 from nvcore.params import Params
-from nvcore.params.metadata import Stage
+from nvcore.stages import Stage
 from nvcore.subjects import contributed
 
 

@@ -24,7 +24,9 @@ from nvcore.metrics.similarity import (
     trace_similarity,
 )
 from nvcore.params import Params
-from nvcore.params.metadata import (
+from nvcore.scoring.result import SystemResult
+from nvcore.scoring.step import Made, Memo, Step, SystemInputs, steps_of
+from nvcore.stages import (
     DISTANCES,
     ENCOUNTERS,
     EVENTS,
@@ -37,8 +39,6 @@ from nvcore.params.metadata import (
     SEVERITY,
     SIMILARITY,
 )
-from nvcore.scoring.result import SystemResult
-from nvcore.scoring.step import Made, Memo, Step, SystemInputs, steps_of
 
 
 def nearest_of(dataset: Dataset, name: str, matches: Matches, params: Params) -> Nearest:

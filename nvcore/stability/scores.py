@@ -18,10 +18,10 @@ from nvcore.metrics.proximity.borrowing import weighing_truth
 from nvcore.metrics.saliency import find_events, mean_saliency, qualify
 from nvcore.metrics.similarity import Nearest, SetDistances, measure_sets
 from nvcore.params import Params, settings_for
-from nvcore.params.metadata import MATCH, PROXIMITY, Stage
 from nvcore.schema import DetectionState
 from nvcore.scoring import nearest_of, weigh_misses
 from nvcore.stability.axes import Axis
+from nvcore.stages import MATCH, PROXIMITY, Stage
 
 Criterion = Literal["similarity", "encounters", "saliency"]
 Letter = Literal["x", "y"]

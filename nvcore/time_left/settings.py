@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from nvcore.errors import ParameterError
-from nvcore.params.metadata import MATCH, Stage, setting, share
+from nvcore.stages import MATCH, Stage, setting, share
 
 CONTACT: Final = Stage("time to contact", "Time left")
 URGENCY: Final = Stage("urgent encounters", "Time left", (CONTACT,))

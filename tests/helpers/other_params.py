@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Final
 
 from nvcore.params import SETTINGS
-from nvcore.params.metadata import Setting
+from nvcore.stages import Setting
 
 OF_UNIT: Final = {"px": 90.0, "": 0.5}
 """For numbers without a default."""

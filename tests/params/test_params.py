@@ -15,8 +15,8 @@ from other_params import OTHER
 from nvcore.errors import ParameterError
 from nvcore.objects import PEDESTRIAN, SPEED_SIGN
 from nvcore.params import SETTINGS, Params, params_from, settings_for
-from nvcore.params.metadata import EVENTS, MATCH, SALIENCY, Setting
 from nvcore.params.presets import PRESETS, presets_for
+from nvcore.stages import EVENTS, MATCH, SALIENCY, Setting
 
 NUMBERS = [name for name, setting in SETTINGS.items() if setting.words is None]
 CHOICES = [name for name, setting in SETTINGS.items() if setting.words is not None]

@@ -18,8 +18,8 @@ from nvcore.detection.operating_point import (
 from nvcore.detection.operating_point import operating_point as point_at
 from nvcore.figures.inputs import false_alarm_plot, score_plot
 from nvcore.params import Params
-from nvcore.params.metadata import MATCH
 from nvcore.report.words import sampling_note
+from nvcore.stages import MATCH
 from ui.session import state
 from ui.shell import operating_point, systems
 from ui.widgets.charts import draw_chart

@@ -14,8 +14,8 @@ from nvcore.detection.miss_rate import explain_few
 from nvcore.detection.windows import WindowGrid, scale_steps, windows_per_image
 from nvcore.errors import ParameterError
 from nvcore.figures.detection import CurveKind, curve_plot, legend_text
-from nvcore.params.metadata import MATCH
 from nvcore.protocols import Protocol
+from nvcore.stages import MATCH
 from nvcore.tables.scorecard import curve_rows
 from nvcore.wording import capitalised, count_text, minus
 from ui.detection.protocol import filtered

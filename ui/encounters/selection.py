@@ -10,7 +10,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.params.metadata import SEVERITY, THRESHOLD
+from nvcore.stages import SEVERITY, THRESHOLD
 from nvcore.tables.moments import encounter_moments
 from ui.session import state
 from ui.session.chosen import choose_encounter, chosen_encounter

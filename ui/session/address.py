@@ -10,7 +10,7 @@ import numpy as np
 
 from nvcore.errors import ParameterError
 from nvcore.params import SETTINGS, Params
-from nvcore.params.metadata import Setting
+from nvcore.stages import Setting
 
 PLACE: Final = ("x", "y", "tags", "recording", "frame")
 """What an address says besides the parameters: systems and tags, if not as the app starts, and the

@@ -12,10 +12,10 @@ from nvcore.comparison import Result
 from nvcore.metrics.cost_map import CostMap, map_cost
 from nvcore.metrics.proximity.borrowing import weighing_truth
 from nvcore.overlay.annotate import LAYERS, annotate
-from nvcore.params.metadata import COST
 from nvcore.pictures.base import PictureReader
 from nvcore.pictures.mapped import MappedPictures
 from nvcore.pictures.stretch import STRETCH
+from nvcore.stages import COST
 from ui.session import state
 from ui.session.look import VisiblePictures
 from ui.session.results.driver import clock_of

@@ -12,8 +12,8 @@ from nvcore.driver.comparison.settings import DRIVER
 from nvcore.errors import ParameterError
 from nvcore.metrics.proximity import in_use
 from nvcore.params import SETTINGS, Params
-from nvcore.params.metadata import MISS_WEIGHTS, THRESHOLD, Setting
 from nvcore.params.presets import Preset
+from nvcore.stages import MISS_WEIGHTS, THRESHOLD, Setting
 from ui.session import settings, state
 
 KEPT_NUMBERS: Final = 1e-9

@@ -16,7 +16,7 @@ from nvcore.detection.operating_point import (
     threshold_with_alarms,
 )
 from nvcore.params import Params
-from nvcore.params.metadata import MATCH, THRESHOLD
+from nvcore.stages import MATCH, THRESHOLD
 from nvcore.wording import number
 from ui.session import state
 from ui.widgets.text import plain

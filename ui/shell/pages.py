@@ -9,7 +9,7 @@ import streamlit as st
 from streamlit.navigation.page import StreamlitPage
 
 from nvcore.driver.comparison.settings import DRIVER
-from nvcore.params.metadata import (
+from nvcore.stages import (
     ENCOUNTERS,
     EVENTS,
     LOW,

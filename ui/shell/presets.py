@@ -8,8 +8,8 @@ from typing import Any, Final
 import streamlit as st
 
 from nvcore.params import SETTINGS
-from nvcore.params.metadata import THRESHOLD
 from nvcore.params.presets import PRESETS, Preset, presets_for
+from nvcore.stages import THRESHOLD
 from nvcore.wording import count_text
 from ui.session import settings, state
 from ui.shell import live_params

@@ -9,8 +9,8 @@ import streamlit as st
 
 from nvcore.figures.inputs import proximity_plot
 from nvcore.params import SETTINGS, settings_for
-from nvcore.params.metadata import MATCH, PROXIMITY, THRESHOLD, Setting, Stage
 from nvcore.params.traffic import count_contexts
+from nvcore.stages import MATCH, PROXIMITY, THRESHOLD, Setting, Stage
 from ui.session import settings, state
 from ui.shell import cost_map, live_params, operating_point, presets, recordings_filter
 from ui.widgets.charts import draw_chart

@@ -12,7 +12,7 @@ from nvcore.comparison import Result
 from nvcore.evidence.measures import Evidence, judge
 from nvcore.evidence.units import BLOCKS
 from nvcore.measures import evidence_form
-from nvcore.params.metadata import THRESHOLD
+from nvcore.stages import THRESHOLD
 from nvcore.tables.scorecard import score_rows
 from nvcore.time_left.kinds import TimeLeft, Urgency
 from nvcore.time_left.settings import TIME_LEFT

@@ -12,7 +12,7 @@ from nvcore.comparison import Result
 from nvcore.figures.over_time.lanes import lane_order, lanes_figure
 from nvcore.figures.over_time.losses import loss_plot
 from nvcore.figures.over_time.similarity import TimeLayout, similarity_plot
-from nvcore.params.metadata import shown_results
+from nvcore.stages import shown_results
 from ui.session import state
 from ui.session.chosen import choose_encounter, chosen_encounter
 from ui.shell import title

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
-from nvcore.params.metadata import MISS_WEIGHTS, PROXIMITY, Stage, setting, share
+from nvcore.stages import MISS_WEIGHTS, PROXIMITY, Stage, setting, share
 
 DRIVER: Final = Stage(
     "whom the driver sees", "The driver", (PROXIMITY,), "what the driver sees by himself"

@@ -11,7 +11,7 @@ from streamlit.testing.v1 import AppTest
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.params import SETTINGS, Params
-from nvcore.params.metadata import MATCH, PROXIMITY, shown_results
+from nvcore.stages import MATCH, PROXIMITY, shown_results
 from pages import FRAMES, begin_with, checked, opened, press, rows, shown, texts, write
 from ui.session import settings
 from ui.session.sample import shown_in

@@ -10,7 +10,7 @@ from streamlit.testing.v1 import AppTest
 from streamlit.testing.v1.element_tree import NumberInput
 
 from nvcore.detection.operating_point import threshold_with_alarms
-from nvcore.params.metadata import shown_results
+from nvcore.stages import shown_results
 from pages import FRAMES, begin_with, checked, opened, press, rows, shown, texts, write
 from ui.shell import pages
 from ui.shell.operating_point import RATE, points

@@ -7,7 +7,7 @@ from typing import Any
 
 from nvcore.comparison import Result
 from nvcore.params import Params
-from nvcore.params.metadata import SALIENT, THRESHOLD
+from nvcore.stages import SALIENT, THRESHOLD
 
 Cached = Callable[..., Any]
 """`ui.session.cache.Caching.cached`."""

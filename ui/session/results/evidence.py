@@ -9,8 +9,8 @@ from nvcore.evidence.measures import Evidence
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import Units, find_units
-from nvcore.params.metadata import MATCH
 from nvcore.protocols import Protocol
+from nvcore.stages import MATCH
 from ui.session import state
 from ui.session.results.comparison import Cached
 

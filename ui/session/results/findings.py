@@ -18,7 +18,7 @@ from nvcore.auditing.pictures import audit_pictures
 from nvcore.dataset import Dataset
 from nvcore.findings import Finding, worst_first
 from nvcore.params import Params
-from nvcore.params.metadata import MATCH, PROXIMITY, THRESHOLD
+from nvcore.stages import MATCH, PROXIMITY, THRESHOLD
 from ui.session import state
 from ui.session.results.comparison import Cached
 
