@@ -51,9 +51,9 @@ class Subject:
         Function that makes only some encounters count: from what the steps made and which
         encounters these are (bool, shape (n_encounters,)) to what is made otherwise.
     measures
-        Entries of `nvcore.measures.MEASURES`.
+        Entries of `nvcore.measures.table.MEASURES`.
     counts
-        Kinds of encounters that measures are shares of, by name (`nvcore.measures.counted`).
+        Kinds of encounters that measures are shares of, by name (`nvcore.measures.table.counted`).
     columns, entries
         Columns of the CSV files (`nvcore.tables.added.Columns`) and keys of ``summary.json``
         (`nvcore.tables.summary_entry.Entry`).

@@ -17,7 +17,8 @@ from nvcore.dataset.tables import dataset_from_tables
 from nvcore.driver.comparison.settings import DRIVER
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.errors import InputError
-from nvcore.measures import MEASURES, Measure
+from nvcore.measures.entry import Measure
+from nvcore.measures.table import MEASURES
 from nvcore.metrics import kernels
 from nvcore.params import SETTINGS, Params, settings_for
 from nvcore.stages import (

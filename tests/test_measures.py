@@ -14,10 +14,10 @@ from drives import drives
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import detection_curve
-from nvcore.measures import (
+from nvcore.measures.entry import Measure
+from nvcore.measures.table import (
     EVIDENCE_KEYS,
     MEASURES,
-    Measure,
     evidence_form,
     evidence_label,
     inference_of,

@@ -28,7 +28,7 @@ from nvcore.evidence.table import evidence_table
 from nvcore.extras import needs
 from nvcore.findings import Finding, worst_first
 from nvcore.inputs.session import Session
-from nvcore.measures import MeasureTable
+from nvcore.measures.entry import MeasureTable
 from nvcore.metrics.venn import BoxVenn, Exclusivity, Venn
 from nvcore.params import Params
 from nvcore.protocols import Protocol

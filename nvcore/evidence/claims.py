@@ -17,7 +17,7 @@ from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import are_unequal, count_alarms, has_scores
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.units import RECORDINGS
-from nvcore.measures import EVIDENCE_KEYS, inference_of, measure_of
+from nvcore.measures.table import EVIDENCE_KEYS, inference_of, measure_of
 
 CLAIMED: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).noun)
 """Keys of the measures whose differences the verdict may claim."""
@@ -250,7 +250,7 @@ def is_turned_strictly(key: str, result: Result, strict: Result) -> bool:
 
 
 def values_of(key: str, result: Result) -> tuple[float, float]:
-    """A measure of `nvcore.measures.MEASURES` of X and Y; NaN undefined."""
+    """A measure of `nvcore.measures.table.MEASURES` of X and Y; NaN undefined."""
     value_of = measure_of(key).of
     assert value_of is not None, key
     return float(value_of(result, result.x)), float(value_of(result, result.y))

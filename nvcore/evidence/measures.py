@@ -29,16 +29,16 @@ from nvcore.evidence.units import (
     find_units,
     sum_units,
 )
-from nvcore.measures import (
+from nvcore.measures.driver_doubt import doubt_of
+from nvcore.measures.entry import Better
+from nvcore.measures.table import (
     EVIDENCE_KEYS,
-    Better,
     evidence_keys,
     evidence_label,
     inference_of,
     measure_of,
     repeated_by,
 )
-from nvcore.measures.driver_doubt import doubt_of
 
 D_Z: Final = "Cohen's d_z"
 ODDS_RATIO: Final = "odds ratio"

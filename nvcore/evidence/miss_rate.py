@@ -14,7 +14,7 @@ from nvcore.detection.miss_rate import FPPI_REFERENCES, explain_few, explain_zer
 from nvcore.errors import InputError
 from nvcore.evidence.measures import Evidence, UnitMeasure, judge_measure
 from nvcore.evidence.units import Units, units_within
-from nvcore.measures import measure_of
+from nvcore.measures.table import measure_of
 from nvcore.protocols import PROTOCOLS, Protocol
 
 KEY: Final = "log_average_miss_rate"

@@ -18,7 +18,7 @@ from nvcore.detection.operating_point import (
     choose_moved,
     threshold_with_alarms,
 )
-from nvcore.measures import inference_of
+from nvcore.measures.table import inference_of
 from nvcore.scoring import SystemResult
 from nvcore.wording import capitalised
 

@@ -24,7 +24,7 @@ from nvcore.evidence.measures import (
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT, holm
 from nvcore.evidence.units import find_units
-from nvcore.measures import inference_of
+from nvcore.measures.table import inference_of
 from nvcore.params import Params
 from nvcore.progress import Progress, no_progress
 

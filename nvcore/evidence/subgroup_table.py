@@ -26,7 +26,7 @@ from nvcore.evidence.paired_tests import mcnemar
 from nvcore.evidence.subgroups import ALL, Subgroup, everyone, find_subgroups
 from nvcore.evidence.table import mark_undecided
 from nvcore.evidence.units import Units, find_units, units_within
-from nvcore.measures import evidence_keys, inference_of
+from nvcore.measures.table import evidence_keys, inference_of
 from nvcore.metrics.venn import count_categories
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.schema import Category

@@ -11,7 +11,7 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.block_length import block_length
-from nvcore.measures import EVIDENCE_KEYS, counted, inference_of, measure_of
+from nvcore.measures.table import EVIDENCE_KEYS, counted, inference_of, measure_of
 from nvcore.schema import Category
 from nvcore.scoring import SystemResult
 
@@ -133,8 +133,8 @@ def sum_units(result: Result, units: Units) -> pd.DataFrame:
     -------
     One row per unit: recording (row of the recordings), n_frames, duration_s, share_of_recording
     (1, or a block's part of it), n_encounters (not distant), those that subjects count
-    (`nvcore.measures.counted`); and, for each measure that is judged by units, the sums of its
-    parts: its key with ``_x`` and ``_y`` (NaN where it cannot be shared out to blocks of time).
+    (`nvcore.measures.table.counted`); and, for each measure that is judged by units, the sums of
+    its parts: its key with ``_x`` and ``_y`` (NaN where it cannot be shared out to blocks of time).
     Encounters, episodes and events belong to the unit in which they begin.
     """
     n, unit = len(units), units.unit_of_frame

@@ -21,7 +21,8 @@ from nvcore.figures.style import (
     which_is_which,
     written,
 )
-from nvcore.measures import AxisScale, inference_of
+from nvcore.measures.entry import AxisScale
+from nvcore.measures.table import inference_of
 from nvcore.palette import Theme
 from nvcore.wording import capitalised, count_text
 

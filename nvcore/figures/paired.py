@@ -11,8 +11,8 @@ import plotly.graph_objects as go
 
 from nvcore.figures.marks import click_markers, marks, still_line, system_marker, with_gaps
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, plain, rows_axis, system_label
-from nvcore.measures import measure_of
 from nvcore.measures.entry import HIGHER
+from nvcore.measures.table import measure_of
 from nvcore.palette import Theme
 from nvcore.wording import count_text
 

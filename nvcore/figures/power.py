@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 from nvcore.evidence.planning.plan import Plan
 from nvcore.evidence.planning.words import ASSUMPTIONS
 from nvcore.figures.style import LOOK, axis, draw, empty_figure
-from nvcore.measures import difference_text
+from nvcore.measures.table import difference_text
 from nvcore.palette import Theme
 from nvcore.wording import count_text, percent
 

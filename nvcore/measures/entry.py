@@ -1,4 +1,4 @@
-"""What an entry of `nvcore.measures.MEASURES` says of a measure."""
+"""What an entry of `nvcore.measures.table.MEASURES` says of a measure."""
 
 from __future__ import annotations
 

@@ -1,17 +1,34 @@
-"""Every measure, in the order of ``summary.json`` and of all tables."""
+"""Every measure of a comparison, defined once in `MEASURES`.
+
+A measure is a number that describes a system (a figure is a chart). From its entry come the row of
+the scorecard, the key of ``summary.json``, the columns of ``recordings.csv``, the name in rules of
+the gate, the rows of the table of evidence and of its groups, the axes of forest plots and of the
+report's intervals, and the tables of ``docs/report.md``. `nvcore.evidence` resamples and tests its
+difference; the entry only says which sums over frames make the measure.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import chain
-from typing import Final
+from typing import Any, Final
 
-from nvcore.measures.entry import Measure
+import numpy as np
+
+from nvcore.comparison import Result
+from nvcore.driver.comparison.steps import driver_in
+from nvcore.measures.entry import (
+    Inference,
+    Measure,
+    MeasureTable,
+)
 from nvcore.measures.of_alarms import ALARM_MEASURES
 from nvcore.measures.of_curves import CURVE_MEASURES
 from nvcore.measures.of_driver import DRIVER_MEASURES
-from nvcore.measures.of_encounters import ENCOUNTER_MEASURES
+from nvcore.measures.of_encounters import DETECTED, ENCOUNTER_MEASURES
 from nvcore.measures.of_frames import FRAME_MEASURES
 from nvcore.subjects import contributed
+from nvcore.wording import difference
 
 MEASURES: Final[tuple[Measure, ...]] = (
     *FRAME_MEASURES,
@@ -21,3 +38,108 @@ MEASURES: Final[tuple[Measure, ...]] = (
     *ALARM_MEASURES,
     *CURVE_MEASURES,
 )
+
+_BY_KEY: Final = {measure.key: measure for measure in MEASURES}
+_INFERENCE: Final = {
+    measure.key: measure.inference for measure in MEASURES if measure.inference is not None
+}
+
+EVIDENCE_KEYS: Final = tuple(sorted(_INFERENCE, key=lambda key: not key.startswith(DETECTED)))
+"""Keys of the table of evidence: encounters detected first, then in the order of `MEASURES`."""
+
+
+def label_words(result: Result, units: str = "") -> dict[str, Any]:
+    """Settings and counts of a result that labels contain, beside the words of its objects.
+
+    Parameters
+    ----------
+    units
+        What is resampled: ``recordings`` or ``blocks``.
+    """
+    is_largest = result.params.saliency_aggregate == "max"
+    return {
+        "low": result.params.low,
+        "window": result.params.window,
+        "aggregate": "largest event" if is_largest else "sum of events",
+        "n_near": result.venn.n_near,
+        "n_boxes": int(result.n_truth.sum()),
+        **{name: int(members(result).sum()) for name, members in counted().items()},
+        "n_unseen": int(driver_in(result).is_unseen.sum()),
+        "n_seen": int(driver_in(result).is_seen.sum()),
+        "units": units,
+    }
+
+
+def counted() -> dict[str, Callable[[Result], np.ndarray]]:
+    """Kinds of encounters that subjects count, by the name that labels and `per` know.
+
+    bool, shape (n_encounters,).
+    """
+    return {name: of for known in contributed("counts") for name, of in known.items()}
+
+
+def count_recordings(result: Result) -> int:
+    """Recordings that have frames."""
+    return int(np.count_nonzero(np.diff(result.dataset.frame_columns.first)))
+
+
+def has_several_recordings(result: Result) -> bool:
+    """Whether two recordings or more have frames."""
+    return count_recordings(result) > 1
+
+
+def measures_in(table: MeasureTable) -> tuple[Measure, ...]:
+    """The measures of a table."""
+    return tuple(measure for measure in MEASURES if table in measure.tables)
+
+
+def measure_of(key: str) -> Measure:
+    """The measure with this key."""
+    return _BY_KEY[key]
+
+
+def applies_to(result: Result, measure: Measure) -> bool:
+    """Whether a comparison has what it measures, such as urgent encounters."""
+    return measure.applies is None or measure.applies(result)
+
+
+def evidence_keys(result: Result) -> tuple[str, ...]:
+    """Those of `EVIDENCE_KEYS` that a comparison has."""
+    return tuple(key for key in EVIDENCE_KEYS if applies_to(result, _BY_KEY[key]))
+
+
+def inference_of(key: str) -> Inference:
+    """How the difference of a measure of `EVIDENCE_KEYS` is judged."""
+    return _INFERENCE[key]
+
+
+def repeated_by(key: str) -> str:
+    """Key of the measure whose hypothesis this one tests again; empty: it has its own."""
+    return _INFERENCE[key].repeats if key in _INFERENCE else ""
+
+
+def evidence_form(key: str) -> str:
+    """Format specification of a measure of `EVIDENCE_KEYS` beside its evidence."""
+    return inference_of(key).form or _BY_KEY[key].form
+
+
+def evidence_label(key: str, result: Result, units: str) -> str:
+    """What a measure of `EVIDENCE_KEYS` is called beside its evidence.
+
+    Parameters
+    ----------
+    units
+        What is resampled: ``recordings`` or ``blocks``.
+    """
+    template = inference_of(key).label or _BY_KEY[key].label
+    return result.objects.say(template, **label_words(result, units))
+
+
+def difference_text(value: float, key: str) -> str:
+    """A difference in a measure of `EVIDENCE_KEYS`, with sign and unit; shares in points."""
+    return difference(value, 0, evidence_form(key)) + inference_of(key).noun_unit
+
+
+def size_text(value: float, key: str) -> str:
+    """The size of such a difference, without sign."""
+    return difference_text(abs(value), key).removeprefix("+")

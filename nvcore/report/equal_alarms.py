@@ -11,7 +11,7 @@ from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.operating_points import EqualAlarms, are_unequal
 from nvcore.evidence.table import evidence_table
-from nvcore.measures import MEASURES
+from nvcore.measures.table import MEASURES
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.schema import Category
 from nvcore.tables.scorecard import ScoreRow, score_rows

@@ -38,7 +38,7 @@ from nvcore.report.equal_alarms import at_equal_alarms, unequal_companions
 from nvcore.settings import Settings
 from nvcore.tables.boxes.matches import MATCHES, matches_parquet
 from nvcore.tables.classes import classes_table, has_classes
-from nvcore.tables.columns import REPORT_COLUMNS
+from nvcore.tables.columns import report_columns
 from nvcore.tables.inputs import finding_entries, horizons_table
 from nvcore.tables.result import (
     encounters_table,
@@ -60,7 +60,7 @@ REPORT_FILES: Final = (
     *(
         str(PurePath(name).with_suffix(f".{kind}"))
         for kind in TABLE_FORMATS
-        for name in REPORT_COLUMNS
+        for name in report_columns()
     ),
     MATCHES,
     "summary.json",

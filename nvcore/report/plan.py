@@ -24,7 +24,7 @@ from nvcore.evidence.planning.words import (
     describe_plan,
     plan_sentence,
 )
-from nvcore.measures import difference_text
+from nvcore.measures.table import difference_text
 from nvcore.wording import duration_text, percent
 
 

@@ -16,7 +16,9 @@ from nvcore.comparison import Result
 from nvcore.evidence.measures import ODDS_RATIO
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.inputs.evaluated_frames import nth
-from nvcore.measures import MeasureTable, has_several_recordings, relevant_share
+from nvcore.measures.entry import MeasureTable
+from nvcore.measures.table import has_several_recordings
+from nvcore.measures.values import relevant_share
 from nvcore.objects import Objects
 from nvcore.params import Params
 from nvcore.scoring import SystemResult

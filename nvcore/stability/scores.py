@@ -10,7 +10,7 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.measures import measure_of
+from nvcore.measures.table import measure_of
 from nvcore.metrics.encounters import judge_encounters
 from nvcore.metrics.matching import Matches, match_system
 from nvcore.metrics.proximity import in_use, weigh_proximity

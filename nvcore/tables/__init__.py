@@ -2,7 +2,7 @@
 
 from nvcore.tables.boxes.states import FrameBoxes, gather_boxes
 from nvcore.tables.classes import classes_table, has_classes
-from nvcore.tables.columns import REPORT_COLUMNS, column_names
+from nvcore.tables.columns import column_names, report_columns
 from nvcore.tables.encounters.driver import (
     detectability_course,
     driver_sights,
@@ -39,7 +39,6 @@ from nvcore.tables.summary import summary, system_summary
 from nvcore.tables.windows import windows_table
 
 __all__ = [
-    "REPORT_COLUMNS",
     "FrameBoxes",
     "FrameSummary",
     "LossStrip",
@@ -72,6 +71,7 @@ __all__ = [
     "next_misses",
     "over_driver_threshold",
     "recordings_table",
+    "report_columns",
     "saved_encounters",
     "score_rows",
     "summary",

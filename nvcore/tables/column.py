@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Final
 
-from nvcore.measures import Measure
+from nvcore.measures.entry import Measure
 
 
 class Kind(StrEnum):

@@ -10,8 +10,9 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.findings import Finding
-from nvcore.measures import MEASURES, duration_of_recordings, per_recording
 from nvcore.measures.of_driver import is_driver_in_time, is_judged_in_time
+from nvcore.measures.table import MEASURES
+from nvcore.measures.values import duration_of_recordings, per_recording
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.saliency import EVENT_COLUMNS
 from nvcore.schema import NO_TRACK, Category, integers_of

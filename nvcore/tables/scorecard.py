@@ -8,15 +8,9 @@ from typing import NamedTuple
 
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import CurveSummary
-from nvcore.measures import (
-    Better,
-    Measure,
-    MeasureTable,
-    applies_to,
-    label_words,
-    measures_in,
-)
 from nvcore.measures.driver_doubt import doubt_of
+from nvcore.measures.entry import Better, Measure, MeasureTable
+from nvcore.measures.table import applies_to, label_words, measures_in
 
 
 class ScoreRow(NamedTuple):

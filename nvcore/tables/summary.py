@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from itertools import chain
 from operator import attrgetter
 from typing import Any, Final
@@ -14,7 +14,7 @@ import numpy as np
 from nvcore import __version__
 from nvcore.comparison import Result
 from nvcore.driver.comparison.steps import driver_in
-from nvcore.measures import MEASURES
+from nvcore.measures.table import MEASURES
 from nvcore.schema import Category
 from nvcore.scoring import SystemResult
 from nvcore.subjects import contributed
@@ -168,7 +168,6 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
         lambda result: result.k_truth.n_without_distance,
     ),
     *_BORROWED,
-    *chain(*contributed("entries")),
     Entry(
         Column("x", Kind.TABLE, "", "System X; the keys are those of each system, below."),
         lambda result: system_summary(result, result.x),
@@ -296,8 +295,19 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
     ),
 )
 
-SUMMARY_KEYS: Final[tuple[Column, ...]] = tuple(entry.column for entry in _ENTRIES)
-"""Keys of ``summary.json`` in order, nested ones with dots; those of a system are `SYSTEM_KEYS`."""
+
+@cache
+def entries() -> tuple[Entry, ...]:
+    """The keys of ``summary.json`` with their values: the core's own, then those of subjects.
+
+    Nested ones with dots; those of a system are `SYSTEM_KEYS`.
+    """
+    return (*_ENTRIES, *chain(*contributed("entries")))
+
+
+def summary_keys() -> tuple[Column, ...]:
+    """The columns of `entries`."""
+    return tuple(entry.column for entry in entries())
 
 
 def summary(result: Result, at_equal: Mapping[str, Any] | None = None) -> dict[str, Any]:
@@ -311,7 +321,7 @@ def summary(result: Result, at_equal: Mapping[str, Any] | None = None) -> dict[s
     content = _nest(
         {
             entry.column.name: entry.value(result)
-            for entry in _ENTRIES
+            for entry in entries()
             if driver_in(result).has_any or not entry.column.is_optional
         }
     )

@@ -33,7 +33,7 @@ from nvcore.inputs.readers.base import Reading, ReadOptions, SourceFile
 from nvcore.inputs.recordings_file import read_recordings_file
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.inputs.session_toml import read_session, write_session
-from nvcore.measures import MEASURES
+from nvcore.measures.table import MEASURES
 from nvcore.objects import PEDESTRIAN
 from nvcore.pictures.archive import Archive, ArchiveLimits
 from nvcore.pictures.open import open_pictures

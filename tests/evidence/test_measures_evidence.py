@@ -14,7 +14,7 @@ from nvcore.evidence.bootstrap import bootstrap_difference, ratio, studentised_p
 from nvcore.evidence.measures import COLUMNS, UnitMeasure, judge_measure, significance_table
 from nvcore.evidence.paired_tests import holm, swap_test
 from nvcore.evidence.units import STRETCH, find_units
-from nvcore.measures import measure_of
+from nvcore.measures.table import measure_of
 from nvcore.params import Params
 
 NUMBERS = ["x", "y", "difference", "low", "high", "p", "p_holm", "effect"]

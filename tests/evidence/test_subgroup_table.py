@@ -16,7 +16,7 @@ from nvcore.evidence.miss_rate import KEY as MISS_RATE
 from nvcore.evidence.operating_points import AS_SET
 from nvcore.evidence.subgroup_table import COLUMNS, subgroup_table
 from nvcore.evidence.table import evidence_table
-from nvcore.measures import EVIDENCE_KEYS, evidence_keys, inference_of
+from nvcore.measures.table import EVIDENCE_KEYS, evidence_keys, inference_of
 from nvcore.objects import PEDESTRIAN
 from nvcore.time_left.steps import time_left_of
 

@@ -13,7 +13,7 @@ from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.subgroups import ALL
 from nvcore.figures.forest import forest_in_words, subgroup_forest
 from nvcore.figures.style import LOOK
-from nvcore.measures import EVIDENCE_KEYS
+from nvcore.measures.table import EVIDENCE_KEYS
 
 
 @pytest.fixture(scope="module")

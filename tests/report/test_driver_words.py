@@ -17,7 +17,7 @@ from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.measures import significance_table
-from nvcore.measures import MEASURES
+from nvcore.measures.table import MEASURES
 from nvcore.objects import PEDESTRIAN, objects_from
 from nvcore.params import Params
 from nvcore.report.gate import run_gate

@@ -15,7 +15,8 @@ from places import ROOT
 from nvcore.comparison import Result
 from nvcore.errors import ParameterError
 from nvcore.findings import Finding, Severity
-from nvcore.measures import MEASURES, Measure
+from nvcore.measures.entry import Measure
+from nvcore.measures.table import MEASURES
 from nvcore.protocols import PROTOCOLS
 from nvcore.report.gate import audit_rules, run_gate
 from nvcore.report.gate.details import encounters_of, explain

@@ -29,16 +29,16 @@ from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT
 from nvcore.tables.boxes.matches import MATCH_COLUMNS, MATCHES
 from nvcore.tables.classes import classes_table
 from nvcore.tables.column import Column, Kind
-from nvcore.tables.columns import REPORT_COLUMNS
+from nvcore.tables.columns import report_columns
 from nvcore.tables.evidence_columns import MATRIX_COLUMNS
-from nvcore.tables.summary import SUMMARY_KEYS, SYSTEM_KEYS
+from nvcore.tables.summary import SYSTEM_KEYS, summary_keys
 
 PAGE = ROOT / "docs" / "report.md"
 SECTION = re.compile(r"^(#+) (.*?)\n(.*?)(?=^#+ |\Z)", re.DOTALL | re.MULTILINE)
 TABLE = re.compile(r"(?:^\|.*\n)+", re.MULTILINE)
 MATRIX = "matrix.csv"
-TABLES = {**REPORT_COLUMNS, MATCHES: MATCH_COLUMNS, MATRIX: MATRIX_COLUMNS}
-COLUMNS = {**TABLES, "summary.json": SUMMARY_KEYS, "Each system": SYSTEM_KEYS}
+TABLES = {**report_columns(), MATCHES: MATCH_COLUMNS, MATRIX: MATRIX_COLUMNS}
+COLUMNS = {**TABLES, "summary.json": summary_keys(), "Each system": SYSTEM_KEYS}
 VALUES = {
     "The column category": CATEGORY_TEXT,
     "The column miss_class": MISS_CLASS_TEXT,
@@ -186,7 +186,7 @@ def test_the_cells_are_of_the_documented_type(report, file: str):
 
 
 def test_the_summary_has_exactly_the_documented_keys(report):
-    assert flat(json.loads(report["summary.json"])) == [key.name for key in SUMMARY_KEYS]
+    assert flat(json.loads(report["summary.json"])) == [key.name for key in summary_keys()]
 
 
 @pytest.mark.parametrize("place", SYSTEMS)
@@ -200,12 +200,12 @@ def test_each_system_of_the_summary_has_exactly_the_documented_keys(report, plac
 def test_without_detectability_files_are_as_if_there_were_no_driver(tmp_path):
     session = session_of(drive(tmp_path))
     files = export_files(compare(load(session)), session)
-    for file, columns in REPORT_COLUMNS.items():
+    for file, columns in report_columns().items():
         if file in files:
             names = [column.name for column in columns if not column.is_optional]
             assert list(table_of({file: files[file]()}, file)) == names
     content = json.loads(files["summary.json"]())
-    assert flat(content) == [key.name for key in SUMMARY_KEYS if not key.is_optional]
+    assert flat(content) == [key.name for key in summary_keys() if not key.is_optional]
     assert flat(content["x"]) == [key.name for key in SYSTEM_KEYS if not key.is_optional]
 
 
@@ -223,7 +223,7 @@ def test_pandas_keeps_the_miss_class_none_apart_from_an_empty_cell(report):
 
 
 def test_the_shown_columns_of_systems_are_all_of_x_before_all_of_y():
-    for columns in REPORT_COLUMNS.values():
+    for columns in report_columns().values():
         letters = [one.name[-1] for one in columns if one.name.endswith(("_x", "_y"))]
         assert letters == sorted(letters)
 

@@ -9,11 +9,11 @@ import numpy as np
 import pandas as pd
 
 from nvcore.schema import Category
-from nvcore.tables.columns import REPORT_COLUMNS
+from nvcore.tables.columns import report_columns
 
 SEVERITY: Final = "severity"
 """The larger of X's and Y's severity, the order to begin with; all others are columns."""
-COLUMNS: Final = tuple(column.name for column in REPORT_COLUMNS["encounters.csv"])
+COLUMNS: Final = tuple(column.name for column in report_columns()["encounters.csv"])
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from nvcore.inputs.session import Session
 from nvcore.report.files import export_files, report_zip
 from nvcore.tables.boxes.matches import MATCH_COLUMNS, MATCHES, matches_parquet
 from nvcore.tables.column import Column
-from nvcore.tables.columns import REPORT_COLUMNS
+from nvcore.tables.columns import report_columns
 from nvcore.wording import listed
 from ui.export.session import (
     estimates_of,
@@ -63,7 +63,7 @@ MIME: Final = {
     "toml": "application/toml",
     "parquet": "application/vnd.apache.parquet",
 }
-COLUMNS: Final = {**REPORT_COLUMNS, MATCHES: MATCH_COLUMNS}
+COLUMNS: Final = {**report_columns(), MATCHES: MATCH_COLUMNS}
 MOST_BOXES: Final = 5_000_000
 """Boxes that are written for a download, which is made in memory."""
 MOST_NAMED: Final = 12

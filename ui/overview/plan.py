@@ -18,7 +18,7 @@ from nvcore.evidence.planning.pilot import MIN_PILOT
 from nvcore.evidence.planning.words import QUESTION, describe_plan
 from nvcore.evidence.units import RECORDINGS
 from nvcore.figures.power import power_plot
-from nvcore.measures import count_recordings, inference_of
+from nvcore.measures.table import count_recordings, inference_of
 from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
 from nvcore.report.plan import verdict_plan

@@ -9,7 +9,8 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.figures.paired import recordings_plot
-from nvcore.measures import MeasureTable, count_recordings
+from nvcore.measures.entry import MeasureTable
+from nvcore.measures.table import count_recordings
 from nvcore.report.equal_alarms import detected_text, weights_text
 from nvcore.report.terminal import SHORT_ROWS
 from nvcore.tables.influence import lead_text

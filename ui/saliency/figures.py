@@ -11,7 +11,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.saliency import parts_plot, plane_plot, recency_plot
-from nvcore.measures import has_several_recordings
+from nvcore.measures.table import has_several_recordings
 from nvcore.params import Params
 from nvcore.report.words import describe_saliency, saliency_caveat
 from nvcore.tables.result import recordings_table, worst_events

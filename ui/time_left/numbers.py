@@ -11,7 +11,7 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.evidence.measures import Evidence, judge
 from nvcore.evidence.units import BLOCKS
-from nvcore.measures import evidence_form
+from nvcore.measures.table import evidence_form
 from nvcore.stages import THRESHOLD
 from nvcore.tables.scorecard import score_rows
 from nvcore.time_left.kinds import TimeLeft, Urgency

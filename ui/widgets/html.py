@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from html import escape
 from typing import Final
 
-from nvcore.measures import Better, measure_of
+from nvcore.measures.entry import Better
+from nvcore.measures.table import measure_of
 from nvcore.params import SETTINGS
 from nvcore.tables.scorecard import ScoreRow
 from nvcore.wording import ARROWS, difference, minus, number, one_line, rounded_form

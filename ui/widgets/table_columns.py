@@ -12,7 +12,7 @@ from pandas.api.types import is_bool_dtype
 from nvcore.figures.encounters import CLASS_WORDS
 from nvcore.figures.venn import WORDS
 from nvcore.tables.column import Column, Kind
-from nvcore.tables.columns import REPORT_COLUMNS
+from nvcore.tables.columns import report_columns
 from nvcore.tables.scorecard import ScoreRow
 from nvcore.wording import ARROWS, difference, minus, number
 from ui.session import state
@@ -71,7 +71,7 @@ def heading(name: str) -> str:
 
 def column_config(file: str) -> dict[str, Any]:
     """Settings of all columns of a report's file, for `st.dataframe`."""
-    return {column.name: _config(column) for column in REPORT_COLUMNS[file]}
+    return {column.name: _config(column) for column in report_columns()[file]}
 
 
 def as_shown(table: pd.DataFrame) -> pd.DataFrame:

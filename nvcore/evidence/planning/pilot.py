@@ -15,7 +15,7 @@ from nvcore.evidence.measures import Evidence, UnitMeasure, judge_measure, unit_
 from nvcore.evidence.miss_rate import NEEDED, judge_miss_rate, log_average_miss_rate_measure
 from nvcore.evidence.paired_tests import MIN_SWAPPED
 from nvcore.evidence.units import RECORDINGS, Units, find_units, sum_units, units_within
-from nvcore.measures import EVIDENCE_KEYS, inference_of
+from nvcore.measures.table import EVIDENCE_KEYS, inference_of
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.wording import did_you_mean, one_line
 

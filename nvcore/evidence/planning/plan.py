@@ -35,7 +35,7 @@ from nvcore.evidence.planning.power import (
 )
 from nvcore.evidence.planning.words import describe_plan
 from nvcore.evidence.units import Units, find_units
-from nvcore.measures import inference_of
+from nvcore.measures.table import inference_of
 from nvcore.progress import Progress, no_progress, part_of
 from nvcore.protocols import PROTOCOLS, Protocol
 

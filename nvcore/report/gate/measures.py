@@ -22,8 +22,8 @@ from nvcore.evidence.planning import PLAN_KEYS, judge_key, worse_at_most
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
 from nvcore.findings import Finding, Severity
-from nvcore.measures import MEASURES, applies_to, measure_of
 from nvcore.measures.driver_doubt import doubt_of, doubt_of_seen
+from nvcore.measures.table import MEASURES, applies_to, measure_of
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.venn import Venn, count_categories
 from nvcore.protocols import Protocol
@@ -32,7 +32,7 @@ from nvcore.report.plan import evidence_of
 from nvcore.report.verdict import verdict
 from nvcore.schema import Category
 from nvcore.tables.column import Column, Kind
-from nvcore.tables.summary import SUMMARY_KEYS, SYSTEM_KEYS, summary, system_summary
+from nvcore.tables.summary import SYSTEM_KEYS, summary, summary_keys, system_summary
 
 _OF_CURVE: Final = {
     measure.rule: measure.of_curve for measure in MEASURES if measure.rule and measure.of_curve
@@ -79,7 +79,7 @@ def _numeric(columns: Iterable[Column]) -> list[str]:
 
 
 SUMMARY_NAMES: Final = (
-    *_numeric(SUMMARY_KEYS),
+    *_numeric(summary_keys()),
     *(f"fusion.{kind}.{name}" for kind in ("x_or_y", "x_and_y") for name in _numeric(SYSTEM_KEYS)),
 )
 """Measures in ``summary.json`` of neither X nor Y; computed only if a rule names one."""
@@ -94,7 +94,7 @@ OF_DRIVER: Final = frozenset(
     {
         *_with_endings(_OF_SYSTEM),
         *(name for name, (key, _) in WORSE.items() if measure_of(key).is_optional),
-        *(column.name for column in SUMMARY_KEYS if column.is_optional),
+        *(column.name for column in summary_keys() if column.is_optional),
         *(f"fusion.{kind}.{name}" for kind in ("x_or_y", "x_and_y") for name in _OF_SYSTEM),
     }
 )

@@ -8,7 +8,7 @@ from typing import Final
 from xml.etree import ElementTree
 
 from nvcore.findings import Finding
-from nvcore.measures import MEASURES
+from nvcore.measures.table import MEASURES
 from nvcore.report.gate.measures import (
     COUNTED_CLAIMS,
     COUNTED_ENCOUNTERS,

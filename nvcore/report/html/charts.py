@@ -15,7 +15,7 @@ import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
 from nvcore.figures.style import LOOK, axis, empty_figure, layout, plain, which_is_which
-from nvcore.measures import evidence_form, inference_of
+from nvcore.measures.table import evidence_form, inference_of
 from nvcore.palette import Theme
 from nvcore.report.tiles import REACH
 from nvcore.wording import difference, interval_text, minus

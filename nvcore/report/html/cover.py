@@ -14,8 +14,8 @@ from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import are_unequal, describe_alarms
 from nvcore.evidence.units import MIN_RECORDINGS
-from nvcore.measures import count_recordings
 from nvcore.measures.driver_doubt import is_stated
+from nvcore.measures.table import count_recordings
 from nvcore.report.equal_alarms import equal_alarms_of
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Photo

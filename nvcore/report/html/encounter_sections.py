@@ -11,7 +11,7 @@ from nvcore.comparison import Result
 from nvcore.figures.encounters import miss_classes_plot
 from nvcore.figures.venn import WORDS, venn_figure
 from nvcore.figures.weightings import weightings_plot
-from nvcore.measures import MeasureTable
+from nvcore.measures.entry import MeasureTable
 from nvcore.report.html import words
 from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table, table
 from nvcore.report.html.result_sections import names_of

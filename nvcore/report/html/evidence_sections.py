@@ -23,7 +23,8 @@ from nvcore.evidence.subgroups import ALL
 from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.figures.forest import forest_in_words, subgroup_forest
 from nvcore.figures.stability import stability_map
-from nvcore.measures import DETECTED, evidence_form
+from nvcore.measures.of_encounters import DETECTED
+from nvcore.measures.table import evidence_form
 from nvcore.objects import Objects
 from nvcore.palette import Theme
 from nvcore.progress import Progress, no_progress

@@ -11,7 +11,7 @@ from nvcore.evidence.companions import Companions
 from nvcore.figures.over_time.strip import loss_strip_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.saliency import plane_plot
-from nvcore.measures import MeasureTable
+from nvcore.measures.entry import MeasureTable
 from nvcore.report.equal_alarms import (
     detected_text,
     equal_alarms_of,

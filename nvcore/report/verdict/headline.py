@@ -15,8 +15,8 @@ from nvcore.evidence.operating_points import are_unequal, has_scores
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS
 from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
-from nvcore.measures import count_recordings, evidence_form, inference_of, measure_of
 from nvcore.measures.driver_doubt import is_weighted
+from nvcore.measures.table import count_recordings, evidence_form, inference_of, measure_of
 from nvcore.report.verdict.words import shown_value
 from nvcore.wording import capitalised, count_text, listed, p_text
 

@@ -22,13 +22,8 @@ from nvcore.evidence.companions import Companions
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
 from nvcore.evidence.operating_points import are_unequal, describe_alarms, has_scores
 from nvcore.evidence.units import RECORDINGS
-from nvcore.measures import (
-    evidence_form,
-    has_several_recordings,
-    inference_of,
-    measure_of,
-    relevant_share,
-)
+from nvcore.measures.table import evidence_form, has_several_recordings, inference_of, measure_of
+from nvcore.measures.values import relevant_share
 from nvcore.report.words import every_nth
 from nvcore.schema import Category
 from nvcore.wording import (
@@ -55,7 +50,7 @@ class Quality(NamedTuple):
     Attributes
     ----------
     key
-        Of `nvcore.measures.MEASURES`.
+        Of `nvcore.measures.table.MEASURES`.
     comparative
         What the better system has of it.
     noun

@@ -6,9 +6,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from typing import Final
 
-from nvcore.measures import MEASURES, NO_FRAMES, Measure
+from nvcore.measures.entry import NO_FRAMES, Measure
+from nvcore.measures.table import MEASURES
 from nvcore.tables.added import added_columns
 from nvcore.tables.classes import CLASS_COLUMNS
 from nvcore.tables.column import RECORDING, Column, Kind, measure_column, of_both
@@ -28,7 +30,7 @@ def _measure_by_recording(measure: Measure) -> Column:
 
 def column_names(file: str) -> list[str]:
     """Columns of a CSV file of the report, in order."""
-    return [column.name for column in REPORT_COLUMNS[file]]
+    return [column.name for column in report_columns()[file]]
 
 
 _TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
@@ -262,5 +264,8 @@ _OWN: Final[dict[str, tuple[Column, ...]]] = {
     "classes.csv": CLASS_COLUMNS,
 }
 
-REPORT_COLUMNS: Final = {file: own + added_columns(file) for file, own in _OWN.items()}
-"""Columns of every CSV file of a report, in order: the core's own, then those of subjects."""
+
+@cache
+def report_columns() -> dict[str, tuple[Column, ...]]:
+    """Columns of every CSV file of a report, in order: the core's own, then those of subjects."""
+    return {file: own + added_columns(file) for file, own in _OWN.items()}

@@ -9,7 +9,7 @@ import pytest
 from places import ROOT
 
 from nvcore.palette import rgb
-from nvcore.tables.columns import REPORT_COLUMNS
+from nvcore.tables.columns import report_columns
 from ui.widgets.table_columns import as_shown, column_config, heading, rows_told, table_height
 
 
@@ -31,7 +31,7 @@ def test_headings_are_words(name: str, words: str):
 @pytest.mark.parametrize("file", ["encounters.csv", "events.csv"])
 def test_every_column_has_its_own_heading_and_a_help_text(file: str):
     config = column_config(file)
-    assert list(config) == [column.name for column in REPORT_COLUMNS[file]]
+    assert list(config) == [column.name for column in report_columns()[file]]
     labels = [one["label"] for one in config.values()]
     assert len(set(labels)) == len(labels)
     assert not [label for label in labels if "_" in label]
