@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from nvcore.params.metadata import SALIENCY
+from nvcore.stages import SALIENCY
 from ui.subjects import Document, Page
 
 PAGES: Final = (
