@@ -15,6 +15,7 @@ from nvcore.cli.options import (
     reading_options,
     with_options,
 )
+from nvcore.cli.remedies import ways_text
 from nvcore.cli.session_options import objects_from_option, size_option, source_options
 from nvcore.cli.steps import findings_shown, pasteable_errors, shown_paths
 from nvcore.inputs.arguments import ConvertArguments
@@ -89,6 +90,8 @@ def convert(source: str, target: Path | None, out: Path | None, **options: Any) 
     _say(f"written to {where}: {conversion.n_boxes} boxes")
     for warning in conversion.warnings:
         _say(f"warning: {warning}")
+    if conversion.steps:
+        _say(ways_text(conversion.steps, {}))
     if len(conversion.frame_files) == 1:
         _say(
             f"frame list written to {frames_out}: {conversion.n_frames} frames; give it as "

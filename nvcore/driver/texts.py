@@ -103,7 +103,7 @@ def _subject(name: str, odd: str, *, is_left_out: bool) -> str:
     """A subject who is odd, or whose responses are not used."""
     if is_left_out:
         return f"subject {name} is left out" + (f": {odd}" if odd else "")
-    return f"subject {name} is odd: {odd}. The responses count unless the subject is left out"
+    return f"subject {name} is odd: {odd}. The responses count all the same"
 
 
 def render_training(training: Training) -> str:

@@ -42,6 +42,8 @@ class Conversion:
         What was odd in the input.
     warnings
         What the written files cannot hold, in sentences.
+    steps
+        What to do about it.
     """
 
     files: tuple[Path, ...]
@@ -51,6 +53,7 @@ class Conversion:
     conversion: str
     findings: tuple[Finding, ...]
     warnings: tuple[str, ...]
+    steps: tuple[Step, ...] = ()
 
 
 @called_with(ConvertArguments)
@@ -127,8 +130,13 @@ def convert(arguments: ConvertArguments) -> Conversion:
     outputs = write(
         reading, to, target, role=kind, truth=of_truth, objects=objects, inputs=inputs, force=force
     )
-    if lost is not None:
-        warnings += _unknown_sizes(reading) if to == "coco" else _lost(lost, to, frames_out)
+    steps = []
+    if lost is not None and to == "coco":
+        warnings += (unknown := _unknown_sizes(reading))
+        steps += [Step(Remedy.SIZE)] * len(unknown)
+    elif lost is not None and not lost.is_same:
+        warnings.append(_lost(lost, to))
+        steps += [Step(Remedy.OPTION, "", "frames_out")] * (frames_out is None)
     lists: list[Path] = []
     if lost is not None and frames_out is not None:
         files_involved = [*inputs, *outputs]
@@ -141,6 +149,7 @@ def convert(arguments: ConvertArguments) -> Conversion:
         conversion=reading.conversion,
         findings=reading.findings,
         warnings=tuple(warnings),
+        steps=tuple(steps),
     )
 
 
@@ -210,21 +219,18 @@ def _unknown_sizes(reading: Reading) -> list[str]:
         return []
     return [
         f"the image size of {n_unknown} of {len(reading.recordings)} recordings is not known, and "
-        "their images have no width and height, which many tools want: give it"
+        "their images have no width and height, which many tools want"
     ]
 
 
-def _lost(lost: LostFrames, to: str, frames_out: Path | None) -> list[str]:
-    """A warning about evaluated frames that do not follow from the boxes, if there are any."""
-    if lost.is_same:
-        return []
-    advice = "; write the list of evaluated frames, too" if frames_out is None else ""
+def _lost(lost: LostFrames, to: str) -> str:
+    """A warning about evaluated frames that do not follow from the boxes."""
     why = (
         f"{lost.n_empty} of {lost.n_frames} evaluated frames have no box"
         if lost.n_empty
         else f"the {lost.n_frames} evaluated frames do not follow one another"
     )
-    return [
+    return (
         f"{why}, and {to} cannot list frames: read back by itself, {lost.n_again} frames are "
-        f"evaluated{advice}"
-    ]
+        "evaluated"
+    )

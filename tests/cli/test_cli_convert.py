@@ -166,7 +166,7 @@ def kaist(folder: Path) -> Path:
 def test_frames_that_the_format_cannot_list_are_counted(tmp_path: Path, to: str):
     text = convert(kaist(tmp_path), tmp_path / "out", to)
     assert f"9 of 11 evaluated frames have no box, and {to} cannot list frames" in text
-    assert "by itself, 3 frames are evaluated; write the list of evaluated frames, too" in text
+    assert "by itself, 3 frames are evaluated\nGive --frames-out PATH.\n" in text
 
 
 def test_single_frames_that_come_back_with_those_between_are_counted(tmp_path: Path):
@@ -251,6 +251,7 @@ def test_a_given_size_is_written_to_coco_which_needs_it(tmp_path: Path):
     arguments = (drive(tmp_path) / "truth.csv", tmp_path / "a.json", "coco")
     text = convert(*arguments)
     assert "the image size of 2 of 2 recordings is not known" in text
+    assert "\nGive --size WIDTHxHEIGHT.\n" in text
     assert "warning" not in convert(*arguments, "--size", "640x480", "--force")
     document = json.loads((tmp_path / "a.json").read_text())
     entries = [*document["images"], *document["videos"]]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
@@ -21,6 +21,9 @@ from nvcore.cli.progress import ShareProgress
 from nvcore.driver.arguments import EvaluateArguments, TrainArguments
 from nvcore.extras import needs
 from nvcore.wording import one_line
+
+if TYPE_CHECKING:
+    from nvcore.driver.trials.table import TrainingTable
 
 # As in nvcore/cli/__init__.py, numpy and scikit-learn are imported by the commands only.
 
@@ -82,6 +85,14 @@ _judging_options = with_options(
 )
 
 
+def say_how_to_leave_out(table: TrainingTable) -> None:
+    """The flags that leave the odd subjects out; nothing where most are odd."""
+    names = table.odd_subjects
+    if 0 < len(names) <= table.n_subjects / 2:
+        flags = shlex.join(part for name in names for part in ("--leave-out", name))
+        click.echo(one_line(f"without odd subjects: {flags}"))
+
+
 @click.command(
     cls=GroupedCommand,
     short_help="Train an estimator on trials with people.",
@@ -107,6 +118,7 @@ def train(trials: Path, out: Path, **options: Any) -> None:
     with ShareProgress() as progress:
         training = train_driver(trials, out=out, progress=progress, **_judged(options))
     click.echo(render_training(training))
+    say_how_to_leave_out(training.table)
     click.echo(one_line(f"written to {out} ({out.stat().st_size / 1000:,.0f} kB)"), err=True)
     command = shlex.join(["nvcore", "driver", "estimate", "SESSION", "--model", str(out)])
     click.echo(one_line(f"run it: {command} --out DIR"), err=True)
@@ -141,6 +153,7 @@ def evaluate(trials: Path, out: Path | None, html: Path | None, **options: Any) 
     with ShareProgress() as progress:
         evaluation = evaluate_driver(trials, out=out, html=html, progress=progress, **options)
     click.echo(render_evaluation(evaluation))
+    say_how_to_leave_out(evaluation.table)
     if out is not None:
         click.echo(one_line(f"tables written to {out}"), err=True)
     if html is not None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from driver_trials import made_table
 
+from nvcore.cli.driver.train import say_how_to_leave_out
 from nvcore.driver.estimators import Search, Training, train_estimator
 from nvcore.driver.texts import render_table, render_training
 from nvcore.wording import MOST_NAMED
@@ -20,7 +21,9 @@ def training(tmp_path_factory: pytest.TempPathFactory) -> Training:
     return train_estimator(table, name="a", search=Search(n_settings=1, n_folds=2))
 
 
-def test_trials_say_who_took_them_and_what_is_odd(training: Training):
+def test_trials_say_who_took_them_and_what_is_odd(
+    training: Training, capsys: pytest.CaptureFixture[str]
+):
     table = replace(training.table, simulated="no", n_off_time=3, left_out=("S1",))
     table.subjects.loc[table.subjects["subject"] == "S2", "odd"] = "never touches"
     lines = render_table(table)
@@ -31,9 +34,10 @@ def test_trials_say_who_took_them_and_what_is_odd(training: Training):
     assert lines[2].replace("\xa0", " ").startswith("3 trials came more than 50 ms early or late")
     assert lines[3:] == [
         "subject S1 is left out",
-        "subject S2 is odd: never touches. The responses count all the same; without them: "
-        "--leave-out S2",
+        "subject S2 is odd: never touches. The responses count all the same",
     ]
+    say_how_to_leave_out(table)
+    assert capsys.readouterr().out == "without odd subjects: --leave-out S2\n"
     assert (
         render_table(replace(table, simulated="some"))[0]
         .split(":")[0]
