@@ -25,7 +25,7 @@ from ui.shell.messages import error_text
 LIBRARY = [
     path
     for path in sorted((ROOT / "nvcore").rglob("*.py"))
-    if not {"cli", "dashboard", "arguments.py"} & {*path.relative_to(ROOT).parts}
+    if not {"cli", "dashboard", "arguments", "arguments.py"} & {*path.relative_to(ROOT).parts}
     and "import click\n" not in path.read_text(encoding="utf-8")
 ]
 """The modules that know of no medium: all but those of the commands."""
