@@ -9,7 +9,6 @@ import click
 
 from nvcore.cli.models import Models
 from nvcore.dataset.provenance import About
-from nvcore.detectors.settings import SettingFacts, value_text
 from nvcore.extras import needs
 from nvcore.wording import UNDEFINED, count_text, listed, one_line
 
@@ -18,6 +17,7 @@ with needs("detectors", "nvcore models needs"):
     from nvcore.detectors.icf import IcfDetector, IcfModel
     from nvcore.detectors.icf.settings import OF_A_RUN
     from nvcore.detectors.registry import DETECTORS, model_settings, open_detector, run_settings
+    from nvcore.detectors.settings import SettingFacts, value_text
     from nvcore.detectors.training.presets import PRESETS
 
 _ICF: Final = "icf"
