@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
 from typing import Final
 
 from nvcore.wording.objects import words_for
@@ -146,41 +145,6 @@ class Objects:
         is_known = KINDS.get(self.singular) == self
         return self.singular if is_known else [self.singular, self.plural]
 
-    def words(self, text: str, names: Iterable[str] = ()) -> str:
-        """A text of ours in the words for these objects.
-
-        Parameters
-        ----------
-        text
-            Written about pedestrians. Unchanged where the objects are pedestrians.
-        names
-            Names that users gave (systems, recordings, files), which the text may contain, escaped
-            or cut as well: they stay as they are. So does a word of ours that is such a name.
-
-        Examples
-        --------
-        >>> SPEED_SIGN.words("A pedestrian whom nothing matches is missed.")
-        'A speed sign that nothing matches is missed.'
-        >>> SPEED_SIGN.words("drive pedestrian-1: 3 pedestrians", names=["pedestrian-1"])
-        'drive pedestrian-1: 3 speed signs'
-        """
-        if self.are_pedestrians or not text:
-            return text
-        return _pattern(names_at_risk(names)).sub(self._phrase_of, text)
-
-    def _phrase_of(self, match: re.Match[str]) -> str:
-        phrase = match["ours"]
-        if phrase is None:
-            return match[0]
-        article = "an" if self.singular[0].casefold() in "aeiou" else "a"
-        words = _PHRASES[phrase.lower()].format(
-            one=self.singular,
-            a_one=f"{article} {self.singular}",
-            many=self.plural,
-            short=self.singular.rpartition(" ")[2],
-        )
-        return words[:1].upper() + words[1:] if phrase[0].isupper() else words
-
 
 def labels_in_order(labels: Iterable[str]) -> tuple[str, ...]:
     """Each label once: numbers by their value, before other names.
@@ -280,84 +244,3 @@ def objects_from(names: str | Sequence[str] | Objects) -> Objects:
             return kind
     classes = frozenset({plain_class(singular), plain_class(plural)})
     return Objects(singular, plural, classes, NEUTRAL - classes)
-
-
-_PHRASES: Final = {
-    "a pedestrian": "{a_one}",
-    "pedestrian": "{one}",
-    "pedestrians": "{many}",
-    "pedestrian who": "{one} that",
-    "pedestrian whom": "{one} that",
-    "pedestrians who": "{many} that",
-    "pedestrians whom": "{many} that",
-    "pedestrian, who": "{one}, which",
-    "pedestrians, who": "{many}, which",
-    "a pedestrian who": "{a_one} that",
-    "a pedestrian whom": "{a_one} that",
-    "ped.": "{short}",
-    "ped": "{short}",
-    "person": "{one}",
-    "persons": "{many}",
-    "people too far": "{many} too far",
-    "people missed": "{many} missed",
-    "people or regions": "{many} or regions",
-    "people under one id": "{many} under one id",
-    "people above": "{many} above",
-    "people at the picture": "{many} at the picture",
-    "in which they are": "in which it is",
-    "nobody": "nothing",
-    "nobody annotated": "nobody annotated",
-    "nobody drives": "nobody drives",
-    "nobody knows": "nobody knows",
-    "everybody": "everything",
-    "somebody": "something",
-    "he": "it",
-    "him": "it",
-    "his": "its",
-    "detects whom": "detects what",
-    "whom it matches": "what it matches",
-    "whom each matches": "what each matches",
-    "whom it is about": "what it is about",
-    "whom": "which",
-    "the feet are": "the lower edge is",
-    "feet": "lower edge",
-}
-"""What other objects are called, by what pedestrians are; the longest that fits is taken."""
-
-_OURS: Final = "|".join(
-    "".join(f"[{sign}{sign.upper()}]" if i == 0 else re.escape(sign) for i, sign in enumerate(text))
-    + (r"\b" if text[-1].isalpha() else "")
-    for text in sorted(_PHRASES, key=len, reverse=True)
-)
-_PART: Final = re.compile(r"([^\W_]+)")
-_CUT: Final = r"[^…\n]{0,40}…"
-"""The rest of a name that is cut."""
-
-
-@lru_cache(64)
-def _pattern(names: tuple[str, ...]) -> re.Pattern[str]:
-    """Names, which stay, and what is said otherwise."""
-    theirs = "".join(f"(?:{form})|" for form in dict.fromkeys(map(_form_of, names)))
-    return re.compile(rf"(?<!\w)(?:{theirs}(?P<ours>{_OURS}))")
-
-
-def _form_of(name: str) -> str:
-    """A pattern of the name, escaped or cut as pages and figures do; any numbers for its own."""
-    form, is_ours = "", False
-    for part in _PART.split(name.strip()):
-        if not _PART.fullmatch(part):  # between two parts: with a backslash, or as an entity
-            form += "".join(rf"\\?(?:{re.escape(sign)}|&#?\w+;)" for sign in part)
-            continue
-        form += r"\d+" if part.isdecimal() else re.escape(part)
-        if not is_ours and _has_word_of_ours(part):
-            is_ours, cut = True, form + _CUT
-    return f"{form}(?!\\w)|{cut}" if is_ours else rf"{form}(?!\w)"
-
-
-def names_at_risk(names: Iterable[str]) -> tuple[str, ...]:
-    """Those of the names that have a word of ours in them, each once."""
-    return tuple(dict.fromkeys(filter(_has_word_of_ours, names)))
-
-
-def _has_word_of_ours(name: str) -> bool:
-    return _pattern(()).search(" ".join(_PART.findall(name))) is not None

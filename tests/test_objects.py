@@ -138,7 +138,7 @@ def test_flags_name_the_objects_as_the_session_does(tmp_path: Path):
 def test_python_names_them_likewise(tmp_path: Path):
     dataset = nv.load(write_signs(tmp_path), objects=("give way", "give ways"))
     assert len(dataset.truth) == 1
-    assert dataset.words("2 pedestrians") == "2 give ways"
+    assert dataset.objects.say("2 {many}") == "2 give ways"
     with pytest.raises(nv.NvcoreError, match="objects: expected a name of letters"):
         nv.load(write_signs(tmp_path), objects="<b>")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import chain
 from typing import TYPE_CHECKING
 
@@ -152,7 +152,7 @@ def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
     for checks in contributed("findings"):
         findings += chain(*(check(dataset) for check in checks.inputs))
     findings += audit_detectability(dataset)
-    return *dataset.findings, *_worded(dataset, findings)  # readers quote files, and say it so
+    return *dataset.findings, *findings
 
 
 def audit_system(dataset: Dataset, name: str, threshold: float | None) -> tuple[Finding, ...]:
@@ -171,7 +171,7 @@ def audit_system(dataset: Dataset, name: str, threshold: float | None) -> tuple[
         counting = above_threshold(system.boxes, threshold)
         # an offset would fit a few frames only, and hide the rate
         findings += find_rate(system, counting) or find_offsets(system, counting)
-    return _worded(dataset, findings)
+    return tuple(findings)
 
 
 def audit_pair(
@@ -193,7 +193,7 @@ def audit_pair(
     nobody = audit_no_match(dataset, systems, counting, of_each)
     findings += nobody
     if len(systems) < 2:
-        return _worded(dataset, findings)
+        return tuple(findings)
     system_x, system_y = systems
     matches = of_each[0], of_each[1]
     findings += audit_same_systems(system_x, system_y, counting)
@@ -204,16 +204,7 @@ def audit_pair(
             findings += find_loose(system, matched, params)
         findings += find_disagreement(dataset, system_x, system_y, matches)
         findings += audit_operating_points(system_x, system_y, matches, params)
-    return _worded(dataset, findings)
-
-
-def _worded(dataset: Dataset, findings: Iterable[Finding]) -> tuple[Finding, ...]:
-    """The findings in the words for the dataset's objects."""
-    words = dataset.words
-    return tuple(
-        replace(finding, message=words(finding.message), advice=words(finding.advice))
-        for finding in findings
-    )
+    return tuple(findings)
 
 
 def audit_view(dataset: Dataset, params: Params) -> tuple[Finding, ...]:
@@ -221,7 +212,7 @@ def audit_view(dataset: Dataset, params: Params) -> tuple[Finding, ...]:
     findings = [*audit_foot_spread(dataset, params), *audit_closing_speed(dataset, params)]
     for checks in contributed("findings"):
         findings += chain(*(check(dataset, params) for check in checks.view))
-    return _worded(dataset, findings)
+    return tuple(findings)
 
 
 @contextmanager

@@ -171,16 +171,20 @@ def find_loose(source: BoxSource, matches: Matches, params: Params) -> list[Find
     loose = d[iou < params.iou]  # else their classes differ
     if len(loose) < max(MIN_BOXES, LOOSE_SHARE * len(rows)):
         return []
+    say = source.dataset.objects.say
     return source.findings(
         Severity.WARNING,
         "loose-boxes",
         loose,
-        f"{len(loose):,} of {count_text(len(rows), 'false alarm')} overlap a pedestrian who counts "
-        f"as missed by an IoU of {LOOSE_IOU:g} or more, but less than the {params.iou:g} that is "
-        "asked for.",
-        "Look at some: where they show the pedestrian, the boxes are of another shape than the "
-        "ground truth's, he counts as missed and they as false alarms, and what is said at equal "
-        'false alarms rests on them. A lower iou, or match = "lateral", judges who is detected.',
+        f"{len(loose):,} of {count_text(len(rows), 'false alarm')} overlap {say('{a_one} {who}')} "
+        f"counts as missed by an IoU of {LOOSE_IOU:g} or more, but less than the {params.iou:g} "
+        "that is asked for.",
+        say(
+            "Look at some: where they show the {one}, the boxes are of another shape than the "
+            "ground truth's, {he} counts as missed and they as false alarms, and what is said at "
+            'equal false alarms rests on them. A lower iou, or match = "lateral", judges {what} a '
+            "system detects."
+        ),
     )
 
 
@@ -239,17 +243,19 @@ def _overlapped(
 def _elsewhere(
     x: BoxSource, y: BoxSource, agreed: np.ndarray, n_matched: Sequence[int], n_truth: int
 ) -> Finding:
+    objects = x.dataset.objects
     return Finding(
         Severity.ERROR,
         NOT_OF_TRUTH,
         TRUTH_NAME,
         len(agreed),
         f"{x.name} and {y.name} match {n_matched[0]} and {n_matched[1]} of "
-        f"{count_text(n_truth, 'pedestrian')}, but agree with one another on "
-        f"{count_text(len(agreed), 'box', 'boxes')} where the ground truth has nobody.",
-        "Look at a frame with pedestrians: is it the same recording, are its frames numbered alike "
-        "(every n-th of them by 0, 1, 2, ...?), the pictures the same way round, and the classes "
-        "those that were meant?",
+        f"{count_text(n_truth, objects.singular, objects.plural)}, but agree with one another on "
+        f"{count_text(len(agreed), 'box', 'boxes')} where the ground truth has "
+        f"{objects.say('{nobody}')}.",
+        f"Look at a frame with {objects.plural}: is it the same recording, are its frames numbered "
+        "alike (every n-th of them by 0, 1, 2, ...?), the pictures the same way round, and the "
+        "classes those that were meant?",
         cases=Cases("boxes", x.boxes.first_row + agreed),
         steps=(
             Step(Remedy.FRAME_STEP, "", x.name),
@@ -260,13 +266,13 @@ def _elsewhere(
 
 
 def _drawn_elsewhere(dataset: Dataset, rows: np.ndarray, n_truth: int) -> list[Finding]:
-    n_frames = len(np.unique(dataset.truth.frame_index[rows]))
+    n_frames, objects = len(np.unique(dataset.truth.frame_index[rows])), dataset.objects
     are_many = len(rows) >= max(MANY_BOXES, MANY_SHARE * n_truth)
     return truth_source(dataset).findings(
         Severity.WARNING if are_many else Severity.NOTE,
         "box-disputed-by-both",
         rows,
-        f"Neither system matches {count_text(len(rows), 'pedestrian')} in "
+        f"Neither system matches {count_text(len(rows), objects.singular, objects.plural)} in "
         f"{count_text(n_frames, 'frame')}, while both agree on a box close by.",
         "Look at them: the ground truth's box may be drawn badly, or be of another frame.",
     )
@@ -277,7 +283,7 @@ def _missing(
 ) -> list[Finding]:
     if not len(rows):
         return []
-    frames = np.unique(boxes.frame_index[rows])
+    frames, say = np.unique(boxes.frame_index[rows]), dataset.objects.say
     return [
         Finding(
             severity=Severity.NOTE,
@@ -285,9 +291,12 @@ def _missing(
             subject="truth",
             count=len(rows),
             message=f"In {count_text(len(frames), 'frame')} {x} and {y} agree on "
-            f"{count_text(len(rows), 'box', 'boxes')} where the ground truth has nobody.",
-            advice="Look at them: a pedestrian may be missing from the annotation, and each counts "
-            "as a false alarm of both. If many are weak detections, give thresholds.",
+            f"{count_text(len(rows), 'box', 'boxes')} where the ground truth has "
+            f"{say('{nobody}')}.",
+            advice=say(
+                "Look at them: {a_one} may be missing from the annotation, and each counts as a "
+                "false alarm of both. If many are weak detections, give thresholds."
+            ),
             example=place_of_frame(dataset, int(frames[0])),
             cases=Cases("boxes", boxes.first_row + rows),
         )

@@ -110,8 +110,8 @@ def _outside(source: BoxSource, rows: np.ndarray, *, are_many: bool) -> list[Fin
 
 
 def _mostly_outside(source: BoxSource, rows: np.ndarray, *, are_many: bool) -> list[Finding]:
-    advice = (
-        "Nothing to do if boxes of people at the picture's edge are drawn in full; their lateral "
+    advice = source.dataset.objects.say(
+        "Nothing to do if boxes of {people} at the picture's edge are drawn in full; their lateral "
         "position is taken at the edge."
     )
     if are_many:
@@ -157,15 +157,17 @@ def audit_tracks(source: BoxSource) -> list[Finding]:
     is_same = code[1:] == code[:-1]
     doubles = np.sort(rows[1:][is_same & (frame_index[1:] == frame_index[:-1])])
     if len(doubles):
-        first = int(boxes.track[doubles[0]])
+        first, objects = int(boxes.track[doubles[0]]), source.dataset.objects
         findings += source.findings(
             Severity.ERROR,
             "duplicate-track",
             doubles,
             f"{count_text(len(doubles), 'box has', 'boxes have')} a track id that another "
-            f"pedestrian of the same frame has, too (first: id {first}).",
-            "Give every pedestrian of a recording an id of its own: two people under one id "
-            "count as one encounter.",
+            f"{objects.singular} of the same frame has, too (first: id {first}).",
+            objects.say(
+                "Give every {one} of a recording an id of its own: two {people} under one id "
+                "count as one encounter."
+            ),
         )
     return findings + _reused(source, rows, code)
 
@@ -199,8 +201,10 @@ def _reused(source: BoxSource, rows: np.ndarray, code: np.ndarray) -> list[Findi
         first,
         f"{count_text(n_tracks, 'track id is', 'track ids are')} used again after more than "
         f"{REUSE_S:g} s without a box (first: id {int(boxes.track[first[0]])}, after {gap:.1f} s).",
-        "If it is somebody else, give a new id: otherwise both are one encounter, and the time "
-        "between them counts as its duration.",
+        source.dataset.objects.say(
+            "If it is {somebody} else, give a new id: otherwise both are one encounter, and the "
+            "time between them counts as its duration."
+        ),
         count=n_tracks,
     )
 

@@ -49,8 +49,8 @@ def audit_closing_speed(dataset: Dataset, params: Params) -> list[Finding]:
             subject=TRUTH_NAME,
             count=len(odd),
             message=(
-                f"In {count_text(len(odd), 'recording')} pedestrians come nearer at a speed far "
-                "from the one that time left is computed with (median, by the truth's "
+                f"In {count_text(len(odd), 'recording')} {dataset.objects.plural} come nearer at a "
+                "speed far from the one that time left is computed with (median, by the truth's "
                 f"distances): {spelled(speeds)}."
             ),
             advice=(

@@ -48,12 +48,12 @@ def audit_encounter_lengths(dataset: Dataset, params: Params) -> list[Finding]:
         return []
     short = near[n_frames == 1]
     n_short = len(short)
-    reasons = []
+    reasons, many = [], dataset.objects.plural
     step = int(np.median(frames.gap))
     if step > 1:
         reasons.append(f"every {nth(step)} frame is evaluated")
     if len(tracks.linked_recordings):
-        reasons.append("pedestrians without track ids were linked over the frames")
+        reasons.append(f"{many} without track ids were linked over the frames")
     why = f" ({'; '.join(reasons)})" if reasons else ""
     return [
         Finding(
@@ -67,7 +67,7 @@ def audit_encounter_lengths(dataset: Dataset, params: Params) -> list[Finding]:
             ),
             advice=(
                 "Saliency, lag, gap, lead time, dropout and rates per hour mean little here, and "
-                "McNemar's test counts frames rather than persons. Give ground truth with track "
+                f"McNemar's test counts frames rather than {many}. Give ground truth with track "
                 "ids in every frame, or read the measures per frame only."
             ),
             cases=Cases("boxes", np.flatnonzero(np.isin(encounters.encounter_of, short))),
@@ -178,7 +178,7 @@ def audit_borrowing(dataset: Dataset, params: Params) -> list[Finding]:
         return []
     n_boxes = borrowed.n_own + borrowed.n_borrowed + borrowed.n_unknown
     rest = borrowed.n_unknown / n_boxes
-    advice, steps = _advice_on_borrowing(borrowed, rest, n_systems=len(dataset.systems))
+    advice, steps = _advice_on_borrowing(dataset, borrowed, rest)
     return [
         Finding(
             severity=Severity.WARNING if advice else Severity.NOTE,
@@ -196,7 +196,7 @@ def audit_borrowing(dataset: Dataset, params: Params) -> list[Finding]:
 
 
 def _advice_on_borrowing(
-    borrowed: Borrowed, rest: float, *, n_systems: int
+    dataset: Dataset, borrowed: Borrowed, rest: float
 ) -> tuple[str, tuple[Step, ...]]:
     """What to do about what was borrowed; empty: nothing."""
     n_lenders = sum(n > 0 for n in borrowed.lent.values())
@@ -211,10 +211,10 @@ def _advice_on_borrowing(
             "Compare by height, too, which all boxes have: near and far are told by two rules here."
         )
         steps.append(BY_HEIGHT)
-    if n_lenders == 1 < n_systems:
+    if n_lenders == 1 < len(dataset.systems):
         advice.append(
-            "Compare without borrowing, too: one system alone says here how near pedestrians are, "
-            "and only where it finds them."
+            "Compare without borrowing, too: one system alone says here how near "
+            f"{dataset.objects.plural} are, and only where it finds them."
         )
         steps.append(Step(Remedy.OPTION, "height", "missing_distance"))
     if borrowed.spread >= LARGE_SPREAD:

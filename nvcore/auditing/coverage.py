@@ -25,7 +25,7 @@ BUSY_SHARE: Final = 0.5
 
 def audit_truth_coverage(dataset: Dataset) -> list[Finding]:
     """No pedestrian at all, recordings without one, annotation sparser than the frame list."""
-    truth, frames = dataset.truth, dataset.frame_columns
+    truth, frames, objects = dataset.truth, dataset.frame_columns, dataset.objects
     counts = ~truth.ignore
     if not counts.any():
         why = f": all {len(truth):,} boxes are ignore regions" if len(truth) else ""
@@ -35,10 +35,10 @@ def audit_truth_coverage(dataset: Dataset) -> list[Finding]:
                 code="no-pedestrian",
                 subject=TRUTH_NAME,
                 count=len(truth),
-                message=f"There is no pedestrian in the ground truth{why}.",
-                advice=(
-                    "Check which classes count as pedestrians and that this is the ground truth: "
-                    "without pedestrians nothing can be missed."
+                message=f"There is no {objects.singular} in the ground truth{why}.",
+                advice=objects.say(
+                    "Check which classes count as {many} and that this is the ground truth: "
+                    "without {many} nothing can be missed."
                 ),
                 steps=(Step(Remedy.CLASSES, "", TRUTH_NAME),),
             )
@@ -53,9 +53,11 @@ def audit_truth_coverage(dataset: Dataset) -> list[Finding]:
             "recording-without-pedestrians",
             TRUTH_NAME,
             np.flatnonzero(~_any_per_recording(has_truth, frames.first)),
-            "no pedestrian",
-            "Nothing to do if nobody is there: every detection in them is a false alarm. "
-            "Else add the annotation, or leave the recordings out.",
+            f"no {objects.singular}",
+            objects.say(
+                "Nothing to do if {nobody} is there: every detection in them is a false alarm. "
+                "Else add the annotation, or leave the recordings out."
+            ),
         ),
         *_about_recordings(
             dataset,
@@ -74,7 +76,7 @@ def audit_truth_coverage(dataset: Dataset) -> list[Finding]:
 def audit_system_coverage(source: BoxSource) -> list[Finding]:
     """Recordings and frames without detections of a system although there is truth."""
     dataset, frames = source.dataset, source.dataset.frame_columns
-    truth = dataset.truth
+    truth, objects = dataset.truth, dataset.objects
     has_truth, has_box = frames_with(truth, ~truth.ignore), frames_with(source.boxes)
     truth_in = _any_per_recording(has_truth, frames.first)
     box_in = _any_per_recording(has_box, frames.first)
@@ -98,7 +100,7 @@ def audit_system_coverage(source: BoxSource) -> list[Finding]:
             "recording-without-detections",
             source.name,
             np.flatnonzero(truth_in & ~box_in),
-            "pedestrians and no detection",
+            f"{objects.plural} and no detection",
             "If a file is missing, add it; if the system found nothing there, this is right.",
         ),
         *_about_recordings(
@@ -108,8 +110,10 @@ def audit_system_coverage(source: BoxSource) -> list[Finding]:
             source.name,
             np.flatnonzero(is_sparse),
             f"detections in every {_first_step(steps, is_sparse)} evaluated frame only",
-            "If the system ran on those frames only, evaluate both systems on them: in all others "
-            "it misses everybody.",
+            objects.say(
+                "If the system ran on those frames only, evaluate both systems on them: in all "
+                "others it misses {everybody}."
+            ),
             (Step(Remedy.FRAMES),),
         ),
         *_silent_ends(source, has_box),
@@ -158,9 +162,11 @@ def _silent_ends(source: BoxSource, has_box: np.ndarray) -> list[Finding]:
         odd,
         f"detections in a part only (first: frames {number[lo[first]]} to "
         f"{number[hi[first] - 1]} of {number[start[first]]} to {number[stop[first] - 1]}), "
-        "although there are near pedestrians in the rest",
-        "If the system ran on that part only, evaluate both systems on it: in the rest it misses "
-        "everybody.",
+        f"although there are near {dataset.objects.plural} in the rest",
+        dataset.objects.say(
+            "If the system ran on that part only, evaluate both systems on it: in the rest it "
+            "misses {everybody}."
+        ),
         (Step(Remedy.FRAMES),),
     )
 

@@ -70,17 +70,17 @@ def _boxes_without(dataset: Dataset) -> list[Finding]:
     n = int(np.count_nonzero(is_unknown))
     if not n:
         return []
-    row = int(np.argmax(is_unknown))
+    row, one = int(np.argmax(is_unknown)), dataset.objects.singular
+    boxes = count_text(n, f"{one} box has", f"{one} boxes have")
     return [
         Finding(
             severity=Severity.NOTE,
             code="boxes-without-detectability",
             subject=DETECTABILITY,
             count=n,
-            message=f"{count_text(n, 'pedestrian box has', 'pedestrian boxes have')} no "
-            f"detectability, of {int(np.count_nonzero(~truth.ignore)):,}.",
-            advice="Encounters in which it is unknown until the pedestrian is near enough to count "
-            "are counted apart.",
+            message=f"{boxes} no detectability, of {int(np.count_nonzero(~truth.ignore)):,}.",
+            advice=f"Encounters in which it is unknown until the {one} is near enough to count are "
+            "counted apart.",
             example=place_of_frame(dataset, int(truth.frame_index[row])),
             cases=Cases("boxes", np.flatnonzero(is_unknown) + truth.first_row),
         )

@@ -22,6 +22,7 @@ from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.inputs.layouts import KINDS, UNITS, Box, BoxLayout, parse_layout
 from nvcore.inputs.placing import REASONS
 from nvcore.metrics.matching import iou_of_pairs
+from nvcore.objects import Objects
 from nvcore.wording import count_text
 
 FIT_IOU: Final = 0.5
@@ -80,13 +81,12 @@ class LayoutFit:
     iou: float
     of_truth: BoxLayout | None = None
 
-    @property
-    def text(self) -> str:
+    def text(self, objects: Objects) -> str:
         """What it is and what it gives, for a finding."""
+        counted = count_text(self.n, objects.singular, objects.plural)
         return (
-            f"{self.layout.text}: then {self.n_fitting:,} of {count_text(self.n, 'pedestrian')} "
-            f"overlap a box by an IoU of {FIT_IOU:g} or more, not {self.n_before:,} "
-            f"(median {self.iou:.2f})"
+            f"{self.layout.text}: then {self.n_fitting:,} of {counted} overlap a box by an IoU of "
+            f"{FIT_IOU:g} or more, not {self.n_before:,} (median {self.iou:.2f})"
         )
 
 
@@ -151,7 +151,7 @@ def audit_layouts(dataset: Dataset) -> list[Finding]:
                 subject,
                 n,
                 f"The numbers of each box were taken for {fit.was.text}. They seem to be "
-                f"{fit.text}.",
+                f"{fit.text(dataset.objects)}.",
                 "All numbers are wrong until the boxes are read as they were written."
                 + (" It is the ground truth that needs it: the systems agree." * is_truth),
                 file=files.iloc[0] if len(files) else "",

@@ -60,12 +60,12 @@ def audit_no_match(
     if not blind:
         return []
     names = [system.name for system, _ in blind]
-    are_all = len(blind) == len(systems)
+    are_all, objects = len(blind) == len(systems), dataset.objects
     if are_all and len(systems) == 2:
-        subject, who = TRUTH_NAME, "Neither system matches a single pedestrian"
+        subject, who = TRUTH_NAME, f"Neither system matches a single {objects.singular}"
         message = f"{who}, although both detect something in most frames."
     else:
-        subject, who = names[0], f"{names[0]} matches not a single pedestrian"
+        subject, who = names[0], f"{names[0]} matches not a single {objects.singular}"
         message = f"{who}, although it detects something in most frames."
     layouts = find_layouts(dataset)
     left_out = _classes_left_out(dataset, [TRUTH_NAME, *names])
@@ -80,14 +80,14 @@ def audit_no_match(
         advice = "The error about the numbers of the boxes says what to do."
     else:
         advice = (
-            "Look at a frame with pedestrians: are these the classes, frames and boxes that were "
-            "meant, and the same recording?"
+            f"Look at a frame with {objects.plural}: are these the classes, frames and boxes that "
+            "were meant, and the same recording?"
         )
     if not are_read:
         tried += _tried(dataset, samples, names, n)
     message += (
-        f" Tried, with how many of {count_text(n, 'pedestrian')} then overlap a box of "
-        f"{' and '.join(names)} by an IoU of {FIT_IOU:g} or more: "
+        f" Tried, with how many of {count_text(n, objects.singular, objects.plural)} then overlap "
+        f"a box of {' and '.join(names)} by an IoU of {FIT_IOU:g} or more: "
         + "; ".join(f"{what} {' and '.join(map(str, values))}" for what, values in tried)
         + "."
     )

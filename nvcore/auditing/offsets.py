@@ -244,7 +244,7 @@ def _scale_finding(source: BoxSource, sample: Sample, step: _Step) -> Finding:
     message = (
         "The detections seem to be made at another resolution: multiplied by "
         f"{scale_text(sx, sy)}{f' and moved by {x:g} and {y:g} px' * is_moved} they fit the "
-        "pedestrians"
+        f"{source.dataset.objects.plural}"
     )
     advice = "Scale them as they are read, or in the files."
     factors = (("scale", sx),) if is_uniform else (("scale_x", sx), ("scale_y", sy))
@@ -257,7 +257,8 @@ def _time_finding(source: BoxSource, sample: Sample, step: _Step) -> Finding:
     n = abs(frames)
     message = (
         f"The detections seem to be {n} frame{'s' if n > 1 else ''} too "
-        f"{'late' if frames < 0 else 'early'}: moved by {frames:+d} they fit the pedestrians better"
+        f"{'late' if frames < 0 else 'early'}: moved by {frames:+d} they fit the "
+        f"{source.dataset.objects.plural} better"
     )
     at_limit = n == MAX_SHIFT * sample.frame_step()
     advice = "Check the frame numbers, or move them as they are read."

@@ -38,10 +38,12 @@ def audit_foot_spread(dataset: Dataset, params: Params) -> list[Finding]:
         "foot-spread",
         TRUTH_NAME,
         odd,
-        "feet spread over many rows of the picture, unlike before a camera in a car (first: their "
-        f"spread is {spread[odd[0]]:.0%} of that sideways)",
-        "Compare by foot points, too: sideways, people above one another in the picture are in one "
-        "place.",
+        "foot points spread over many rows of the picture, unlike before a camera in a car (first: "
+        f"their spread is {spread[odd[0]]:.0%} of that sideways)",
+        dataset.objects.say(
+            "Compare by foot points, too: sideways, {people} above one another in the picture are "
+            "in one place."
+        ),
         steps=(Step(Remedy.OPTION, "ground", "distance"),),
     )
 

@@ -252,8 +252,8 @@ def _finding(source: BoxSource, now: _Rate, best: _Rate) -> Finding:
         RATE_CODE,
         np.arange(1),
         "The detections are numbered at another frame rate than the ground truth: as frame = "
-        f"{total:g} x number{behind} they fit the pedestrians (mean IoU {best.iou:.2f}, at best "
-        f"{now.iou:.2f} with an offset alone).",
+        f"{total:g} x number{behind} they fit the {source.dataset.objects.plural} (mean IoU "
+        f"{best.iou:.2f}, at best {now.iou:.2f} with an offset alone).",
         f"Multiply the frame numbers in this system's files by {total:g}, and move them by "
         f"{moved:+d} then. Frames that it did not see stay misses: evaluate both systems on those "
         "that it saw.".replace(", and move them by +0 then", ""),

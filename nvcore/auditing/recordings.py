@@ -249,18 +249,20 @@ def audit_frame_list(dataset: Dataset) -> list[Finding]:
         where.append(f"before frame {frames.frame[first[example]]}")
     if is_after[example]:
         where.append(f"after frame {frames.frame[last[example]]}")
-    empty_rows = np.where(is_before, start[annotated], last + 1)[odd]
+    empty_rows, say = np.where(is_before, start[annotated], last + 1)[odd], dataset.objects.say
     return recording_findings(
         dataset,
         Severity.WARNING,
         "frames-beyond-boxes",
         TRUTH_NAME,
         annotated[odd],
-        "no box of anybody in a long part at the beginning or end (first: none "
+        f"no box of {say('{anybody}')} in a long part at the beginning or end (first: none "
         f"{' and none '.join(where)} of {frames.frame[start[recording]]} to "
         f"{frames.frame[stop[recording] - 1]})",
-        "Check the list of evaluated frames: those without anybody count as perfect, and as "
-        "recording time. Nothing to do if nobody was there.",
+        say(
+            "Check the list of evaluated frames: those without {anybody} count as perfect, and as "
+            "recording time. Nothing to do if {nobody} was there."
+        ),
         frame_index=int(empty_rows[0]),
         frame_rows=empty_rows,
         steps=(Step(Remedy.FRAMES),),

@@ -17,6 +17,7 @@ from nvcore.dataset import Dataset
 from nvcore.dataset.provenance import is_in_ranges
 from nvcore.findings import TRUTH_NAME, Cases, Finding, Remedy, Severity, Step
 from nvcore.inputs.session import Session
+from nvcore.objects import Objects
 from nvcore.schema import DETECTABILITY
 from nvcore.wording import count_text
 
@@ -120,7 +121,7 @@ def _not_listed(dataset: Dataset, subject: str, rows: pd.DataFrame) -> list[Find
                 subject,
                 odd,
                 message,
-                *_advice(subject, frame[is_odd], first[is_odd], last[is_odd]),
+                *_advice(dataset.objects, subject, frame[is_odd], first[is_odd], last[is_odd]),
             )
         )
     if is_wanted.any():
@@ -197,7 +198,7 @@ def _is_of_truth(dataset: Dataset, number: int, frame: np.ndarray) -> np.ndarray
 
 
 def _advice(
-    subject: str, frame: np.ndarray, first: np.ndarray, last: np.ndarray
+    objects: Objects, subject: str, frame: np.ndarray, first: np.ndarray, last: np.ndarray
 ) -> tuple[str, tuple[Step, ...]]:
     outside = np.minimum(frame - first, 0) + np.maximum(frame - last, 0)
     if np.all(outside == -1):
@@ -215,8 +216,8 @@ def _advice(
         "does."
     )
     if subject != TRUTH_NAME:
-        advice += (
-            " If nobody was there in these frames and that was checked, list them, too: these "
+        advice += objects.say(
+            " If {nobody} was there in these frames and that was checked, list them, too: these "
             "detections then count as false alarms."
         )
     return advice, (Step(Remedy.FRAMES),)

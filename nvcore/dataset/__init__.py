@@ -25,7 +25,7 @@ from nvcore.dataset.provenance import Provenance
 from nvcore.dataset.sources import ReadAs
 from nvcore.errors import InputError
 from nvcore.findings import Finding
-from nvcore.objects import Objects, names_at_risk
+from nvcore.objects import Objects
 from nvcore.params import Params
 from nvcore.schema import (
     ATTRIBUTE_DTYPES,
@@ -149,22 +149,6 @@ class Dataset:
     def objects(self) -> Objects:
         """What the boxes are of."""
         return self.settings.objects
-
-    def words(self, text: str) -> str:
-        """A text of ours, written about pedestrians, in the words for the objects of this data.
-
-        Names of its systems, recordings, tags and files stay; see
-        `nvcore.objects.Objects.words`.
-        """
-        if self.objects.are_pedestrians:
-            return text
-        return self.objects.words(text, self._names_at_risk)
-
-    @cached_property
-    def _names_at_risk(self) -> tuple[str, ...]:
-        own = [*self.systems, *self.recordings["name"], *self.inputs["file"]]
-        tags = [tag for tags in self.recordings["tags"] for tag in tags]
-        return names_at_risk(map(str, [*own, *tags, *self.left_out["recording"].unique()]))
 
     @property
     def truth(self) -> BoxColumns:

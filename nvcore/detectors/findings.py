@@ -138,7 +138,7 @@ def _not_run(dataset: Dataset, name: str, record: Provenance) -> list[Finding]:
         Severity.WARNING,
         "frames-not-run",
         "Not run on {n} of the {n_all} evaluated frames: {recordings}.",
-        "Their pedestrians count as missed. Run it on them, or leave them out.",
+        f"Their {dataset.objects.plural} count as missed. Run it on them, or leave them out.",
         (Step(Remedy.OPTION, "", "only"), Step(Remedy.FRAMES)),
     )
 

@@ -1,101 +1,149 @@
-"""What the boxes are of, and our texts in the words for it."""
+"""Texts that speak of the objects are templates; each is filled for every kind of objects."""
 
 from __future__ import annotations
 
+import ast
+import re
+from collections import defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+from string import Formatter
+
 import pytest
+from places import ROOT
 
+from nvcore.measures import MEASURES
 from nvcore.objects import PEDESTRIAN, SPEED_SIGN, Objects, objects_from
+from nvcore.params import SETTINGS
+from nvcore.wording.objects import words_for
 
-CYCLIST = objects_from("cyclist")
+WORDS = frozenset(words_for("animal", "animals", are_people=False))
+ANIMAL, CAR = objects_from("animal"), objects_from("car")
+FOLDERS = ("nvcore", "ui", "pages")
+OF_PEOPLE = re.compile(r"\b(pedestrians?|persons?|he|him|his|whom|feet)\b", re.IGNORECASE)
+
+
+def trees() -> Iterator[tuple[Path, ast.Module]]:
+    for folder in FOLDERS:
+        for path in (ROOT / folder).rglob("*.py"):
+            yield path.relative_to(ROOT), ast.parse(path.read_text(encoding="utf-8"))
+
+
+def fields_of(text: str) -> list[str]:
+    """Names of the fields of a template."""
+    names = [name for _, name, _, _ in Formatter().parse(text) if name is not None]
+    return [re.split(r"[.\[]", name)[0] for name in names]
+
+
+def is_template(text: str) -> bool:
+    try:
+        return not WORDS.isdisjoint(fields_of(text))
+    except ValueError:
+        return False
+
+
+def templates() -> dict[str, str]:
+    """Every text of the source with a word of the objects, and where it stands."""
+    found = {}
+    for path, tree in trees():
+        in_f_strings = {
+            id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr)
+            for part in ast.walk(node)
+        }  # fmt: skip
+        for node in ast.walk(tree):
+            is_text = isinstance(node, ast.Constant) and isinstance(node.value, str)
+            if is_text and id(node) not in in_f_strings and is_template(node.value):
+                found[node.value] = f"{path}:{node.lineno}"
+    return found
+
+
+def filled(text: str, objects: Objects) -> str:
+    """The template, with a dash for values that are no words of the objects."""
+    words = words_for(objects.singular, objects.plural, are_people=objects.are_pedestrians)
+    names = {name for name in fields_of(text) if name not in words}
+    text = re.sub(rf"\{{({'|'.join(names)})[^}}]*\}}", "–", text) if names else text
+    return objects.say(text)
+
+
+def test_names_of_users_are_values_never_part_of_a_template():
+    calls = [
+        f"{path}:{node.lineno}"
+        for path, tree in trees()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Name | ast.Attribute)
+        and (node.func.id if isinstance(node.func, ast.Name) else node.func.attr) == "say"
+        and node.args
+        and any(isinstance(part, ast.FormattedValue) for part in ast.walk(node.args[0]))
+        and not isinstance(node.args[0], ast.Call)
+    ]
+    assert calls == []
+
+
+def test_each_value_of_a_template_is_given_and_no_other():
+    wrong = defaultdict(list)
+    for path, tree in trees():
+        for node in ast.walk(tree):
+            if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name | ast.Attribute)):
+                continue
+            name = node.func.id if isinstance(node.func, ast.Name) else node.func.attr
+            text = node.args[0] if name == "say" and node.args else None
+            if isinstance(text, ast.Constant) and isinstance(text.value, str):
+                given = {keyword.arg for keyword in node.keywords}
+                if set(fields_of(text.value)) - WORDS != given:
+                    wrong[str(path)].append(text.value)
+    assert wrong == {}
+
+
+def test_templates_say_it_of_all_kinds_of_objects():
+    found = templates()
+    assert len(found) > 200
+    for text, place in found.items():
+        said = {objects: filled(text, objects) for objects in (PEDESTRIAN, SPEED_SIGN, ANIMAL)}
+        assert "{" not in said[PEDESTRIAN], place
+        assert not re.search(r"\b[Aa] animal", said[ANIMAL]), place
 
 
 @pytest.mark.parametrize(
-    ("text", "expected"),
+    ("text", "of_pedestrians", "of_signs"),
     [
-        ("3 pedestrians", "3 speed signs"),
-        ("Pedestrian boxes", "Speed sign boxes"),
-        ("half the pedestrian's width", "half the speed sign's width"),
-        ("a pedestrian whom nothing matches", "a speed sign that nothing matches"),
-        ("distant pedestrians, who do not count", "distant speed signs, which do not count"),
-        ("Detections that match nobody.", "Detections that match nothing."),
-        ("Nobody is annotated", "Nothing is annotated"),
-        ("a real pedestrian whom nobody annotated", "a real speed sign that nobody annotated"),
-        ("boxes that people drew in the pictures", "boxes that people drew in the pictures"),
-        ("frames rather than persons", "frames rather than speed signs"),
-        ("matches him by his box; he is there", "matches it by its box; it is there"),
-        ("ped 12, ped. 3", "sign 12, sign 3"),
-        ("The heap is historic; impeded", "The heap is historic; impeded"),
+        ("{many} too far to count", "pedestrians too far to count", "speed signs too far to count"),
+        (
+            "{A_one} {whom} nothing matches is missed in {n} frames.",
+            "A pedestrian whom nothing matches is missed in 3 frames.",
+            "A speed sign that nothing matches is missed in 3 frames.",
+        ),
+        ("Who detects {what}", "Who detects whom", "Who detects what"),
+        ("the {feet_are} below", "the feet are below", "the lower edge is below"),
+        ("{short} 12: {he}, {his} height", "ped 12: he, his height", "sign 12: it, its height"),
+        ("{Nobody} is there", "Nobody is there", "Nothing is there"),
     ],
 )
-def test_a_text_of_ours_is_said_of_speed_signs(text: str, expected: str):
-    assert SPEED_SIGN.words(text) == expected
-
-
-def test_of_pedestrians_every_text_stays_as_it_is():
-    text = "A pedestrian whom nobody matches, ped. 3, his feet"
-    assert PEDESTRIAN.words(text) is text
+def test_a_template_is_filled_with_words_and_values(text, of_pedestrians, of_signs):
+    assert PEDESTRIAN.say(text, n=3) == of_pedestrians
+    assert SPEED_SIGN.say(text, n=3) == of_signs
 
 
 def test_the_article_goes_with_the_name():
-    assert (
-        objects_from("animal").words("A pedestrian and a pedestrian") == "An animal and an animal"
-    )
+    assert ANIMAL.say("{A_one} and {a_one}") == "An animal and an animal"
 
 
-@pytest.mark.parametrize(
-    "name", ["Pedestrian_v2", "pedestrian detector A", "ped-net", "people/too far", "he", "his car"]
-)
-@pytest.mark.parametrize("escape", [str, lambda name: name.replace("_", r"\_").replace("-", r"\-")])
-def test_names_that_users_gave_stay(name: str, escape):  # type: ignore[no-untyped-def]
-    text = f"{escape(name)} misses 3 pedestrians in {escape(name)}."
-    expected = f"{escape(name)} misses 3 speed signs in {escape(name)}."
-    assert SPEED_SIGN.words(text, names=[name]) == expected
+@pytest.mark.parametrize("name", ["Pedestrian_v2", "{one}", "people/too far {", "he"])
+def test_names_that_users_gave_stay(name: str):
+    assert CAR.say("{name} misses {many}", name=name) == f"{name} misses cars"
 
 
-def test_a_name_that_begins_with_a_word_of_ours_does_not_keep_the_word_elsewhere():
-    text = "pedestrian 1 of pedestrian_1; the pedestrian"
-    assert SPEED_SIGN.words(text, names=["pedestrian_1", "pedestrian_27"]) == (
-        "speed sign 1 of pedestrian_1; the speed sign"
-    )
+def test_a_word_that_there_is_not_is_an_error():
+    with pytest.raises(KeyError, match="ones"):
+        CAR.say("{ones}")
 
 
-def test_a_name_that_was_cut_stays_as_well():
-    name = "pedestrian detector of the second supplier"
-    assert SPEED_SIGN.words("X: pedestrian detector of… misses a pedestrian", names=[name]) == (
-        "X: pedestrian detector of… misses a speed sign"
-    )
-
-
-def test_classes_in_files_are_told_by_their_names():
-    assert PEDESTRIAN.counts("Person")
-    assert PEDESTRIAN.is_lookalike("__ignore__")
-    assert SPEED_SIGN.counts("Speed limit (50km/h)")
-    assert not SPEED_SIGN.counts("End of speed limit (80km/h)")
-    assert SPEED_SIGN.is_lookalike("traffic sign")
-    assert objects_from(["child", "children"]).counts("Children")
-    assert not CYCLIST.is_lookalike("cyclist")
-    assert CYCLIST.is_lookalike("DontCare")
-
-
-def test_known_objects_are_found_by_either_of_their_names():
-    assert objects_from("Speed signs") is SPEED_SIGN
-    assert objects_from(["pedestrian", "pedestrians"]) is PEDESTRIAN
-    assert objects_from(SPEED_SIGN) is SPEED_SIGN
-    assert (CYCLIST.singular, CYCLIST.plural) == ("cyclist", "cyclists")
-
-
-@pytest.mark.parametrize(
-    "names", ["", "*cyclist*", "3", "a  b", "x" * 41, ["a", "b", "c"], [], ["car", ""]]
-)
-def test_what_is_no_name_is_refused(names: str | list[str]):
-    with pytest.raises(ValueError, match="expected a"):
-        objects_from(names)
-
-
-def test_a_session_names_them_only_where_they_are_others():
-    assert PEDESTRIAN.given() is None
-    assert SPEED_SIGN.given() == "speed sign"
-    assert objects_from(["child", "children"]).given() == ["child", "children"]
-    assert objects_from(objects_from(["child", "children"]).given() or ()) == Objects(
-        "child", "children", frozenset({"child", "children"})
+def test_settings_and_measures_speak_of_cars():
+    texts = [text for known in SETTINGS.values() for text in (known.meaning, known.label)]
+    texts += [measure.meaning for measure in MEASURES]
+    said = [CAR.say(text) for text in texts]
+    assert [text for text in said if OF_PEOPLE.search(text.replace("by himself", ""))] == []
+    assert CAR.say(SETTINGS["missing_distance"].meaning) == (
+        "What weighs a car that has no distance in the ground truth: its height (height), or the "
+        "distance that the systems report of it, borrowed along its track (borrow)."
     )

@@ -283,11 +283,6 @@ def say(text: str, /, **values: object) -> str:
     return opened().dataset.objects.say(text, **values)
 
 
-def words(text: str) -> str:
-    """A text of ours in the words for what is open; see `nvcore.dataset.Dataset.words`."""
-    return opened().dataset.words(text)
-
-
 def recording_names() -> list[str]:
     """Names of the recordings, in their order."""
     names: list[str] = opened().dataset.recordings["name"].tolist()

@@ -234,7 +234,7 @@ def _is_set(name: str, setting: Setting) -> bool:
     value = live_params.value_of(name) is None
     key = settings.key_of(f"{name}_unset", value)
     is_unset = st.checkbox(
-        state.say(f"{setting.label} {setting.unset}"),
+        f"{state.say(setting.label)} {setting.unset}",
         value=value,
         key=key,
         on_change=_switch,

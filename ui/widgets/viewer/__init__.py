@@ -213,7 +213,7 @@ def viewer(
             "only": only,
             "cost": None if cost is None or only else pack_cost(cost, objects),
             "chosen": None if chosen is None or only else int(chosen),
-            "words": {word: objects.say(f"{{{word}}}") for word in WORDS},
+            "words": {word: objects.say("{" + word + "}") for word in WORDS},
             "listed": None if listed is None or only else listed._asdict(),
             "visible": None if visible is None or only else _pack_visible(visible),
             "look": look._asdict(),
