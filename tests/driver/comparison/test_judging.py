@@ -84,7 +84,7 @@ def test_of_a_distant_encounter_nothing_is_judged():
 
 def test_of_a_track_twice_in_a_frame_the_larger_detectability_counts():
     truth = [*walk((NEAR, 0.6)), *walk((NEAR, 0.7), centre=60)]
-    row = judged(truth).detectable.iloc[0]
+    row = driver_in(judged(truth)).table.iloc[0]
     assert (row["detectability"], row["n_known"], row["seen_row"]) == (0.7, 1, 0)
     assert row["n_seen"] == 1
 

@@ -116,7 +116,8 @@ def test_only_nearness_by_distance_borrows_and_contact_stays_with_the_truth() ->
     assert compare(dataset, replace(BORROW, proximity="height")).borrowed is None
     borrowing, without = (compare(dataset, p) for p in (BORROW, Params(proximity="distance")))
     assert (without.k_truth.n_without_distance, borrowing.k_truth.n_without_distance) == (8, 0)
-    np.testing.assert_array_equal(borrowing.contact.ttc_s, without.contact.ttc_s)
+    ours, theirs = (result.of("time_left").contact for result in (borrowing, without))
+    np.testing.assert_array_equal(ours.ttc_s, theirs.ttc_s)
 
 
 def test_a_distance_of_zero_or_less_is_none() -> None:
