@@ -119,8 +119,8 @@ def options_of(kind: type, *names: str) -> Callable[[Callable[..., Any]], Callab
         facts = dict(spec.metadata["facts"])
         if spec.default is MISSING:
             facts["required"] = True
-        elif spec.default not in (None, ()):
-            facts |= {"default": spec.default, "show_default": spec.default != ""}
+        elif spec.default != ():  # None, too: of a flag with a negation it is a third value
+            facts |= {"default": spec.default, "show_default": spec.default not in (None, "")}
         flag = spec.metadata["flag"] or flag_of(spec.name)
         options.append(grouped_option(facts.pop("group"), flag, spec.name, **facts))
     return with_options(*options)
