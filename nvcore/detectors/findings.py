@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -50,76 +51,45 @@ def trained_findings(dataset: Dataset, name: str, trained_on: Sequence[TrainedOn
         Of the system or detector.
     """
     overlap = training_overlap(dataset, trained_on)
+    is_trained = overlap.is_trained
+    is_in_part = overlap.has_part[dataset.frame_columns.recording]
+    of_frames = partial(_of_frames, dataset, name)
     return [
-        *_on_frames(dataset, name, overlap.is_trained),
-        *_on_namesakes(dataset, name, overlap.is_namesake & ~overlap.is_trained),
-        *_beside_frames(dataset, name, overlap.is_trained, overlap.has_part),
-        *_unchecked(dataset, name, overlap.is_unchecked & ~overlap.is_trained, len(trained_on)),
+        *of_frames(
+            is_trained,
+            "trained-on-tested",
+            "Trained on {n} of the {n_all} evaluated frames: {recordings}.",
+            "Compare it on recordings that it was not trained on, or on other frames: these say "
+            "how well it remembers, not how well it detects.",
+            severity=Severity.ERROR,
+            steps=(Step(Remedy.OPTION, "", "only"), Step(Remedy.FRAMES)),
+        ),
+        *of_frames(
+            overlap.is_namesake & ~is_trained,
+            "trained-on-namesake",
+            "Trained on {n} frames of recordings of the same name, with other ground truth: "
+            "{recordings}.",
+            "Find out whether they are the same recordings: if so, these say how well it "
+            "remembers, not how well it detects.",
+        ),
+        *of_frames(
+            is_in_part & ~is_trained,
+            "trained-beside-tested",
+            "{n} evaluated frames are of recordings of which other frames were its training: "
+            "{recordings}.",
+            "The people and the place may be the same as in its training: recordings of which it "
+            "has seen nothing say more.",
+        ),
+        *of_frames(
+            overlap.is_unchecked & ~is_trained,
+            "training-unchecked",
+            "The ground truth of {n} of the {n_all} evaluated frames was not compared with the "
+            f"{len(trained_on):,} parts of its training, which are too many: {{recordings}}.",
+            "They may be of its training, under their own name or another. Compare fewer "
+            "recordings at a time.",
+            steps=(Step(Remedy.OPTION, "", "only"),),
+        ),
     ]
-
-
-def _on_frames(dataset: Dataset, name: str, is_trained: NDArray[np.bool_]) -> list[Finding]:
-    return _frames_finding(
-        dataset,
-        name,
-        np.flatnonzero(is_trained),
-        Severity.ERROR,
-        "trained-on-tested",
-        "Trained on {n} of the {n_all} evaluated frames: {recordings}.",
-        "Compare it on recordings that it was not trained on, or on other frames: these say how "
-        "well it remembers, not how well it detects.",
-        (Step(Remedy.OPTION, "", "only"), Step(Remedy.FRAMES)),
-    )
-
-
-def _on_namesakes(dataset: Dataset, name: str, is_namesake: NDArray[np.bool_]) -> list[Finding]:
-    return _frames_finding(
-        dataset,
-        name,
-        np.flatnonzero(is_namesake),
-        Severity.WARNING,
-        "trained-on-namesake",
-        "Trained on {n} frames of recordings of the same name, with other ground truth: "
-        "{recordings}.",
-        "Find out whether they are the same recordings: if so, these say how well it remembers, "
-        "not how well it detects.",
-    )
-
-
-def _beside_frames(
-    dataset: Dataset, name: str, is_trained: NDArray[np.bool_], has_part: NDArray[np.bool_]
-) -> list[Finding]:
-    """Frames that were not trained on, of recordings that were in part."""
-    recording = dataset.frame_columns.recording
-    return _frames_finding(
-        dataset,
-        name,
-        np.flatnonzero(has_part[recording] & ~is_trained),
-        Severity.WARNING,
-        "trained-beside-tested",
-        "{n} evaluated frames are of recordings of which other frames were its training: "
-        "{recordings}.",
-        "The people and the place may be the same as in its training: recordings of which it has "
-        "seen nothing say more.",
-    )
-
-
-def _unchecked(
-    dataset: Dataset, name: str, is_unchecked: NDArray[np.bool_], n_parts: int
-) -> list[Finding]:
-    """Frames that may be of the training under another name."""
-    return _frames_finding(
-        dataset,
-        name,
-        np.flatnonzero(is_unchecked),
-        Severity.WARNING,
-        "training-unchecked",
-        f"The ground truth of {{n}} of the {{n_all}} evaluated frames was not compared with the "
-        f"{n_parts:,} parts of its training, which are too many: {{recordings}}.",
-        "They may be of its training, under their own name or another. Compare fewer recordings "
-        "at a time.",
-        (Step(Remedy.OPTION, "", "only"),),
-    )
 
 
 def _not_run(dataset: Dataset, name: str, record: Provenance) -> list[Finding]:
@@ -131,35 +101,36 @@ def _not_run(dataset: Dataset, name: str, record: Provenance) -> list[Finding]:
     for number, recording in enumerate(dataset.recordings["name"]):
         rows = frames.rows_of(number)
         is_run[rows] = is_in_ranges(frames.frame[rows], record.frames.get(recording, ()))
-    return _frames_finding(
+    return _of_frames(
         dataset,
         name,
-        np.flatnonzero(~is_run),
-        Severity.WARNING,
+        ~is_run,
         "frames-not-run",
         "Not run on {n} of the {n_all} evaluated frames: {recordings}.",
         f"Their {dataset.objects.plural} count as missed. Run it on them, or leave them out.",
-        (Step(Remedy.OPTION, "", "only"), Step(Remedy.FRAMES)),
+        steps=(Step(Remedy.OPTION, "", "only"), Step(Remedy.FRAMES)),
     )
 
 
-def _frames_finding(
+def _of_frames(
     dataset: Dataset,
     name: str,
-    rows: NDArray[np.intp],
-    severity: Severity,
+    is_concerned: NDArray[np.bool_],
     code: str,
     message: str,
     advice: str,
+    *,
+    severity: Severity = Severity.WARNING,
     steps: tuple[Step, ...] = (),
 ) -> list[Finding]:
-    """A finding about rows of the frames table; none where there is no row.
+    """A finding about rows of the frames table; none where no row is concerned.
 
     Parameters
     ----------
     message
         With places for ``n``, the number of these frames, ``n_all`` and the ``recordings``.
     """
+    rows = np.flatnonzero(is_concerned)
     if not len(rows):
         return []
     frames = dataset.frame_columns
@@ -169,7 +140,12 @@ def _frames_finding(
     example, cases = place_of_frame(dataset, int(rows[0])), Cases("frames", rows)
     return [
         Finding(
-            *(severity, code, name, len(rows), text, advice),
+            severity,
+            code,
+            name,
+            len(rows),
+            text,
+            advice,
             example=example,
             cases=cases,
             steps=steps,
