@@ -54,6 +54,9 @@ class Subject:
         Entries of `nvcore.measures.table.MEASURES`.
     counts
         Kinds of encounters that measures are shares of, by name (`nvcore.measures.table.counted`).
+    doubts
+        Function that says why no claim can rest on a measure of a result
+        (`nvcore.measures.table.doubt_of`).
     columns, entries
         Columns of the CSV files (`nvcore.tables.added.Columns`) and keys of ``summary.json``
         (`nvcore.tables.summary_entry.Entry`).
@@ -69,6 +72,10 @@ class Subject:
     lines, sections
         Lines of the terminal's report, and sections of the HTML report
         (`nvcore.report.html.blocks.SectionOf`).
+    remarks
+        What is said beside the numbers in both (`nvcore.report.remarks.Remarks`).
+    rules
+        What is known of rules of the gate (`nvcore.report.gate.added.RulesOf`).
     inputs
         What it reads of a session file (`nvcore.inputs.added.Input`).
     commands
@@ -95,6 +102,7 @@ class Subject:
     restrict: str = ""
     measures: str = ""
     counts: str = ""
+    doubts: str = ""
     columns: str = ""
     entries: str = ""
     findings: str = ""
@@ -104,6 +112,8 @@ class Subject:
     points: str = ""
     lines: str = ""
     sections: str = ""
+    remarks: str = ""
+    rules: str = ""
     inputs: str = ""
     commands: str = ""
     models: str = ""

@@ -4,7 +4,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.driver.comparison.steps import driver_in
-from nvcore.report.verdict.driver import describe_counts, describe_doubt, describe_view
+from nvcore.driver.comparison.texts import describe_counts, describe_doubt, describe_view
 from ui.driver import course, listed, missing, regions, run, threshold
 from ui.jobs.companions import choose_comparison, wait_for_equal_alarms
 from ui.session import state

@@ -229,7 +229,7 @@ def test_a_notebook_shows_a_table_in_which_names_are_text(folder: Path):
 def test_tables_have_the_columns_of_the_report(sample: Comparison):
     for name in ("frames", "encounters", "events", "intervals", "recordings"):
         columns = nv.tables.report_columns()[f"{name}.csv"]
-        expected = [column.name for column in columns if not column.is_optional]
+        expected = [column.name for column in columns if not column.only_if]
         assert list(getattr(sample, name)) == expected
 
 

@@ -10,6 +10,16 @@ SUBJECT = Subject(
     view="comparison.steps:driver_view",
     miss_weights="comparison.judging:weigh_unseen",
     commands="commands:COMMANDS",
+    measures="comparison.measures:MEASURES",
+    counts="comparison.measures:COUNTS",
+    doubts="comparison.doubts:doubt_of",
+    columns="comparison.columns:COLUMNS",
+    entries="comparison.columns:ENTRIES",
+    points="comparison.report:POINTS",
+    lines="comparison.report:lines",
+    remarks="comparison.report:REMARKS",
+    sections="comparison.section:SECTIONS",
+    rules="comparison.gate:RULES",
     models="estimators.listing:MODELS",
     formats={
         "nvcore-driver": "an estimator of what the driver sees, which nvcore driver estimate takes"

@@ -29,10 +29,10 @@ from nvcore.evidence.units import (
     find_units,
     sum_units,
 )
-from nvcore.measures.driver_doubt import doubt_of
 from nvcore.measures.entry import Better
 from nvcore.measures.table import (
     EVIDENCE_KEYS,
+    doubt_of,
     evidence_keys,
     evidence_label,
     inference_of,
@@ -214,7 +214,7 @@ def judge(
 
 
 def with_doubt(result: Result, row: Evidence) -> Evidence:
-    """The row with why no claim can rest on it, as far as it rests on the driver's view."""
+    """The row with why no claim can rest on it, by what subjects know of its measure."""
     return replace(row, doubt=doubt_of(result, measure_of(row.figure)))
 
 

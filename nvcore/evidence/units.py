@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.block_length import block_length
 from nvcore.measures.table import EVIDENCE_KEYS, counted, inference_of, measure_of
 from nvcore.schema import Category
@@ -154,7 +153,6 @@ def sum_units(result: Result, units: Units) -> pd.DataFrame:
         "share_of_recording": 1 / per_recording[units.recording],
         "n_encounters": total(begin[is_near]),
         **{name: total(begin[members(result)]) for name, members in counted().items()},
-        "n_unseen": total(begin[driver_in(result).is_unseen]),
     }
     for letter, system in result.sides:
         columns |= {

@@ -5,9 +5,6 @@ from nvcore.extras import needs
 with needs("report", "figures need"):
     from nvcore.figures.cost_map import cost_plot
     from nvcore.figures.detection import CurveKind, curve_plot, legend_text
-    from nvcore.figures.driver.course import detectability_course_plot
-    from nvcore.figures.driver.over_threshold import driver_threshold_plot
-    from nvcore.figures.driver.venn import driver_venn_plot
     from nvcore.figures.encounters import (
         fusion_plot,
         lead_time_plot,
@@ -32,9 +29,6 @@ __all__ = [
     "CurveKind",
     "cost_plot",
     "curve_plot",
-    "detectability_course_plot",
-    "driver_threshold_plot",
-    "driver_venn_plot",
     "false_alarm_plot",
     "fusion_plot",
     "lanes_figure",

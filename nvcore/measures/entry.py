@@ -49,6 +49,27 @@ class Parts(NamedTuple):
 
 
 @dataclass(frozen=True)
+class Condition:
+    """On which comparisons files have a measure, a column or a key.
+
+    Attributes
+    ----------
+    holds
+        Whether a comparison is one of them.
+    otherwise
+        When files lack it, to follow "left out": ``without detectability``.
+    """
+
+    holds: Callable[[Result], bool]
+    otherwise: str
+
+
+def is_met(condition: Condition | None, result: Result) -> bool:
+    """Whether files of a comparison have what depends on this; without a condition they do."""
+    return condition is None or condition.holds(result)
+
+
+@dataclass(frozen=True)
 class AxisScale:
     """Axes on which differences of a measure are drawn; shares (``%``) in percentage points.
 
@@ -157,8 +178,8 @@ class Measure:
     applies
         Whether a comparison has what it measures; without it no table shows the measure, and a rule
         of the gate finds it undefined. None: always.
-    is_optional
-        Whether files lack it where no detectability is known.
+    only_if
+        On which comparisons files have it; None: on all, undefined where it does not apply.
     rule
         Its name in rules of the gate, for detection curves; others go by their key.
     leads
@@ -184,7 +205,7 @@ class Measure:
     tables: tuple[MeasureTable, ...] = ()
     part: str = ""
     applies: Callable[[Result], bool] | None = None
-    is_optional: bool = False
+    only_if: Condition | None = None
     rule: str = ""
     leads: bool = False
     inference: Inference | None = None

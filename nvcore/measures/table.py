@@ -16,7 +16,6 @@ from typing import Any, Final
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.driver.comparison.steps import driver_in
 from nvcore.measures.entry import (
     Inference,
     Measure,
@@ -24,7 +23,6 @@ from nvcore.measures.entry import (
 )
 from nvcore.measures.of_alarms import ALARM_MEASURES
 from nvcore.measures.of_curves import CURVE_MEASURES
-from nvcore.measures.of_driver import DRIVER_MEASURES
 from nvcore.measures.of_encounters import DETECTED, ENCOUNTER_MEASURES
 from nvcore.measures.of_frames import FRAME_MEASURES
 from nvcore.subjects import contributed
@@ -34,7 +32,6 @@ MEASURES: Final[tuple[Measure, ...]] = (
     *FRAME_MEASURES,
     *ENCOUNTER_MEASURES,
     *chain(*contributed("measures")),
-    *DRIVER_MEASURES,
     *ALARM_MEASURES,
     *CURVE_MEASURES,
 )
@@ -64,8 +61,6 @@ def label_words(result: Result, units: str = "") -> dict[str, Any]:
         "n_near": result.venn.n_near,
         "n_boxes": int(result.n_truth.sum()),
         **{name: int(members(result).sum()) for name, members in counted().items()},
-        "n_unseen": int(driver_in(result).is_unseen.sum()),
-        "n_seen": int(driver_in(result).is_seen.sum()),
         "units": units,
     }
 
@@ -101,6 +96,11 @@ def measure_of(key: str) -> Measure:
 def applies_to(result: Result, measure: Measure) -> bool:
     """Whether a comparison has what it measures, such as urgent encounters."""
     return measure.applies is None or measure.applies(result)
+
+
+def doubt_of(result: Result, measure: Measure) -> str:
+    """Why no claim can rest on a measure, nor a value be the better one; empty: no reason."""
+    return next(filter(None, (doubt(result, measure) for doubt in contributed("doubts"))), "")
 
 
 def evidence_keys(result: Result) -> tuple[str, ...]:

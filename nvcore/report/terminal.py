@@ -9,7 +9,6 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
-from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.operating_points import are_unequal, as_set_note
 from nvcore.evidence.table import evidence_table
@@ -24,7 +23,6 @@ from nvcore.report.equal_alarms import (
 )
 from nvcore.report.plan import verdict_plan
 from nvcore.report.verdict import Verdict, verdict
-from nvcore.report.verdict.driver import describe_basis, regions_text, weighting
 from nvcore.report.words import (
     FUSION_RULE,
     count_leads,
@@ -252,7 +250,8 @@ def _notes(result: Result) -> list[str]:
     """What to know of the rates, and of measures that need encounters of several frames."""
     notes = [SHORT_ROWS] if result.is_short else []
     sampling = sampling_note(result.dataset.frame_columns)
-    return [*notes, *filter(None, (sampling, weighting(result)))]
+    of_subjects = (remarks.note(result) for remarks in contributed("remarks"))
+    return [*notes, *filter(None, (sampling, *of_subjects))]
 
 
 def _head(letter: str, system: SystemResult) -> str:
@@ -268,10 +267,6 @@ def _venn(result: Result) -> str:
     ]
     lines.append(describe_exclusivity(result))
     lines.append(_lead(result))
-    if driver_in(result).has_any:
-        basis = describe_basis(result)
-        lines.append(f"encounters seen by: {regions_text(result)}")
-        lines.append(f"the driver: {basis[0].lower()}{basis[1:-1]}")
     for lines_of in contributed("lines"):
         lines += lines_of(result)
     boxes = result.boxes

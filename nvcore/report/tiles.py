@@ -15,8 +15,7 @@ from nvcore.evidence.bootstrap import MIN_UNITS
 from nvcore.evidence.claims import Basis, Support, find_claims, values_of
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
-from nvcore.measures.driver_doubt import doubt_of
-from nvcore.measures.table import count_recordings, inference_of, measure_of
+from nvcore.measures.table import count_recordings, doubt_of, inference_of, measure_of
 from nvcore.measures.values import duration_of_recordings
 from nvcore.report.shown import comparison_shown
 from nvcore.wording import count_text, difference, duration_text, minus, number

@@ -3,13 +3,6 @@
 from nvcore.tables.boxes.states import FrameBoxes, gather_boxes
 from nvcore.tables.classes import classes_table, has_classes
 from nvcore.tables.columns import column_names, report_columns
-from nvcore.tables.encounters.driver import (
-    detectability_course,
-    driver_sights,
-    driver_venn_table,
-    over_driver_threshold,
-    saved_encounters,
-)
 from nvcore.tables.encounters.miss_classes import fusion_table, miss_class_counts, miss_class_totals
 from nvcore.tables.encounters.severity import weighed_encounters
 from nvcore.tables.encounters.weightings import Weightings, compare_weightings
@@ -46,9 +39,6 @@ __all__ = [
     "classes_table",
     "column_names",
     "compare_weightings",
-    "detectability_course",
-    "driver_sights",
-    "driver_venn_table",
     "encounter_moments",
     "encounters_table",
     "entries_as_cvat",
@@ -69,10 +59,8 @@ __all__ = [
     "miss_class_counts",
     "miss_class_totals",
     "next_misses",
-    "over_driver_threshold",
     "recordings_table",
     "report_columns",
-    "saved_encounters",
     "score_rows",
     "summary",
     "system_summary",

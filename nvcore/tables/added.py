@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Any
 
 from nvcore.comparison import Result
+from nvcore.measures.entry import Condition, is_met
 from nvcore.subjects import contributed
 from nvcore.tables.column import Column
 
@@ -24,20 +25,20 @@ class Columns:
         What they hold, in order.
     values
         Their values by name.
-    applies
-        Whether a comparison has them; None: every one does.
+    only_if
+        On which comparisons the file has them; None: on all.
     """
 
     file: str
     columns: tuple[Column, ...]
     values: Callable[[Result], Mapping[str, Any]]
-    applies: Callable[[Result], bool] | None = None
+    only_if: Condition | None = None
 
 
 def added_columns(file: str) -> tuple[Column, ...]:
     """What subjects add to a file, in order."""
     return tuple(
-        column
+        replace(column, only_if=part.only_if)
         for part in chain(*contributed("columns"))
         if part.file == file
         for column in part.columns
@@ -48,6 +49,6 @@ def added_values(file: str, result: Result) -> dict[str, Any]:
     """The values of `added_columns` that a comparison has, by name."""
     values: dict[str, Any] = {}
     for part in chain(*contributed("columns")):
-        if part.file == file and (part.applies is None or part.applies(result)):
+        if part.file == file and is_met(part.only_if, result):
             values |= part.values(result)
     return values

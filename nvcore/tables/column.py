@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Final
 
-from nvcore.measures.entry import Measure
+from nvcore.measures.entry import Condition, Measure
 
 
 class Kind(StrEnum):
@@ -37,8 +37,8 @@ class Column:
         ``"high"`` or ``"low"`` where one is better; empty: neither.
     empty
         When the cell is empty (in JSON: null), likewise; empty: never.
-    is_optional
-        Whether files lack it where no detectability is known.
+    only_if
+        On which comparisons files have it; None: on all.
     """
 
     name: str
@@ -47,7 +47,7 @@ class Column:
     meaning: str
     better: str = ""
     empty: str = ""
-    is_optional: bool = False
+    only_if: Condition | None = None
 
 
 def measure_column(measure: Measure) -> Column:
@@ -59,7 +59,7 @@ def measure_column(measure: Measure) -> Column:
         measure.meaning,
         measure.better.removesuffix("er"),
         measure.empty,
-        measure.is_optional,
+        measure.only_if,
     )
 
 

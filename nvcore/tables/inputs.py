@@ -10,7 +10,6 @@ import pandas as pd
 from nvcore.dataset import Dataset
 from nvcore.dataset.sources import ReadAs, left_out_text
 from nvcore.findings import Cases, Finding
-from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.metrics.proximity.horizon import estimate_horizons
 from nvcore.output.cvat import cvat_bytes
 from nvcore.schema import NO_TRACK
@@ -45,27 +44,6 @@ def inputs_table(dataset: Dataset) -> pd.DataFrame:
                 for subject in first["subject"]
             ],
             "n_boxes": n_boxes[: len(subjects)],
-        }
-    )
-
-
-def driver_view_table(dataset: Dataset) -> pd.DataFrame:
-    """What is known of the driver's view of each recording, as its session says.
-
-    Returns
-    -------
-    One row per recording: has_visible (bool, pictures of visible light), light_by ("meter",
-    "picture" or empty: what tells the light), has_gaze (bool, where the driver looked).
-    """
-    names = dataset.recordings["name"].tolist()
-    session = dataset.settings
-    entries = session.entries(names) if isinstance(session, Session) else {}
-    own = [entries.get(name, RecordingEntry(name)) for name in names]
-    return pd.DataFrame(
-        {
-            "has_visible": np.array([entry.visible is not None for entry in own], bool),
-            "light_by": np.array([entry.light_by for entry in own], object),
-            "has_gaze": np.array([entry.gaze is not None for entry in own], bool),
         }
     )
 

@@ -8,9 +8,8 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.driver.comparison.steps import driver_in
 from nvcore.findings import Finding
-from nvcore.measures.of_driver import is_driver_in_time, is_judged_in_time
+from nvcore.measures.entry import is_met
 from nvcore.measures.table import MEASURES
 from nvcore.measures.values import duration_of_recordings, per_recording
 from nvcore.metrics.encounter_classes import classes_of
@@ -18,7 +17,6 @@ from nvcore.metrics.saliency import EVENT_COLUMNS
 from nvcore.schema import NO_TRACK, Category, integers_of
 from nvcore.tables.added import added_values
 from nvcore.tables.columns import column_names
-from nvcore.tables.inputs import driver_view_table
 
 
 def _names(result: Result, recording: np.ndarray) -> np.ndarray:
@@ -27,7 +25,7 @@ def _names(result: Result, recording: np.ndarray) -> np.ndarray:
     return names
 
 
-def _booleans(values: np.ndarray, is_known: np.ndarray) -> Any:
+def truth_values(values: np.ndarray, is_known: np.ndarray) -> Any:
     """Truth values, missing where not known."""
     return pd.arrays.BooleanArray(values.astype(bool), ~is_known)
 
@@ -87,7 +85,7 @@ def encounters_table(result: Result) -> pd.DataFrame:
         columns |= {
             f"matched_{letter}": outcomes["matched"],
             f"coverage_{letter}": outcomes["coverage"],
-            f"detected_{letter}": _booleans(outcomes["is_detected"].to_numpy(), is_near),
+            f"detected_{letter}": truth_values(outcomes["is_detected"].to_numpy(), is_near),
             f"miss_class_{letter}": outcomes["miss_class"],
             f"lag_s_{letter}": outcomes["lag_s"],
             f"gap_s_{letter}": outcomes["gap_s"],
@@ -95,7 +93,6 @@ def encounters_table(result: Result) -> pd.DataFrame:
             f"severity_s_{letter}": np.where(is_near, failures["severity_s"], np.nan),
             f"peak_cost_{letter}": np.where(is_near, failures["peak_cost"], np.nan),
         }
-    columns |= _driver_columns(result) if driver_in(result).has_any else {}
     columns |= {
         "lead_time_s": result.lead_time_s,
         "n_frames": encounters.n_frames,
@@ -110,24 +107,6 @@ def encounters_table(result: Result) -> pd.DataFrame:
         "classes": classes.texts,
     }
     return pd.DataFrame(columns | added_values("encounters.csv", result))
-
-
-def _driver_columns(result: Result) -> dict[str, Any]:
-    """What is known of the driver's own view of each encounter."""
-    table, is_known = driver_in(result).table, driver_in(result).is_known
-    return {
-        "detectability": table["detectability"],
-        "detectability_sd": table["sd"],
-        "detectability_frames": table["n_known"],
-        "outside_training": _booleans(table["is_outside"].to_numpy(), is_known),
-        "adapted_eyes": _booleans(driver_in(result).is_adapted, is_known),
-        "within_sd": _booleans(driver_in(result).is_within_sd, driver_in(result).has_sd),
-        "driver_sees": _booleans(driver_in(result).is_seen, is_known),
-        "driver_seen_frames": integers_of(table["n_seen"].to_numpy(), is_known),
-        "driver_frame": frame_numbers(result, driver_in(result).seen_row),
-        "driver_in_time": _booleans(is_driver_in_time(result), is_judged_in_time(result)),
-        "driver_region": driver_in(result).region,
-    }
 
 
 def _spans(result: Result, spans: pd.DataFrame, letter: str) -> dict[str, Any]:
@@ -207,7 +186,6 @@ def recordings_table(result: Result) -> pd.DataFrame:
         "fps": dataset.recordings["fps"],
         "context": dataset.recordings["context"],
         "speed_kmh": dataset.recordings["speed_kmh"],
-        **driver_view_table(dataset),
         "n_frames": np.diff(frames.first),
         "duration_s": duration_of_recordings(result),
         "n_truth": per_recording(result, result.n_truth, frames.recording).astype(np.int64),
@@ -217,15 +195,11 @@ def recordings_table(result: Result) -> pd.DataFrame:
         columns[category.value] = per_recording(
             result, is_category, result.encounters.recording
         ).astype(np.int64)
-    if driver_in(result).has_any:
-        is_known, recording = driver_in(result).is_known, result.encounters.recording
-        columns["driver_known"] = per_recording(result, is_known, recording).astype(np.int64)
     for letter, system in result.sides:
         columns |= {
             f"{measure.key}_{letter}": measure.by_recording(result, system)
             for measure in MEASURES
-            if measure.by_recording is not None
-            and (driver_in(result).has_any or not measure.is_optional)
+            if measure.by_recording is not None and is_met(measure.only_if, result)
         }
     return pd.DataFrame(columns | added_values("recordings.csv", result))
 

@@ -8,9 +8,8 @@ from typing import NamedTuple
 
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import CurveSummary
-from nvcore.measures.driver_doubt import doubt_of
 from nvcore.measures.entry import Better, Measure, MeasureTable
-from nvcore.measures.table import applies_to, label_words, measures_in
+from nvcore.measures.table import applies_to, doubt_of, label_words, measures_in
 
 
 class ScoreRow(NamedTuple):
@@ -27,7 +26,7 @@ class ScoreRow(NamedTuple):
     better
         ``higher`` or ``lower``; empty: neither.
     is_doubtful
-        Whether nothing is claimed of it, whatever the values (`nvcore.measures.driver_doubt`).
+        Whether nothing is claimed of it, whatever the values (`nvcore.measures.doubt_of`).
     level
         0, or 1 for a part of the row above.
     needs_tracks

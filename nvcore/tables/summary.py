@@ -13,14 +13,13 @@ import numpy as np
 
 from nvcore import __version__
 from nvcore.comparison import Result
-from nvcore.driver.comparison.steps import driver_in
+from nvcore.measures.entry import is_met
 from nvcore.measures.table import MEASURES
 from nvcore.schema import Category
 from nvcore.scoring import SystemResult
 from nvcore.subjects import contributed
 from nvcore.tables.column import Column, Kind, measure_column
 from nvcore.tables.columns import VENN_COLUMNS
-from nvcore.tables.driver_keys import DRIVER_ENTRIES
 from nvcore.tables.summary_entry import Entry
 
 _TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
@@ -281,7 +280,6 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
         Column("fusion.x_and_y", Kind.TABLE, "", "What `X and Y` would do; the same keys."),
         lambda result: system_summary(result.fusion, result.fusion.y),
     ),
-    *DRIVER_ENTRIES,
     Entry(
         Column(
             "at_equal_false_alarms",
@@ -311,7 +309,7 @@ def summary_keys() -> tuple[Column, ...]:
 
 
 def summary(result: Result, at_equal: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """All aggregates, ready for JSON; None is undefined. Optional keys only with detectability.
+    """All aggregates, ready for JSON; None is undefined, and keys are left out by `Column.only_if`.
 
     Parameters
     ----------
@@ -322,7 +320,7 @@ def summary(result: Result, at_equal: Mapping[str, Any] | None = None) -> dict[s
         {
             entry.column.name: entry.value(result)
             for entry in entries()
-            if driver_in(result).has_any or not entry.column.is_optional
+            if is_met(entry.column.only_if, result)
         }
     )
     content["at_equal_false_alarms"] = None if at_equal is None else dict(at_equal)
@@ -331,11 +329,11 @@ def summary(result: Result, at_equal: Mapping[str, Any] | None = None) -> dict[s
 
 
 def system_summary(result: Result, system: SystemResult) -> dict[str, Any]:
-    """Aggregates of one system over all recordings; optional ones where detectability is known."""
+    """Aggregates of one system over all recordings, without those left out by `Measure.only_if`."""
     measures = {
         key: measure.of(result, system)
         for key, measure in _OF_SYSTEM.items()
-        if measure.of is not None and (driver_in(result).has_any or not measure.is_optional)
+        if measure.of is not None and is_met(measure.only_if, result)
     }
     return _nest({"name": system.name, "threshold": system.threshold, **measures})
 

@@ -23,33 +23,24 @@ from nvcore.metrics.venn import Venn, categorise, count_categories
 from nvcore.scoring import SystemResult
 from nvcore.time_left.kinds import TimeLeft
 from nvcore.time_left.settings import TIME_LEFT
-from nvcore.time_left.steps import time_left_in, time_left_of
+from nvcore.time_left.steps import (
+    count_time_left,
+    is_in_time,
+    is_of_class,
+    time_left_in,
+    time_left_of,
+)
 
 _NOBODY: Final = "no encounter is urgent"
-
-
-def is_in_time(system: SystemResult) -> np.ndarray:
-    """Urgent encounters that the system confirmed in time; bool, shape (n_encounters,)."""
-    return _is_of_class(system, TimeLeft.IN_TIME)
-
-
-def count_time_left(system: SystemResult, kind: TimeLeft) -> int:
-    """Urgent encounters of a class."""
-    return int(np.count_nonzero(_is_of_class(system, kind)))
-
-
-def _is_of_class(system: SystemResult, kind: TimeLeft) -> np.ndarray:
-    is_kind: np.ndarray = time_left_of(system)["time_left"].to_numpy() == kind.value
-    return is_kind
 
 
 def time_left_by_recording(kind: TimeLeft) -> Callable[[Result, SystemResult], np.ndarray]:
     """Urgent encounters of a class by recording; int64, shape (n_recordings,)."""
 
     def counts(result: Result, system: SystemResult) -> np.ndarray:
-        return per_recording(
-            result, _is_of_class(system, kind), result.encounters.recording
-        ).astype(np.int64)
+        return per_recording(result, is_of_class(system, kind), result.encounters.recording).astype(
+            np.int64
+        )
 
     return counts
 

@@ -21,7 +21,7 @@ from nvcore.time_left.judging import (
     find_urgent,
     measure_contact,
 )
-from nvcore.time_left.kinds import Urgency
+from nvcore.time_left.kinds import TimeLeft, Urgency
 from nvcore.time_left.settings import CONFIRMED, CONTACT, TIME_LEFT, URGENCY
 
 
@@ -70,6 +70,22 @@ def confirmed_by(system: SystemResult) -> pd.DataFrame:
 def time_left_of(system: SystemResult) -> pd.DataFrame:
     """Whether a system was in time (`nvcore.time_left.judging.judge_time_left`)."""
     return cast("Judgement", system.made["time_left"]).time_left
+
+
+def is_in_time(system: SystemResult) -> np.ndarray:
+    """Urgent encounters that the system confirmed in time; bool, shape (n_encounters,)."""
+    return is_of_class(system, TimeLeft.IN_TIME)
+
+
+def count_time_left(system: SystemResult, kind: TimeLeft) -> int:
+    """Urgent encounters of a class."""
+    return int(np.count_nonzero(is_of_class(system, kind)))
+
+
+def is_of_class(system: SystemResult, kind: TimeLeft) -> np.ndarray:
+    """Urgent encounters of a class; bool, shape (n_encounters,)."""
+    is_kind: np.ndarray = time_left_of(system)["time_left"].to_numpy() == kind.value
+    return is_kind
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,8 +14,7 @@ from nvcore.params import Params
 from nvcore.time_left.encounters import systems_in_words
 from nvcore.time_left.judging import needed_time, turning_speeds
 from nvcore.time_left.kinds import TimeLeft, Urgency
-from nvcore.time_left.measures import count_time_left
-from nvcore.time_left.steps import time_left_in
+from nvcore.time_left.steps import count_time_left, time_left_in
 from nvcore.wording import capitalised, count_text, listed
 
 FEW_URGENT: Final = 10

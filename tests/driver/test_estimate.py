@@ -14,6 +14,7 @@ from driver_estimators import CONTRAST, LAB, estimator, origin, regression
 from picture_files import write_picture
 
 from nvcore.comparison import compare
+from nvcore.driver.comparison.texts import describe_source
 from nvcore.driver.estimate import DETECTABILITY_COLUMNS, EstimateRun, run_estimate
 from nvcore.driver.estimators import Estimator, Quality, write_estimator
 from nvcore.driver.face import estimate_driver
@@ -23,7 +24,6 @@ from nvcore.driver.steps import Steps, steps_between_periods
 from nvcore.errors import InputError, ParameterError
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
-from nvcore.report.verdict.driver import describe_source
 
 
 @pytest.fixture

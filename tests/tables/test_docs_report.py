@@ -103,7 +103,7 @@ def shown(column: Column, *, name: str = "") -> str:
         column.better or "–",
         PEDESTRIAN.say(column.meaning),
         PEDESTRIAN.say(column.empty or "never")
-        + "; left out without detectability" * column.is_optional,
+        + (f"; left out {column.only_if.otherwise}" if column.only_if else ""),
     )
     return "| " + " | ".join(cells) + " |\n"
 
@@ -205,11 +205,11 @@ def test_without_detectability_files_are_as_if_there_were_no_driver(tmp_path):
     files = export_files(compare(load(session)), session)
     for file, columns in report_columns().items():
         if file in files:
-            names = [column.name for column in columns if not column.is_optional]
+            names = [column.name for column in columns if not column.only_if]
             assert list(table_of({file: files[file]()}, file)) == names
     content = json.loads(files["summary.json"]())
-    assert flat(content) == [key.name for key in summary_keys() if not key.is_optional]
-    assert flat(content["x"]) == [key.name for key in SYSTEM_KEYS if not key.is_optional]
+    assert flat(content) == [key.name for key in summary_keys() if not key.only_if]
+    assert flat(content["x"]) == [key.name for key in SYSTEM_KEYS if not key.only_if]
 
 
 def test_only_keys_documented_so_are_null(report):

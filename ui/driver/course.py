@@ -8,9 +8,9 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.encounters import detectability_course, features_of_course
+from nvcore.driver.comparison.figures.course import detectability_course_plot
 from nvcore.driver.illumination.clock import AdaptationClock, unknown_clock, with_change
-from nvcore.figures.driver.course import detectability_course_plot
-from nvcore.tables.encounters.driver import detectability_course, features_of_course
 from ui.driver import basis, panel, tunnel
 from ui.session import state
 from ui.session.chosen import chosen_encounter, name_of

@@ -7,13 +7,13 @@ from typing import Final
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.driver.comparison.steps import driver_in
-from nvcore.tables.encounters.driver import (
+from nvcore.driver.comparison.encounters import (
     SIGHT_TEXT,
     SIGHT_WORDS,
     describe_sight,
     driver_sights,
 )
+from nvcore.driver.comparison.steps import driver_in
 from ui.subjects import ColumnLook, EncounterFilter
 from ui.widgets.text import plain
 

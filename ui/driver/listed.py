@@ -9,10 +9,10 @@ import numpy as np
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.encounters import REGION_NAMES, detectability_course
 from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.schema import Category
-from nvcore.tables.encounters.driver import REGION_NAMES, detectability_course
 from nvcore.tables.result import encounters_table
 from nvcore.wording import count_text
 from ui.driver.course import first_shown

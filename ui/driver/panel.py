@@ -50,7 +50,7 @@ def draw(
     Parameters
     ----------
     course
-        Of `nvcore.tables.encounters.driver.detectability_course`.
+        Of `nvcore.driver.comparison.encounters.detectability_course`.
     features, simulated
         Rows as of the course; None: not known, nothing is simulated. Of features with
         ``estimate``, NaN where the run has none of him.

@@ -7,10 +7,10 @@ from typing import Any, Final
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.encounters import REGION_NAMES, driver_venn_table
+from nvcore.driver.comparison.figures.venn import driver_venn_plot
 from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
-from nvcore.figures.driver.venn import driver_venn_plot
-from nvcore.tables.encounters.driver import REGION_NAMES, driver_venn_table
 from ui.session import state
 from ui.widgets.charts import clicked_chart
 from ui.widgets.table_columns import as_shown

@@ -5,8 +5,8 @@ from __future__ import annotations
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.figures.driver.over_threshold import driver_threshold_plot
-from nvcore.tables.encounters.driver import over_driver_threshold
+from nvcore.driver.comparison.encounters import over_driver_threshold
+from nvcore.driver.comparison.figures.over_threshold import driver_threshold_plot
 from ui.session import state
 from ui.widgets.charts import draw_chart
 from ui.widgets.text import docs_link

@@ -9,9 +9,9 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.simulated import describe_change
 from nvcore.errors import NvcoreError
 from nvcore.figures.over_time.similarity import end_of
-from nvcore.report.verdict.simulated import describe_change
 from ui.confined.driver import simulate
 from ui.session import state
 from ui.session.results.driver import OpenedRun, caution_of, clock_of, opened_run

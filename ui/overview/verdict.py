@@ -12,13 +12,13 @@ import streamlit as st
 from streamlit.delta_generator import DeltaGenerator
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.texts import describe_weighting
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import EqualAlarms
 from nvcore.findings import Finding
 from nvcore.report.equal_alarms import equal_alarms_of
 from nvcore.report.tiles import tiles
 from nvcore.report.verdict import verdict
-from nvcore.report.verdict.driver import describe_weighting
 from nvcore.report.words import sampling_note
 from nvcore.wording import count_text
 from ui.jobs.companions import Alternative

@@ -9,23 +9,20 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.operating_points import describe_alarms, is_undecided
 from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS
 from nvcore.findings import Finding
+from nvcore.report.gate.added import RulesOf
 from nvcore.report.gate.measures import (
     COUNTED_ENCOUNTERS,
     COUNTED_FINDINGS,
-    COUNTED_REGIONS,
-    OF_DRIVER,
-    OF_URGENT,
     WORSE,
     members,
 )
 from nvcore.report.gate.outcomes import Outcome
 from nvcore.report.gate.rules import class_in
-from nvcore.report.verdict.driver import describe_doubt, describe_known
 from nvcore.schema import Category
+from nvcore.subjects import contributed
 
 MAX_LISTED: Final = 10
 
@@ -44,19 +41,18 @@ def _details(outcome: Outcome, result: Result, findings: Sequence[Finding]) -> t
             f"{UNEQUAL_POINTS} ({describe_alarms(result)}), from which nothing is claimed: set "
             "thresholds that give equally many",
         )
-    known: tuple[str, ...] = ()
-    if name in OF_DRIVER and driver_in(result).has_any:
-        lines = describe_known(result, of_urgent=name in OF_URGENT), describe_doubt(result)
-        known = tuple(filter(None, lines))
+    of_subjects: tuple[RulesOf, ...] = contributed("rules")
+    known = tuple(line for of in of_subjects for line in of.describe(result, name))
     if outcome.is_passed:
         return known
     counted = name.partition(".")[0] if class_in(name) else name
     if counted in COUNTED_ENCOUNTERS:
         category = COUNTED_ENCOUNTERS[counted]
         return tuple(encounters_of(result, category, members(result, name)))
-    if name in COUNTED_REGIONS:
-        is_counted = np.isin(driver_in(result).region, COUNTED_REGIONS[name])
-        return (*known, *_listed(result, is_counted, is_open=driver_in(result).is_within_sd))
+    for of in of_subjects:
+        if name in of.counted:
+            is_counted, is_open = of.counted[name](result), of.is_open(result)
+            return (*known, *_listed(result, is_counted, is_open=is_open))
     of_audit = (
         f"{finding.subject}: {finding.message}"
         for finding in findings

@@ -14,16 +14,14 @@ from nvcore.arguments.plan import Side
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import detection_curve
-from nvcore.driver.comparison.kinds import DriverRegion
-from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.companions import find_companions
 from nvcore.evidence.operating_points import is_undecided
 from nvcore.evidence.planning import PLAN_KEYS, judge_key, worse_at_most
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
 from nvcore.findings import Finding, Severity
-from nvcore.measures.driver_doubt import doubt_of, doubt_of_seen
-from nvcore.measures.table import MEASURES, applies_to, measure_of
+from nvcore.measures.entry import is_met
+from nvcore.measures.table import MEASURES, applies_to, doubt_of, measure_of
 from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.venn import Venn, count_categories
 from nvcore.protocols import Protocol
@@ -31,6 +29,7 @@ from nvcore.report.gate.rules import OF_CLASSES, class_in
 from nvcore.report.plan import evidence_of
 from nvcore.report.verdict import verdict
 from nvcore.schema import Category
+from nvcore.subjects import contributed
 from nvcore.tables.column import Column, Kind
 from nvcore.tables.summary import SYSTEM_KEYS, summary, summary_keys, system_summary
 
@@ -53,12 +52,6 @@ COUNTED_ENCOUNTERS: Final = {
     "venn.neither": Category.NEITHER,
 }
 """Measures that count encounters; a failed rule lists them."""
-COUNTED_REGIONS: Final = {
-    **{f"driver_venn.{region.value}": (region,) for region in DriverRegion},
-    "unprotected_x": (DriverRegion.Y, DriverRegion.NOBODY),
-    "unprotected_y": (DriverRegion.X, DriverRegion.NOBODY),
-}
-"""The same of those that the driver's view counts among."""
 COUNTED_FINDINGS: Final = {"audit_errors": Severity.ERROR, "audit_warnings": Severity.WARNING}
 """Measures that count findings of the audit; a failed rule lists them, too."""
 COUNTED_CLAIMS: Final = {"claims_x": "x", "claims_y": "y"}
@@ -89,29 +82,24 @@ def _with_endings(names: Iterable[str]) -> list[str]:
     return [f"{name}_{end}" for name in names for end in ("x", "y", "difference")]
 
 
-_OF_SYSTEM: Final = [column.name for column in SYSTEM_KEYS if column.is_optional]
-OF_DRIVER: Final = frozenset(
-    {
-        *_with_endings(_OF_SYSTEM),
-        *(name for name, (key, _) in WORSE.items() if measure_of(key).is_optional),
-        *(column.name for column in summary_keys() if column.is_optional),
-        *(f"fusion.{kind}.{name}" for kind in ("x_or_y", "x_and_y") for name in _OF_SYSTEM),
-    }
-)
-"""Measures of the driver's own view: of the encounters of which it is known."""
-OF_URGENT: Final = frozenset(
-    name
-    for name in OF_DRIVER
-    if name in ("driver.urgent", "driver.in_time", "driver.too_late") or "in_time_alone" in name
-)
-"""Those of them that count urgent encounters alone."""
-OF_ANY_ESTIMATOR: Final = frozenset(
-    {
-        f"driver_venn.{DriverRegion.UNKNOWN}",
-        *("driver.urgent", "driver.boxes_without_detectability"),
-    }
-)
-"""Those of them that are as good with an estimator that learned nothing."""
+CONDITIONS: Final = {
+    **{
+        name: column.only_if
+        for column in SYSTEM_KEYS
+        for name in (
+            *_with_endings([column.name]),
+            *(f"fusion.{kind}.{column.name}" for kind in ("x_or_y", "x_and_y")),
+        )
+        if column.only_if is not None
+    },
+    **{column.name: column.only_if for column in summary_keys() if column.only_if is not None},
+    **{
+        name: measure_of(key).only_if
+        for name, (key, _) in WORSE.items()
+        if measure_of(key).only_if is not None
+    },
+}
+"""On which comparisons these names are listed; all others are always."""
 
 
 def measure_names() -> list[str]:
@@ -121,10 +109,8 @@ def measure_names() -> list[str]:
 
 
 def listed_names(result: Result, values: Mapping[str, float]) -> list[str]:
-    """Names of these measures, sorted; those of the driver only where detectability is known."""
-    if driver_in(result).has_any:
-        return sorted(values)
-    return sorted(values.keys() - OF_DRIVER)
+    """Names of these measures, sorted; without those whose condition is not met (`CONDITIONS`)."""
+    return sorted(name for name in values if is_met(CONDITIONS.get(name), result))
 
 
 def gate_measures(
@@ -136,8 +122,7 @@ def gate_measures(
     way round: X is the release in use, Y the candidate. ``mean_similarity_worse_y`` and the like
     are the ends of 95 % intervals against a system (`nvcore.evidence.planning.worse_at_most`),
     undefined where X and Y are set to different operating points: as in the verdict, nothing is
-    claimed from these. What the driver sees is undefined by an estimator that is no better than a
-    constant.
+    claimed from these. So are those that subjects say no rule can rest on.
 
     Parameters
     ----------
@@ -169,8 +154,8 @@ def gate_measures(
         values |= _count_claims(result, findings, evidence)
     values |= _may_be_worse(result, protocol, needed, evidence)
     values |= _of_classes(result, needed)
-    if doubt_of_seen(result):
-        values |= dict.fromkeys(values.keys() & OF_DRIVER - OF_ANY_ESTIMATOR, math.nan)
+    for of in contributed("rules"):
+        values |= dict.fromkeys(values.keys() & of.undefined(result), math.nan)
     count = Counter(finding.severity for finding in findings)
     venn = result.venn
     return values | {

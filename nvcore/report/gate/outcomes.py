@@ -24,8 +24,8 @@ class Outcome:
         Of the measure; NaN undefined: the rule fails unless it allows this.
     details
         What a failed rule counts: encounters or findings, one line each, named as in the inputs; or
-        why the measure is undefined at unequal operating points. Before these, of how many
-        encounters the driver's view is known, if the rule is about it.
+        why the measure is undefined at unequal operating points. Before these,
+        what subjects say of the measure.
     """
 
     rule: Rule

@@ -13,11 +13,11 @@ from nvcore.report.gate.measures import (
     COUNTED_CLAIMS,
     COUNTED_ENCOUNTERS,
     COUNTED_FINDINGS,
-    COUNTED_REGIONS,
 )
 from nvcore.report.gate.outcomes import Outcome, value_text
 from nvcore.report.gate.rules import Rule
 from nvcore.report.terminal import render_findings
+from nvcore.subjects import contributed
 from nvcore.wording import markdown_text, one_line
 
 JUNIT_HEAD: Final = b"<?xml version='1.0' encoding='utf-8'?>\n<testsuites name=\"nvcore gate\""
@@ -30,7 +30,8 @@ def _stem(name: str) -> str:
 
 
 _BLIND_TO_ALARMS: Final = {
-    *map(_stem, (*COUNTED_ENCOUNTERS, *COUNTED_REGIONS, "exclusivity", "boxes", "lead_time_s")),
+    *map(_stem, (*COUNTED_ENCOUNTERS, "exclusivity", "boxes", "lead_time_s")),
+    *(_stem(name) for of in contributed("rules") for name in of.counted),
     *(_stem(one.rule or one.key) for one in MEASURES if not one.is_worsened_by_alarms),
 }
 """Stems of measures that false alarms do not worsen."""

@@ -9,7 +9,6 @@ from itertools import chain
 from nvcore import __version__
 from nvcore.arguments.report import Inscription
 from nvcore.comparison import Result
-from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.companions import find_companions
 from nvcore.evidence.operating_points import as_set_note
 from nvcore.evidence.subgroup_table import subgroup_table
@@ -23,7 +22,6 @@ from nvcore.report.html import words
 from nvcore.report.html.blocks import Section, Sentences
 from nvcore.report.html.classes_section import classes_section
 from nvcore.report.html.cover import Cover, cover_of
-from nvcore.report.html.driver_section import driver_section
 from nvcore.report.html.encounter_sections import encounters_section, only_one_section
 from nvcore.report.html.evidence_sections import (
     detection_section,
@@ -59,8 +57,7 @@ CAUTION = {
 """First sentences of these sections, by their anchors."""
 
 AS_SET_SECTIONS = (
-    *("scorecard", "encounters", "driver", "similarity", "saliency"),
-    "false-alerts",
+    *("scorecard", "encounters", "similarity", "saliency", "false-alerts"),
     *("significance", "subgroups", "only-one"),
 )
 """Sections with numbers of X and Y as set, by their anchors; those of subjects are, too."""
@@ -125,7 +122,6 @@ def report_content(
         scorecard_section(result, companions),
         encounters_section(result),
         *(of.make(result) for of in chain(*contributed("sections")) if of.applies(result)),
-        *([driver_section(result)] if driver_in(result).has_any else []),
         similarity_section(result),
         saliency_section(result),
         false_alerts_section(result),

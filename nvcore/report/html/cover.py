@@ -4,25 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Final
 
 import pandas as pd
 
 from nvcore.arguments.report import Inscription
 from nvcore.comparison import Result
-from nvcore.driver.comparison.steps import driver_in
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import are_unequal, describe_alarms
 from nvcore.evidence.units import MIN_RECORDINGS
-from nvcore.measures.driver_doubt import is_stated
 from nvcore.measures.table import count_recordings
 from nvcore.report.equal_alarms import equal_alarms_of
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Photo
 from nvcore.report.tiles import Tile, tiles
 from nvcore.report.verdict import Verdict
-from nvcore.report.verdict.driver import describe_doubt, describe_weighting
 from nvcore.report.words import n_frames_text, sampling_note
+from nvcore.subjects import contributed
 from nvcore.wording import count_text, duration_text
 
 N_PHOTOS: Final = 2
@@ -110,18 +109,6 @@ def _operating_points(result: Result) -> str:
     return f"As set, {describe_alarms(result)}: nothing is claimed from that comparison."
 
 
-def _estimated(result: Result) -> str:
-    """Why what is said of the driver is to be doubted; empty: nothing is known, or nothing said."""
-    estimate = result.dataset.estimate
-    if not driver_in(result).has_any or estimate is None or is_stated(result):
-        return ""
-    if not estimate.caution:
-        return ""
-    return result.objects.say(
-        "{What} the driver sees is estimated: {caution}.", caution=estimate.caution
-    )
-
-
 def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
     n = count_recordings(result)
     few = (
@@ -140,8 +127,7 @@ def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
                 conclusion.caveat,
                 _operating_points(result),
                 result.objects.say(words.SHORT_ENCOUNTERS) if result.is_short else "",
-                describe_doubt(result) or _estimated(result),
-                " ".join(describe_weighting(result)),
+                *chain.from_iterable(remarks.limits(result) for remarks in contributed("remarks")),
                 few,
                 *points,
                 sampling_note(result.dataset.frame_columns),

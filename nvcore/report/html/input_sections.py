@@ -10,7 +10,6 @@ import pandas as pd
 
 from nvcore import __version__
 from nvcore.comparison import Result
-from nvcore.dataset import Dataset
 from nvcore.evidence.bootstrap import N_RESAMPLES, SEED
 from nvcore.evidence.units import MIN_RECORDINGS
 from nvcore.findings import Finding
@@ -23,7 +22,8 @@ from nvcore.metrics.proximity import in_use
 from nvcore.params import SETTINGS
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Block, Section, Sentences, Table, table
-from nvcore.tables.inputs import driver_view_table, inputs_table, left_out_table
+from nvcore.subjects import contributed
+from nvcore.tables.inputs import inputs_table, left_out_table
 from nvcore.wording import UNDEFINED, capitalised, count_text, number
 
 NOT_SET: Final = "not set"
@@ -162,10 +162,11 @@ def _recordings(result: Result) -> Table:
         "Horizon (px)",
         "Tags",
     )
-    views = _driver_views(dataset)
-    if any(views):
-        head = (*head, "Driver's view")
-        rows = [(*row, view or UNDEFINED) for row, view in zip(rows, views, strict=True)]
+    for title, texts_of in (remarks.recordings for remarks in contributed("remarks")):
+        texts = texts_of(dataset)
+        if any(texts):
+            head = (*head, title)
+            rows = [(*row, text or UNDEFINED) for row, text in zip(rows, texts, strict=True)]
     return table("Recordings", head, rows, right=range(1, 7))
 
 
@@ -181,21 +182,6 @@ def _pictures(pictures: pd.DataFrame) -> Table:
     ]
     head = ("Recording", "Pictures", "First frame", "Middle frame", "Last frame", "Without")
     return table("Which picture shows which frame", head, rows, right=(5,), most=MOST_FILES)
-
-
-def _driver_views(dataset: Dataset) -> list[str]:
-    """What is known of the driver's view of each recording, in words; empty: nothing."""
-    words_of = {
-        "has_visible": "pictures of visible light",
-        "is_metered": "light meter",
-        "has_gaze": "gaze",
-    }
-    views = driver_view_table(dataset)
-    views["is_metered"] = views["light_by"] == "meter"
-    return [
-        capitalised(", ".join(text for name, text in words_of.items() if row[name]))
-        for row in views.to_dict("records")
-    ]
 
 
 def parameters_section(result: Result) -> Section:

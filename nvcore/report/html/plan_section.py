@@ -20,8 +20,7 @@ from nvcore.evidence.planning.words import (
     UNEQUAL,
 )
 from nvcore.evidence.units import RECORDINGS
-from nvcore.measures.driver_doubt import doubt_of
-from nvcore.measures.table import evidence_form, measure_of, repeated_by
+from nvcore.measures.table import doubt_of, evidence_form, measure_of, repeated_by
 from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
 from nvcore.report.html import words

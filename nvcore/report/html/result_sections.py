@@ -21,12 +21,12 @@ from nvcore.report.html import words
 from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table, table
 from nvcore.report.html.input_sections import span_in_use
 from nvcore.report.terminal import SHORT_ROWS
-from nvcore.report.verdict.driver import weighting
 from nvcore.report.words import (
     describe_saliency,
     score_cells,
     scorecard_cells,
 )
+from nvcore.subjects import contributed
 from nvcore.tables.influence import lead_text
 from nvcore.tables.loss_strip import loss_strip
 from nvcore.tables.result import (
@@ -64,9 +64,9 @@ def scorecard_section(result: Result, companions: Companions) -> Section:
         ).strip()
         rows = scorecard_cells(equal, indent=PART, mark=_mark(equal))
         blocks.append(table(alike.title, MEASURES_HEAD, rows, right=(1, 2, 3), note=note))
-    note = weighting(result)
-    notes = [Sentences((note,))] if note else []
-    return Section("scorecard", "Scorecard", words.scorecard(result.params), (*notes, *blocks))
+    notes = tuple(filter(None, (remarks.note(result) for remarks in contributed("remarks"))))
+    remarked = [Sentences(notes)] if notes else []
+    return Section("scorecard", "Scorecard", words.scorecard(result.params), (*remarked, *blocks))
 
 
 def _mark(result: Result) -> str:

@@ -15,7 +15,6 @@ from nvcore.evidence.claims import Basis, Claim, find_claims
 from nvcore.evidence.companions import Companions
 from nvcore.findings import Caveats, Finding, Severity
 from nvcore.report.shown import comparison_shown
-from nvcore.report.verdict.driver import describe_driver, describe_weighting
 from nvcore.report.verdict.headline import headline
 from nvcore.report.verdict.words import (
     describe_chance,
@@ -192,9 +191,9 @@ def verdict(
 
     Where X and Y are set to different operating points the headline says so, and the points are
     about both at equal false alarms, if a threshold gives these. They tell who detects more
-    encounters, what the failures weigh, who leaves time to stop, who warns of whom the driver does
-    not see, who is better in the other measures, which of the differences are more than chance,
-    where strict pairing disagrees, and how many recordings would show more. X and Y are called
+    encounters, what the failures weigh, what subjects add, who is better in the other measures,
+    which of the differences are more than chance, where strict pairing disagrees, and how many
+    recordings would show more. X and Y are called
     ``X`` and ``Y``; the worst failure is named by its recording and track.
 
     Parameters
@@ -234,10 +233,8 @@ def verdict(
     points = in_place(
         (
             Point("Operating points", describe_operating_points(result, companions)),
-            Point("Weighting", describe_weighting(shown)),
             Point("Encounters", describe_encounters(shown, of_shown, support)),
             Point("Severity", describe_weights(shown)),
-            Point("The driver", describe_driver(shown)),
             Point("Other measures", describe_measures(shown, of_shown)),
             Point("Chance", describe_chance(result, of_shown, support)),
             Point(

@@ -15,9 +15,9 @@ from nvcore.evidence.operating_points import are_unequal, has_scores
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS
 from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
-from nvcore.measures.driver_doubt import is_weighted
 from nvcore.measures.table import count_recordings, evidence_form, inference_of, measure_of
 from nvcore.report.verdict.words import shown_value
+from nvcore.subjects import contributed
 from nvcore.wording import capitalised, count_text, listed, p_text
 
 
@@ -70,7 +70,7 @@ def _conclusion(
             return f"nothing is claimed: {why}"
         where = "this recording" if n == 1 else f"these {n} recordings"
         better = _better_text(result, within, evidence, n_with_values=len(within))
-        better += _weighting(result, within)
+        better += _remarks(result, within)
         return f"within {where} {better}; nothing is claimed of others: {why}"
     tested = evidence[np.isfinite(evidence["p_holm"])]
     if tested.empty:
@@ -93,16 +93,13 @@ def _claimed(result: Result, claims: Sequence[Claim], evidence: pd.DataFrame) ->
     ranked = sorted(claims, key=lambda claim: claim.p)  # those alike in the table's order
     by = count_text(max(claim.n for claim in claims), "recording")
     better = _better_text(result, ranked, evidence, n_with_values=1)
-    return f"{better}: more than chance, by {by}{_weighting(result, claims)}."
+    return f"{better}: more than chance, by {by}{_remarks(result, claims)}."
 
 
-def _weighting(result: Result, claims: Sequence[Claim]) -> str:
-    """That claims are of measures weighted by what the driver does not see; empty: none is."""
-    if not is_weighted(result):
-        return ""
-    if not any(measure_of(claim.key).depends_on("driver_weighting") for claim in claims):
-        return ""
-    return " (similarity, saliency and severity weighted by 1 - detectability)"
+def _remarks(result: Result, claims: Sequence[Claim]) -> str:
+    """What subjects say of claims about these measures; empty: nothing."""
+    measures = [measure_of(claim.key) for claim in claims]
+    return "".join(remarks.of_claims(result, measures) for remarks in contributed("remarks"))
 
 
 def _better_text(

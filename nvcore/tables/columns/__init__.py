@@ -181,32 +181,10 @@ _RECORDINGS = (
         "Speed of the car.",
         empty="not stated: the parameter `speed_kmh` is assumed",
     ),
-    Column(
-        "has_visible",
-        Kind.TRUTH_VALUE,
-        "",
-        "Whether the session names pictures of visible light, by `visible`.",
-    ),
-    Column(
-        "light_by",
-        _TEXT,
-        "",
-        "What tells the light: `meter`, a light meter's file, or `picture`, the mean luminance of "
-        "those pictures.",
-        empty="the session names neither",
-    ),
-    Column("has_gaze", Kind.TRUTH_VALUE, "", "Whether a file says where the driver looked."),
     Column("n_frames", _INTEGER, "frames", "Evaluated frames."),
     Column("duration_s", _NUMBER, "s", "Sum of their time steps."),
     Column("n_truth", _INTEGER, "boxes", "Annotated {many}, ignore regions left out."),
     *VENN_COLUMNS,
-    Column(
-        "driver_known",
-        _INTEGER,
-        "encounters",
-        "Encounters that count of which it is known whether the driver sees them.",
-        is_optional=True,
-    ),
     *of_both(
         *(
             _measure_by_recording(measure)

@@ -10,107 +10,7 @@ _TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
 _SHARE: Final = "0 to 1"
 
 _DISTANT = "too far to count"
-_NOT_URGENT = "`urgency` is not `urgent`"
 _UNMATCHED = "too far to count, or matched in no frame that counts"
-
-_UNKNOWN = "too far to count, or known in no frame up to then"
-
-_DRIVER: Final = (
-    Column(
-        "detectability",
-        _NUMBER,
-        _SHARE,
-        "Largest detectability up to the first frame that counts: the share of drivers who would "
-        "see the {one} by themselves.",
-        empty=_UNKNOWN,
-        is_optional=True,
-    ),
-    Column(
-        "detectability_sd",
-        _NUMBER,
-        _SHARE,
-        "Standard deviation of that estimate.",
-        empty=f"{_UNKNOWN}, or not given",
-        is_optional=True,
-    ),
-    Column(
-        "detectability_frames",
-        _INTEGER,
-        "frames",
-        "Frames up to the first that counts in which detectability is known.",
-        is_optional=True,
-    ),
-    Column(
-        "outside_training",
-        Kind.TRUTH_VALUE,
-        "",
-        "Whether what decides was estimated outside the range of the training: `detectability`, "
-        "which is of one frame, and where it is below `driver_threshold` that of any frame up to "
-        "the first that counts. `outside_features` in the file of estimates says by which feature.",
-        empty=_UNKNOWN,
-        is_optional=True,
-    ),
-    Column(
-        "adapted_eyes",
-        Kind.TRUTH_VALUE,
-        "",
-        "Whether `detectability` was estimated for adapted eyes, since no change from bright to "
-        "dark is known before: in bright light it says little.",
-        empty=_UNKNOWN,
-        is_optional=True,
-    ),
-    Column(
-        "within_sd",
-        Kind.TRUTH_VALUE,
-        "",
-        "Whether `detectability` is no further than `detectability_sd` from the parameter "
-        "`driver_threshold`: whether the driver sees the {one} is open then.",
-        empty=f"{_UNKNOWN}, or no standard deviation is given",
-        is_optional=True,
-    ),
-    Column(
-        "driver_sees",
-        Kind.TRUTH_VALUE,
-        "",
-        "Whether the driver sees the {one} unaided: detectability reaches the parameter "
-        "`driver_threshold` in a frame up to the first that counts.",
-        empty=_UNKNOWN,
-        is_optional=True,
-    ),
-    Column(
-        "driver_seen_frames",
-        _INTEGER,
-        "frames",
-        "In how many frames up to the first that counts it does: one is enough.",
-        empty=_UNKNOWN,
-        is_optional=True,
-    ),
-    Column(
-        "driver_frame",
-        _INTEGER,
-        "",
-        "The first such frame: when the driver confirms.",
-        empty="the driver does not see the {one}, or it is unknown",
-        is_optional=True,
-    ),
-    Column(
-        "driver_in_time",
-        Kind.TRUTH_VALUE,
-        "",
-        "Whether detectability reaches `driver_threshold` in a frame before `urgent_frame`, also "
-        "where that is after the first that counts, so that `driver_frame` is empty.",
-        empty=f"{_NOT_URGENT}, or it is unknown whether the driver sees the {{one}}",
-        is_optional=True,
-    ),
-    Column(
-        "driver_region",
-        _TEXT,
-        "",
-        "Who sees the {one}, of driver, X and Y: `driver_x_y`, `driver_x`, `driver_y`, "
-        "`driver`, `x_y`, `x`, `y`, `nobody`, `unknown`, `distant`.",
-        is_optional=True,
-    ),
-)
 
 ENCOUNTER_COLUMNS: Final[tuple[Column, ...]] = (
     RECORDING,
@@ -191,7 +91,6 @@ ENCOUNTER_COLUMNS: Final[tuple[Column, ...]] = (
             _DISTANT,
         ),
     ),
-    *_DRIVER,
     Column(
         "lead_time_s",
         _NUMBER,

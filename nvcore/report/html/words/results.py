@@ -125,24 +125,6 @@ def classes() -> Intro:
     )
 
 
-def driver(params: Params) -> Intro:
-    """Introduction of the driver."""
-    return Intro(
-        what="{What} the driver sees unaided, and which system warns of the others.",
-        how="Detectability is the share of drivers who would see the {one} of a frame by "
-        f"themselves. The driver sees an encounter if it is at least {params.driver_threshold:g} "
-        "in a frame up to the first in which the {one} counts; that frame confirms. A useful "
-        "alert is an encounter that a system detects and the driver does not see, a redundant one "
-        "the driver sees anyway, an unprotected one neither sees. Encounters in which "
-        "detectability is unknown until then are counted apart. In time is the driver who sees the "
-        "{one}, early or late, before the car can no longer stop.",
-        best="Many useful alerts, no encounter unprotected.",
-        limits="It rests on the detectability that was given: an estimate speaks of people like "
-        "those from whose answers it was learnt, who looked for {a_one}. Where "
-        "this driver looked is not known, nor whether a warning would have been heeded.",
-    )
-
-
 def similarity(params: Params, midpoint: str, spread: str) -> Intro:
     """Introduction of similarity.
 

@@ -32,7 +32,7 @@ def describe_change(
     Parameters
     ----------
     course
-        Of `nvcore.tables.encounters.driver.detectability_course`.
+        Of `nvcore.driver.comparison.encounters.detectability_course`.
     simulated
         The same rows by `nvcore.driver.simulation.simulate_change`.
     threshold

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from nvcore.comparison import Result
+from nvcore.driver.comparison.encounters import driver_venn_table, saved_encounters
 from nvcore.driver.comparison.kinds import DriverRegion
-from nvcore.report.html import words
-from nvcore.report.html.blocks import Section, Sentences, Table, table
-from nvcore.report.verdict.driver import describe_driver
-from nvcore.tables.encounters.driver import driver_venn_table, saved_encounters
+from nvcore.driver.comparison.steps import driver_in
+from nvcore.driver.comparison.texts import describe_driver
+from nvcore.params import Params
+from nvcore.report.html.blocks import Intro, Section, SectionOf, Sentences, Table, table
 from nvcore.wording import number
 
 
@@ -17,7 +20,24 @@ def driver_section(result: Result) -> Section:
     saved = _saved(result)
     if saved.rows:
         blocks.append(saved)
-    return Section("driver", "The driver", words.driver(result.params), tuple(blocks))
+    return Section("driver", "The driver", _introduction(result.params), tuple(blocks))
+
+
+def _introduction(params: Params) -> Intro:
+    return Intro(
+        what="{What} the driver sees unaided, and which system warns of the others.",
+        how="Detectability is the share of drivers who would see the {one} of a frame by "
+        f"themselves. The driver sees an encounter if it is at least {params.driver_threshold:g} "
+        "in a frame up to the first in which the {one} counts; that frame confirms. A useful "
+        "alert is an encounter that a system detects and the driver does not see, a redundant one "
+        "the driver sees anyway, an unprotected one neither sees. Encounters in which "
+        "detectability is unknown until then are counted apart. In time is the driver who sees the "
+        "{one}, early or late, before the car can no longer stop.",
+        best="Many useful alerts, no encounter unprotected.",
+        limits="It rests on the detectability that was given: an estimate speaks of people like "
+        "those from whose answers it was learnt, who looked for {a_one}. Where "
+        "this driver looked is not known, nor whether a warning would have been heeded.",
+    )
 
 
 def _regions(result: Result) -> Table:
@@ -54,3 +74,9 @@ def _saved(result: Result) -> Table:
     )
     title = "Urgent encounters in time by one system alone, by neither driver nor the other"
     return table(title, head, rows, right=(3, 4, 5, 6))
+
+
+SECTIONS: Final = (
+    SectionOf("driver", driver_section, applies=lambda result: driver_in(result).has_any),
+)
+"""Sections of the HTML report."""

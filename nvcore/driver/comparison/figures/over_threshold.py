@@ -41,7 +41,7 @@ def driver_threshold_plot(
     Parameters
     ----------
     counts
-        Of `nvcore.tables.encounters.driver.over_driver_threshold`.
+        Of `nvcore.driver.comparison.encounters.over_driver_threshold`.
     names
         Names of X and Y.
     threshold

@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from nvcore.driver.comparison.simulated import NOBODY_THERE, describe_change
 from nvcore.driver.illumination.clock import period_after
 from nvcore.objects import PEDESTRIAN
-from nvcore.report.verdict.simulated import NOBODY_THERE, describe_change
 
 NAN = np.nan
 

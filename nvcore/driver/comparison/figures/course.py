@@ -57,7 +57,7 @@ def detectability_course_plot(
     Parameters
     ----------
     course
-        Of `nvcore.tables.encounters.driver.detectability_course`.
+        Of `nvcore.driver.comparison.encounters.detectability_course`.
     threshold
         From which the driver is taken to see him, 0..1.
     clock

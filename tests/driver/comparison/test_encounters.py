@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 
 from nvcore.comparison import Result, compare
 from nvcore.dataset.estimates import EstimateRecord
-from nvcore.driver.comparison.steps import driver_in
-from nvcore.tables.encounters.driver import (
+from nvcore.driver.comparison.encounters import (
     DRIVER_THRESHOLDS,
     describe_sight,
     driver_sights,
     over_driver_threshold,
 )
+from nvcore.driver.comparison.steps import driver_in
 
 TRACKS = "abcdefgh"
 

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.settings import DRIVER
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.measures.entry import Measure
 from nvcore.wording import count_text
@@ -90,7 +91,7 @@ def _doubt_of_range(result: Result) -> str:
 
 def doubt_of(result: Result, measure: Measure) -> str:
     """Why no claim can rest on a measure, nor a value be the better one; empty: no reason."""
-    if measure.is_optional:
+    if DRIVER in measure.stages:
         return doubt_of_seen(result)
     if measure.depends_on("driver_weighting") and is_weighted(result):
         return doubt_of_estimator(result)

@@ -7,10 +7,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.driver.comparison.judging import SELDOM, count_unknown
-from nvcore.driver.comparison.kinds import DriverRegion
-from nvcore.driver.comparison.steps import driver_in
-from nvcore.measures.driver_doubt import (
+from nvcore.driver.comparison.doubts import (
     are_all_open,
     count_origins,
     doubt_of_estimator,
@@ -18,8 +15,11 @@ from nvcore.measures.driver_doubt import (
     is_stated,
     is_weighted,
 )
-from nvcore.measures.of_driver import count_in_time, is_judged_in_time, is_seen_too_late
-from nvcore.tables.encounters.driver import REGION_NAMES
+from nvcore.driver.comparison.encounters import REGION_NAMES
+from nvcore.driver.comparison.in_time import count_in_time, is_judged_in_time, is_seen_too_late
+from nvcore.driver.comparison.judging import SELDOM, count_unknown
+from nvcore.driver.comparison.kinds import DriverRegion
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.time_left.steps import time_left_in
 from nvcore.wording import capitalised, count_text, listed, one_line, percent, shortened
 

@@ -14,20 +14,16 @@ from builders import NAN, Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result, compare
 from nvcore.dataset.estimates import EstimateRecord
+from nvcore.driver.comparison.encounters import (
+    detectability_course,
+    driver_venn_table,
+    features_of_course,
+    saved_encounters,
+)
 from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
+from nvcore.driver.comparison.section import driver_section
 from nvcore.driver.comparison.steps import driver_in
-from nvcore.evidence.measures import significance_table
-from nvcore.measures.table import MEASURES
-from nvcore.objects import PEDESTRIAN, objects_from
-from nvcore.params import Params
-from nvcore.report.gate import run_gate
-from nvcore.report.gate.measures import gate_measures, listed_names, measure_names
-from nvcore.report.gate.rules import parse_rule
-from nvcore.report.html.driver_section import driver_section
-from nvcore.report.terminal import render_scorecard
-from nvcore.report.tiles import tiles
-from nvcore.report.verdict import verdict
-from nvcore.report.verdict.driver import (
+from nvcore.driver.comparison.texts import (
     NOTHING_KNOWN,
     describe_basis,
     describe_doubt,
@@ -37,12 +33,16 @@ from nvcore.report.verdict.driver import (
     regions_text,
     weighting,
 )
-from nvcore.tables.encounters.driver import (
-    detectability_course,
-    driver_venn_table,
-    features_of_course,
-    saved_encounters,
-)
+from nvcore.evidence.measures import significance_table
+from nvcore.measures.table import MEASURES
+from nvcore.objects import PEDESTRIAN, objects_from
+from nvcore.params import Params
+from nvcore.report.gate import run_gate
+from nvcore.report.gate.measures import gate_measures, listed_names, measure_names
+from nvcore.report.gate.rules import parse_rule
+from nvcore.report.terminal import render_scorecard
+from nvcore.report.tiles import tiles
+from nvcore.report.verdict import verdict
 from nvcore.tables.result import encounters_table, recordings_table
 from nvcore.tables.scorecard import score_rows
 from nvcore.tables.summary import summary

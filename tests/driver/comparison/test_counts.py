@@ -5,7 +5,7 @@ from __future__ import annotations
 from approach import approach, only
 from builders import NAN, Place, at, make_dataset, result_of
 
-from nvcore.report.verdict.driver import describe_counts, describe_driver
+from nvcore.driver.comparison.texts import describe_counts, describe_driver
 
 
 def test_each_encounter_and_each_urgent_one_is_in_one_part():

@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.in_time import is_in_time_alone
 from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
 from nvcore.driver.comparison.steps import driver_in
-from nvcore.measures.of_driver import is_in_time_alone
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.tables.result import encounters_table
 

@@ -1,0 +1,296 @@
+"""What the driver adds to the CSV files of a report and to ``summary.json``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+
+from nvcore.comparison import Result
+from nvcore.dataset import Dataset
+from nvcore.driver.comparison.in_time import (
+    is_driver_in_time,
+    is_judged_in_time,
+    is_seen_too_late,
+)
+from nvcore.driver.comparison.judging import count_unknown
+from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
+from nvcore.driver.comparison.measures import KNOWN
+from nvcore.driver.comparison.steps import driver_in
+from nvcore.inputs.session import RecordingEntry, Session
+from nvcore.measures.values import per_recording
+from nvcore.schema import integers_of
+from nvcore.tables.added import Columns
+from nvcore.tables.column import Column, Kind
+from nvcore.tables.result import frame_numbers, truth_values
+from nvcore.tables.summary_entry import Entry
+
+_TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
+_SHARE: Final = "0 to 1"
+_NOT_URGENT: Final = "`urgency` is not `urgent`"
+_UNKNOWN: Final = "too far to count, or known in no frame up to then"
+
+_ENCOUNTERS: Final = (
+    Column(
+        "detectability",
+        _NUMBER,
+        _SHARE,
+        "Largest detectability up to the first frame that counts: the share of drivers who would "
+        "see the {one} by themselves.",
+        empty=_UNKNOWN,
+    ),
+    Column(
+        "detectability_sd",
+        _NUMBER,
+        _SHARE,
+        "Standard deviation of that estimate.",
+        empty=f"{_UNKNOWN}, or not given",
+    ),
+    Column(
+        "detectability_frames",
+        _INTEGER,
+        "frames",
+        "Frames up to the first that counts in which detectability is known.",
+    ),
+    Column(
+        "outside_training",
+        Kind.TRUTH_VALUE,
+        "",
+        "Whether what decides was estimated outside the range of the training: `detectability`, "
+        "which is of one frame, and where it is below `driver_threshold` that of any frame up to "
+        "the first that counts. `outside_features` in the file of estimates says by which feature.",
+        empty=_UNKNOWN,
+    ),
+    Column(
+        "adapted_eyes",
+        Kind.TRUTH_VALUE,
+        "",
+        "Whether `detectability` was estimated for adapted eyes, since no change from bright to "
+        "dark is known before: in bright light it says little.",
+        empty=_UNKNOWN,
+    ),
+    Column(
+        "within_sd",
+        Kind.TRUTH_VALUE,
+        "",
+        "Whether `detectability` is no further than `detectability_sd` from the parameter "
+        "`driver_threshold`: whether the driver sees the {one} is open then.",
+        empty=f"{_UNKNOWN}, or no standard deviation is given",
+    ),
+    Column(
+        "driver_sees",
+        Kind.TRUTH_VALUE,
+        "",
+        "Whether the driver sees the {one} unaided: detectability reaches the parameter "
+        "`driver_threshold` in a frame up to the first that counts.",
+        empty=_UNKNOWN,
+    ),
+    Column(
+        "driver_seen_frames",
+        _INTEGER,
+        "frames",
+        "In how many frames up to the first that counts it does: one is enough.",
+        empty=_UNKNOWN,
+    ),
+    Column(
+        "driver_frame",
+        _INTEGER,
+        "",
+        "The first such frame: when the driver confirms.",
+        empty="the driver does not see the {one}, or it is unknown",
+    ),
+    Column(
+        "driver_in_time",
+        Kind.TRUTH_VALUE,
+        "",
+        "Whether detectability reaches `driver_threshold` in a frame before `urgent_frame`, also "
+        "where that is after the first that counts, so that `driver_frame` is empty.",
+        empty=f"{_NOT_URGENT}, or it is unknown whether the driver sees the {{one}}",
+    ),
+    Column(
+        "driver_region",
+        _TEXT,
+        "",
+        "Who sees the {one}, of driver, X and Y: `driver_x_y`, `driver_x`, `driver_y`, "
+        "`driver`, `x_y`, `x`, `y`, `nobody`, `unknown`, `distant`.",
+    ),
+)
+
+_VIEWS: Final = (
+    Column(
+        "has_visible",
+        Kind.TRUTH_VALUE,
+        "",
+        "Whether the session names pictures of visible light, by `visible`.",
+    ),
+    Column(
+        "light_by",
+        _TEXT,
+        "",
+        "What tells the light: `meter`, a light meter's file, or `picture`, the mean luminance of "
+        "those pictures.",
+        empty="the session names neither",
+    ),
+    Column("has_gaze", Kind.TRUTH_VALUE, "", "Whether a file says where the driver looked."),
+)
+
+_KNOWN: Final = (
+    Column(
+        "driver_known",
+        _INTEGER,
+        "encounters",
+        "Encounters that count of which it is known whether the driver sees them.",
+    ),
+)
+
+
+def _of_encounters(result: Result) -> dict[str, Any]:
+    """What is known of the driver's own view of each encounter."""
+    table, is_known = driver_in(result).table, driver_in(result).is_known
+    return {
+        "detectability": table["detectability"],
+        "detectability_sd": table["sd"],
+        "detectability_frames": table["n_known"],
+        "outside_training": truth_values(table["is_outside"].to_numpy(), is_known),
+        "adapted_eyes": truth_values(driver_in(result).is_adapted, is_known),
+        "within_sd": truth_values(driver_in(result).is_within_sd, driver_in(result).has_sd),
+        "driver_sees": truth_values(driver_in(result).is_seen, is_known),
+        "driver_seen_frames": integers_of(table["n_seen"].to_numpy(), is_known),
+        "driver_frame": frame_numbers(result, driver_in(result).seen_row),
+        "driver_in_time": truth_values(is_driver_in_time(result), is_judged_in_time(result)),
+        "driver_region": driver_in(result).region,
+    }
+
+
+def driver_views(dataset: Dataset) -> dict[str, np.ndarray]:
+    """What is known of the driver's view of each recording, as its session says.
+
+    Returns
+    -------
+    By name, shape (n_recordings,): has_visible (bool, pictures of visible light), light_by
+    ("meter", "picture" or empty: what tells the light), has_gaze (bool, where the driver looked).
+    """
+    names = dataset.recordings["name"].tolist()
+    session = dataset.settings
+    entries = session.entries(names) if isinstance(session, Session) else {}
+    own = [entries.get(name, RecordingEntry(name)) for name in names]
+    return {
+        "has_visible": np.array([entry.visible is not None for entry in own], bool),
+        "light_by": np.array([entry.light_by for entry in own], object),
+        "has_gaze": np.array([entry.gaze is not None for entry in own], bool),
+    }
+
+
+def _known_by_recording(result: Result) -> dict[str, Any]:
+    is_known = per_recording(result, driver_in(result).is_known, result.encounters.recording)
+    return {"driver_known": is_known.astype(np.int64)}
+
+
+COLUMNS: Final = (
+    Columns("encounters.csv", _ENCOUNTERS, _of_encounters, only_if=KNOWN),
+    Columns("recordings.csv", _VIEWS, lambda result: driver_views(result.dataset)),
+    Columns("recordings.csv", _KNOWN, _known_by_recording, only_if=KNOWN),
+)
+"""Columns of the CSV files."""
+
+_NOBODY_URGENT: Final = "it is known of no urgent encounter whether the driver sees it"
+
+
+def _count_region(result: Result, *, region: DriverRegion) -> int:
+    return driver_in(result).venn.counts[region]
+
+
+def _count_within_sd(result: Result) -> int | None:
+    driver = driver_in(result)
+    return int(np.count_nonzero(driver.is_within_sd)) if driver.has_sd.any() else None
+
+
+def _count_urgent(result: Result, is_member: np.ndarray) -> int | None:
+    """How many, so that no rule passes because nobody is urgent."""
+    return int(np.count_nonzero(is_member)) if is_judged_in_time(result).any() else None
+
+
+def _entry(
+    key: str,
+    meaning: str,
+    of: Callable[[Result], int | None],
+    *,
+    unit: str = "encounters",
+    empty: str = "",
+) -> Entry:
+    column = Column(key, Kind.INTEGER, unit, meaning, empty=empty, only_if=KNOWN)
+    return Entry(column, of)
+
+
+ENTRIES: Final = (
+    _entry(
+        "driver.seen",
+        "Encounters that the driver sees unaided.",
+        lambda result: driver_in(result).venn.n_seen,
+    ),
+    _entry(
+        "driver.unseen",
+        "Encounters that the driver is known not to see.",
+        lambda result: driver_in(result).venn.n_unseen,
+    ),
+    _entry(
+        "driver.outside_training",
+        "Of both, those decided by an estimate outside the range of the training: by the largest "
+        "up to the first frame that counts, and where that is below `driver_threshold` by any.",
+        lambda result: driver_in(result).n_outside,
+    ),
+    _entry(
+        "driver.adapted",
+        "Of both, those decided by an estimate for adapted eyes, since no change from bright to "
+        "dark is known before.",
+        lambda result: int(np.count_nonzero(driver_in(result).is_adapted)),
+    ),
+    _entry(
+        "driver.within_sd",
+        "Of both, those whose largest one is no further than its standard deviation from "
+        "`driver_threshold`: whether the driver sees them is open.",
+        _count_within_sd,
+        empty="no encounter has a standard deviation",
+    ),
+    _entry(
+        "driver.seldom",
+        "Of those seen, the ones that the driver sees in fewer than half of the frames up to the "
+        "first that counts in which it is known.",
+        lambda result: int(np.count_nonzero(driver_in(result).is_seldom_seen)),
+    ),
+    _entry(
+        "driver.urgent",
+        "Urgent encounters of which it is known whether the driver sees them.",
+        lambda result: int(np.count_nonzero(is_judged_in_time(result))),
+    ),
+    _entry(
+        "driver.in_time",
+        "Of these, the ones that the driver sees while the car can still stop.",
+        lambda result: _count_urgent(result, is_driver_in_time(result)),
+        empty=_NOBODY_URGENT,
+    ),
+    _entry(
+        "driver.too_late",
+        "Of these, the ones that the driver sees, but only when the car can no longer stop.",
+        lambda result: _count_urgent(result, is_seen_too_late(result)),
+        empty=_NOBODY_URGENT,
+    ),
+    _entry(
+        "driver.boxes_without_detectability",
+        "{One} boxes of unknown detectability; with `driver_weighting` they weigh in full.",
+        lambda result: count_unknown(result.dataset),
+        unit="boxes",
+    ),
+    *(
+        _entry(
+            f"driver_venn.{region.value}",
+            DRIVER_REGION_TEXT[region],
+            partial(_count_region, region=region),
+        )
+        for region in DriverRegion
+        if region is not DriverRegion.DISTANT
+    ),
+)
+"""Keys of ``summary.json``."""

@@ -1,0 +1,64 @@
+"""What the driver knows of rules: on how many encounters a measure of his view rests, and which."""
+
+from __future__ import annotations
+
+from collections.abc import Set
+from functools import partial
+from typing import Final
+
+import numpy as np
+
+from nvcore.comparison import Result
+from nvcore.driver.comparison.doubts import doubt_of_seen
+from nvcore.driver.comparison.kinds import DriverRegion
+from nvcore.driver.comparison.measures import KNOWN
+from nvcore.driver.comparison.steps import driver_in
+from nvcore.driver.comparison.texts import describe_doubt, describe_known
+from nvcore.report.gate.added import RulesOf
+from nvcore.report.gate.measures import CONDITIONS
+
+OF_DRIVER: Final = frozenset(name for name, only_if in CONDITIONS.items() if only_if is KNOWN)
+"""Measures of the driver's own view: of the encounters of which it is known."""
+OF_URGENT: Final = frozenset(
+    name
+    for name in OF_DRIVER
+    if name in ("driver.urgent", "driver.in_time", "driver.too_late") or "in_time_alone" in name
+)
+"""Those of them that count urgent encounters alone."""
+OF_ANY_ESTIMATOR: Final = frozenset(
+    {
+        f"driver_venn.{DriverRegion.UNKNOWN}",
+        *("driver.urgent", "driver.boxes_without_detectability"),
+    }
+)
+"""Those of them that are as good with an estimator that learned nothing."""
+
+
+def _undefined(result: Result) -> Set[str]:
+    return OF_DRIVER - OF_ANY_ESTIMATOR if doubt_of_seen(result) else frozenset()
+
+
+def _describe(result: Result, name: str) -> tuple[str, ...]:
+    if name not in OF_DRIVER or not driver_in(result).has_any:
+        return ()
+    lines = describe_known(result, of_urgent=name in OF_URGENT), describe_doubt(result)
+    return tuple(filter(None, lines))
+
+
+def _is_in(result: Result, *, regions: tuple[DriverRegion, ...]) -> np.ndarray:
+    return np.isin(driver_in(result).region, regions)
+
+
+RULES: Final = RulesOf(
+    undefined=_undefined,
+    describe=_describe,
+    counted={
+        **{
+            f"driver_venn.{region.value}": partial(_is_in, regions=(region,))
+            for region in DriverRegion
+        },
+        "unprotected_x": partial(_is_in, regions=(DriverRegion.Y, DriverRegion.NOBODY)),
+        "unprotected_y": partial(_is_in, regions=(DriverRegion.X, DriverRegion.NOBODY)),
+    },
+    is_open=lambda result: driver_in(result).is_within_sd,
+)

@@ -1,0 +1,93 @@
+"""Who confirms the urgent encounters in time: the driver by himself, X, Y."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from nvcore.comparison import Result
+from nvcore.driver.comparison.steps import driver_in
+from nvcore.scoring import SystemResult
+from nvcore.time_left.steps import is_in_time, time_left_in
+
+
+def is_judged_in_time(result: Result) -> np.ndarray:
+    """Urgent encounters of which it is known; bool, shape (n_encounters,)."""
+    is_judged: np.ndarray = time_left_in(result).is_urgent & driver_in(result).is_known
+    return is_judged
+
+
+def is_driver_in_time(result: Result) -> np.ndarray:
+    """Urgent encounters that the driver sees by himself while the car can still stop.
+
+    He confirms in the first frame in which detectability reaches `driver_threshold`, also where
+    that is after the first relevant one (docs/decisions/055-driver-in-time.md).
+
+    Returns
+    -------
+    bool, shape (n_encounters,); False, too, where it is not known (`is_judged_in_time`).
+    """
+    row = driver_in(result).table["confirmed_row"].to_numpy()
+    is_before = (row >= 0) & (row < time_left_in(result).urgency["urgent_row"].to_numpy())
+    in_time: np.ndarray = is_before & is_judged_in_time(result)
+    return in_time
+
+
+def is_seen_too_late(result: Result) -> np.ndarray:
+    """Urgent encounters that the driver sees, but only when the car can no longer stop.
+
+    Returns
+    -------
+    bool, shape (n_encounters,).
+    """
+    too_late: np.ndarray = (
+        time_left_in(result).is_urgent & driver_in(result).is_seen & ~is_driver_in_time(result)
+    )
+    return too_late
+
+
+def is_in_time_alone(result: Result, system: SystemResult) -> np.ndarray:
+    """Urgent encounters in time by a system, and by neither the driver nor the other system.
+
+    Returns
+    -------
+    bool, shape (n_encounters,); False where it is not known of the driver.
+    """
+    (other,) = (side for _, side in result.sides if side is not system)
+    by_others = is_driver_in_time(result) | is_in_time(other)
+    is_alone: np.ndarray = is_judged_in_time(result) & is_in_time(system) & ~by_others
+    return is_alone
+
+
+class InTime(NamedTuple):
+    """Urgent encounters of which it is known, each in the part of who confirms it in time.
+
+    Attributes
+    ----------
+    driver
+        The driver by himself, whoever else does.
+    both, x, y, nobody
+        Not he, but both systems, one alone, or neither.
+    """
+
+    driver: int
+    both: int
+    x: int
+    y: int
+    nobody: int
+
+    @property
+    def n(self) -> int:
+        """All of them."""
+        return sum(self)
+
+
+def count_in_time(result: Result) -> InTime:
+    """Who confirms the urgent encounters in time, among those of which it is known."""
+    is_left = is_judged_in_time(result) & ~is_driver_in_time(result)
+    by_x, by_y = (is_in_time(system) for _, system in result.sides)
+    alone_x, alone_y = (is_in_time_alone(result, system) for _, system in result.sides)
+    both, nobody = is_left & by_x & by_y, is_left & ~by_x & ~by_y
+    parts = is_driver_in_time(result), both, alone_x, alone_y, nobody
+    return InTime(*(int(np.count_nonzero(part)) for part in parts))

@@ -1,0 +1,32 @@
+"""What subjects say beside the numbers of a comparison."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from nvcore.comparison import Result
+from nvcore.dataset import Dataset
+from nvcore.measures.entry import Measure
+
+
+@dataclass(frozen=True)
+class Remarks:
+    """What a subject says beside the numbers of a comparison; empty where there is nothing to say.
+
+    Attributes
+    ----------
+    note
+        A sentence below the scorecard.
+    limits
+        What the data do not show, for the first page of the HTML report.
+    of_claims
+        What to know of claims about these measures, to follow them.
+    recordings
+        Title of a column of the HTML report's table of recordings, and a text for each recording.
+    """
+
+    note: Callable[[Result], str]
+    limits: Callable[[Result], tuple[str, ...]]
+    of_claims: Callable[[Result, Sequence[Measure]], str]
+    recordings: tuple[str, Callable[[Dataset], list[str]]]
