@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -154,7 +155,8 @@ def _draw_start(key: RunKey, about: About, levels: Levels, *, is_busy: bool) -> 
         return
     if draw_job(timing, TIMING, thing="estimate", doing="Timing it") is not JobState.DONE:
         if not timing.is_busy:
-            st.button("Try again", key="drop_timing", on_click=_drop_timing)
+            drop = partial(state.workspace().drop_job, TIMING)
+            st.button("Try again", key="drop_timing", on_click=drop)
         return
     assert timing.output is not None
     st.markdown(f"**{plain(str(timing.output))}**")
@@ -174,10 +176,6 @@ def _draw_start(key: RunKey, about: About, levels: Levels, *, is_busy: bool) -> 
         "It goes on while you look at other pages. Opening something else, or changing what is "
         "compared, ends it."
     )
-
-
-def _drop_timing() -> None:
-    state.workspace().drop_job(TIMING)
 
 
 def _start_timing(key: RunKey, about: About) -> None:

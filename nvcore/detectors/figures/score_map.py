@@ -50,7 +50,9 @@ def score_map_plot(
     """
     height, width = picture.shape[:2]
     level, step = windows.level, windows.step
-    values = windows.score if of == "confidence" else _logarithm(windows.depth)
+    values = windows.score
+    if of != "confidence":  # NaN where nothing was looked at
+        values = np.log10(np.where(windows.depth > 0, windows.depth, np.nan))
     down, across = ((np.arange(n) * step + (step - 1) / 2) * settings.stride for n in values.shape)
     look = LOOK[theme]
     bar = {
@@ -92,8 +94,3 @@ def score_map_plot(
         images=[picture_layer(picture, width, height)],
         **picture_axes(width, height),
     )
-
-
-def _logarithm(depth: np.ndarray) -> np.ndarray:
-    """Logarithm to base 10; NaN where nothing was looked at."""
-    return np.log10(np.where(depth > 0, depth, np.nan))

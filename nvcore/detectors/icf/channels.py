@@ -151,7 +151,8 @@ def channel_planes(picture: Bytes, settings: IcfSettings) -> Bytes:
             orientations[:] = 0
             first += settings.orientation_bins
     if magnitude.size or orientations.size:
-        gradients(grey, _gradient_table(*_of_gradient(settings)), magnitude, orientations)
+        table = _gradient_table(settings.magnitude, settings.orientation_bins, settings.full_circle)
+        gradients(grey, table, magnitude, orientations)
     return planes
 
 
@@ -191,10 +192,6 @@ def halved(picture: Bytes, width: float, height: float) -> Bytes:
         size = (picture.shape[1] // 2, picture.shape[0] // 2)
         picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA))
     return picture
-
-
-def _of_gradient(settings: IcfSettings) -> tuple[Magnitude, int, bool]:
-    return settings.magnitude, settings.orientation_bins, settings.full_circle
 
 
 @lru_cache(maxsize=32)

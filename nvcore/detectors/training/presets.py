@@ -61,12 +61,10 @@ def preset_settings(preset: str, given: Mapping[str, Any]) -> IcfSettings:
     start = PRESETS[preset]
     patience = given.get("patience")
     if isinstance(patience, str):
-        given = {**given, "patience": _whole_or_none("patience", patience)}
+        try:
+            given = {**given, "patience": None if patience == "none" else int(patience)}
+        except ValueError as error:
+            raise DetectorError(
+                f"patience: expected a whole number or none, found {patience!r}"
+            ) from error
     return replace(start, **typed_like(start, given))
-
-
-def _whole_or_none(name: str, text: str) -> int | None:
-    try:
-        return None if text == "none" else int(text)
-    except ValueError as error:
-        raise DetectorError(f"{name}: expected a whole number or none, found {text!r}") from error
