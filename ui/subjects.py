@@ -34,6 +34,8 @@ class Page:
         Stages that it is about: on it their settings stand first, unfolded.
     is_folded
         Whether the settings are folded away, though they move what it shows.
+    script
+        Path of its script where that is another one.
     """
 
     key: str
@@ -43,6 +45,7 @@ class Page:
     shown: tuple[Stage, ...] | None = None
     own: tuple[Stage, ...] = ()
     is_folded: bool = False
+    script: str = ""
 
 
 @dataclass(frozen=True)

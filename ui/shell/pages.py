@@ -77,10 +77,15 @@ def all_pages() -> dict[str, list[StreamlitPage]]:
     """The pages by section, for ``st.navigation``."""
     return {
         section: [
-            st.Page(PAGES / f"{name}.py", title=title, default=name == START)
-            for name, title in pages.items()
+            st.Page(
+                PAGES / (page.script or f"{page.key}.py"),
+                title=page.title,
+                default=page.key == START,
+            )
+            for page in _PAGES
+            if page.section == section
         ]
-        for section, pages in SECTIONS.items()
+        for section in SECTIONS
     }
 
 

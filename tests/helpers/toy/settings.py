@@ -1,0 +1,18 @@
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nvcore.stages import Stage, setting
+
+LONG = Stage("long encounters", "Toy", result="toy results")
+RESULTS = (LONG,)
+
+
+@dataclass(frozen=True)
+class ToySettings:
+    toy_frames: int = setting(
+        LONG, 5, low=1, high=100, is_whole=True, label="Toy frames", meaning="Long from so many on."
+    )
+
+    def check_together(self) -> None:
+        """All values go together."""

@@ -1,0 +1,26 @@
+from __future__ import annotations
+
+import plotly.graph_objects as go
+
+from nvcore.comparison import Result
+from nvcore.report.verdict import PointOf
+from nvcore.tables.added import Columns
+from nvcore.tables.column import Column, Kind
+from toy.measures import is_long
+
+
+def _draw(result: Result, *, theme: str) -> go.Figure:
+    return go.Figure(go.Bar(y=is_long(result).astype(int)), layout={"title": "Toy"})
+
+
+COLUMNS = (
+    Columns(
+        "encounters.csv",
+        (Column("toy_long", Kind.TRUTH_VALUE, "", "Whether the encounter is long."),),
+        lambda result: {"toy_long": is_long(result)},
+    ),
+)
+FIGURES = {"toy": _draw}
+POINTS = (
+    PointOf("Toy", lambda result: (f"{is_long(result).sum()} are long.",), after="Encounters"),
+)

@@ -1,0 +1,17 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+from toy.settings import LONG
+from ui.subjects import Page
+
+PAGES = (
+    Page(
+        "toy",
+        "Toys",
+        "Compare",
+        after="encounters",
+        own=(LONG,),
+        script=str(Path(__file__).with_name("toy_page.py")),
+    ),
+)
