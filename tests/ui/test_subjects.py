@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import runpy
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,11 +15,14 @@ from starlette.responses import PlainTextResponse, Response
 
 from nvcore import subjects
 from nvcore.people.store import AnswerFile
+from nvcore.stages import SALIENCY
 from nvcore.subjects import Subject
+from ui.documentation import page as documentation
 from ui.people.studies import Studies
 from ui.serving.starting import check_start
 from ui.session.requests import Place
-from ui.subjects import contributed
+from ui.shell import pages
+from ui.subjects import Document, Page, contributed
 
 
 async def answer(request: Request) -> Response:
@@ -27,10 +31,12 @@ async def answer(request: Request) -> Response:
 
 @pytest.fixture
 def toy(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """A subject whose room has a place and studies."""
+    """A subject whose room has pages, a place and studies."""
     package, room, parts = (ModuleType(name) for name in ("toy", "toy_room", "toy_room.parts"))
     package.SUBJECT = Subject(name="toy", ui="toy_room")
     room.ROUTES, room.STUDIES = "parts:ROUTES", "parts:STUDIES"
+    room.PAGES = (Page("toy", "Toy", "Compare", after="overview", shown=(), own=(SALIENCY,)),)
+    room.DOCUMENTS = (Document("toy", "The toy", after="metrics"),)
     parts.ROUTES = (Place("toy/{row}", answer),)
     parts.STUDIES = Studies(
         page="toy", what="toy", prefix="toy", variable="NVCORE_TOYS", file_name="toys.sqlite",
@@ -46,6 +52,17 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.undo()
     for clear in (*forget, contributed.cache_clear):
         clear()
+
+
+def test_its_page_stands_where_it_says(toy: None):
+    page = runpy.run_path(pages.__file__)
+    assert [*page["SECTIONS"]["Compare"].items()][:2] == [("overview", "Overview"), ("toy", "Toy")]
+    assert page["SHOWN"]["toy"] == ()
+    assert page["OWN"]["toy"] == (SALIENCY,)
+
+
+def test_its_document_is_one_of_the_documentation(toy: None):
+    assert [*runpy.run_path(documentation.__file__)["PAGES"]][:2] == ["metrics", "toy"]
 
 
 def test_its_routes_are_those_of_a_session(toy: None):
