@@ -36,6 +36,8 @@ class Subject:
     ----------
     name
         Of its package; `nvcore.comparison.Result.of` knows it by this name.
+    needs
+        Names of the subjects that it builds on, all listed before it; it imports no other.
     settings
         Class whose fields become those of `nvcore.params.Params`.
     results
@@ -45,8 +47,7 @@ class Subject:
     view
         Class (or function) of what `Result.of` returns; it is made of the result.
     miss_weights
-        Function that says by what the weight of missing each pedestrian is multiplied
-        (`nvcore.scoring.weigh_misses`).
+        By what the weight of missing each pedestrian is multiplied (`nvcore.scoring.MissWeights`).
     restrict
         Function that makes only some encounters count: from what the steps made and which
         encounters these are (bool, shape (n_encounters,)) to what is made otherwise.
@@ -94,6 +95,7 @@ class Subject:
     """
 
     name: str
+    needs: tuple[str, ...] = ()
     settings: str = ""
     results: str = ""
     steps: str = ""

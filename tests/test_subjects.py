@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -57,6 +58,25 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.undo()
     for function in cached:
         function.cache_clear()
+
+
+def test_the_contract_of_imports_says_which_subject_needs_which():
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+    contracts = settings["tool"]["importlinter"]["contracts"]
+    (contract,) = (one for one in contracts if one["type"] == "independence")
+    needs = {package: one.needs for package, one in subjects.subjects().values()}
+    assert set(contract["modules"]) == set(needs)
+    assert contract["ignore_imports"] == [
+        "nvcore -> nvcore.**",
+        *(f"{package}.** -> nvcore.{name}.**" for package in needs for name in needs[package]),
+    ]
+
+
+def test_what_a_subject_needs_is_listed_before_it():
+    known: list[str] = []
+    for name, (_, subject) in subjects.subjects().items():
+        assert set(subject.needs) <= set(known)
+        known.append(name)
 
 
 def test_its_checks_are_part_of_the_audit(toy: None):

@@ -4,11 +4,12 @@ from nvcore.subjects import Subject
 
 SUBJECT = Subject(
     name="driver",
+    needs=("time_left",),
     settings="comparison.settings:DriverSettings",
     results="comparison.settings:RESULTS",
     steps="comparison.steps:STEPS",
     view="comparison.steps:driver_view",
-    miss_weights="comparison.judging:weigh_unseen",
+    miss_weights="comparison.steps:MISS_WEIGHTS",
     commands="commands:COMMANDS",
     measures="comparison.measures:MEASURES",
     counts="comparison.measures:COUNTS",

@@ -74,11 +74,10 @@ def subgroup_table(
     Returns
     -------
     Columns `COLUMNS`: factor, group; both, x_only, y_only, neither: near encounters of the group
-    by who detects them, of useful alerts those that the driver does not see, of those in time the
-    urgent ones by who is in time; odds_low, odds_high: 95 % interval of the odds ratio; p_holm: p
-    corrected for all groups and measures of the table (the rows of all are no groups). The others
-    are attributes of `measures.Evidence`. Groups of different factors overlap, and so do those of
-    tags.
+    by who detects them, or what `Inference.split_in_group` says of a measure; odds_low, odds_high:
+    95 % interval of the odds ratio; p_holm: p corrected for all groups and measures of the table
+    (the rows of all are no groups). The others are attributes of `measures.Evidence`. Groups of
+    different factors overlap, and so do those of tags.
 
     References
     ----------

@@ -122,6 +122,9 @@ class Inference:
         Whether it means little if encounters are single frames.
     repeats
         Key of the measure whose hypothesis this one tests again; empty: it has its own.
+    split_in_group
+        For ``encounters``: what `split` counts of a group, where that is not who detects the near
+        ones; for the columns of ``subgroups.csv``.
     """
 
     test: Literal["encounters", "units", "curve"]
@@ -138,6 +141,7 @@ class Inference:
     noun_unit: str = ""
     needs_tracks: bool = False
     repeats: str = ""
+    split_in_group: str = ""
 
 
 @dataclass(frozen=True)

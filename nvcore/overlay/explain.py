@@ -15,6 +15,7 @@ from nvcore.metrics.matching import iou_of_pairs
 from nvcore.metrics.proximity import in_use
 from nvcore.metrics.similarity import border_of, miss_terms
 from nvcore.schema import MISS_CLASS_TEXT, DetectionState, MissClass, TruthState
+from nvcore.scoring import miss_factors
 from nvcore.tables.boxes.states import gather_boxes
 from nvcore.wording import capitalised, number
 
@@ -115,6 +116,8 @@ class _Frame:
         self.truth_state = {"x": gathered.state_x, "y": gathered.state_y}
         self.k = result.k_truth.k[self.rows["truth"]]
         self.k_miss = result.k_miss[self.rows["truth"]]
+        factors = miss_factors(dataset, result.params)
+        self.factors = {label: of[self.rows["truth"]] for label, of in factors.items()}
         edge_weight = in_use(result.params, "edge_weight", frames)
         self.border = border_of(self.truth, frames, edge_weight)
         self.boxes: dict[str, BoxColumns] = {}
@@ -228,9 +231,10 @@ def _cost(frame: _Frame, letter: str, i: int) -> str:
         return ""
     px = min(frame.border[i], nearest)
     share = f"{px:.0f} of {frame.half_width:.0f} px"
-    unseen = float(frame.k_miss[i] / frame.k[i])
-    of_driver = f" × (1 - detectability) {unseen:.2f}" if unseen != 1 else ""
-    how = f"alpha {params.alpha:g} × weight {frame.k[i]:.2f}{of_driver} × {share}"
+    weight = f"weight {frame.k[i]:.2f}" + "".join(
+        f" × {label} {factor[i]:.2f}" for label, factor in frame.factors.items() if factor[i] != 1
+    )
+    how = f"alpha {params.alpha:g} × {weight} × {share}"
     if worst in (i, NOBODY):
         return f". Takes {loss:.3f} of {letter.upper()}'s similarity: {how}"
     if frame.is_matched(letter, i):

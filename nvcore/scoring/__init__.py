@@ -1,16 +1,28 @@
 """One system against the truth: every metric of it, and what a new setting can reuse."""
 
 from nvcore.scoring.result import SystemResult
-from nvcore.scoring.step import Inputs, Made, Memo, Step, SystemInputs, steps_of, weigh_misses
+from nvcore.scoring.step import (
+    Inputs,
+    Made,
+    Memo,
+    MissWeights,
+    Step,
+    SystemInputs,
+    miss_factors,
+    steps_of,
+    weigh_misses,
+)
 from nvcore.scoring.system import nearest_of, score_system
 
 __all__ = [
     "Inputs",
     "Made",
     "Memo",
+    "MissWeights",
     "Step",
     "SystemInputs",
     "SystemResult",
+    "miss_factors",
     "nearest_of",
     "score_system",
     "steps_of",

@@ -155,11 +155,33 @@ def steps_of(kind: Literal["truth", "system", "both"], own: Sequence[Step]) -> t
     return tuple(step for step in chain(own, *contributed("steps")) if step.of == kind)
 
 
+@dataclass(frozen=True)
+class MissWeights:
+    """By what a subject multiplies the weight of missing each pedestrian.
+
+    Attributes
+    ----------
+    label
+        What that is, as a formula has it: ``(1 - detectability)``.
+    weigh
+        float64, shape (n_truth,), 0 to 1, by the settings; None: 1 for all of them.
+    """
+
+    label: str
+    weigh: Callable[[Dataset, Params], np.ndarray | None]
+
+
+def miss_factors(dataset: Dataset, params: Params) -> dict[str, np.ndarray]:
+    """By what subjects multiply the weight of missing each pedestrian, by `MissWeights.label`."""
+    factors = {of.label: of.weigh(dataset, params) for of in contributed("miss_weights")}
+    return {label: weights for label, weights in factors.items() if weights is not None}
+
+
 def weigh_misses(k: np.ndarray, dataset: Dataset, params: Params, *, rows: Any = ...) -> np.ndarray:
     """What missing each pedestrian weighs in similarity, saliency and severity, 0 to 1.
 
-    ``k``, times what subjects make of it, such as (1 - detectability) with `driver_weighting`.
-    Which frames count (``k >= 0.5``) goes by ``k`` alone.
+    ``k``, times the `miss_factors` of subjects. Which frames count (``k >= 0.5``) goes by ``k``
+    alone.
 
     Parameters
     ----------
@@ -172,7 +194,6 @@ def weigh_misses(k: np.ndarray, dataset: Dataset, params: Params, *, rows: Any =
     -------
     float64, shape (n,).
     """
-    for weigh in contributed("miss_weights"):
-        weights = weigh(dataset, params)
-        k = k if weights is None else k * weights[rows]
+    for weights in miss_factors(dataset, params).values():
+        k = k * weights[rows]
     return k

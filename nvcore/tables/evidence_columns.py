@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
+from nvcore.measures.table import MEASURES
 from nvcore.tables.column import Column, Kind
 
 _TEXT, _INTEGER, _NUMBER = Kind.TEXT, Kind.INTEGER, Kind.NUMBER
@@ -73,6 +74,11 @@ SIGNIFICANCE_COLUMNS: Final[tuple[Column, ...]] = (
 )
 
 _EVIDENCE = {column.name: column for column in SIGNIFICANCE_COLUMNS}
+_SPLIT = [
+    (measure.key, measure.inference.split_in_group)
+    for measure in MEASURES
+    if measure.inference is not None and measure.inference.split_in_group
+]
 _NO_GROUP = "undefined for this group (`note`)"
 
 SUBGROUP_COLUMNS: Final[tuple[Column, ...]] = (
@@ -93,9 +99,9 @@ SUBGROUP_COLUMNS: Final[tuple[Column, ...]] = (
         "both",
         _INTEGER,
         "encounters",
-        "Of the group, detected by both systems; in `useful_alerts`, here and in the next three, "
-        "of those in it that the driver does not see; in `in_time`, the urgent ones in it, by who "
-        "confirms them in time.",
+        "Of the group, detected by both systems"
+        + "".join(f"; in `{key}`, here and in the next three, {what}" for key, what in _SPLIT)
+        + ".",
         "high",
     ),
     Column("x_only", _INTEGER, "encounters", "Detected by X only."),

@@ -116,8 +116,8 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
             "parameters",
             Kind.TABLE,
             "",
-            "Every parameter by name, those of the driver where detectability is known or they "
-            "were changed; null where it has no value.",
+            "Every parameter by name, those that act on what not all data have only where it is "
+            "there or they were changed; null where it has no value.",
         ),
         lambda result: result.params.stated(result.dataset),
     ),

@@ -126,6 +126,7 @@ MEASURES: Final[tuple[Measure, ...]] = (
             per="n_urgent",
             needs_tracks=True,
             repeats="in_time_by_unit",
+            split_in_group="the urgent ones, by who confirms them in time",
         ),
     ),
     Measure(

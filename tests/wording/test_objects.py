@@ -12,7 +12,7 @@ from string import Formatter
 import pytest
 from places import ROOT
 
-from nvcore.measures import MEASURES
+from nvcore.measures.table import MEASURES
 from nvcore.objects import PEDESTRIAN, SPEED_SIGN, Objects, objects_from
 from nvcore.params import SETTINGS
 from nvcore.wording.objects import words_for

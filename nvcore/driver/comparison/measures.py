@@ -114,6 +114,7 @@ MEASURES: Final[tuple[Measure, ...]] = (
             split=lambda result: split_unseen(driver_in(result).venn),
             per="n_unseen",
             repeats="useful_alerts_by_unit",
+            split_in_group="those that the driver does not see",
         ),
     ),
     Measure(

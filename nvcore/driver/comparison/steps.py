@@ -7,11 +7,11 @@ from typing import Final, cast
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.driver.comparison.judging import DriverView, judge_driver
+from nvcore.driver.comparison.judging import DriverView, judge_driver, weigh_unseen
 from nvcore.driver.comparison.settings import DRIVER
 from nvcore.metrics.proximity import Weights
 from nvcore.schema import Category
-from nvcore.scoring import Inputs, Step
+from nvcore.scoring import Inputs, MissWeights, Step
 
 
 def _judge(at: Inputs, k_truth: Weights) -> pd.DataFrame:
@@ -19,6 +19,7 @@ def _judge(at: Inputs, k_truth: Weights) -> pd.DataFrame:
 
 
 STEPS: Final = (Step("detectable", _judge, (DRIVER,), ("k_truth",), of="truth"),)
+MISS_WEIGHTS: Final = MissWeights("(1 - detectability)", weigh_unseen)
 
 
 def driver_view(result: Result) -> DriverView:

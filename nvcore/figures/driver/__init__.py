@@ -1,1 +1,0 @@
-"""Would the driver have seen him: the regions, over the threshold, the course."""
