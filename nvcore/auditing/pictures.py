@@ -35,7 +35,7 @@ _MOST_STEPS: Final = 4
 _MOST: Final = 0.5
 """Share of a recording's frames without a picture from which on that is an error."""
 _NO_NUMBERS: Final = "No measure depends on pictures."
-_LOOK: Final = "Look at a frame with quick movement, whether boxes and pedestrians lie together."
+_LOOK: Final = "Look at a frame with quick movement, whether boxes and {many} lie together."
 
 _ADVICE: Final = {
     PictureTrait.CUT: "Copy or convert it again, best from the original. The frames that can be "
@@ -111,7 +111,7 @@ def _cases(dataset: Dataset, opened: RecordingPictures) -> Iterator[_Case]:
                     note.trait.value.replace(" ", "-"),
                     name,
                     note.text,
-                    _ADVICE[note.trait],
+                    dataset.objects.say(_ADVICE[note.trait]),
                     file=opened.sources[number].name,
                 )
         elif number in opened.notes:
@@ -185,7 +185,7 @@ def _of_frames(
             "in-order",
             name,
             shown if source.is_video else f"{shown}, as {why}",
-            _LOOK,
+            dataset.objects.say(_LOOK),
             file=file,
             steps=() if is_sure else first_picture,
         )
@@ -196,7 +196,7 @@ def _of_frames(
             "either",
             name,
             f"the numbers in their names would fit the frames {other} as well",
-            _LOOK,
+            dataset.objects.say(_LOOK),
             file=file,
             steps=first_picture,
         )

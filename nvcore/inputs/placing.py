@@ -316,7 +316,8 @@ def _frames(
             raise InputError(f"no frame is in {texts_given}: {frames_there(there)}")
     if not any(map(len, frames)):
         path = session.truth.path[0]
-        raise MissingFactError(NO_BOX, file=path, facts=("frames",), steps=NO_BOX_STEPS)
+        text = session.objects.say(NO_BOX)
+        raise MissingFactError(text, file=path, facts=("frames",), steps=NO_BOX_STEPS)
     return frames, notes
 
 

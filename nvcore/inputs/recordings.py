@@ -21,7 +21,7 @@ MOST_SIGNS: Final = 1000
 """Of a recording's name: names are shown, and become names of files."""
 NO_BOX: Final = (
     "no frame is evaluated: the ground truth holds no box (only a header, or other classes?). "
-    "Check that it is the right file, and which classes count; if there is no pedestrian in it, "
+    "Check that it is the right file, and which classes count; if there is no {one} in it, "
     "say which frames are evaluated"
 )
 NO_BOX_STEPS: Final = (Step(Remedy.CLASSES), Step(Remedy.FRAMES))
@@ -127,7 +127,7 @@ def no_such_recording(name: str, names: Sequence[str]) -> str:
     known = f"its recordings are {listed(names, most=MOST_NAMED)}"
     return (
         f"there is no recording {name!r} in the ground truth; "
-        f"{did_you_mean(name, names, known)}. One without pedestrians needs its evaluated "
+        f"{did_you_mean(name, names, known)}. One without boxes needs its evaluated "
         "frames, as frames in a session file"
     )
 
@@ -156,7 +156,9 @@ def describe_recordings(
         extra = pd.DataFrame({"name": more, "width": np.nan, "height": np.nan, "fps": np.nan})
         table = pd.concat([table, extra], ignore_index=True)
     if table.empty:
-        raise InputError(NO_BOX, file=session.truth.path[0], steps=NO_BOX_STEPS)
+        raise InputError(
+            session.objects.say(NO_BOX), file=session.truth.path[0], steps=NO_BOX_STEPS
+        )
     table = table.assign(horizon=np.nan, context=np.nan, speed_kmh=np.nan)
     for row, name in enumerate(table["name"]):  # a loop over recordings: at most hundreds
         entry = entries.get(name)

@@ -29,7 +29,7 @@ DRIVER_REGION_TEXT: Final[dict[DriverRegion, str]] = {
     DriverRegion.X_Y: "Not the driver, but both X and Y: either can warn.",
     DriverRegion.X: "Neither the driver nor Y, but X: only X can warn.",
     DriverRegion.Y: "Neither the driver nor X, but Y: only Y can warn.",
-    DriverRegion.NOBODY: "Neither the driver nor X nor Y: the pedestrian is unprotected.",
-    DriverRegion.UNKNOWN: "It is not known whether the driver sees the pedestrian.",
-    DriverRegion.DISTANT: "The pedestrian never came near enough to count.",
+    DriverRegion.NOBODY: "Neither the driver nor X nor Y: the {one} is unprotected.",
+    DriverRegion.UNKNOWN: "It is not known whether the driver sees the {one}.",
+    DriverRegion.DISTANT: "The {one} never came near enough to count.",
 }

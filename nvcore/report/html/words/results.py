@@ -226,7 +226,7 @@ DETECTION = Intro(
     "leaves out are ignored.",
     best="A low miss rate curve, a high precision-recall curve. Large marks are the thresholds "
     "in use.",
-    limits="Boxes are counted, not {many}, and when something is missed makes no difference. "
+    limits="Boxes are counted, not {people}, and when something is missed makes no difference. "
     "The averages run over thresholds that nobody drives with.",
 )
 
