@@ -122,7 +122,7 @@ def test_few_pedestrians_are_a_warning():
     page = checked(put(choose(opened(), OWN), own_low=250.0))
     (warning,) = page.warning
     assert "Few pedestrians: 16, a single miss changes the miss rate by" in warning.value
-    assert told(page).count("nobody is missed") == 2  # of X and of Y, not again with the evidence
+    assert told(page).count("nothing is missed") == 2  # of X and of Y, not again with the evidence
     assert "have pedestrians that count" in told(page)
     assert "no interval (see below), p = 1" in page.markdown[-1].value.replace("\\", "")
 
