@@ -50,8 +50,6 @@ def mark_undecided(result: Result, table: pd.DataFrame) -> pd.DataFrame:
 
     A measure is undecided if it depends on operating points and these are unequal.
 
-    Labels and notes are in the words for the objects.
-
     Parameters
     ----------
     table
