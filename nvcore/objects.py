@@ -69,7 +69,7 @@ class Objects:
 
     @property
     def are_pedestrians(self) -> bool:
-        """Whether the texts can stay as they are written."""
+        """Whether they are pedestrians: people, of whom texts say "he" and "who"."""
         return self == PEDESTRIAN
 
     def counts(self, label: str) -> bool:

@@ -14,7 +14,6 @@ _OF_PEOPLE_AND_THINGS: Final = {
     "he": ("he", "it"),
     "him": ("him", "it"),
     "his": ("his", "its"),
-    "himself": ("himself", "itself"),
     "who": ("who", "that"),
     "whom": ("whom", "that"),
     "what": ("whom", "what"),  # "what the driver sees"
