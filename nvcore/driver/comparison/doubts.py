@@ -68,7 +68,7 @@ def doubt_of_seen(result: Result) -> str:
     if are_all_open(result):
         n, which = driver_in(result).venn.n_known, "of which it is known"
     elif is_unseen.any() and bool(driver_in(result).is_within_sd[is_unseen].all()):
-        n, which = int(np.count_nonzero(is_unseen)), "that the driver is said not to see"
+        n, which = int(np.count_nonzero(is_unseen)), "counted as not seen by the driver"
     else:
         return ""
     where = f"in all {count_text(n, 'encounter')}" if n > 1 else "in the only encounter"

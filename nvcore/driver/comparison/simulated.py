@@ -45,7 +45,7 @@ def describe_change(
     objects
         What is to be seen.
     """
-    one = objects.singular
+    one, he, him = objects.singular, objects.say("{he}"), objects.say("{him}")
     is_after = simulated["is_simulated"].to_numpy(bool)
     head = f"Simulated: dark from {change_s:.2f} s on."
     if not is_after.any():
@@ -56,14 +56,14 @@ def describe_change(
     is_there = not is_after[0] or round(later_s[0], 6) <= 0
     until = "" if is_after[-1] else " until the next real change"
     before, soon = (
-        _when(one, share[is_after], threshold, later_s, is_there=is_there, until=until)
+        _when(he, share[is_after], threshold, later_s, is_there=is_there, until=until)
         for share in (was, would)
     )
     seen = np.flatnonzero(was[: np.argmax(is_after)] >= threshold)
     parts = [head, f"Estimates are {caution}." if caution else ""]
     if len(seen) and is_up_to[seen[0]]:
         parts.append(objects.say(SEEN_BEFORE, time_s=time_s[seen[0]]))
-    text = " ".join(filter(None, [*parts, _compared(one, soon, before, again=len(seen) > 0)]))
+    text = " ".join(filter(None, [*parts, _compared(one, him, soon, before, again=len(seen) > 0)]))
     if not is_up_to.any():
         return f"{text} The encounter is distant: there is no frame by which that matters."
     relevant_s = float(time_s[is_up_to][-1])
@@ -73,7 +73,7 @@ def describe_change(
 
 
 def _when(
-    one: str,
+    he: str,
     share: NDArray[np.float64],
     threshold: float,
     later_s: NDArray[np.float64],
@@ -103,21 +103,19 @@ def _when(
     n_frames = int(np.argmax(sees))
     seconds = f"{later_s[n_frames]:.2f} s"
     if not n_frames:
-        return (
-            "at once" if is_there else f"as soon as the {one} appears, {seconds} after the change"
-        )
+        return "at once" if is_there else f"as soon as {he} appears, {seconds} after the change"
     sooner = "" if is_known[:n_frames].all() else "at the latest "
     frames = count_text(n_frames, "frame")
     if is_there:
         return f"{sooner}{frames} ({seconds}) later"
-    return f"{sooner}{frames} after the {one} appears, {seconds} after the change"
+    return f"{sooner}{frames} after {he} appears, {seconds} after the change"
 
 
-def _compared(one: str, soon: str, before: str, *, again: bool) -> str:
+def _compared(one: str, him: str, soon: str, before: str, *, again: bool) -> str:
     """When he would see the pedestrian, beside when he does, and whether that is not the first."""
     if not soon:
         return f"Whether the driver would see the {one} is not known in any frame after it."
-    sees_then = f" the driver sees the {one} {before}" if before else ", it is not known"
+    sees_then = f" the driver sees {him} {before}" if before else ", it is not known"
     without = f"; without the change{sees_then}"
     same = ", as without the change"
     sees = f"would see the {one} again" if again else f"would see the {one}"

@@ -35,9 +35,7 @@ def words(was: pd.DataFrame, would: pd.DataFrame) -> str:
 
 def test_frames_until_he_sees_the_pedestrian_are_counted_from_the_change():
     text = words(course(0.1, 0.8, 0.8, 0.8, 0.8), simulated(0.1, 0.1, 0.2, 0.4, 0.5))
-    assert (
-        "3 frames (0.30 s) later; without the change the driver sees the pedestrian at once" in text
-    )
+    assert "3 frames (0.30 s) later; without the change the driver sees him at once" in text
     assert (
         "By the first frame that counts, at 0.20 s, the driver would **not** have seen the "
         "pedestrian" in text
@@ -56,8 +54,8 @@ def test_of_a_pedestrian_who_comes_later_frames_count_from_where_he_appears():
     later["time_s"] += 4.1
     would = simulated(0.1, 0.1, 0.9, since=0)
     assert (
-        "2 frames after the pedestrian appears, 4.20 s after the change; without the change "
-        "the driver sees the pedestrian as soon as the pedestrian appears, 4.00 s after the change"
+        "2 frames after he appears, 4.20 s after the change; without the change "
+        "the driver sees him as soon as he appears, 4.00 s after the change"
     ) in words(later, would)
 
 
@@ -67,7 +65,7 @@ def test_of_a_pedestrian_who_comes_later_frames_count_from_where_he_appears():
         (
             (0.9, 0.9),
             (0.9, 0.1),
-            "in none of 1 frame; without the change the driver sees the pedestrian at once",
+            "in none of 1 frame; without the change the driver sees him at once",
         ),
         (
             (0.9, 0.9),
