@@ -12,6 +12,7 @@ from nvcore.comparison import compare
 from nvcore.dataset import Dataset
 from nvcore.errors import ParameterError
 from nvcore.metrics.cost_map import CostMap, fit_line, map_cost
+from nvcore.objects import PEDESTRIAN
 from nvcore.params import Params
 
 
@@ -111,7 +112,8 @@ def test_without_a_line_the_map_is_that_of_one_height_and_says_so():
     few = cost_map(on_flat_ground(n=9), midpoint=15.0, spread=5.0)
     assert (few.basis, few.n_boxes, few.height_px) == ("one height", 0, pytest.approx(15))
     assert few.k == pytest.approx([0.5] * 5)
-    assert "by lateral position only, for a pedestrian 15 px tall" in few.text
+    text = PEDESTRIAN.say(few.text)
+    assert "by lateral position only, for a pedestrian 15 px tall" in text
     nobody = cost_map(make_dataset([], n_frames=1), midpoint=20.0, spread=5.0)
     assert nobody.height_px == 20
     assert nobody.cost[0].tolist() == [0.125, 0.375, 0.375, 0.125]
