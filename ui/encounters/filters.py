@@ -117,9 +117,10 @@ def key(name: str) -> str:
 
 
 def possible(result: Result) -> dict[str, tuple[str, ...]]:
-    """The choices of the filters that subjects add and that a comparison has, by name."""
+    """The choices of the filters that subjects add, by name; none where one does not apply."""
     return {
-        name: tuple(known.choices) for name, known in OF_SUBJECTS.items() if known.applies(result)
+        name: tuple(known.choices) if known.applies(result) else ()
+        for name, known in OF_SUBJECTS.items()
     }
 
 
@@ -231,7 +232,9 @@ def _draw_widgets(encounters: pd.DataFrame, of_subjects: Mapping[str, Sequence[s
             ),
         )
         chosen = {
-            name: _choose(OF_SUBJECTS[name], choices) for name, choices in of_subjects.items()
+            name: _choose(OF_SUBJECTS[name], choices)
+            for name, choices in of_subjects.items()
+            if choices
         }
     place = st.expander("More filters: how and where, recording, class, height, severity")
     left, middle, right = place.columns(3)

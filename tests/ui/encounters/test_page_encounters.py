@@ -515,7 +515,7 @@ def test_encounters_are_listed_by_what_the_driver_sees(seen_and_not: AppTest):
 
 def test_the_list_says_beside_who_detects_whether_the_driver_sees(seen_and_not: AppTest):
     order = [*seen_and_not.dataframe[0].proto.column_order]
-    assert order[order.index("category") :][:3] == ["category", *table.DRIVER_COLUMNS]
+    assert order[order.index("category") :][:3] == ["category", "driver_sees", "within_sd"]
     assert listed(seen_and_not)["driver_sees"].dropna().tolist() == ["yes"]
 
 
