@@ -84,11 +84,11 @@ def path_remover() -> Callable[[object], str]:
 
 def error_text(error: BaseException) -> str:
     """The error with its ways on, without the paths of the machine; not yet plain."""
-    text = without_paths(error)
-    if not isinstance(error, NvcoreError):
-        return text
-    ways = ways_text(error.steps, are_all_needed=error.needs_all_steps)
-    return f"{text.rstrip('.')}. {ways}" if ways else text
+    text = str(error)
+    if isinstance(error, NvcoreError) and error.steps:
+        ways = ways_text(error.steps, are_all_needed=error.needs_all_steps)
+        text = f"{text.rstrip('.')}. {ways}"
+    return without_paths(text)
 
 
 def shown_error(error: BaseException) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Final
 
 from nvcore.findings import Remedy, RemedyTexts, Step, steps_text
+from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.params import SETTINGS
 
 _READING: Final = "under “How to read”"
@@ -37,7 +38,11 @@ _OPTIONS: Final = {
 
 
 def ways_text(
-    steps: Iterable[Step], systems: Sequence[str | None] = (), *, are_all_needed: bool = False
+    steps: Iterable[Step],
+    systems: Sequence[str | None] = (),
+    objects: Objects = PEDESTRIAN,
+    *,
+    are_all_needed: bool = False,
 ) -> str:
     """Ways on as a sentence.
 
@@ -45,13 +50,15 @@ def ways_text(
     ----------
     systems
         Names of X and Y.
+    objects
+        What the boxes are of.
     are_all_needed
         See `steps_text`.
 
     Examples
     --------
     >>> ways_text([Step(Remedy.OPTION, "ground", "distance")])
-    'Set “Distance” to foot points: also how far above one another.'
+    'Set “Distance” to “foot points in the picture”, under “Advanced”.'
     """
 
     def mark(step: Step) -> str:
@@ -61,7 +68,8 @@ def ways_text(
         if step.subject in _OPTIONS:
             return _OPTIONS[step.subject].format(value=step.value)
         setting = SETTINGS[step.subject]
-        value = (setting.words or {}).get(step.value, step.value)
+        words = setting.words or {}
+        value = objects.say(words[step.value]) if step.value in words else step.value
         where = ", under “Advanced”" * setting.is_advanced
         return f"set “{setting.label}”{f' to “{value}”' * bool(value)}{where}"
 

@@ -107,8 +107,9 @@ def _draw_ways(finding: Finding, number: int) -> None:
     """What to do; a button for each way on that needs no more than the session."""
     opened = state.opened()
     ways = [(step, applied(opened.session, step, opened.dataset.systems)) for step in finding.steps]
-    by_hand = ways_text([step for step, session in ways if session is None], state.systems())
-    advice = f"{without_paths(finding.advice)} {by_hand}".strip()
+    steps = [step for step, session in ways if session is None]
+    by_hand = ways_text(steps, state.systems(), opened.dataset.objects)
+    advice = without_paths(f"{finding.advice} {by_hand}".strip())
     st.markdown(f"*What to do:* {plain(advice)}")
     with st.container(horizontal=True):
         for at, (step, session) in enumerate(ways):
