@@ -67,9 +67,6 @@ DATASET_BOX_DTYPES: Final[dict[str, str]] = {
 }
 """Boxes of a `Dataset`, sorted by source, then frame_index, then file order."""
 
-DETECTABILITY: Final = "detectability"
-"""Subject of findings about a file of estimates of it, among truth and systems."""
-
 DETECTABILITY_COLUMNS: Final = ("detectability", "detectability_sd", "is_outside", "is_adapted")
 """What is known of the driver's view of each box. Where it is unknown throughout, these columns
 take no memory: no kernel reads them then."""

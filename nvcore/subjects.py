@@ -77,8 +77,11 @@ class Subject:
         What is said beside the numbers in both (`nvcore.report.remarks.Remarks`).
     rules
         What is known of rules of the gate (`nvcore.report.gate.added.RulesOf`).
+    recording_keys, session_tables
+        Class whose fields become keys of a ``[[recording]]`` of a session file
+        (`nvcore.inputs.session.RecordingEntry`), and class whose fields become its tables.
     inputs
-        What it reads of a session file (`nvcore.inputs.added.Input`).
+        Files that it reads beside those of truth and systems (`nvcore.inputs.added.Input`).
     commands
         Commands of ``nvcore``.
     models
@@ -116,6 +119,8 @@ class Subject:
     sections: str = ""
     remarks: str = ""
     rules: str = ""
+    recording_keys: str = ""
+    session_tables: str = ""
     inputs: str = ""
     commands: str = ""
     models: str = ""

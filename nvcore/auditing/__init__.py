@@ -26,7 +26,6 @@ from nvcore.auditing.comparability import (
     audit_weighting,
 )
 from nvcore.auditing.coverage import PART_CODE, audit_system_coverage, audit_truth_coverage
-from nvcore.auditing.detectability import audit_detectability
 from nvcore.auditing.layouts import audit_layouts, find_layouts
 from nvcore.auditing.no_match import audit_no_match
 from nvcore.auditing.offsets import find_offsets
@@ -151,7 +150,6 @@ def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
         findings += audit_same_as_truth(system)
     for checks in contributed("findings"):
         findings += chain(*(check(dataset) for check in checks.inputs))
-    findings += audit_detectability(dataset)
     return *dataset.findings, *findings
 
 

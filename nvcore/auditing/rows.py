@@ -18,7 +18,6 @@ from nvcore.dataset.provenance import is_in_ranges
 from nvcore.findings import TRUTH_NAME, Cases, Finding, Remedy, Severity, Step
 from nvcore.inputs.session import Session
 from nvcore.objects import Objects
-from nvcore.schema import DETECTABILITY
 from nvcore.wording import count_text
 
 HARDLY: Final = 0.1
@@ -32,7 +31,7 @@ def audit_left_out(dataset: Dataset) -> list[Finding]:
     frames give a note.
     """
     lost = dataset.left_out.reset_index(drop=True)
-    lost = lost[lost["subject"] != DETECTABILITY]  # see nvcore.auditing.detectability
+    lost = lost[lost["subject"].isin([TRUTH_NAME, *dataset.systems])]
     findings: list[Finding] = []
     for subject, group in lost.groupby("subject", sort=False):
         name = str(subject)

@@ -20,7 +20,6 @@ from nvcore.columns import (
     frame_gaps,
     offsets_of,
 )
-from nvcore.dataset.estimates import EstimateRecord
 from nvcore.dataset.provenance import Provenance
 from nvcore.dataset.sources import ReadAs
 from nvcore.errors import InputError
@@ -78,8 +77,9 @@ class Dataset:
     provenance
         How the detections of systems were made, by their names; one of which nothing is known is
         absent.
-    estimate
-        How the detectability of `boxes` was estimated; None: the truth states it, or nobody does.
+    of_subjects
+        What subjects know of the data by their inputs (`nvcore.inputs.added.Input`), by their
+        names; see `of`.
     labels
         What the column `label` of `boxes` counts: classes in the words of the objects ("70"), where
         boxes of several count.
@@ -100,9 +100,13 @@ class Dataset:
     attributes: pd.DataFrame = field(default_factory=lambda: empty_attributes(), repr=False)
     settings: Settings = field(default_factory=Settings, repr=False)
     provenance: Mapping[str, Provenance] = field(default_factory=dict, repr=False)
-    estimate: EstimateRecord | None = None
+    of_subjects: Mapping[str, Any] = field(default_factory=dict, repr=False)
     labels: tuple[str, ...] = ()
     read_as: Mapping[str, ReadAs] = field(default_factory=dict, repr=False)
+
+    def of(self, subject: str) -> Any:
+        """What a subject knows of the data by its inputs; None: they name none."""
+        return self.of_subjects.get(subject)
 
     @cached_property
     def frame_columns(self) -> FrameColumns:

@@ -22,15 +22,15 @@ from numpy.typing import NDArray
 from nvcore import __version__
 from nvcore.driver.feature_record import record_bytes
 from nvcore.driver.features import FEATURE_KEYS, features_of
-from nvcore.driver.settings import DriverSettings
-from nvcore.errors import FormatError
-from nvcore.inputs.driver.picture_boxes import (
+from nvcore.driver.inputs.picture_boxes import (
     BOX,
     LARGEST,
     PEDESTRIAN,
     picture_boxes,
     read_picture_boxes,
 )
+from nvcore.driver.settings import DriverSettings
+from nvcore.errors import FormatError
 from nvcore.inputs.readers.parse.table import TextTable
 from nvcore.pictures import Picture, is_below, stretch
 from nvcore.pictures.images import decode_image, file_bytes

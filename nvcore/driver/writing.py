@@ -10,15 +10,14 @@ from nvcore import __version__
 from nvcore.dataset import Dataset
 from nvcore.driver.estimate import EstimateRun
 from nvcore.driver.feature_record import RECORD_FILE, record_bytes
+from nvcore.driver.inputs.session import DETECTABILITY, DriverTable
 from nvcore.driver.run import FeatureRun
-from nvcore.inputs.driver.session import DriverTable
 from nvcore.inputs.hashes import source_hashes
 from nvcore.inputs.session import Session
 from nvcore.inputs.session_toml import write_session
 from nvcore.inputs.stating import stated
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import write_run
-from nvcore.schema import DETECTABILITY
 
 FEATURES_FILE: Final = "features.csv"
 DETECTABILITY_FILE: Final = "detectability.csv"
@@ -103,7 +102,7 @@ def write_estimates(run: EstimateRun, dataset: Dataset, folder: Path) -> Written
     named = replace(
         stated(session, dataset),
         hashes={of: digest for of, digest in source_hashes(dataset).items() if of != DETECTABILITY},
-        driver=DriverTable(
+        driver=DriverTable(  # type: ignore[call-arg]
             detectability=str(folder.absolute() / DETECTABILITY_FILE),
             provenance=str(folder.absolute() / RECORD_FILE),
         ),

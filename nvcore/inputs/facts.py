@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, fields, replace
+from functools import cache
 from pathlib import Path
-from typing import Final
+from typing import Any, Final, TypeVar
 
 from nvcore.arguments import Size
 from nvcore.errors import InputError, SessionError
@@ -41,6 +42,39 @@ def check_path(name: str, text: str | None) -> None:
     # other control characters may be in the names of files, and are shown harmlessly
     if text is not None and "\0" in text:
         raise SessionError(f"{name}: expected a path, found one with a NUL: {text!r}")
+
+
+def path_field() -> Any:
+    """A field with the path of a file; None: there is none."""
+    return field(default=None, metadata={"is_path": True})
+
+
+@cache
+def _path_fields(kind: Any) -> tuple[str, ...]:
+    return tuple(spec.name for spec in fields(kind) if spec.metadata.get("is_path"))
+
+
+def paths_in(part: Any) -> Iterator[str]:
+    """What the fields of a part of a session that hold paths name, as it is written."""
+    paths = (getattr(part, name) for name in _path_fields(part.__class__))
+    yield from (path for path in paths if path is not None)
+
+
+def check_paths(part: Any) -> None:
+    """Raise SessionError where one of `paths_in` can be no path."""
+    for name in _path_fields(part.__class__):
+        check_path(name, getattr(part, name))
+
+
+P = TypeVar("P")
+
+
+def with_paths_in(part: P, rename: Callable[[str], str | None]) -> P:
+    """The part of a session with each of `paths_in` renamed; None: there is no longer one."""
+    of_part: Any = part
+    paths = {name: getattr(part, name) for name in _path_fields(of_part.__class__)}
+    renamed = {name: rename(path) for name, path in paths.items() if path is not None}
+    return replace(of_part, **renamed) if renamed else part
 
 
 def parse_size(text: str) -> tuple[int, int]:

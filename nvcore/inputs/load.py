@@ -19,7 +19,7 @@ from nvcore.dataset.provenance import read_provenance
 from nvcore.dataset.tables import tables_fingerprint
 from nvcore.errors import InputError, UnnamedClassesError
 from nvcore.findings import Remedy, Step
-from nvcore.inputs.driver.joining import with_detectability
+from nvcore.inputs.added import Input
 from nvcore.inputs.files import digest, find_files, located, system_names
 from nvcore.inputs.laying_out import laid_out, sizes_given
 from nvcore.inputs.placing import LoadedSource, place_sources
@@ -42,7 +42,7 @@ from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.inputs.subsets import renamed_reading, with_subsets_joined
 from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.progress import Progress, no_progress
-from nvcore.schema import DETECTABILITY
+from nvcore.subjects import contributed
 from nvcore.wording import count_text
 
 S = TypeVar("S", bound=Source)
@@ -90,7 +90,8 @@ def load(
         truth = _read(session, session.truth, "truth", "truth", None, truth_table, named)
     names = truth.reading.recordings["name"].tolist()
     loaded = [truth]
-    reserved = [] if session.driver.detectability is None else [DETECTABILITY]
+    added: list[Input] = [of for of in contributed("inputs") if of.is_named(session)]
+    reserved = [of.name for of in added]
     path_names = system_names(session.systems, names)
     for source, by_path in zip(session.systems, path_names, strict=True):
         name = source.name or by_path
@@ -110,7 +111,8 @@ def load(
 
     dataset = place_sources(session.of_all.as_titled, loaded, max_frames, is_compared)
     session = session.choosing_from(dataset.recordings["name"].tolist())
-    dataset = with_detectability(dataset, session)
+    for of in added:
+        dataset = of.join(dataset, session)
     return dataset.with_settings(session).only(session.only_tags, session.only)
 
 

@@ -6,38 +6,63 @@ import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final, get_type_hints
 
 from nvcore.errors import SessionError
 from nvcore.file_kinds import composed
-from nvcore.inputs.driver.session import DriverEntry, DriverTable, with_driver_paths
 from nvcore.inputs.facts import (
     FRAME_NAMES,
     check_finite,
     check_path,
+    check_paths,
     check_positive,
     check_rate,
     is_frame_range,
+    path_field,
+    paths_in,
+    with_paths_in,
 )
 from nvcore.inputs.layouts import parse_layout
 from nvcore.params.traffic import parse_context
 from nvcore.settings import Settings, as_names, new_names
+from nvcore.subjects import contributed
 
 if TYPE_CHECKING:
     from nvcore.inputs.readers.base import Role
+
+    class KeysOfSubjects:
+        """Has the fields that subjects add, by name."""
+
+        def __getattr__(self, name: str) -> Any: ...
+
+    TablesOfSubjects = KeysOfSubjects
+else:
+    KeysOfSubjects = type("KeysOfSubjects", contributed("recording_keys")[::-1], {})
+    TablesOfSubjects = type("TablesOfSubjects", contributed("session_tables")[::-1], {})
 
 MAX_OFFSET_FRAMES: Final = 1_000_000
 """Largest correction of frame numbers."""
 _MAX_FRAME: Final = 2**53
 """Frame numbers are exact in every table up to here."""
+GREATEST_SCALE: Final = 100.0
+"""Of `visible_map`: pixels of the visible picture in one of the recording."""
+GREATEST_OFFSET_PX: Final = 100_000.0
+"""Of `visible_map`."""
+TABLES_OF_SUBJECTS: Final[Mapping[str, type]] = {
+    name: kind for of in contributed("session_tables") for name, kind in get_type_hints(of).items()
+}
+"""What the tables of a session that subjects add hold, by their names."""
 
 
 @dataclass(frozen=True)
-class RecordingEntry(DriverEntry):
-    """A ``[[recording]]`` of a session; None: as in the data.
+class RecordingEntry(KeysOfSubjects):
+    """A ``[[recording]]`` of a session, with what subjects add to it; None: as in the data.
 
     `pictures` is a video, a folder or an archive, `first_picture` the number of the frame that
-    its first picture shows. `context` is that of the traffic, from 0 (urban) to 1 (rural),
+    its first picture shows. `visible` are pictures of visible light beside the `pictures` of
+    another camera, and `visible_map` (sx, sy, dx, dy) says where these show what the recording
+    does: a point (x, y) of it, px, lies at (sx x + dx, sy y + dy) of them; None: by the two sizes.
+    `context` is that of the traffic, from 0 (urban) to 1 (rural),
     `speed_kmh` the speed of the car. `tags` are words by which recordings can be chosen, such as
     "night". `title` is what it is called in place of its name in the data.
     """
@@ -48,12 +73,14 @@ class RecordingEntry(DriverEntry):
     fps: float | None = None
     frames: str | None = None
     horizon: float | None = None
-    pictures: str | None = None
+    pictures: str | None = path_field()
     first_picture: int | None = None
     tags: tuple[str, ...] = ()
     context: float | None = None
     title: str | None = None
     speed_kmh: float | None = None
+    visible: str | None = path_field()
+    visible_map: tuple[float, float, float, float] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "tags", as_names(self.tags))
@@ -75,12 +102,23 @@ class RecordingEntry(DriverEntry):
                 f"first_picture: expected a frame number, found {self.first_picture}"
             )
         check_path("frames", self.frames)
-        check_path("pictures", self.pictures)
+        check_paths(self)
         if not all(tag.strip() for tag in self.tags) or len(set(self.tags)) < len(self.tags):
             raise SessionError(
                 f"tags: expected different words, found {', '.join(map(repr, self.tags))}"
             )
-        self.check_driver()
+        if self.visible_map is None:
+            return
+        scales, offsets = self.visible_map[:2], self.visible_map[2:]
+        if not (
+            all(0 < scale <= GREATEST_SCALE for scale in scales)
+            and all(abs(offset) <= GREATEST_OFFSET_PX for offset in offsets)
+        ):  # nan is within nothing
+            numbers = ", ".join(f"{value:g}" for value in self.visible_map)
+            raise SessionError(
+                f"visible_map: expected two positive scales of at most {GREATEST_SCALE:g} and two "
+                f"offsets of at most {GREATEST_OFFSET_PX:.0f} px, found [{numbers}]"
+            )
 
 
 @dataclass(frozen=True)
@@ -178,11 +216,11 @@ class SystemSource(Source):
     offset_frames: int = 0
     offset_px: tuple[float, float] = (0.0, 0.0)
     scale: tuple[float, float] = (1.0, 1.0)
-    provenance: str | None = None
+    provenance: str | None = path_field()
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_path("provenance", self.provenance)
+        check_paths(self)
         try:
             (self.name or "").encode()
         except UnicodeEncodeError as error:
@@ -201,8 +239,8 @@ class SystemSource(Source):
 
 
 @dataclass(frozen=True)
-class Session(Settings):
-    """A comparison to be made: the inputs, and how they are compared.
+class Session(TablesOfSubjects, Settings):
+    """A comparison to be made: the inputs with what subjects add, and how they are compared.
 
     Attributes
     ----------
@@ -216,8 +254,6 @@ class Session(Settings):
         A table with more of them; once it has been read they are in `recordings`.
     size, fps, frames
         Facts for all recordings: (width, height) px, frames per second, frame list.
-    driver
-        What is known of whether the driver sees the pedestrians himself.
     hashes
         sha256 of each source when the session was written, by ``truth`` or the system's name;
         checked when it is loaded.
@@ -235,7 +271,6 @@ class Session(Settings):
     size: tuple[int, int] | None = None
     fps: float | None = None
     frames: str | None = None
-    driver: DriverTable = field(default_factory=DriverTable)
     hashes: Mapping[str, str] = field(default_factory=dict)
     pipes: tuple[str, ...] = ()
 
@@ -258,10 +293,14 @@ class Session(Settings):
         for frames in (self.frames, *(recording.frames for recording in self.recordings)):
             if frames is not None and not is_frame_range(frames):
                 yield frames
-        others = [recording.pictures for recording in self.recordings]
-        others += [path for recording in self.recordings for path in recording.driver_paths()]
-        others += [*(system.provenance for system in self.systems), *vars(self.driver).values()]
-        yield from (path for path in others if path is not None)
+        for part in self.parts:
+            yield from paths_in(part)
+
+    @property
+    def parts(self) -> tuple[object, ...]:
+        """What names files one by one: recordings, systems, and tables that subjects add."""
+        added = (getattr(self, name) for name in TABLES_OF_SUBJECTS)
+        return (*self.recordings, *self.systems, *added)
 
     @property
     def of_all(self) -> Session:
@@ -342,19 +381,14 @@ class Session(Settings):
         """
         table = self.recordings_file if self.has_unread_recordings else None
 
-        def optional(path: str | None) -> str | None:
-            return None if path is None else rename(path)
-
         def of_system(system: SystemSource) -> SystemSource:
-            paths, record = tuple(map(rename, system.path)), optional(system.provenance)
-            return replace(system, path=paths, provenance=record)
+            return replace(with_paths_in(system, rename), path=tuple(map(rename, system.path)))
 
         def of_frames(frames: str | None) -> str | None:
             return frames if frames is None or is_frame_range(frames) else rename(frames)
 
         def of_entry(entry: RecordingEntry) -> RecordingEntry:
-            frames, pictures = of_frames(entry.frames), optional(entry.pictures)
-            return replace(with_driver_paths(entry, rename), frames=frames, pictures=pictures)
+            return replace(with_paths_in(entry, rename), frames=of_frames(entry.frames))
 
         return replace(
             self,
@@ -362,9 +396,9 @@ class Session(Settings):
             truth=replace(self.truth, path=tuple(map(rename, self.truth.path))),
             systems=tuple(map(of_system, self.systems)),
             recordings=tuple(map(of_entry, self.recordings)),
-            driver=DriverTable(*map(optional, vars(self.driver).values())),
             recordings_file=None if table is None else RecordingsFile(rename(table.path)),
             frames=of_frames(self.frames),
+            **{name: with_paths_in(getattr(self, name), rename) for name in TABLES_OF_SUBJECTS},
         )
 
     def entries(self, names: Sequence[str]) -> dict[str, RecordingEntry]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from nvcore.errors import InputError
 from nvcore.file_kinds import IMAGE_SUFFIXES
-from nvcore.inputs.facts import is_frame_range
+from nvcore.inputs.facts import is_frame_range, paths_in
 from nvcore.inputs.files import find_files
 from nvcore.inputs.session import Session
 
@@ -74,20 +74,10 @@ def files_read(session: Session) -> Iterator[Path]:
     for frames in (session.frames, *(facts.frames for facts in session.recordings)):
         if frames is not None and not is_frame_range(frames):
             yield session.folder / frames
-    yield from (
-        session.folder / system.provenance
-        for system in session.systems
-        if system.provenance is not None
-    )
     if session.recordings_file is not None:
         yield session.folder / session.recordings_file.path
-    for facts in session.recordings:
-        if facts.pictures is not None:
-            yield session.folder / facts.pictures
-        yield from (session.folder / path for path in facts.driver_paths())
-    for path in (session.driver.detectability, session.driver.provenance):
-        if path is not None:
-            yield session.folder / path
+    for part in session.parts:
+        yield from (session.folder / path for path in paths_in(part))
 
 
 def _input_folder_around(folder: Path, session: Session) -> Path | None:

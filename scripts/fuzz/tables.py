@@ -13,10 +13,10 @@ import numpy as np
 from nvcore.driver.features import FEATURE_KEYS
 from nvcore.driver.fixation import read_gaze
 from nvcore.driver.illumination.meter import read_light
+from nvcore.driver.inputs.reading import read_detectability
+from nvcore.driver.inputs.trials import TRIAL_COLUMNS
 from nvcore.driver.study.pictures import read_pictures
 from nvcore.driver.trials.table import training_table
-from nvcore.inputs.driver.reading import read_detectability
-from nvcore.inputs.driver.trials import TRIAL_COLUMNS
 from nvcore.inputs.readers.base import ReadOptions, SourceFile
 from nvcore.inputs.readers.meaning.frame_names import listed_frames
 from nvcore.pictures.index import map_frames

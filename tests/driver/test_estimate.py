@@ -182,8 +182,8 @@ def test_why_the_estimator_is_to_be_doubted_is_said_and_recorded(place: Path):
     assert record["estimator"]["no_better_at_s"] == [0.5]
     assert record["estimator"]["search"] == "quick"
     dataset = load(read_session(written.session))
-    assert dataset.estimate is not None
-    assert dataset.estimate.caution == said
+    assert dataset.of("driver") is not None
+    assert dataset.of("driver").caution == said
     assert said in dataset.inputs["conversion"].iloc[-1]
     text = describe_source(compare(dataset))
     assert f"{said}; seen means that" in text

@@ -13,7 +13,7 @@ from drives import turned_by_strict_pairing
 
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
-from nvcore.dataset.estimates import EstimateRecord
+from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.evidence.claims import Basis, Support, find_claims, least_corrected_p, values_of
 from nvcore.evidence.companions import find_companions
 from nvcore.evidence.measures import significance_table
@@ -228,7 +228,7 @@ def test_useful_alerts_are_no_claim_where_nothing_is_claimed_of_whom_the_driver_
     assert "useful_alerts_by_unit" in {c.key for c in support_of(result_of(dataset)).claims}
     if kind == "useless":
         names = frozenset(dataset.recordings["name"])
-        doubted = replace(dataset, estimate=replace(OF_NO_USE, estimated_in=names))
+        doubted = replace(dataset, of_subjects={"driver": replace(OF_NO_USE, estimated_in=names)})
     else:
         doubted = replace(dataset, boxes=dataset.boxes.assign(detectability_sd=0.3))
     support = support_of(result_of(doubted))
@@ -240,7 +240,7 @@ def test_useful_alerts_are_no_claim_where_nothing_is_claimed_of_whom_the_driver_
 
 
 def test_what_is_weighted_by_an_estimator_that_learned_nothing_is_no_claim():
-    dataset = replace(seen_little([0.3, 0.3, 0.3]), estimate=OF_NO_USE)
+    dataset = replace(seen_little([0.3, 0.3, 0.3]), of_subjects={"driver": OF_NO_USE})
     plain, weighted = (
         support_of(result_of(dataset, driver_weighting=weighting)) for weighting in ("off", "on")
     )

@@ -9,9 +9,9 @@ from typing import Final
 
 import streamlit as st
 
+from nvcore.driver.inputs.session import DriverTable
 from nvcore.driver.writing import WrittenEstimates
 from nvcore.errors import NvcoreError
-from nvcore.inputs.driver.session import DriverTable
 from nvcore.inputs.session import Session
 from nvcore.progress import Progress
 from nvcore.wording import count_text
@@ -178,7 +178,7 @@ def with_estimates(session: Session, written: WrittenEstimates, *, is_upload: bo
     """
     paths = written.detectability, written.record
     named = [relative_path(path, session.folder) if is_upload else str(path) for path in paths]
-    return replace(session, driver=DriverTable(*named))
+    return replace(session, driver=DriverTable(*named))  # type: ignore[call-arg]
 
 
 ASIDE: Final = Aside(draw_aside, take_over, give_up)

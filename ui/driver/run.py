@@ -10,7 +10,7 @@ from typing import Final
 import streamlit as st
 
 from nvcore.dataset import Dataset
-from nvcore.dataset.estimates import EstimateRecord
+from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.driver.writing import WrittenEstimates, write_estimates
 from nvcore.errors import InputError, NvcoreError
 from nvcore.progress import Progress
@@ -150,7 +150,7 @@ def _choose_recordings() -> tuple[str, ...]:
         )
     else:
         st.caption(f"{text} ({how}).")
-    if warning := lost_words(state.opened().dataset.estimate, names, chosen):
+    if warning := lost_words(state.opened().dataset.of("driver"), names, chosen):
         st.caption(plain(warning))
     return tuple(name for name in usable if name in chosen)
 

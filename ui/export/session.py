@@ -18,6 +18,7 @@ from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.file_kinds import unpacked_name
 from nvcore.findings import Finding
+from nvcore.inputs.facts import paths_in
 from nvcore.inputs.readers.meaning.names import NEUTRAL
 from nvcore.inputs.session import Session
 from ui.session.opening import relative_path
@@ -66,7 +67,7 @@ def inputs_beside(portable: Session, given: Container[str] = ()) -> list[str]:
         Names of files that come with it.
     """
     entries = portable.recordings
-    of_view = {path for entry in entries for path in (entry.pictures, *entry.driver_paths())}
+    of_view = {path for entry in entries for path in paths_in(entry)}
     names = dict.fromkeys(portable.paths())
     return [path for path in names if path not in of_view and path not in given]
 

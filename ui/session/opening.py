@@ -20,11 +20,17 @@ from nvcore.dataset import Dataset
 from nvcore.errors import InputError, SessionError
 from nvcore.file_kinds import as_stored, composed
 from nvcore.findings import Finding
-from nvcore.inputs.driver.session import DriverTable, without_driver_paths
-from nvcore.inputs.facts import FRAME_RANGE, is_frame_range
+from nvcore.inputs.facts import FRAME_RANGE, is_frame_range, with_paths_in
 from nvcore.inputs.files import NAME_PARTS
 from nvcore.inputs.patterns import matching
-from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session, Source, SystemSource
+from nvcore.inputs.session import (
+    TABLES_OF_SUBJECTS,
+    RecordingEntry,
+    RecordingsFile,
+    Session,
+    Source,
+    SystemSource,
+)
 from nvcore.params import Params
 from nvcore.pictures.open import is_below
 from ui.confined.reading import (
@@ -127,14 +133,17 @@ def uploaded_session(content: bytes, folder: Path, files: Sequence[str], picture
             for entry in session.recordings
         ),
         frames=frames,
-        driver=DriverTable(*map(sent.optional, vars(session.driver).values())),
+        **{
+            name: with_paths_in(getattr(session, name), lambda path: str(sent.find(path)[0]))
+            for name in TABLES_OF_SUBJECTS
+        },
     )
 
 
 def with_uploaded_recordings(session: Session, pictures: Path) -> Session:
     """The session with its table of recordings read, and only such pictures as were sent.
 
-    What it says of the driver's view is left out: nobody has sent that.
+    All other files that it names for recordings are left out: nobody has sent them.
 
     Parameters
     ----------
@@ -148,8 +157,10 @@ def with_uploaded_recordings(session: Session, pictures: Path) -> Session:
     """
     session = with_recordings_confined(session)
     entries = tuple(
-        without_driver_paths(
-            replace(entry, pictures=_uploaded_pictures(entry.pictures, pictures, session.folder))
+        replace(
+            with_paths_in(entry, lambda _: None),
+            pictures=_uploaded_pictures(entry.pictures, pictures, session.folder),
+            visible_map=None,
         )
         for entry in session.recordings
     )
@@ -176,9 +187,6 @@ class _Sent:
 
     def frames(self, text: str) -> str:
         return text if is_frame_range(text) else str(self.find(text)[0])
-
-    def optional(self, text: str | None) -> str | None:
-        return None if text is None else str(self.find(text)[0])
 
     def find(self, text: str) -> list[PurePosixPath]:
         """The file or folder that shares the most parts at the end of its path; all of a glob."""

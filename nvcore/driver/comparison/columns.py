@@ -178,7 +178,10 @@ def driver_views(dataset: Dataset) -> dict[str, np.ndarray]:
     own = [entries.get(name, RecordingEntry(name)) for name in names]
     return {
         "has_visible": np.array([entry.visible is not None for entry in own], bool),
-        "light_by": np.array([entry.light_by for entry in own], object),
+        "light_by": np.array(
+            ["meter" if entry.light else "picture" if entry.visible else "" for entry in own],
+            object,
+        ),
         "has_gaze": np.array([entry.gaze is not None for entry in own], bool),
     }
 

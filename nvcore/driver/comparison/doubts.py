@@ -25,7 +25,7 @@ def is_stated(result: Result) -> bool:
 
 def count_origins(result: Result) -> tuple[int, int]:
     """In how many recordings detectability is estimated, and in how many the ground truth's own."""
-    estimate = result.dataset.estimate
+    estimate = result.dataset.of("driver")
     if estimate is None:
         return 0, 0
     names = frozenset(result.dataset.recordings["name"])
@@ -46,7 +46,7 @@ def are_all_open(result: Result) -> bool:
 
 def doubt_of_estimator(result: Result) -> str:
     """Why no estimate is to be believed; empty: no reason is known, or none was made."""
-    estimate = result.dataset.estimate
+    estimate = result.dataset.of("driver")
     if estimate is None or is_stated(result):
         return ""
     if estimate.of_no_use:

@@ -76,7 +76,7 @@ def describe_sight(result: Result, encounter: int) -> str:
         return f"Driver: {SIGHT_WORDS[sight]}, as {result.objects.say(SIGHT_TEXT[sight])}."
     largest, sd = driver_in(result).table[["detectability", "sd"]].iloc[encounter]
     value = f"{largest:.2f}" + (f" ± {sd:.2f}" if np.isfinite(sd) else "")
-    record = result.dataset.estimate
+    record = result.dataset.of("driver")
     name = result.dataset.recordings["name"].iloc[result.encounters.recording[encounter]]
     if record is not None and record.caution and name in record.estimated_in:
         value = f"{value} ({record.caution})"

@@ -49,7 +49,7 @@ def _limits(result: Result) -> tuple[str, ...]:
 
 def _estimated(result: Result) -> str:
     """Why what is said of the driver is to be doubted; empty: nothing is known, or nothing said."""
-    estimate = result.dataset.estimate
+    estimate = result.dataset.of("driver")
     if not driver_in(result).has_any or estimate is None or is_stated(result):
         return ""
     if not estimate.caution:

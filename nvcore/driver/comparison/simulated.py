@@ -41,7 +41,7 @@ def describe_change(
         Seconds from the recording's first frame, as those of the course.
     caution
         Whose answers the estimates rest on, where some were simulated
-        (`nvcore.dataset.estimates.EstimateRecord.caution`).
+        (`nvcore.driver.inputs.record.EstimateRecord.caution`).
     objects
         What is to be seen.
     """

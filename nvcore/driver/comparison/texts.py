@@ -141,7 +141,7 @@ def describe_known(result: Result, *, of_urgent: bool = False) -> str:
 
 def _by(result: Result) -> str:
     """On whose word it rests what the driver sees."""
-    estimate = result.dataset.estimate
+    estimate = result.dataset.of("driver")
     n_estimated, n_stated = count_origins(result)
     if estimate is None or is_stated(result):
         return "by the ground truth"
@@ -168,7 +168,7 @@ def _in_time(result: Result) -> str:
 
 def describe_source(result: Result) -> str:
     """Where detectability comes from, and of how much it is known."""
-    estimate = result.dataset.estimate
+    estimate = result.dataset.of("driver")
     share = percent(result.params.driver_threshold)
     threshold = (
         f"seen means that at least {share} of drivers would see the {result.objects.singular}"
@@ -205,7 +205,7 @@ def _known(result: Result) -> str:
 
 def _outside(result: Result) -> str:
     """How many values were estimated outside the training's range, and how many of them decide."""
-    record, values = result.dataset.estimate, result.dataset.detectability
+    record, values = result.dataset.of("driver"), result.dataset.detectability
     is_known = ~(np.isnan(values.value) | result.dataset.truth.ignore)
     n_known, n = (int(np.count_nonzero(is_known & of)) for of in (True, values.is_outside))
     n_encounters = driver_in(result).n_outside
@@ -244,7 +244,7 @@ def _undecided(result: Result) -> str:
 
 def _adapted(result: Result) -> str:
     """How many estimates take the eyes for adapted, where these are not few or decide."""
-    record = result.dataset.estimate
+    record = result.dataset.of("driver")
     if record is None or is_stated(result):
         return ""
     n, n_unknown = record.n_estimates, record.n_light_unknown

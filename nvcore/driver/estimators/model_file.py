@@ -11,7 +11,6 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from nvcore.dataset.estimates import SEARCHES
 from nvcore.driver.estimators.model import (
     KERNELS,
     N_FEATURES,
@@ -23,8 +22,9 @@ from nvcore.driver.estimators.model import (
 )
 from nvcore.driver.feature_record import picture_px_from_json, settings_from_json
 from nvcore.driver.features import FEATURE_KEYS, FeatureSettings
+from nvcore.driver.inputs.picture_boxes import LARGEST
+from nvcore.driver.inputs.record import SEARCHES
 from nvcore.errors import EstimatorError
-from nvcore.inputs.driver.picture_boxes import LARGEST
 from nvcore.output import arrays as archives
 from nvcore.output.arrays import BadArchiveError, Kinds
 from nvcore.output.files import write_whole

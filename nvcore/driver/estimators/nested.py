@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from nvcore.driver.estimators.model import Regression
 from nvcore.driver.estimators.search import PAIRS, Check, Choice, Columns, Search, choose, fit
 from nvcore.driver.features import FEATURE_KEYS
+from nvcore.driver.inputs.picture_boxes import PEDESTRIAN
 from nvcore.driver.trials.table import TrainingTable
 from nvcore.errors import InputError
-from nvcore.inputs.driver.picture_boxes import PEDESTRIAN
 from nvcore.progress import Progress, T, run_steps
 from nvcore.wording import count_text, listed, percent
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.estimators.model import Estimator
 from nvcore.driver.features import FEATURE_KEYS, FEATURES
+from nvcore.driver.inputs.record import EstimateRecord
 
 LABELS: Final = {feature.key: feature.label for feature in FEATURES}
 """What each feature is called."""

@@ -11,9 +11,9 @@ from typing import Final
 
 import numpy as np
 
+from nvcore.driver.inputs.picture_boxes import picture_boxes, read_picture_boxes
 from nvcore.errors import InputError, MediaError
 from nvcore.file_kinds import IMAGE_SUFFIXES
-from nvcore.inputs.driver.picture_boxes import picture_boxes, read_picture_boxes
 from nvcore.inputs.readers.parse.table import TextTable
 from nvcore.pictures.base import Picture
 from nvcore.pictures.header import image_size

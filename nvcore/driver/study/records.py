@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 
+from nvcore.driver.inputs.trials import LONGEST_S
 from nvcore.driver.study.pictures import StudyPicture
 from nvcore.driver.study.plan import Trial
 from nvcore.driver.study.settings import StudySettings
 from nvcore.errors import InputError
-from nvcore.inputs.driver.trials import LONGEST_S
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from dataclasses import asdict, dataclass, fields
 from itertools import pairwise
 from typing import Any, Final, Literal
 
+from nvcore.driver.inputs.trials import LATE_S, is_same_time
 from nvcore.errors import InputError
-from nvcore.inputs.driver.trials import LATE_S, is_same_time
 from nvcore.people.terms import KEPT_DAYS, check_terms
 from nvcore.wording import listed
 

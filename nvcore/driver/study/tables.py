@@ -7,12 +7,12 @@ from typing import Any
 
 import pandas as pd
 
+from nvcore.driver.inputs.picture_boxes import BOX, PEDESTRIAN
+from nvcore.driver.inputs.trials import NO_ANSWER, TRIAL_COLUMNS, is_off_time
 from nvcore.driver.study.plan import Trial
 from nvcore.driver.study.records import Answer, DetectabilityStudy
 from nvcore.driver.study.settings import Timing
 from nvcore.driver.study.store import DetectabilityStore
-from nvcore.inputs.driver.picture_boxes import BOX, PEDESTRIAN
-from nvcore.inputs.driver.trials import NO_ANSWER, TRIAL_COLUMNS, is_off_time
 
 
 def marks_of(trial: Trial, answer: Answer, n_shown: int, timing: Timing) -> list[str]:

@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
+from nvcore.driver.inputs.picture_boxes import BOX, PEDESTRIAN
+from nvcore.driver.inputs.trials import is_off_time
 from nvcore.errors import InputError, ParameterError
-from nvcore.inputs.driver.picture_boxes import BOX, PEDESTRIAN
-from nvcore.inputs.driver.trials import is_off_time
 
 DISPLAY_S: Final = 0.5
 """How long a picture is shown (paper)."""

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.driver.features import FEATURE_KEYS
-from nvcore.inputs.driver.picture_boxes import (
+from nvcore.driver.inputs.picture_boxes import (
     BOX,
     LARGEST,
     PEDESTRIAN,
@@ -18,7 +18,7 @@ from nvcore.inputs.driver.picture_boxes import (
     picture_boxes,
     read_picture_boxes,
 )
-from nvcore.inputs.driver.trials import LONGEST_S, TRIAL_COLUMNS
+from nvcore.driver.inputs.trials import LONGEST_S, TRIAL_COLUMNS
 from nvcore.inputs.readers.parse.table import TextTable, parse_table, read_table
 
 SIMULATED: Final = "simulated"

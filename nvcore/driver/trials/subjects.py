@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
+from nvcore.driver.inputs.picture_boxes import PEDESTRIAN
 from nvcore.driver.trials.judging import Judging
-from nvcore.inputs.driver.picture_boxes import PEDESTRIAN
 from nvcore.metrics.shares import share_of
 from nvcore.wording import percent
 

@@ -11,6 +11,8 @@ import pandas as pd
 
 from nvcore.driver.feature_record import picture_px_beside, settings_beside
 from nvcore.driver.features import FeatureSettings
+from nvcore.driver.inputs.picture_boxes import PEDESTRIAN
+from nvcore.driver.inputs.trials import LATE_S, NO_ANSWER, is_same_time
 from nvcore.driver.trials.judging import Judging, judge_trials
 from nvcore.driver.trials.reading import (
     SIMULATED,
@@ -21,8 +23,6 @@ from nvcore.driver.trials.reading import (
 from nvcore.driver.trials.subjects import CELL, subjects_table
 from nvcore.errors import InputError
 from nvcore.findings import Remedy, Step
-from nvcore.inputs.driver.picture_boxes import PEDESTRIAN
-from nvcore.inputs.driver.trials import LATE_S, NO_ANSWER, is_same_time
 from nvcore.metrics.shares import share_of
 from nvcore.wording import count_text, did_you_mean, listed
 
@@ -115,7 +115,7 @@ def training_table(
     Parameters
     ----------
     trials
-        File of `nvcore.inputs.driver.trials.TRIAL_COLUMNS`.
+        File of `nvcore.driver.inputs.trials.TRIAL_COLUMNS`.
     features
         File of ``image,pedestrian`` and the eight features.
     boxes

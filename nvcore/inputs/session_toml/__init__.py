@@ -13,7 +13,8 @@
     first_picture = 0        number of the frame that the first picture shows
     tags = ["night", "rain"] words by which recordings can be chosen
     title = "Night drive 1"  what it is called, in place of its name in the data
-    visible = "visible.mp4"  and what else is known of the driver: nvcore.inputs.driver.session
+    visible = "visible.mp4"  pictures of visible light: a video, a folder, or an archive
+    visible_map = [1.5, 1.5, 8, -12]  x_visible = 1.5 x + 8, y_visible = 1.5 y - 12
 
     [recordings]             the same as a table (see nvcore.inputs.recordings_file)
     path = "recordings.csv"
@@ -65,6 +66,8 @@
     name = "Report 2015"     miss_rate, and precision, fppi or fppw
     recall = 0.939
     precision = 0.215
+
+What subjects read of a session is said in their rooms (`nvcore.driver.inputs.session`).
 
 Paths are relative to the session file. A session written by the program also holds the version,
 the sha256 of every input, and which of the paths were pipes.

@@ -19,9 +19,9 @@ from types import UnionType
 from typing import Any, Final, TypeVar, get_args, get_origin, get_type_hints
 
 from nvcore.errors import ParameterError, SessionError
-from nvcore.inputs.driver.session import DriverTable
 from nvcore.inputs.facts import parse_size
 from nvcore.inputs.session import (
+    TABLES_OF_SUBJECTS,
     RecordingEntry,
     RecordingsFile,
     Session,
@@ -53,8 +53,8 @@ _TABLES: Final = frozenset(
         "parameters",
         "protocol",
         "published",
-        "driver",
         "written",
+        *TABLES_OF_SUBJECTS,
     }
 )
 _DEFAULTS: Final = {"size": str, "fps": float, "frames": str}
@@ -161,6 +161,10 @@ class _Decoder:
         written = self.table(content, "written")
         hashes = self.value(Mapping[str, str], written.get("sha256", {}), "[written]: sha256")
         pipes = self.value(tuple[str, ...], written.get("pipes", []), "[written]: pipes")
+        added: dict[str, Any] = {
+            name: self.decode(kind, self.table(content, name), f"[{name}]")
+            for name, kind in TABLES_OF_SUBJECTS.items()
+        }
         with self.errors_in("the session"):
             return Session(
                 folder=self.path.resolve().parent,
@@ -171,9 +175,9 @@ class _Decoder:
                 params=params,
                 protocol=protocol,
                 published=tuple(published),
-                driver=self.decode(DriverTable, self.table(content, "driver"), "[driver]"),
                 hashes=hashes,
                 pipes=pipes,
+                **added,
                 **defaults,
                 **compare,
             )

@@ -10,7 +10,13 @@ from typing import Any
 import tomli_w
 
 from nvcore.inputs.pipes import is_pipe
-from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
+from nvcore.inputs.session import (
+    TABLES_OF_SUBJECTS,
+    RecordingEntry,
+    Session,
+    Source,
+    SystemSource,
+)
 from nvcore.params.traffic import context_word
 
 
@@ -51,7 +57,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
         "recordings": {} if table is None else {"path": table.path},
         "defaults": _given(defaults),
         "truth": _source_table(session.truth),
-        "driver": _given(vars(session.driver)),
+        **{name: _given(vars(getattr(session, name))) for name in TABLES_OF_SUBJECTS},
     }
     recordings = [_recording_table(entry) for entry in session.recordings]
     systems = [
@@ -74,7 +80,8 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
 def _recording_table(entry: RecordingEntry) -> dict[str, Any]:
     context = None if entry.context is None else context_word(entry.context)
     own = {"context": context, "tags": list(entry.tags) or None}
-    return _given({"name": entry.name, **vars(entry), **own})
+    first = {name: getattr(entry, name) for name in ("name", "visible", "visible_map")}
+    return _given(first | vars(entry) | own)
 
 
 def _given(values: dict[str, Any]) -> dict[str, Any]:

@@ -51,14 +51,6 @@ CAVEATS: Final = Caveats(
         "threshold-keeps-nothing": "a threshold leaves no detection",
     },
     lesser={
-        "detectability-without-box": "estimates of detectability are of no box of the ground truth",
-        "doubtful-light-meter": "a light meter may be of another unit or clock, and with it what "
-        "the driver sees",
-        "doubtful-visible-pictures": "pictures or gaze may be of another view, and with it what "
-        "the driver sees",
-        "detectability-other-record": "the record of how detectability was estimated is about "
-        "another file",
-        "detectability-twice": "ground truth and estimates state different detectabilities",
         "missing-provenance": "a system's record of its training is not there",
         "kitti-size": "the truth contradicts the picture size of some recordings",
         "outside-picture": "boxes lie outside the picture",

@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nvcore.comparison import Result, compare
-from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.comparison.encounters import (
     DRIVER_THRESHOLDS,
     describe_sight,
@@ -19,6 +18,7 @@ from nvcore.driver.comparison.encounters import (
     over_driver_threshold,
 )
 from nvcore.driver.comparison.steps import driver_in
+from nvcore.driver.inputs.record import EstimateRecord
 
 TRACKS = "abcdefgh"
 
@@ -75,7 +75,7 @@ def test_estimates_learnt_from_simulated_subjects_are_called_so():
     result = result_with(0.2)
     own = frozenset(result.dataset.recordings["name"])
     record = EstimateRecord("m", "", "all", 12, estimated_in=own)
-    named = replace(result, dataset=replace(result.dataset, estimate=record))
+    named = replace(result, dataset=replace(result.dataset, of_subjects={"driver": record}))
     assert "0.20 (learnt from simulated subjects) by the" in describe_sight(named, 0)
 
 

@@ -13,7 +13,6 @@ from approach import approach, only
 from builders import NAN, Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result, compare
-from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.comparison.encounters import (
     detectability_course,
     driver_venn_table,
@@ -33,6 +32,7 @@ from nvcore.driver.comparison.texts import (
     regions_text,
     weighting,
 )
+from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.evidence.measures import significance_table
 from nvcore.measures.table import MEASURES
 from nvcore.objects import PEDESTRIAN, objects_from
@@ -62,7 +62,7 @@ def eight(n_recordings: int = 1, *, unknown: int = 1, **params: str) -> Result:
 
 
 def with_estimate(result: Result, record: EstimateRecord) -> Result:
-    return replace(result, dataset=replace(result.dataset, estimate=record))
+    return replace(result, dataset=replace(result.dataset, of_subjects={"driver": record}))
 
 
 def test_the_alerts_of_each_system_are_counted_in_the_scorecard():
@@ -432,7 +432,7 @@ def test_of_an_estimator_that_learned_nothing_nothing_is_claimed():
     )
     assert alerts.startswith("By the estimates (as a whole no better than a constant), the driver")
     seen = make_dataset([at(0, 50, track=1, detectability=0.9)])
-    useless = with_estimate(result_of(seen), result.dataset.estimate)
+    useless = with_estimate(result_of(seen), result.dataset.of("driver"))
     assert describe_driver(useless)[1].endswith("the driver sees 1 of 1 encounter unaided.")
     assert "estimated by the estimator m (3 subjects), as a whole no better" in describe_source(
         result

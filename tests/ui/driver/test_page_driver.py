@@ -15,10 +15,10 @@ from builders import at, make_dataset, result_of
 from held_estimate import Held
 from picture_files import write_picture
 
-from nvcore.dataset.estimates import EstimateRecord
 from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.driver.face import estimate_driver
+from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.driver.writing import WrittenEstimates
 from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source

@@ -8,6 +8,7 @@ from typing import Final
 import streamlit as st
 
 from nvcore.driver.estimators.nested import LEAST_PEDESTRIANS
+from nvcore.driver.inputs.trials import LATE_S
 from nvcore.driver.study.records import DetectabilityStudy
 from nvcore.driver.study.tables import (
     about,
@@ -17,7 +18,6 @@ from nvcore.driver.study.tables import (
     trials_table,
 )
 from nvcore.errors import InputError
-from nvcore.inputs.driver.trials import LATE_S
 from ui.driver.study import setup
 from ui.driver.study.files import STUDIES
 from ui.people.addresses import draw_addresses

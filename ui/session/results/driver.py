@@ -84,19 +84,19 @@ def light_trouble(recording: int) -> str:
 
 def caution_of(result: Result) -> str:
     """Why the estimates are to be doubted, such as simulated subjects; empty: no reason."""
-    record = result.dataset.estimate
+    record = result.dataset.of("driver")
     return "" if record is None else record.caution
 
 
 def is_estimated(result: Result, recording: int) -> bool:
     """Whether detectability in a recording is by an estimator whose name is known."""
-    record, name = result.dataset.estimate, result.dataset.recordings["name"].iloc[recording]
+    record, name = result.dataset.of("driver"), result.dataset.recordings["name"].iloc[recording]
     return record is not None and bool(record.made_by) and name in record.estimated_in
 
 
 def recorded_light() -> LightSettings | None:
     """What counted as a change of light where the estimates were made; None: nobody says it."""
-    record = state.opened().dataset.estimate
+    record = state.opened().dataset.of("driver")
     if record is None or not record.light:
         return None
     try:
@@ -108,7 +108,7 @@ def recorded_light() -> LightSettings | None:
 def may_be_another_clock(recording: int) -> bool:
     """Whether estimates may rest on another clock than `clock_of` shows beside them."""
     dataset = state.opened().dataset
-    is_of_file = dataset.estimate is not None and part_of(recording) is None
+    is_of_file = dataset.of("driver") is not None and part_of(recording) is None
     return is_of_file and recorded_light() is None and clock_of(recording) is not None
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from inputs import write
 
+from nvcore.driver.inputs.session import DriverTable
 from nvcore.errors import SessionError
-from nvcore.inputs.driver.session import DriverTable
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.inputs.session_toml import read_session, write_session
 from nvcore.report.protect_inputs import files_read

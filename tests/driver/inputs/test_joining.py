@@ -14,10 +14,10 @@ from inputs import drive, nvcore, session_of, write
 from nvcore.auditing import audit
 from nvcore.comparison import compare
 from nvcore.dataset import Dataset
-from nvcore.dataset.estimates import EstimateRecord, estimate_json, read_estimate_record
 from nvcore.driver.comparison.steps import driver_in
+from nvcore.driver.inputs.record import EstimateRecord, estimate_json, read_estimate_record
+from nvcore.driver.inputs.session import DriverTable
 from nvcore.errors import FormatError, InputError
-from nvcore.inputs.driver.session import DriverTable
 from nvcore.inputs.load import load
 from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.inputs.session_toml import read_session, write_session
@@ -71,7 +71,7 @@ def stated(folder: Path, *values: str, name: str = "truth.csv") -> Session:
 def test_a_column_of_the_truth_is_read_and_what_is_empty_is_unknown(tmp_path):
     dataset = load(stated(tmp_path, "0.25", "", "1"))
     assert known(dataset) == {("urban", 0): 0.25, ("urban", 2): 1.0}
-    assert dataset.estimate is None
+    assert dataset.of("driver") is None
     assert not dataset.boxes["detectability"][len(dataset.truth) :].notna().any()
 
 
@@ -261,7 +261,7 @@ def test_the_record_says_who_estimated_and_whether_subjects_were_simulated(tmp_p
     )
     (tmp_path / "d.json").write_bytes(estimate_json(record))
     dataset = load(session)
-    assert dataset.estimate == record
+    assert dataset.of("driver") == record
     conversion = dataset.inputs["conversion"].iloc[-1]
     assert "1 of 1 rows joined" in conversion
     assert "estimated by the estimator driver (12 subjects, fingerprint 5f1c00112233)" in conversion
@@ -315,7 +315,7 @@ def test_a_light_meter_in_doubt_is_a_warning_of_the_audit_and_part_of_what_is_sa
     record = EstimateRecord("m", light_doubts={"urban": "one reading in 50 s"})
     (tmp_path / "d.json").write_bytes(estimate_json(record))
     dataset = load(session)
-    assert dataset.estimate == record
+    assert dataset.of("driver") == record
     (found,) = [one for one in dataset.findings if one.code == "doubtful-light-meter"]
     assert "urban (one reading in 50 s)" in found.message
     assert record.caution == "in urban by a light meter that may be of another unit or clock"
@@ -326,7 +326,7 @@ def test_pictures_in_doubt_are_a_warning_of_the_audit_and_part_of_what_is_said(t
     record = EstimateRecord("m", picture_doubts={"urban": "boxes are scaled by 1.5 across"})
     (tmp_path / "d.json").write_bytes(estimate_json(record))
     dataset = load(session)
-    assert dataset.estimate == record
+    assert dataset.of("driver") == record
     (found,) = [one for one in dataset.findings if one.code == "doubtful-visible-pictures"]
     assert "urban (boxes are scaled by 1.5 across)" in found.message
     assert record.caution == "in urban from pictures or gaze that may be of another view"
@@ -403,5 +403,5 @@ def test_a_row_without_a_value_leaves_what_the_truth_states(tmp_path):
     write(tmp_path / "detectability.csv", HEAD, *rows)
     dataset = load(replace(session, driver=DriverTable("detectability.csv")))
     assert known(dataset) == {("urban", 0): 0.25, ("urban", 1): 0.5, ("urban", 2): 0.75}
-    assert dataset.estimate is not None
-    assert dataset.estimate.estimated_in == dataset.estimate.stated_in == {"urban"}
+    assert dataset.of("driver") is not None
+    assert dataset.of("driver").estimated_in == dataset.of("driver").stated_in == {"urban"}

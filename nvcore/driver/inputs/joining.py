@@ -13,9 +13,11 @@ import pandas as pd
 
 from nvcore.columns import offsets_of
 from nvcore.dataset import Dataset
-from nvcore.dataset.estimates import EstimateRecord, estimate_json, read_estimate_record
+from nvcore.driver.inputs.reading import read_detectability
+from nvcore.driver.inputs.record import EstimateRecord, estimate_json, read_estimate_record
+from nvcore.driver.inputs.session import DETECTABILITY
 from nvcore.findings import Finding
-from nvcore.inputs.driver.reading import read_detectability
+from nvcore.inputs.added import Input
 from nvcore.inputs.files import digest
 from nvcore.inputs.hashes import changed_input
 from nvcore.inputs.placing import REASONS, Places
@@ -23,7 +25,7 @@ from nvcore.inputs.readers.base import SourceFile, warning
 from nvcore.inputs.session import Session
 from nvcore.metrics.kernels import over_ranges
 from nvcore.metrics.kernels.joining import join_frames
-from nvcore.schema import DETECTABILITY, DETECTABILITY_COLUMNS, categories_of
+from nvcore.schema import DETECTABILITY_COLUMNS, categories_of
 from nvcore.wording import MOST_NAMED, listed, one_line, shortened
 
 TOLERANCE_PX: Final = 1e-3 * (1 + 1e-6)
@@ -45,7 +47,7 @@ class _Estimates:
 
 
 def with_detectability(dataset: Dataset, session: Session) -> Dataset:
-    """The dataset with the detectability that its session names a file of; else itself.
+    """The dataset with the detectability that its session names a file of.
 
     Each row is joined to the truth's box of the same recording and frame whose four coordinates
     differ by no more than a thousandth of a pixel, and whose track is the same where both have one.
@@ -57,9 +59,7 @@ def with_detectability(dataset: Dataset, session: Session) -> Dataset:
     InputError
         If the file, or the record of how it came to be, cannot be used; with file and line.
     """
-    name = session.driver.detectability
-    if name is None:
-        return dataset
+    name: str = session.driver.detectability
     file = SourceFile(session.folder / name, name)
     provenance = session.driver.provenance
     record = None
@@ -154,9 +154,12 @@ def _joined(
             *_of_doubtful_pictures(estimates),
         ),
         fingerprint=hashlib.sha256(text).hexdigest(),
-        estimate=_with_origins(
-            record or EstimateRecord(), dataset, columns["detectability"], row_of[has_value]
-        ),
+        of_subjects={
+            **dataset.of_subjects,
+            "driver": _with_origins(
+                record or EstimateRecord(), dataset, columns["detectability"], row_of[has_value]
+            ),
+        },
     )
 
 
@@ -273,3 +276,10 @@ def _twice(dataset: Dataset, detectability: np.ndarray, name: str) -> list[Findi
             file=name,
         )
     ]
+
+
+INPUT: Final = Input(
+    name=DETECTABILITY,
+    is_named=lambda session: session.driver.detectability is not None,
+    join=with_detectability,
+)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 import pandas as pd
 
+from nvcore.auditing import Checks
 from nvcore.auditing.cases import file_name, place, place_of_frame
 from nvcore.dataset import Dataset
-from nvcore.findings import Cases, Finding, Severity
-from nvcore.schema import DETECTABILITY
+from nvcore.driver.inputs.session import DETECTABILITY
+from nvcore.findings import Cases, Caveats, Finding, Severity
 from nvcore.wording import count_text
 
 OTHER_FRAMES = "frame not listed"
@@ -16,7 +19,7 @@ OTHER_FRAMES = "frame not listed"
 
 def audit_detectability(dataset: Dataset) -> list[Finding]:
     """Findings on a file of estimates; none where the session names none."""
-    if dataset.estimate is None:
+    if dataset.of("driver") is None:
         return []
     lost = dataset.left_out.reset_index(drop=True)
     lost = lost[lost["subject"] == DETECTABILITY]
@@ -85,3 +88,19 @@ def _boxes_without(dataset: Dataset) -> list[Finding]:
             cases=Cases("boxes", np.flatnonzero(is_unknown) + truth.first_row),
         )
     ]
+
+
+CHECKS: Final = Checks(inputs=(audit_detectability,))
+CAVEATS: Final = Caveats(
+    warned={},
+    lesser={
+        "detectability-without-box": "estimates of detectability are of no box of the ground truth",
+        "doubtful-light-meter": "a light meter may be of another unit or clock, and with it what "
+        "the driver sees",
+        "doubtful-visible-pictures": "pictures or gaze may be of another view, and with it what "
+        "the driver sees",
+        "detectability-other-record": "the record of how detectability was estimated is about "
+        "another file",
+        "detectability-twice": "ground truth and estimates state different detectabilities",
+    },
+)

@@ -1,0 +1,67 @@
+"""What a session says of the driver: where he looked, how bright it was, what he saw.
+
+[[recording]]
+light = "lux.csv"                 time_s,lux of a light meter
+gaze = "gaze.csv"                 frame,x,y of where the driver looked
+
+[driver]
+detectability = "detectability.csv"  what nvcore driver estimate wrote
+provenance = "detectability.json"    a record of how
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Final
+
+from nvcore.errors import SessionError
+from nvcore.inputs.facts import check_paths, path_field
+
+DETECTABILITY: Final = "detectability"
+"""Subject of findings about a file of estimates of it, among truth and systems."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DriverEntry:
+    """What a ``[[recording]]`` says of the driver; None: nothing.
+
+    Attributes
+    ----------
+    light
+        CSV of a light meter: time_s (0 at frame 0), lux.
+    gaze
+        CSV of where the driver looked: frame, x, y (px of the visible picture, where there is one).
+    """
+
+    light: str | None = path_field()
+    gaze: str | None = path_field()
+
+
+@dataclass(frozen=True)
+class DriverTable:
+    """The ``[driver]`` of a session.
+
+    Attributes
+    ----------
+    detectability
+        CSV of how likely the driver sees each pedestrian by himself, 0 to 1, in each frame
+        (docs/driver.md); None: nothing is known.
+    provenance
+        A record of how it was estimated (`nvcore.driver.inputs.record`); None: nothing is known.
+    """
+
+    detectability: str | None = path_field()
+    provenance: str | None = path_field()
+
+    def __post_init__(self) -> None:
+        check_paths(self)
+        for name in ("detectability", "provenance"):
+            if getattr(self, name) == "":
+                raise SessionError(f"{name}: expected a file, found nothing")
+
+
+@dataclass(frozen=True, kw_only=True)
+class DriverTables:
+    """What is known of whether the driver sees the pedestrians himself."""
+
+    driver: DriverTable = field(default_factory=DriverTable)
