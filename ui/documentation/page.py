@@ -24,7 +24,6 @@ _DOCUMENTS: Final[tuple[Document, ...]] = in_place(
         Document("validation", "Validation"),
         Document("report", "Report files"),
         Document("formats", "Formats"),
-        Document("driver", "The driver"),
         Document("python", "Python"),
     ),
     chain(*contributed("DOCUMENTS")),

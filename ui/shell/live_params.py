@@ -8,12 +8,11 @@ from typing import Any, Final
 import numpy as np
 import streamlit as st
 
-from nvcore.driver.comparison.settings import DRIVER
 from nvcore.errors import ParameterError
 from nvcore.metrics.proximity import in_use
 from nvcore.params import SETTINGS, Params
 from nvcore.params.presets import Preset
-from nvcore.stages import MISS_WEIGHTS, THRESHOLD, Setting
+from nvcore.stages import THRESHOLD, Setting
 from ui.session import settings, state
 
 KEPT_NUMBERS: Final = 1e-9
@@ -70,7 +69,7 @@ def value_when_set(name: str) -> float:
 
 def is_used(setting: Setting) -> bool:
     """Whether the setting has a meaning with the data and the choices that are made."""
-    if setting.stage in (DRIVER, MISS_WEIGHTS) and not state.opened().dataset.has_detectability:
+    if setting.applies is not None and not setting.applies(state.opened().dataset):
         return False
     if setting.used_with is None:
         return True

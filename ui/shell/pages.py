@@ -8,7 +8,6 @@ from typing import Final
 import streamlit as st
 from streamlit.navigation.page import StreamlitPage
 
-from nvcore.driver.comparison.settings import DRIVER
 from nvcore.stages import (
     ENCOUNTERS,
     EVENTS,
@@ -23,7 +22,6 @@ from nvcore.stages import (
 )
 from nvcore.subjects import contributed as results_of_subjects
 from nvcore.subjects import in_place
-from nvcore.time_left.settings import TIME_LEFT
 from ui.shell.navigate import PAGES
 from ui.subjects import Page, contributed
 
@@ -44,13 +42,6 @@ _PAGES: Final[tuple[Page, ...]] = in_place(
             "Encounters",
             "Compare",
             shown=(SIMILARITY, ENCOUNTERS, SEVERITY, *_ADDED),
-        ),
-        Page(
-            "driver",
-            "Driver",
-            "Compare",
-            shown=(ENCOUNTERS, SEVERITY, TIME_LEFT, DRIVER),
-            own=(DRIVER,),
         ),
         Page("saliency", "Saliency", "Compare", shown=(SALIENCY,)),
         Page("systems", "Systems", "Evidence", shown=(SIMILARITY, ENCOUNTERS)),
