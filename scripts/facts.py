@@ -28,7 +28,8 @@ from typing import Any
 from xml.etree import ElementTree
 
 PROSE = frozenset((
-    "advice", "doubt", "example", "label", "message", "method", "note", "notes", "reason",
+    "advice", "doubt", "example", "label", "message", "mcnemar_note", "method", "note",
+    "notes", "reason",
     "sentences",
 ))  # fmt: skip
 PROSE_OF_CHARTS = frozenset({"hovertemplate", "hovertext", "name", "text", "ticktext", "title"})
