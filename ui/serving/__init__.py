@@ -1,1 +1,1 @@
-"""The server around the pages: what each answer says, how much visitors may take, how it ends."""
+"""The server around the pages: start and shutdown, log-in gate, headers, and visitor limits."""

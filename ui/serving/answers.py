@@ -1,4 +1,4 @@
-"""Answers of people whose study is over are deleted, also where nobody opens its page."""
+"""Deletes the answers of finished studies, even if nobody opens their pages."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from nvcore.errors import InputError
 from ui.subjects import contributed
 
 EVERY_S: Final = 3600.0
-"""A study that ends on a day is gone on that day."""
+"""Often enough that a study is deleted on the day it ends."""
 _LOG = logging.getLogger("nvcore.ui")
 
 
 async def keep_deleting_ended() -> None:
-    """Delete what is over, now and every hour, until cancelled."""
+    """Delete finished studies now and every hour, until cancelled."""
     while True:
         await asyncio.to_thread(delete_ended)
         await asyncio.sleep(EVERY_S)
 
 
 def delete_ended() -> None:
-    """Delete the studies that are over, with all answers."""
+    """Delete finished studies with all their answers."""
     for studies in contributed("STUDIES"):
         if not studies.file().is_file():
             continue
         try:
-            studies.store()  # which deletes them
+            studies.store()  # opening it deletes them
         except InputError as error:
-            _LOG.warning("Answers that are over could not be deleted: %s", error)
+            _LOG.warning("Could not delete the answers of finished studies: %s", error)

@@ -1,4 +1,4 @@
-"""Connections of the server: how long one may take to ask, how many there can be."""
+"""Limits on connections: time to send the request headers, and open file descriptors."""
 
 from __future__ import annotations
 
@@ -11,32 +11,32 @@ from typing import Any, Final
 from uvicorn.protocols.http.auto import AutoHTTPProtocol
 
 HEADERS_S: Final = 20.0
-"""Until a connection has sent the headers of a request: uvicorn by itself waits for ever."""
-MOST_FILES: Final = 65536
-"""More connections than one client has ports for."""
+"""Time a connection has to send its request headers; uvicorn alone waits forever."""
+MAX_FILES: Final = 65536
+"""Open files: more connections than one client has ports."""
 
 
 @cache
 def guard_connections() -> None:
-    """Time the headers of all requests, and let the process have as many files as it may."""
+    """Time out slow request headers, and raise the process's limit of open files."""
     time_headers(AutoHTTPProtocol)
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    most = MOST_FILES if hard == resource.RLIM_INFINITY else min(hard, MOST_FILES)
-    if soft not in (resource.RLIM_INFINITY, most) and soft < most:
-        with contextlib.suppress(OSError, ValueError):  # macOS may take fewer than it says
-            resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
+    wanted = MAX_FILES if hard == resource.RLIM_INFINITY else min(hard, MAX_FILES)
+    if soft not in (resource.RLIM_INFINITY, wanted) and soft < wanted:
+        with contextlib.suppress(OSError, ValueError):  # macOS may accept fewer than it reports
+            resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
 
 
 def time_headers(protocol: type[Any], seconds: float = HEADERS_S) -> None:
-    """Let connections end that wait for the headers of a request longer than that.
+    """Abort connections that take longer than `seconds` to send their request headers.
 
-    Streamlit makes the configuration of uvicorn by itself, so that the class is changed, not one
-    derived from it named.
+    Patches the class in place: Streamlit builds uvicorn's configuration itself and leaves no way
+    to name a subclass.
 
     Parameters
     ----------
     protocol
-        One of uvicorn's for HTTP/1.1. Between two requests it has a limit of its own, 5 s.
+        One of uvicorn's HTTP/1.1 protocols. It has its own limit between two requests, 5 s.
     """
     made, received, lost = (
         protocol.connection_made,

@@ -1,8 +1,8 @@
-"""Lets in only who has logged in, and only pages of its own: all requests pass here first.
+"""Checks every request first: it must come from our own pages and from someone who has logged in.
 
-Everything is closed but the way to the provider and back. A page answers with the button to log
-in, whatever else with 401; a WebSocket is told to load the page anew, at once where the log-in
-ends while it is open.
+Without a log-in only the way to the provider and back is open. Pages answer with a log-in button,
+everything else with 401. A WebSocket is told to reload the page, at once if the log-in ends while
+it is open.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ from ui.settings.start import base_path
 
 HEALTH: Final = "/_stcore/health"
 HOST_CONFIG: Final = "/_stcore/host-config"
-"""Without it a page whose connection broke does not try again."""
+"""Needed by a page that reconnects after a broken connection."""
 WANTED: Final = "nvcore_wanted"
-"""Cookie with the address that was asked for before the log-in."""
+"""Cookie with the address requested before the log-in."""
 WANTED_S: Final = 600
 SAFE: Final = ("GET", "HEAD", "OPTIONS")
 POLICY_VIOLATION: Final = 1008
@@ -47,11 +47,11 @@ POLICY_VIOLATION: Final = 1008
 
 
 class OwnPages:
-    """Refuses what asks for another host, and what pages of others send."""
+    """Refuses requests for other hosts, and requests sent by other sites' pages."""
 
     def __init__(self, app: ASGIApp):
         self.app, self._health = app, f"{base_path()}{HEALTH}"
-        own_names()  # before there are requests, which all would wait for it
+        own_names()  # cached now, so that no request has to wait for it
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """ASGI."""
@@ -66,26 +66,26 @@ class OwnPages:
         elif scope["type"] == "websocket":
             await _refuse(receive, send)
         else:
-            await text_answer(*_stranger(host))(scope, receive, send)
+            await text_answer(*_foreign_refusal(host))(scope, receive, send)
 
 
-def _stranger(host: str | None) -> tuple[HTTPStatus, str]:
+def _foreign_refusal(host: str | None) -> tuple[HTTPStatus, str]:
     if is_own_host(host):
-        return HTTPStatus.FORBIDDEN, "this server takes requests from its own pages only"
+        return HTTPStatus.FORBIDDEN, "this server accepts requests from its own pages only"
     return (
         HTTPStatus.MISDIRECTED_REQUEST,
-        "This server is not known by that name. Whoever runs it can allow the name: "
+        "This server does not answer to that host name. Its operator can allow the name in "
         "STREAMLIT_SERVER_ALLOWED_HOSTS.",
     )
 
 
 class Gate:
-    """Lets in only who has logged in, where there is a log-in."""
+    """Admits only people who have logged in, if a log-in is configured."""
 
     def __init__(self, app: ASGIApp):
         self.app, self._login, self._base = app, login(), base_path()
-        ways = (CALLBACK, "/auth/login", LOG_OUT, HEALTH, HOST_CONFIG, METRICS)
-        self._open = {f"{self._base}{way}" for way in ways}
+        paths = (CALLBACK, "/auth/login", LOG_OUT, HEALTH, HOST_CONFIG, METRICS)
+        self._public = {f"{self._base}{path}" for path in paths}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """ASGI."""
@@ -103,21 +103,21 @@ class Gate:
             end_log_in(cookies)
         answer = (
             None
-            if path in self._open
+            if path in self._public
             else self._answer(scope, person_of(cookies, settings), settings)
         )
         await (answer or self.app)(scope, receive, send)
 
     def _answer(self, scope: Scope, person: Person | None, settings: Login) -> Response | None:
-        """What is said instead of the app's answer; None: this is for the app."""
+        """The gate's own answer; None: let the app answer."""
         connection, path = HTTPConnection(scope), str(scope["path"])
         if path == f"{self._base}{LOG_IN}":
-            return self._way_to_provider(connection, settings)
+            return self._redirect_to_provider(connection, settings)
         if person is None or not person.may_enter:
             return self._refusal(connection, scope["method"], person, settings)
         upload = UPLOAD.search(path)
-        if upload is not None and not _may_send(upload["session"], person.key):
-            return text_answer(HTTPStatus.FORBIDDEN, "the session is not yours")
+        if upload is not None and not _may_upload(upload["session"], person.key):
+            return text_answer(HTTPStatus.FORBIDDEN, "this session belongs to someone else")
         wanted = unquote(connection.cookies.get(WANTED, ""))
         if path in (self._base, f"{self._base}/") and wanted:
             known = is_own_address(wanted, self._base)
@@ -131,7 +131,7 @@ class Gate:
     ) -> Response:
         status = HTTPStatus.UNAUTHORIZED if person is None else HTTPStatus.FORBIDDEN
         if method != "GET" or "text/html" not in connection.headers.get("accept", ""):
-            return text_answer(status, "log in first" if person is None else "you may not enter")
+            return text_answer(status, "log in first" if person is None else "you have no access")
         if person is not None:
             page = refusal_page(person.email, base=self._base)
         else:
@@ -140,7 +140,7 @@ class Gate:
             page = log_in_page(settings.providers, base=self._base, wanted=wanted)
         return HTMLResponse(page, status, PRIVATE)
 
-    def _way_to_provider(self, connection: HTTPConnection, settings: Login) -> Response:
+    def _redirect_to_provider(self, connection: HTTPConnection, settings: Login) -> Response:
         query = connection.query_params
         provider = query.get(PROVIDER, settings.providers[0])
         if provider not in settings.providers:
@@ -167,48 +167,48 @@ class Gate:
         ]
         session = protocols[2] if len(protocols) > 2 else ""
         key = key_of(cookies)
-        if key is None or not _may_go_on(session, key):
+        if key is None or not _may_reconnect(session, key):
             if not scope["path"].endswith(STREAM) or not protocols[0]:
                 await _refuse(receive, send)
                 return
             await receive()
             await send({"type": "websocket.accept", "subprotocol": protocols[0]})
-            await _send_away(send)
+            await _reload_page(send)
             return
-        has_left = False
+        is_logged_out = False
 
         async def receive_from_person() -> Message:
-            nonlocal has_left
+            nonlocal is_logged_out
             message = await receive()
             if message["type"] == "websocket.receive" and key_of(cookies) is None:
-                has_left = True  # first: the app may be sending
-                await _send_away(send)
+                is_logged_out = True  # first: the app may be sending
+                await _reload_page(send)
                 return {"type": "websocket.disconnect", "code": POLICY_VIOLATION}
             return message
 
         async def send_to_person(message: Message) -> None:
-            if not has_left:
+            if not is_logged_out:
                 await send(message)
 
         await self.app(scope, receive_from_person, send_to_person)
 
 
-def _may_send(session: str, key: str) -> bool:
-    """Whether annotation files for this session of Streamlit's may come from this person."""
+def _may_upload(session: str, key: str) -> bool:
+    """Whether this person may upload annotation files to this Streamlit session."""
     space = workspace_of_session(session)
     return space is not None and is_same(space.owner, key)
 
 
-def _may_go_on(session: str, key: str) -> bool:
-    """Whether this person may connect to the session again."""
+def _may_reconnect(session: str, key: str) -> bool:
+    """Whether this person may reconnect to the session."""
     space = workspace_of_session(session) if session else None
     return space is None or is_same(space.owner, key)
 
 
-async def _send_away(send: Send) -> None:
-    """Let the page be loaded anew: then it says who is asked for."""
+async def _reload_page(send: Send) -> None:
+    """Make the browser reload the page, which then shows the log-in."""
     message = ForwardMsg()
-    message.auth_redirect.url = ""  # whatever the address is
+    message.auth_redirect.url = ""  # the current address
     await send({"type": "websocket.send", "bytes": message.SerializeToString()})
     await send({"type": "websocket.close", "code": POLICY_VIOLATION})
 
@@ -219,7 +219,7 @@ async def _refuse(receive: Receive, send: Send) -> None:
 
 
 def _with_private_cookies(send: Send, settings: Login) -> Send:
-    """Cookies go by TLS alone, where there is TLS; what is cached is for this log-in."""
+    """Mark cookies as secure if we serve over TLS, and keep caches apart by cookie."""
 
     async def send_private(message: Message) -> None:
         if message["type"] == "http.response.start":

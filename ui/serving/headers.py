@@ -1,4 +1,4 @@
-"""What every answer tells the browser to refuse."""
+"""Security headers of every answer, and status 404 for unknown pages."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from ui.settings.start import base_path
 
 HTML: Final = "text/html"
 FRAMED_BY: Final = "NVCORE_FRAME_ANCESTORS"
-"""Sites that may show the app in a frame, as in a content security policy; default: itself."""
+"""Sites that may embed the app, as in a content security policy; default: itself."""
 
 
 def content_policy(framed_by: str = "'self'") -> str:
     """The content security policy.
 
-    Scripts and data come from the app alone. Styles stand in the pages, as Streamlit and Plotly
-    write them; the viewer's script and the colour maps come as blobs.
+    Scripts and data come from the app only. Inline styles are allowed because Streamlit and Plotly
+    write them; blobs, because the viewer's script and the colour maps are blobs.
     """
     sources = {
         "default-src": "'self'",
-        "script-src": f"'self' blob: 'wasm-unsafe-eval' {' '.join(_scripts_of_the_page())}",
+        "script-src": f"'self' blob: 'wasm-unsafe-eval' {' '.join(_inline_script_hashes())}",
         "style-src": "'self' 'unsafe-inline'",
         "img-src": "'self' data: blob:",
         "media-src": "'self' data: blob:",
@@ -45,8 +45,8 @@ def content_policy(framed_by: str = "'self'") -> str:
     return "; ".join(f"{name} {value}" for name, value in sources.items())
 
 
-def _scripts_of_the_page() -> list[str]:
-    """Hashes of the scripts in the text of Streamlit's own page."""
+def _inline_script_hashes() -> list[str]:
+    """Hashes of the inline scripts in Streamlit's index.html, as a policy lists them."""
     page = (Path(streamlit.__file__).parent / "static" / "index.html").read_text(encoding="utf-8")
     scripts = re.findall(r"<script>(.*?)</script>", page, re.DOTALL)
     hashes = (hashlib.sha256(script.encode()).digest() for script in scripts)
@@ -54,7 +54,7 @@ def _scripts_of_the_page() -> list[str]:
 
 
 class SecureHeaders:
-    """Adds the headers to answers that do not have them."""
+    """Adds the security headers that an answer does not set itself."""
 
     def __init__(self, app: ASGIApp):
         self.app = app
@@ -83,16 +83,16 @@ class SecureHeaders:
 
 
 class KnownPages:
-    """Tells programs that an address leads to no page: Streamlit answers any with its page and 200.
+    """Sets status 404 for unknown pages, which Streamlit answers with its index page and 200.
 
     Parameters
     ----------
     pages
-        Names of the pages in addresses.
+        Page names as they appear in addresses.
     """
 
     OTHERS: Final = ("_stcore", "app", "auth", "component", "media", "static")
-    """Starts of addresses below which files and answers are, not pages."""
+    """First parts of addresses that hold files and endpoints, not pages."""
 
     def __init__(self, app: ASGIApp, pages: Collection[str]):
         self.app, self._pages, self._base = app, {"", "index.html", *pages}, base_path()

@@ -1,4 +1,4 @@
-"""What the server does when it starts and when it ends."""
+"""Startup and shutdown of the server."""
 
 from __future__ import annotations
 
@@ -12,48 +12,45 @@ from typing import Any
 
 from ui.serving.answers import keep_deleting_ended
 from ui.serving.connections import guard_connections
-from ui.serving.preparing import begin_to_prepare
+from ui.serving.preparing import start_preparing
 from ui.session import ending, folders
 
-_end = threading.Event()
+_shutdown = threading.Event()
 
 
-def is_ending() -> bool:
-    """Whether the server was told to end: it waits for the answers that are on their way."""
-    return _end.is_set()
+def is_shutting_down() -> bool:
+    """Whether the server was told to stop and only finishes its pending answers."""
+    return _shutdown.is_set()
 
 
-def hear_of_the_end() -> None:
-    """Know of the signals to end, which go on to whom they are for."""
+def watch_for_shutdown() -> None:
+    """Notice SIGINT and SIGTERM, and pass them on to the handlers installed before."""
     if threading.current_thread() is not threading.main_thread():
         return
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, _heard(signal.getsignal(number)))
+        signal.signal(number, _noting_shutdown(signal.getsignal(number)))
 
 
-def _heard(handler: Any) -> Callable[[int, FrameType | None], Any]:
-    def hear(number: int, frame: FrameType | None) -> Any:
-        _end.set()
+def _noting_shutdown(handler: Any) -> Callable[[int, FrameType | None], Any]:
+    def handle(number: int, frame: FrameType | None) -> Any:
+        _shutdown.set()
         if callable(handler):
             return handler(number, frame)
-        if handler != signal.SIG_IGN:  # what the system does by itself
+        if handler != signal.SIG_IGN:  # the system's default action
             signal.signal(number, signal.SIG_DFL)
             signal.raise_signal(number)
         return None
 
-    return hear
+    return handle
 
 
 @asynccontextmanager
 async def lifespan(_app: Any) -> AsyncIterator[None]:
-    """Ends sessions on the server's own loop, and studies that are over.
-
-    Uploads go with the server, however it is stopped.
-    """
+    """Start the server's background work; stop it and remove all uploads at shutdown."""
     ending.close_sessions_on(asyncio.get_running_loop())
-    hear_of_the_end()
+    watch_for_shutdown()
     guard_connections()
-    begin_to_prepare()
+    start_preparing()
     deleting = asyncio.create_task(keep_deleting_ended())
     try:
         yield

@@ -1,4 +1,4 @@
-"""What the first visitor would have to wait for, made while the server starts."""
+"""Computes what the first visitor would otherwise wait for, while the server starts."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from ui.session.results.findings import findings_kept_by
 from ui.session.state import shared_start
 
 
-def begin_to_prepare() -> None:
-    """Prepare in a thread of its own: visitors who come before it is done wait for the rest."""
+def start_preparing() -> None:
+    """Prepare in a background thread; early visitors wait for whatever is not ready yet."""
     threading.Thread(target=_prepare, name="prepare", daemon=True).start()
 
 
 def _prepare() -> None:
-    with contextlib.suppress(NvcoreError, OSError):  # what fails now is said when it is needed
+    with contextlib.suppress(NvcoreError, OSError):  # reported when a visitor needs it
         prepare_start()
         process.warm_up()
 
 
 def prepare_start() -> None:
-    """Compare and audit what every visitor starts with; by the way this compiles the loops."""
+    """Compare and audit what every visitor starts with, which also compiles the kernels."""
     shared = shared_start()
     shared.new_pictures()
     opened, cached = shared.opened, shared.cached

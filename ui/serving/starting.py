@@ -1,7 +1,6 @@
-"""What the server was started with, looked at before the first visitor comes.
+"""Checks the server's configuration before the first visitor comes.
 
-What cannot work ends the start: a server that is there, and says so, but shows an error to
-everybody, is found by its visitors.
+A configuration that cannot work stops the start: otherwise visitors would be the first to find out.
 """
 
 from __future__ import annotations
@@ -19,9 +18,9 @@ from ui.subjects import contributed
 
 
 def check_start() -> None:
-    """Look at limits, session, local folder, and where uploads and answers go.
+    """Check limits, session, local folder, and the folders for uploads and answers.
 
-    What a server that was killed has left of its uploads is removed.
+    Also removes uploads left behind by servers that were killed.
 
     Raises
     ------

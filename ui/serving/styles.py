@@ -1,6 +1,6 @@
-"""Puts the app's styles into Streamlit's page, so that nothing is ever drawn without them.
+"""Puts the app's styles into Streamlit's page, so that nothing is ever drawn unstyled.
 
-As elements of the app they could come a moment after the first tiles, which then jumped.
+Written by the app they would arrive after the first tiles, which would then jump.
 """
 
 from __future__ import annotations
@@ -14,20 +14,20 @@ from ui.session.state import ROOT
 
 SHEETS: Final = ("style", "measures")
 PAGE_END: Final = b"</body>"
-"""After the head, where Streamlit's own rules go, which ours outrank."""
+"""Our styles go before it: after Streamlit's own in the head, so that ours win."""
 CONDITIONS: Final = ("accept-encoding", "if-none-match", "if-modified-since")
-"""What would bring the page packed, or not at all because Streamlit's part of it is unchanged."""
+"""Request headers that would bring the page compressed, or a 304 for Streamlit's unchanged file."""
 VALIDATORS: Final = ("etag", "last-modified")
 
 
 def styles() -> str:
-    """The style sheets of the app, as an element of a page."""
+    """The app's style sheets in a ``<style>`` element."""
     sheets = (ROOT / "ui" / "assets" / f"{name}.css" for name in SHEETS)
     return f"<style>\n{''.join(sheet.read_text(encoding='utf-8') for sheet in sheets)}</style>\n"
 
 
 class OwnStyles:
-    """Adds the styles to every page, before it ends."""
+    """Adds the styles to the end of every page."""
 
     def __init__(self, app: ASGIApp):
         self.app, self._styles = app, styles().encode()

@@ -144,7 +144,7 @@ def test_an_address_has_so_many_tabs_and_leaves_the_others_to_others(connect):
     while not text.endswith(b"again later."):
         text += page.recv(1000)
     assert text.startswith(b"HTTP/1.1 503")
-    assert b"takes 3 tabs of one address" in text
+    assert b"3 tabs from one address" in text
 
 
 def test_this_machine_has_all_tabs(connect):

@@ -92,7 +92,7 @@ def test_files_in_memory_are_capped_for_each_visitor_and_for_all(monkeypatch: py
     assert upload(app, (2 << 20) + 1).status == 413
     held.update({"session": 1 << 20, None: 1 << 20})
     assert upload(app, 1 << 20).status == 200
-    assert "a visitor may send 2 MB" in upload(app, (1 << 20) + 1).text
+    assert "a visitor may upload 2 MB" in upload(app, (1 << 20) + 1).text
     held[None] = 3 << 20
     assert "try again later" in upload(app, 1).text
     assert upload(app, "").status == upload(app, "-1").status == 411
@@ -105,8 +105,8 @@ def test_a_sender_that_falls_silent_counts_as_gone_and_all_do_at_the_end(
     if why == "silent":
         monkeypatch.setattr(visitors, "IDLE_S", 0.01)
     else:
-        monkeypatch.setattr(life, "_end", threading.Event())
-        life._heard(lambda *_: None)(signal.SIGTERM, None)
+        monkeypatch.setattr(life, "_shutdown", threading.Event())
+        life._noting_shutdown(lambda *_: None)(signal.SIGTERM, None)
     received: list[str] = []
 
     async def read(scope: Scope, receive: Receive, send: Send) -> None:
@@ -136,7 +136,7 @@ def test_a_sender_that_only_drips_counts_as_gone(monkeypatch: pytest.MonkeyPatch
             return {"type": "http.request", "body": bytes(n_bytes), "more_body": True}
 
         async def count() -> int:
-            receive, n = visitors._impatient(drip), 0
+            receive, n = visitors._with_timeout(drip), 0
             while n < 100 and (await receive())["type"] == "http.request":
                 n += 1
             return n
@@ -144,7 +144,7 @@ def test_a_sender_that_only_drips_counts_as_gone(monkeypatch: pytest.MonkeyPatch
         return asyncio.run(count())
 
     assert n_received(1, 50.0) < 4
-    assert n_received(100 * visitors.SLOWEST, 50.0) == 100
+    assert n_received(100 * visitors.MIN_BYTES_PER_S, 50.0) == 100
 
 
 def test_metrics_are_for_whoever_has_the_token(monkeypatch: pytest.MonkeyPatch):
