@@ -6,7 +6,7 @@ Texts that speak of them are templates (`nvcore.wording.objects`), filled by `Ob
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -135,8 +135,12 @@ class Objects:
         >>> SPEED_SIGN.say("{A_one} {whom} {system} misses", system="{one}")
         'A speed sign that {one} misses'
         """
-        words = words_for(self.singular, self.plural, are_people=self.are_pedestrians)
-        return text.format_map({**words, **values})
+        return text.format_map({**self.words, **values})
+
+    @property
+    def words(self) -> Mapping[str, str]:
+        """Words of templates for these objects."""
+        return words_for(self.singular, self.plural, are_people=self.are_pedestrians)
 
     def given(self) -> str | list[str] | None:
         """As a session file names them; None: pedestrians, which it need not."""

@@ -18,7 +18,7 @@ def draw(result: Result) -> None:
     findings = known_findings()
     is_drawn = False
     if before is not None and known is not None and findings is not None:
-        room.draw(findings, before, known, plan.known_sentence(result))
+        room.draw(findings, before, known, plan.known_plan(result))
         is_drawn = True
     with room.headline:
         other = companions.wait_for_equal_alarms(result)
@@ -41,7 +41,7 @@ def draw(result: Result) -> None:
         of_both = companions.wait_for_companions(result, measured)
     plan.draw(result, measured, of_both)
     if not is_drawn:
-        room.draw(input_findings(), measured, of_both, plan.known_sentence(result))
+        room.draw(input_findings(), measured, of_both, plan.known_plan(result))
 
 
 st.title("Overview")

@@ -45,6 +45,7 @@ from nvcore.report.protect_inputs import files_read, refuse_to_replace
 from nvcore.report.terminal import render_scorecard
 from nvcore.report.verdict import Verdict, verdict
 from nvcore.scoring import SystemResult
+from nvcore.sentences.facts import Fact
 from nvcore.tables.boxes.matches import matches_table
 from nvcore.tables.result import (
     encounters_table,
@@ -294,7 +295,7 @@ class Comparison:
         )
 
     @cached_property
-    def _plan(self) -> str:
+    def _plan(self) -> tuple[Fact | str, ...]:
         return verdict_plan(self.result, self._evidence, self._companions)
 
     def _protect_inputs(self, outputs: Sequence[Path]) -> None:

@@ -18,6 +18,7 @@ from nvcore.evidence.operating_points import are_unequal, count_alarms, has_scor
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.units import RECORDINGS
 from nvcore.measures.table import EVIDENCE_KEYS, inference_of, measure_of
+from nvcore.sentences.facts import Reason
 
 CLAIMED: Final = tuple(key for key in EVIDENCE_KEYS if inference_of(key).noun)
 """Keys of the measures whose differences the verdict may claim."""
@@ -70,7 +71,7 @@ class Support:
 
     basis: Basis
     claims: tuple[Claim, ...] = ()
-    withheld: Mapping[str, str] = field(default_factory=dict)
+    withheld: Mapping[str, Reason] = field(default_factory=dict)
 
 
 def find_claims(
@@ -98,21 +99,21 @@ def find_claims(
         return Support(basis)
     doubts = _doubts(evidence)
     if companions is None:
-        pending = "not yet compared at equal false alarms"
-        withheld = dict.fromkeys(_candidates(result, evidence), pending)
+        withheld = dict.fromkeys(_candidates(result, evidence), Reason("pending"))
         return Support(basis, withheld=withheld | doubts)
     if is_unequal:
         assert companions.equal is not None
         basis_result, candidates = companions.equal.result, _at_all(result, companions.evidence)
-        unsure = "not shown throughout what may pass for equal false alarms"
         somewhere = {key for table in companions.evidence for key in _candidates(result, table)}
-        withheld = {key: unsure for key in CLAIMED if key in somewhere and key not in candidates}
+        withheld = {
+            key: Reason("range") for key in CLAIMED if key in somewhere and key not in candidates
+        }
     else:
         basis_result, candidates = result, _candidates(result, evidence)
         withheld = _not_confirmed(result, candidates, companions)
     for key in candidates:
         if is_turned_strictly(key, basis_result, companions.strict):
-            withheld[key] = "the other way round if paired strictly"
+            withheld[key] = Reason("strict")
     claims = tuple(claim for key, claim in candidates.items() if key not in withheld)
     return Support(basis, claims, withheld | doubts)
 
@@ -172,10 +173,12 @@ def _candidates(result: Result, evidence: pd.DataFrame) -> dict[str, Claim]:
     return claims
 
 
-def _doubts(evidence: pd.DataFrame) -> dict[str, str]:
+def _doubts(evidence: pd.DataFrame) -> dict[str, Reason]:
     """Why differences that seem more than chance are in doubt, by key."""
     return {
-        str(row["figure"]): str(row["doubt"]) for row in _significant_rows(evidence) if row["doubt"]
+        str(row["figure"]): Reason("doubt", doubt=str(row["doubt"]))
+        for row in _significant_rows(evidence)
+        if row["doubt"]
     }
 
 
@@ -205,36 +208,31 @@ def _same_winner(claim: Claim, other: Claim | None) -> bool:
 
 def _not_confirmed(
     result: Result, candidates: Mapping[str, Claim], companions: Companions
-) -> dict[str, str]:
+) -> dict[str, Reason]:
     """Why differences as set do not hold at equal false alarms, by key."""
     if companions.equal is None:
         return _not_dominant(result, candidates)
     confirmed = _at_all(result, companions.evidence)
-    reason = "not shown at equal false alarms"
     return {
-        key: reason
+        key: Reason("equal")
         for key, claim in candidates.items()
         if not _same_winner(claim, confirmed.get(key))
     }
 
 
-def _not_dominant(result: Result, candidates: Mapping[str, Claim]) -> dict[str, str]:
+def _not_dominant(result: Result, candidates: Mapping[str, Claim]) -> dict[str, Reason]:
     """What a winner may owe to its operating point, by key, if nothing sets the systems alike."""
     reasons = {}
     n_alarms = {letter: count_alarms(system) for letter, system in result.sides}
     n_matched = {letter: int(system.matched.sum()) for letter, system in result.sides}
     can_move = any(has_scores(result, letter) for letter in n_alarms)
-    why = "no threshold sets them alike" if can_move else "without scores nothing sets them alike"
     for key, claim in candidates.items():
-        other = "y" if claim.winner == "x" else "x"
-        is_of_alarms = key == FALSE_ALERTS
-        if is_of_alarms and n_matched[claim.winner] < n_matched[other]:
-            more = f"also matches fewer {result.objects.plural}"
-        elif not is_of_alarms and n_alarms[claim.winner] > n_alarms[other]:
-            more = "also has more false alarms"
-        else:
-            continue
-        reasons[key] = f"{claim.winner.upper()} {more}, and {why}"
+        winner, other = claim.winner, "y" if claim.winner == "x" else "x"
+        if key == FALSE_ALERTS:
+            if n_matched[winner] < n_matched[other]:
+                reasons[key] = Reason("matches" if can_move else "unscored matches", winner)
+        elif n_alarms[winner] > n_alarms[other]:
+            reasons[key] = Reason("alarms" if can_move else "unscored alarms", winner)
     return reasons
 
 

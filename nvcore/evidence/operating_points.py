@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Final, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -20,10 +20,7 @@ from nvcore.detection.operating_point import (
 )
 from nvcore.measures.table import inference_of
 from nvcore.scoring import SystemResult
-from nvcore.wording import capitalised
-
-AS_SET: Final = "as set: at unequal operating points"
-"""Marks numbers of X and Y from which nothing is claimed."""
+from nvcore.sentences.facts import AsSet, Setting
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,17 +39,10 @@ class EqualAlarms:
     moved: str
 
     @property
-    def title(self) -> str:
-        """How they are set: "At equal false alarms (X with scores of 0.6 or more, ...)"."""
-        return f"At equal false alarms ({self.setting})"
-
-    @property
-    def setting(self) -> str:
-        """How X and Y are set alike: "X with scores of 0.6 or more, 0.05 per frame"."""
+    def setting(self) -> Setting:
+        """How X and Y are set alike."""
         per_frame = count_alarms(self.result.x) / max(len(self.result.dataset.frames), 1)
-        threshold = self.result.system(self.moved).threshold
-        at = "with all detections" if threshold is None else f"with scores of {threshold:g} or more"
-        return f"{self.moved.upper()} {at}, {per_frame:.3g} per frame"
+        return Setting(self.moved, self.result.system(self.moved).threshold, per_frame)
 
 
 def count_alarms(system: SystemResult) -> int:
@@ -66,18 +56,15 @@ def are_unequal(result: Result) -> bool:
     return are_unequal_alarms(n_x, n_y)
 
 
-def describe_alarms(result: Result) -> str:
-    """False alarms of both, such as "X has 0.05 and Y 0.3 false alarms per frame"."""
+def alarms_as_set(result: Result, kind: Literal["comparison", "above", "equal", "rule"]) -> AsSet:
+    """False alarms of both, to be said where these are unequal."""
     n_frames = max(len(result.dataset.frames), 1)
-    x, y = (f"{count_alarms(system) / n_frames:.3g}" for _, system in result.sides)
-    return f"X has {x} and Y {y} false alarms per frame"
+    return AsSet(kind, *(count_alarms(system) / n_frames for _, system in result.sides))
 
 
-def as_set_note(result: Result) -> str:
-    """Heading for numbers of X and Y at unequal operating points; empty: they are equal."""
-    if not are_unequal(result):
-        return ""
-    return f"{capitalised(AS_SET)} ({describe_alarms(result)}). Nothing is claimed from these."
+def as_set_note(result: Result) -> AsSet | None:
+    """Heading for numbers of X and Y at unequal operating points; None: they are equal."""
+    return alarms_as_set(result, "above") if are_unequal(result) else None
 
 
 def is_undecided(result: Result, key: str) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
@@ -24,9 +23,10 @@ from nvcore.evidence.measures import (
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT, holm
 from nvcore.evidence.units import find_units
-from nvcore.measures.table import inference_of
 from nvcore.params import Params
 from nvcore.progress import Progress, no_progress
+from nvcore.sentences import phrase
+from nvcore.sentences.facts import UnclaimedOfPair
 
 COLUMNS: Final = (
     "x",
@@ -228,18 +228,13 @@ def _row(result: Result) -> tuple[dict[str, Any], tuple[Evidence, Evidence]]:
 def _claims(result: Result, evidence: pd.DataFrame) -> dict[str, str]:
     """Who is better in what, and why a difference is no claim; the columns of a pair's row."""
     support = find_claims(result, evidence, find_companions(result, evidence))
-    names = {letter.upper(): system.name for letter, system in result.sides}
-    better = {CLAIMED[claim.key]: names[claim.winner.upper()] for claim in support.claims}
+    names = {letter: system.name for letter, system in result.sides}
+    better = {CLAIMED[claim.key]: names[claim.winner] for claim in support.claims}
     reasons = [
-        f"{result.objects.say(inference_of(key).noun)} ({_named(why, names)})"
+        phrase(UnclaimedOfPair(key, replace(why, winner=names.get(why.winner, ""))), result.objects)
         for key, why in support.withheld.items()
     ]
     return {**better, "withheld": "; ".join(reasons)}
-
-
-def _named(text: str, names: Mapping[str, str]) -> str:
-    """The text with the systems' names in place of a leading X or Y."""
-    return re.sub(r"^[XY]\b", lambda letter: names[letter[0]], text)
 
 
 def _number(threshold: float | None) -> float:

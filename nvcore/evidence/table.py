@@ -8,9 +8,10 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.evidence.measures import Evidence, significance_table
 from nvcore.evidence.miss_rate import judge_miss_rate
-from nvcore.evidence.operating_points import AS_SET, is_undecided
+from nvcore.evidence.operating_points import is_undecided
 from nvcore.evidence.units import Units, find_units
 from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.sentences.texts import AS_SET
 
 
 def evidence_table(

@@ -14,13 +14,13 @@ import pandas as pd
 from nvcore import __version__
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
-from nvcore.evidence.operating_points import AS_SET
 from nvcore.evidence.pairwise import systems_of
 from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
 from nvcore.measures.table import evidence_form
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import refuse_other_run, write_run
 from nvcore.params import Params
+from nvcore.sentences.texts import AS_SET
 from nvcore.wording import (
     Footnotes,
     capitalised,

@@ -25,6 +25,7 @@ from nvcore.evidence.planning.words import (
     plan_sentence,
 )
 from nvcore.measures.table import difference_text
+from nvcore.sentences.facts import Fact
 from nvcore.wording import duration_text, percent
 
 
@@ -34,7 +35,7 @@ def verdict_plan(
     companions: Companions | None,
     *,
     plans: Mapping[str, Plan] | None = None,
-) -> str:
+) -> tuple[Fact | str, ...]:
     """How many encounters and recordings more would take, where none detects more beyond chance.
 
     Empty where a difference is shown, or nothing can be planned. Of systems that are set to
@@ -53,17 +54,18 @@ def verdict_plan(
     tables: tuple[pd.DataFrame, ...] = () if evidence is None else (evidence,)
     if are_unequal(result):
         if companions is None or companions.equal is None:
-            return ""
+            return ()
         basis, tables = companions.equal.result, companions.evidence
     rows = [row for table in tables if (row := evidence_of(table, key)) is not None]
     # shown at one end of what may pass for equal false alarms: more recordings are not what lacks
     if not rows or any(row.p_holm <= SIGNIFICANT for row in rows):
-        return ""
+        return ()
     if basis is result:
         plan = (plans or {}).get(key) or plan_recordings(result, evidence=rows[0])
     else:  # the companions have no intervals
         plan = plan_recordings(basis)
-    return plan_sentence(plan)
+    sentence = plan_sentence(plan)
+    return (sentence,) if sentence else ()
 
 
 def evidence_of(evidence: pd.DataFrame, key: str) -> Evidence | None:

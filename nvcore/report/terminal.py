@@ -33,6 +33,8 @@ from nvcore.report.words import (
     scorecard_cells,
 )
 from nvcore.scoring import SystemResult
+from nvcore.sentences import say
+from nvcore.sentences.facts import AtEqualAlarms, Fact
 from nvcore.subjects import contributed
 from nvcore.tables.inputs import inputs_table
 from nvcore.tables.result import worst_intervals
@@ -53,7 +55,7 @@ def render_scorecard(
     *,
     evidence: pd.DataFrame | None = None,
     companions: Companions | None = None,
-    plan: str | None = None,
+    plan: tuple[Fact | str, ...] | None = None,
 ) -> str:
     """Scorecard of both systems, Venn counts, fusion, worst moments, and the verdict.
 
@@ -89,11 +91,8 @@ def render_scorecard(
 
 def render_verdict(conclusion: Verdict) -> str:
     """The headline, a line for each topic, and what it all depends on."""
-    lines = [f"In short: {conclusion.headline}"]
-    lines += [f"  {point.topic}: {point.text}" for point in conclusion.points]
-    if conclusion.caveat:
-        lines.append(f"  Audit: {conclusion.caveat}")
-    return _text(lines)
+    lines = (f"  {topic}: {text}" for topic, text in conclusion.topics)
+    return _text([f"In short: {conclusion.say(conclusion.headline)}", *lines])
 
 
 def render_findings(findings: Sequence[Finding]) -> str:
@@ -214,7 +213,7 @@ def _heading(result: Result) -> str:
 def _marked(result: Result, block: str) -> str:
     """The block, below a line that says so if nothing is claimed from its numbers."""
     note = as_set_note(result)
-    return f"{note}\n{block}" if note else block
+    return f"{say(note, result.objects)}\n{block}" if note else block
 
 
 def _at_equal_alarms(result: Result, companions: Companions) -> list[str]:
@@ -223,7 +222,7 @@ def _at_equal_alarms(result: Result, companions: Companions) -> list[str]:
     if equal is None:
         return []
     lines = [
-        f"{equal.title}, as in the verdict:",
+        f"{say(AtEqualAlarms(equal.setting), result.objects)}, as in the verdict:",
         _table(equal.result, score_cells(short_rows(equal.result), indent="  ")),
         f"encounters detected by: {detected_text(equal.result)}",
         f"severity, of encounters detected by {weights_text(equal.result)}",

@@ -18,6 +18,7 @@ from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
 from nvcore.measures.table import count_recordings, doubt_of, inference_of, measure_of
 from nvcore.measures.values import duration_of_recordings
 from nvcore.report.shown import comparison_shown
+from nvcore.sentences import phrase
 from nvcore.wording import count_text, difference, duration_text, minus, number
 
 UNEQUAL_CHIP: Final = "no claim: unequal false alarms"
@@ -216,7 +217,7 @@ def _chip(
     if row is None:
         return untested
     if kind.judged in support.withheld:
-        return f"no claim: {support.withheld[kind.judged]}"
+        return f"no claim: {phrase(support.withheld[kind.judged], shown.objects)}"
     if row["unit"] != RECORDINGS:
         n = count_text(count_recordings(shown), "recording")
         return f"{NOT_SHOWN}: {n}, {MIN_RECORDINGS} needed"

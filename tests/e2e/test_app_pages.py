@@ -66,7 +66,7 @@ def test_nothing_moves_while_the_verdict_is_drawn(person, app):
 
     visit.page.route("**/PageLink*.js", hold)
     visit.page.goto(app)
-    expect(visit.keyed("verdict")).to_contain_text("Nothing is claimed")
+    expect(visit.keyed("verdict")).to_contain_text("do not tell X and Y apart")
     expect(visit.page.locator(".nv-scorecard")).to_be_visible()
     is_held = False  # what is asked for from now on goes through
     assert late != []

@@ -11,13 +11,13 @@ from drives import at_thresholds, drives
 
 from nvcore.comparison import Result, compare
 from nvcore.evidence.companions import Companions, find_companions
-from nvcore.evidence.operating_points import AS_SET
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.measures.table import MEASURES
 from nvcore.report.equal_alarms import at_equal_alarms, short_rows
 from nvcore.report.files import export_files, summary_json
 from nvcore.report.verdict import verdict
+from nvcore.sentences.texts import AS_SET
 from nvcore.settings import Settings
 
 

@@ -24,6 +24,7 @@ from nvcore.report.terminal import (
 )
 from nvcore.report.verdict import verdict
 from nvcore.report.words import FUSION_RULE
+from nvcore.sentences.facts import Doubt
 from nvcore.tables.summary import summary
 from nvcore.wording import difference, number, one_line
 
@@ -99,10 +100,11 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
     companions = find_companions(result, evidence)
     text = verdict(result, evidence=evidence, companions=companions)
     assert scorecard[begin:] == [
-        f"In short: {text.headline}",
-        *(f"  {point.topic}: {point.text}" for point in text.points),
+        f"In short: {text.sentences[0]}",
+        *(f"  {topic}: {words}" for topic, words in text.topics),
     ]
-    assert render_verdict(replace(text, caveat="Look.")).splitlines()[-1] == "  Audit: Look."
+    doubted = render_verdict(replace(text, doubt=Doubt((), n_others=1)))
+    assert doubted.splitlines()[-1].startswith("  Audit: ")
 
 
 def test_mcnemar_s_p_is_withheld_where_it_means_nothing():

@@ -6,41 +6,41 @@ from dataclasses import replace
 
 from builders import result_of
 from drives import at_thresholds, turned_by_strict_pairing
-from verdict_scenes import topic, whole_verdict
+from verdict_scenes import said, whole_verdict
 
 from nvcore.evidence.claims import Basis
 from nvcore.evidence.companions import find_companions
 from nvcore.evidence.measures import significance_table
 from nvcore.report.verdict import verdict
-
-UNEQUAL = "X and Y are set to different operating points: "
+from nvcore.sentences.facts import AboutAsSet, Headline, Reason, Unclaimed
 
 
 def test_unequal_operating_points_lead_and_the_comparison_is_at_equal_false_alarms():
     result = at_thresholds()
     assert result.venn.x_only > result.venn.y_only
     text = whole_verdict(result)
-    assert text.headline.startswith(
-        "X and Y are set to different operating points; at equal false alarms, nothing is claimed: "
-    )
-    as_set, at_equal = text.points[0].sentences
-    assert as_set.startswith("As set, X has 0.")
-    # X at Y's operating point is Y
-    assert at_equal.startswith("What follows is at equal false alarms (X with scores of 0.")
-    assert at_equal.endswith("nothing is claimed from the comparison as set.")
-    assert topic(text, "Encounters").startswith("X and Y detect the same")
+    assert (text.headline.kind, text.headline.conclusion.kind) == ("equal", "untestable")
+    as_set, at_equal = said(text, "Operating points")
+    assert as_set.kind == "equal"
+    assert as_set.x > as_set.y
+    assert at_equal.setting.moved == "x"  # X at Y's operating point is Y
+    assert said(text, "Encounters")[0].kind == "same"
     assert text.basis is Basis.EQUAL_ALARMS
     assert not text.claims
+    assert [sentence.split(" (")[0] for sentence in text.sentences[:3]] == [
+        "X and Y are set to different operating points; at equal false alarms, too little data "
+        "to tell X and Y apart.",
+        f"As set, X has {as_set.x:.3g} and Y {as_set.y:.3g} false alarms per frame.",
+        "What follows is at equal false alarms",
+    ]
 
 
 def test_without_scores_nothing_is_claimed_at_unequal_operating_points():
     text = whole_verdict(at_thresholds(scores=False))
-    assert text.headline == (
-        f"{UNEQUAL}nothing is claimed, as without scores they cannot be set alike."
-    )
-    assert text.points[0].sentences[1] == "What follows is as set."
-    assert topic(text, "Encounters").startswith("X detects every encounter")
-    assert "p =" not in " ".join(text.sentences)
+    assert text.headline == Headline("scores")
+    assert said(text, "Operating points")[1] == AboutAsSet()
+    (split,) = said(text, "Encounters")
+    assert (split.kind, split.test) == ("x", None)
     assert text.basis is Basis.NONE
     assert not text.claims
 
@@ -48,9 +48,7 @@ def test_without_scores_nothing_is_claimed_at_unequal_operating_points():
 def test_until_the_comparison_at_equal_false_alarms_is_known_nothing_is_claimed():
     result = at_thresholds()
     text = verdict(result, evidence=significance_table(result))
-    assert text.headline == (
-        f"{UNEQUAL}nothing is claimed before they are compared at equal false alarms."
-    )
+    assert text.headline == Headline("pending")
     assert not text.claims
 
 
@@ -65,10 +63,11 @@ def test_the_p_beside_a_comparison_at_equal_false_alarms_is_the_larger_of_both_e
 
 def test_where_strict_pairing_disagrees_it_is_said_and_nothing_claimed():
     text = whole_verdict(result_of(turned_by_strict_pairing()))
-    assert "Y has the higher mean similarity" in topic(text, "Other measures")
-    assert topic(text, "Strict pairing").startswith(
-        "Paired strictly, so that false alarms cannot stand in for matches, it is the other way "
-        "round: X is better in mean similarity (X 0."
-    )
-    assert "Not claimed: mean similarity" in topic(text, "Chance")
+    by_who = {has.who: [of.key for of in has.measured] for has in said(text, "Other measures")}
+    assert "mean_similarity" in by_who["y"]
+    (strict,) = said(text, "Strict pairing")
+    assert ("x", "mean_similarity") in {(of.winner, of.won[0].key) for of in strict.better}
+    unclaimed = [fact for fact in said(text, "Chance") if type(fact) is Unclaimed]
+    reasons = {named.key: fact.reason for fact in unclaimed for named in fact.measures}
+    assert reasons["mean_similarity"] == Reason("strict")
     assert "mean_similarity" not in {claim.key for claim in text.claims}

@@ -17,6 +17,7 @@ from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.operating_points import EqualAlarms, are_unequal, find_equal_alarms
 from nvcore.progress import Progress
 from nvcore.report.equal_alarms import equal_alarms_of
+from nvcore.sentences.facts import AtEqualAlarms
 from ui.jobs.background import Output
 from ui.jobs.computed import Computation
 from ui.session import state
@@ -127,7 +128,7 @@ def choose_comparison(result: Result, other: Alternative, page: str) -> Result |
         st.markdown("The comparison at equal false alarms is being computed.")
         return None
     text, button = st.columns([3, 2], vertical_alignment="center")
-    text.markdown(plain(f"{equal.title}, as in the verdict."))
+    text.markdown(plain(f"{state.say(AtEqualAlarms(equal.setting))}, as in the verdict."))
     button.button(
         "Set this threshold",
         key=f"{page}_set_equal_alarms",

@@ -22,6 +22,7 @@ from nvcore.measures.table import count_recordings, inference_of
 from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
 from nvcore.report.plan import verdict_plan
+from nvcore.sentences.facts import Fact
 from nvcore.wording import capitalised, count_text
 from ui.jobs.computed import Computation
 from ui.session import state
@@ -42,13 +43,13 @@ QUESTIONS: Final = {
 
 class _Answer(NamedTuple):
     plan: Plan
-    sentence: str  # for the verdict
+    of_verdict: tuple[Fact | str, ...]
 
 
-def known_sentence(result: Result) -> str:
-    """What the verdict says of more recordings, once any plan was computed; else empty."""
-    sentence: str | None = state.known("verdict_plan", comparison_key(result))
-    return sentence or ""
+def known_plan(result: Result) -> tuple[Fact | str, ...]:
+    """What the verdict says of more recordings, once any plan was computed; else nothing."""
+    facts: tuple[Fact | str, ...] | None = state.known("verdict_plan", comparison_key(result))
+    return facts or ()
 
 
 def draw(result: Result, evidence: pd.DataFrame, companions: Companions | None) -> None:
@@ -141,7 +142,7 @@ def _draw_answer(
         return
     space, key = state.workspace(), comparison_key(result)
     if space.peek("verdict_plan", key) is None:
-        space.cached("verdict_plan", key, lambda: answer.sentence)
+        space.cached("verdict_plan", key, lambda: answer.of_verdict)
         st.rerun()  # the verdict, which is above, says it
     st.markdown("\n".join(f"- {plain(sentence)}" for sentence in describe_plan(answer.plan)))
     if any(size.points for size in answer.plan.sizes):

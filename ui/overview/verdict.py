@@ -20,6 +20,7 @@ from nvcore.report.equal_alarms import equal_alarms_of
 from nvcore.report.tiles import tiles
 from nvcore.report.verdict import verdict
 from nvcore.report.words import sampling_note
+from nvcore.sentences.facts import AtEqualAlarms, Fact
 from nvcore.wording import count_text
 from ui.jobs.companions import Alternative
 from ui.overview.tiles import tiles_html
@@ -77,12 +78,12 @@ class Room:
         findings: Sequence[Finding],
         evidence: pd.DataFrame,
         companions: Companions | None,
-        plan: str,
+        plan: tuple[Fact | str, ...],
     ) -> None:
         """What the measures support, how much more it would take, and what it depends on."""
         result = self._result
         conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
-        words = plain(conclusion.headline)
+        words = plain(conclusion.say(conclusion.headline))
         self._words().markdown(f"## {words}")
         st.session_state[LAST] = self._opening(), words
         four = tiles(result, evidence, companions, untested="being tested")
@@ -91,13 +92,12 @@ class Room:
             st.caption(_short_extent(result, equal_alarms_of(result, companions)))
             if text := " ".join(describe_weighting(result)):
                 st.markdown(f":material/warning: {plain(text)}")
-            if conclusion.caveat:
-                _draw_caveat(conclusion.caveat)
+            if conclusion.doubt:
+                _draw_doubt(conclusion.say(conclusion.doubt))
         with self._rest:
             st.markdown(
                 "\n".join(
-                    f"- **{plain(point.topic)}:** {plain(point.text)}"
-                    for point in conclusion.points
+                    f"- **{plain(topic)}:** {plain(text)}" for topic, text in conclusion.topics
                 )
             )
             st.caption(_extent(result))
@@ -105,9 +105,9 @@ class Room:
                 st.caption(note)
 
 
-def _draw_caveat(caveat: str) -> None:
+def _draw_doubt(doubt: str) -> None:
     with st.container(horizontal=True, vertical_alignment="center"):
-        st.markdown(f":material/warning: {plain(caveat)}", width="stretch")
+        st.markdown(f":material/warning: {plain(doubt)}", width="stretch")
         if button("See the findings on the Data page", key="see_findings"):
             open_page("data")
 
@@ -118,7 +118,7 @@ def _short_extent(result: Result, equal: EqualAlarms | None) -> str:
         f"{count_text(len(result.dataset.frames), 'frame')}, {result.duration_s:,.1f} s."
     )
     if equal is not None:
-        extent += f" Tiles: {plain(equal.title)}."
+        extent += f" Tiles: {plain(state.say(AtEqualAlarms(equal.setting)))}."
     return f"{extent} Bars: 95 % interval of X − Y, on the right of the line X is better."
 
 

@@ -11,6 +11,7 @@ from typing import Any, Final, TypeVar
 import numpy as np
 import streamlit as st
 
+from nvcore import sentences
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.detection.operating_point import span_of_scores
@@ -18,6 +19,7 @@ from nvcore.inputs.session import Session
 from nvcore.palette import Scheme, Shade, scheme_for
 from nvcore.params import SETTINGS, Params
 from nvcore.protocols import Protocol
+from nvcore.sentences.facts import Fact
 from ui.access.people import is_same
 from ui.session import address, settings
 from ui.session.address import PLACE, read_place, read_systems
@@ -278,9 +280,10 @@ def theme() -> Scheme:
     return scheme_for(shade, opened().dataset.systems, *systems())
 
 
-def say(text: str, /, **values: object) -> str:
-    """A template of ours in the words for what is open; see `nvcore.objects.Objects.say`."""
-    return opened().dataset.objects.say(text, **values)
+def say(text: str | Fact, /, **values: object) -> str:
+    """A fact, or a template of ours (`nvcore.objects.Objects.say`), in words for what is open."""
+    objects = opened().dataset.objects
+    return objects.say(text, **values) if isinstance(text, str) else sentences.say(text, objects)
 
 
 def recording_names() -> list[str]:

@@ -14,7 +14,7 @@ from nvcore.errors import NvcoreError
 from nvcore.evidence.operating_points import as_set_note
 from nvcore.findings import Severity
 from nvcore.report.html.words import SHORT_ENCOUNTERS
-from nvcore.report.verdict import caveats
+from nvcore.sentences.caveats import caveats
 from ui.session import local_files, state
 from ui.session.opening import public_text
 from ui.session.results.findings import input_findings
@@ -49,7 +49,7 @@ def draw_warnings(result: Result, *, is_of_encounters: bool = True) -> None:
 def draw_as_set_note(result: Result) -> None:
     """Above numbers of X and Y as set: that nothing is claimed from these, if that is so."""
     if note := as_set_note(result):
-        st.markdown(f":material/balance: {plain(note)}")
+        st.markdown(f":material/balance: {plain(state.say(note))}")
 
 
 def needs_comparison(draw: Callable[[Result], None]) -> Callable[[], None]:

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final
 
 from nvcore.arguments.plan import Side
 from nvcore.evidence.measures import Evidence
 from nvcore.evidence.units import RECORDINGS
 from nvcore.measures.entry import Better
-
-UNEQUAL_POINTS: Final = "X and Y are set to different operating points"
-"""Why nothing can be said from numbers of false alarms that are unequal."""
+from nvcore.sentences.texts import UNEQUAL_POINTS
 
 
 @dataclass(frozen=True)

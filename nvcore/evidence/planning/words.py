@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Final
 
 from nvcore.evidence.measures import Evidence
 from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS, NonInferiority
+from nvcore.evidence.planning.noninferiority import NonInferiority
 from nvcore.evidence.planning.pilot import MIN_PILOT
 from nvcore.evidence.units import RECORDINGS
 from nvcore.measures.table import difference_text, evidence_form, size_text
+from nvcore.sentences.texts import UNEQUAL_POINTS
 from nvcore.wording import capitalised, count_text, difference, duration_text, number, percent
 
 if TYPE_CHECKING:

@@ -9,8 +9,7 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
-from nvcore.evidence.operating_points import describe_alarms, is_undecided
-from nvcore.evidence.planning.noninferiority import UNEQUAL_POINTS
+from nvcore.evidence.operating_points import alarms_as_set, is_undecided
 from nvcore.findings import Finding
 from nvcore.report.gate.added import RulesOf
 from nvcore.report.gate.measures import (
@@ -22,6 +21,7 @@ from nvcore.report.gate.measures import (
 from nvcore.report.gate.outcomes import Outcome
 from nvcore.report.gate.rules import class_in
 from nvcore.schema import Category
+from nvcore.sentences import phrase
 from nvcore.subjects import contributed
 
 MAX_LISTED: Final = 10
@@ -37,10 +37,7 @@ def explain(
 def _details(outcome: Outcome, result: Result, findings: Sequence[Finding]) -> tuple[str, ...]:
     name = outcome.rule.name
     if name in WORSE and is_undecided(result, WORSE[name][0]):
-        return (
-            f"{UNEQUAL_POINTS} ({describe_alarms(result)}), from which nothing is claimed: set "
-            "thresholds that give equally many",
-        )
+        return (phrase(alarms_as_set(result, "rule"), result.objects),)
     of_subjects: tuple[RulesOf, ...] = contributed("rules")
     known = tuple(line for of in of_subjects for line in of.describe(result, name))
     if outcome.is_passed:

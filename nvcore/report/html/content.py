@@ -42,6 +42,7 @@ from nvcore.report.html.result_sections import (
     similarity_section,
 )
 from nvcore.report.words import n_frames_text
+from nvcore.sentences import say
 from nvcore.stability.map import MAPS
 from nvcore.subjects import contributed
 from nvcore.tables.classes import has_classes
@@ -196,7 +197,7 @@ def _as_set(sections: Sequence[Section], result: Result) -> list[Section]:
     note = as_set_note(result)
     as_set = {*AS_SET_SECTIONS, *(of.anchor for of in chain(*contributed("sections")))}
     return [
-        replace(section, blocks=(Sentences((note,)), *section.blocks))
+        replace(section, blocks=(Sentences((say(note, result.objects),)), *section.blocks))
         if note and section.anchor in as_set
         else section
         for section in sections

@@ -12,7 +12,7 @@ import pandas as pd
 from nvcore.arguments.report import Inscription
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
-from nvcore.evidence.operating_points import are_unequal, describe_alarms
+from nvcore.evidence.operating_points import alarms_as_set, are_unequal
 from nvcore.evidence.units import MIN_RECORDINGS
 from nvcore.measures.table import count_recordings
 from nvcore.report.equal_alarms import equal_alarms_of
@@ -21,6 +21,7 @@ from nvcore.report.html.blocks import Photo
 from nvcore.report.tiles import Tile, tiles
 from nvcore.report.verdict import Verdict
 from nvcore.report.words import n_frames_text, sampling_note
+from nvcore.sentences.facts import AtEqualAlarms
 from nvcore.subjects import contributed
 from nvcore.wording import count_text, duration_text
 
@@ -89,9 +90,11 @@ def cover_of(
         subtitle=names if inscription.title else "",
         byline=", ".join(filter(None, (inscription.author, inscription.date))),
         question=inscription.question,
-        headline=conclusion.headline,
+        headline=conclusion.say(conclusion.headline),
         tiles=tiles(result, evidence, companions),
-        basis=f"{extent}." if equal is None else f"{equal.title}; {extent}.",
+        basis=f"{extent}."
+        if equal is None
+        else f"{conclusion.say(AtEqualAlarms(equal.setting))}; {extent}.",
         photos=_two_kinds(photos),
         limits=_limits(result, conclusion),
     )
@@ -103,12 +106,6 @@ def _two_kinds(photos: Sequence[Photo]) -> tuple[Photo, ...]:
     return (*photos[:1], *others[: N_PHOTOS - 1])
 
 
-def _operating_points(result: Result) -> str:
-    if not are_unequal(result):
-        return ""
-    return f"As set, {describe_alarms(result)}: nothing is claimed from that comparison."
-
-
 def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
     n = count_recordings(result)
     few = (
@@ -118,14 +115,18 @@ def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
         else "The numbers are about recordings like these; of other kinds of traffic, weather or "
         "cameras they say nothing."
     )
-    topics = ("More recordings", "Thresholds")
-    points = [point.text for point in conclusion.points if point.topic in topics]
+    points = [
+        conclusion.say(*point.facts)
+        for point in conclusion.points
+        if point.topic in ("More recordings", "Thresholds")
+    ]
+    as_set = alarms_as_set(result, "comparison") if are_unequal(result) else None
     return tuple(
         filter(
             None,
             (
-                conclusion.caveat,
-                _operating_points(result),
+                conclusion.say(conclusion.doubt),
+                conclusion.say(as_set),
                 result.objects.say(words.SHORT_ENCOUNTERS) if result.is_short else "",
                 *chain.from_iterable(remarks.limits(result) for remarks in contributed("remarks")),
                 few,

@@ -97,10 +97,7 @@ def planned_verdict(
 
 def verdict_section(conclusion: Verdict) -> Section:
     """What the headline, which stands on the first page, rests on."""
-    points = [(point.topic, point.text) for point in conclusion.points]
-    if conclusion.caveat:
-        points.append(("Audit", conclusion.caveat))
-    blocks = (Points(tuple(points)),)
+    blocks = (Points(conclusion.topics),)
     return Section("verdict", "What the verdict rests on", words.VERDICT, blocks)
 
 

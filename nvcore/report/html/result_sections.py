@@ -26,6 +26,8 @@ from nvcore.report.words import (
     score_cells,
     scorecard_cells,
 )
+from nvcore.sentences import say
+from nvcore.sentences.facts import AtEqualAlarms
 from nvcore.subjects import contributed
 from nvcore.tables.influence import lead_text
 from nvcore.tables.loss_strip import loss_strip
@@ -63,7 +65,15 @@ def scorecard_section(result: Result, companions: Companions) -> Section:
             f"encounters detected by {weights_text(equal)}. {little}"
         ).strip()
         rows = scorecard_cells(equal, indent=PART, mark=_mark(equal))
-        blocks.append(table(alike.title, MEASURES_HEAD, rows, right=(1, 2, 3), note=note))
+        blocks.append(
+            table(
+                say(AtEqualAlarms(alike.setting), result.objects),
+                MEASURES_HEAD,
+                rows,
+                right=(1, 2, 3),
+                note=note,
+            )
+        )
     notes = tuple(filter(None, (remarks.note(result) for remarks in contributed("remarks"))))
     remarked = [Sentences(notes)] if notes else []
     return Section("scorecard", "Scorecard", words.scorecard(result.params), (*remarked, *blocks))

@@ -1,10 +1,9 @@
-"""What a comparison supports: a headline, and sentences by topic, no stronger than its data."""
+"""What a comparison supports: a headline, and facts by topic, no stronger than its data."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
 from itertools import chain
 from typing import Final
 
@@ -13,83 +12,17 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.evidence.claims import Basis, Claim, find_claims
 from nvcore.evidence.companions import Companions
-from nvcore.findings import Caveats, Finding, Severity
+from nvcore.findings import Finding, Severity
+from nvcore.objects import Objects
 from nvcore.report.shown import comparison_shown
+from nvcore.report.verdict import points
 from nvcore.report.verdict.headline import headline
-from nvcore.report.verdict.words import (
-    describe_chance,
-    describe_encounters,
-    describe_measures,
-    describe_operating_points,
-    describe_strict,
-    describe_thresholds,
-    describe_weights,
-)
+from nvcore.sentences import say
+from nvcore.sentences.caveats import caveats
+from nvcore.sentences.facts import Doubt, Fact, Headline
 from nvcore.subjects import contributed, in_place
 
-CAVEATS: Final = Caveats(
-    warned={
-        "track-reused": "track ids of the ground truth are used again after a gap, so that two "
-        "{many} may be taken for one encounter",
-        "short-encounters": "most encounters are one frame long, so that counts of them are counts "
-        "of frames rather than {many}, and saliency and episodes mean little",
-        "score-floors": "X and Y are compared at different operating points; with thresholds the "
-        "other may come out better",
-        "mixed-weighting": "X and Y are weighted by different rules",
-        "same-boxes": "two of the inputs have the same boxes",
-        "size-too-large": "the image size seems wrong",
-        "implausible-fps": "the frame rate seems wrong",
-        "box-layout": "boxes seem to be written in another way than they were read",
-        "no-match": "a system matches not a single {one}",
-        "agreed-by-both-alone": "both systems match hardly {anybody} and agree with one another",
-        "lying-pedestrians": "nearly all {many} are wider than tall",
-        "time-offset": "a system seems to be off in time",
-        "pixel-offset": "a system's boxes seem to be displaced",
-        "scale-mismatch": "a system's boxes seem to be of another resolution",
-        "frames-beyond-boxes": "frames without any box are evaluated",
-        "no-detections": "a system has no detections",
-        "threshold-keeps-nothing": "a threshold leaves no detection",
-    },
-    lesser={
-        "missing-provenance": "a system's record of its training is not there",
-        "kitti-size": "the truth contradicts the picture size of some recordings",
-        "outside-picture": "boxes lie outside the picture",
-        "boxes-in-fractions": "boxes seem to be in fractions of the picture rather than in pixels",
-        "duplicate-box": "boxes are repeated",
-        "duplicate-track": "{many} of one frame share a track id",
-        "box-disputed-by-both": "both systems agree on other boxes than the ground truth's",
-        "loose-boxes": "many false alarms of a system lie on {many} {whom} it thereby misses",
-        "missing-score": "some detections have no score and pass every threshold",
-        "threshold-without-scores": "a threshold has no effect, as no detection has a score",
-        "truth-every-nth-frame": "most evaluated frames have no ground truth",
-        "detections-every-nth-frame": "a system has no detections in most evaluated frames",
-        "detections-in-part-of-recording": "a system has detections in parts of recordings only",
-        "recording-without-detections": "a system has no detections in whole recordings",
-        "unknown-recording": "recordings without ground truth are left out",
-        "frame-not-listed": "rows of frames that are not evaluated are left out",
-    },
-)
-"""Of the core's own findings."""
-
-
-@cache
-def caveats() -> Caveats:
-    """What findings mean for the verdict, those of subjects included."""
-    every = (CAVEATS, *contributed("caveats"))
-    return Caveats(
-        warned=dict(chain(*(known.warned.items() for known in every))),
-        lesser=dict(chain(*(known.lesser.items() for known in every))),
-    )
-
-
 SAME_BOXES: Final = "same-boxes"
-WRONG_INPUTS: Final = (
-    "Nothing is claimed: the audit found errors in the inputs, and the numbers are wrong until "
-    "they are mended."
-)
-NO_TWO_SYSTEMS: Final = (
-    "Two of the inputs have the same boxes: this is no comparison of two systems."
-)
 
 
 @dataclass(frozen=True)
@@ -100,25 +33,20 @@ class Point:
     ----------
     topic
         In a word or two, such as ``Encounters``.
-    sentences
+    facts
         At least one.
     after
         Topic of the point that it follows; empty: it has its own place.
     """
 
     topic: str
-    sentences: tuple[str, ...]
+    facts: tuple[Fact | str, ...]
     after: str = ""
 
     @property
     def key(self) -> str:
         """By which other points find it."""
         return self.topic
-
-    @property
-    def text(self) -> str:
-        """The sentences, one after the other."""
-        return " ".join(self.sentences)
 
 
 @dataclass(frozen=True)
@@ -129,14 +57,14 @@ class PointOf:
     ----------
     topic
         In a word or two.
-    describe
-        Its sentences; none: there is nothing to say.
+    find
+        Its facts; none: there is nothing to say.
     after
         Topic of the point that it follows.
     """
 
     topic: str
-    describe: Callable[[Result], tuple[str, ...]]
+    find: Callable[[Result], tuple[Fact | str, ...]]
     after: str
 
 
@@ -147,28 +75,42 @@ class Verdict:
     Attributes
     ----------
     headline
-        What is claimed, or that nothing is, and why; a sentence.
+        What is claimed, or that nothing is, and why.
     points
         What it rests on, the most important first.
     claims
         Every difference that is called more than chance.
     basis
         The comparison that the claims are about.
-    caveat
-        What all this depends on, by the audit; empty: nothing.
+    doubt
+        What all this depends on, by the audit; None: nothing.
+    objects
+        What sentences call the objects that the boxes are of.
     """
 
-    headline: str
+    headline: Headline
     points: tuple[Point, ...]
     claims: tuple[Claim, ...]
     basis: Basis
-    caveat: str = ""
+    doubt: Doubt | None
+    objects: Objects
+
+    def say(self, *facts: Fact | str | None) -> str:
+        """Facts in sentences."""
+        return " ".join(say(fact, self.objects) for fact in facts if fact is not None)
+
+    @property
+    def topics(self) -> tuple[tuple[str, str], ...]:
+        """Each point in a word or two, and what is to be said on it; at last the audit."""
+        doubt = [("Audit", self.say(self.doubt))] if self.doubt else []
+        return (*((point.topic, self.say(*point.facts)) for point in self.points), *doubt)
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Headline, points and caveat, sentence by sentence."""
-        of_points = (sentence for point in self.points for sentence in point.sentences)
-        return tuple(filter(None, (self.headline, *of_points, self.caveat)))
+        """Headline, points and doubt, sentence by sentence."""
+        of_points = chain.from_iterable(point.facts for point in self.points)
+        every = (self.headline, *of_points, self.doubt)
+        return tuple(self.say(fact) for fact in every if fact is not None)
 
 
 def verdict(
@@ -177,7 +119,7 @@ def verdict(
     *,
     evidence: pd.DataFrame | None = None,
     companions: Companions | None = None,
-    plan: str = "",
+    plan: tuple[Fact | str, ...] = (),
 ) -> Verdict:
     """Which differences between X and Y may be claimed, and what the measures say.
 
@@ -207,58 +149,52 @@ def verdict(
 
     Examples
     --------
-    >>> verdict(result).headline  # doctest: +SKIP
-    'X is better in encounters detected: more than chance, by 12 recordings.'
+    >>> verdict(result).sentences[0]  # doctest: +SKIP
+    'X is better on encounters detected (31 against 24): more than chance over 12 recordings.'
     """
     serious = [
         finding
         for finding in findings
         if finding.severity is not Severity.NOTE and not finding.is_of_pictures
     ]
-    caveat = _caveat(result, serious) if serious else ""
+    doubt = _doubt(serious) if serious else None
     if any(finding.code == SAME_BOXES for finding in findings):
-        return Verdict(NO_TWO_SYSTEMS, (), (), Basis.NONE, caveat)
+        return Verdict(Headline("same boxes"), (), (), Basis.NONE, doubt, result.objects)
     if any(finding.severity is Severity.ERROR for finding in serious):
-        return Verdict(WRONG_INPUTS, (), (), Basis.NONE, caveat)
+        return Verdict(Headline("wrong inputs"), (), (), Basis.NONE, doubt, result.objects)
     support = find_claims(result, evidence, companions)
     shown, of_shown = comparison_shown(result, evidence, companions)
-    points = in_place(
+    every = in_place(
         (
-            Point("Operating points", describe_operating_points(result, companions)),
-            Point("Encounters", describe_encounters(shown, of_shown, support)),
-            Point("Severity", describe_weights(shown)),
-            Point("Other measures", describe_measures(shown, of_shown)),
-            Point("Chance", describe_chance(result, of_shown, support)),
+            Point("Operating points", points.operating_points(result, companions)),
+            Point("Encounters", points.encounters(shown, of_shown, support)),
+            Point("Severity", points.weights(shown)),
+            Point("Other measures", points.measures(shown, of_shown)),
+            Point("Chance", points.chance(result, of_shown, support)),
             Point(
                 "Strict pairing",
-                () if companions is None else describe_strict(shown, companions.strict),
+                () if companions is None else points.strict_pairing(shown, companions.strict),
             ),
-            Point("More recordings", (plan,) if plan else ()),
-            Point("Thresholds", describe_thresholds(result) if shown is result else ()),
+            Point("More recordings", plan),
+            Point("Thresholds", points.thresholds(result) if shown is result else ()),
         ),
-        (
-            Point(of.topic, of.describe(shown), after=of.after)
-            for of in chain(*contributed("points"))
-        ),
+        (Point(of.topic, of.find(shown), after=of.after) for of in chain(*contributed("points"))),
     )
     return Verdict(
         headline(result, of_shown, companions, support),
-        tuple(point for point in points if point.sentences),
+        tuple(point for point in every if point.facts),
         support.claims,
         support.basis,
-        caveat,
+        doubt,
+        result.objects,
     )
 
 
-def _caveat(result: Result, serious: Sequence[Finding]) -> str:
+def _doubt(serious: Sequence[Finding]) -> Doubt:
+    """What all depends on; findings that are not named are counted."""
     known = {**caveats().warned, **caveats().lesser}
-    causes = list(
-        dict.fromkeys(known[finding.code] for finding in serious if finding.code in known)
+    codes = [finding.code for finding in serious]
+    return Doubt(
+        tuple(code for code in dict.fromkeys(codes) if code in known),
+        n_others=sum(code not in known for code in codes),
     )
-    others = [finding.code for finding in serious if finding.code not in known]
-    if others:
-        causes.append(
-            f"{len(others)} {'other ' if causes else ''}finding{'s' if len(others) > 1 else ''} "
-            "that it lists"
-        )
-    return f"This depends on what the audit found: {result.objects.say('; '.join(causes))}."

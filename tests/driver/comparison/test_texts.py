@@ -100,7 +100,7 @@ def test_the_verdict_says_whom_each_system_warns_of_and_where_that_comes_from():
         "states it; seen means that at least 50 % of drivers would see the pedestrian. It is known "
         "of 8 of 9 pedestrian boxes; 1 encounter of which it is unknown is not counted here."
     )
-    assert text in [point.text for point in verdict(eight()).points]
+    assert text in dict(verdict(eight()).topics).values()
 
 
 def test_estimated_and_simulated_are_said():
@@ -176,7 +176,7 @@ def test_weighting_is_said_to_be_ours_and_of_how_many_boxes_it_is_not():
     weighted = eight(driver_weighting="on")
     assert "weighted by (1 - detectability)" in render_scorecard(weighted)
     (point,) = [point for point in verdict(weighted).points if point.topic == "Weighting"]
-    assert point.sentences == (weighting(weighted),)
+    assert point.facts == (weighting(weighted),)
     simulated = with_estimate(weighted, EstimateRecord("m", "", "all", 3))
     assert describe_weighting(simulated)[1].startswith("Nothing is claimed of what is weighted")
     bare = result_of(make_dataset([at(0, 50, track=1)]), driver_weighting="on")

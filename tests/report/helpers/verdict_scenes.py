@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pandas as pd
 from builders import NAN, Box, at, make_dataset, result_of
 
@@ -64,9 +66,9 @@ def verdict_by(result: Result, *rows: dict[str, object], companions: bool = True
     return verdict(result, evidence=table, companions=both)
 
 
-def topic(text: Verdict, name: str) -> str:
-    """What the verdict says on a topic; empty: nothing."""
-    return next((point.text for point in text.points if point.topic == name), "")
+def said(text: Verdict, topic: str) -> tuple[Any, ...]:
+    """The facts of a verdict on a topic; none: it says nothing on it."""
+    return next((point.facts for point in text.points if point.topic == topic), ())
 
 
 def whole_verdict(result: Result) -> Verdict:

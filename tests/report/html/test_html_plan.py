@@ -38,19 +38,19 @@ def test_each_difference_that_is_not_shown_has_its_size_and_what_is_excluded(sam
     assert 150 < int(n) < 300
     assert int(n_encounters.replace(",", "")) == pytest.approx(3.8 * int(n), abs=1)
     assert " to " in span
-    sentence = verdict_plan(sample, evidence, None)
-    assert f"About {n} recordings like these" in sentence
-    assert verdict_plan(sample, evidence, None, plans=plans) == sentence
+    said = verdict_plan(sample, evidence, None)
+    assert f"About {n} recordings like these" in said[0]
+    assert verdict_plan(sample, evidence, None, plans=plans) == said
 
 
 def test_blocks_of_time_and_what_is_shown_have_words_instead():
     few = result_of(drives(4))
     section = plan_section(few, evidence_table(few), {})
     assert "a pilot of 6 recordings or more" in section.blocks[0].texts[0]
-    assert verdict_plan(few, evidence_table(few), None) == ""
+    assert verdict_plan(few, evidence_table(few), None) == ()
     clear = result_of(drives(30))
     evidence = evidence_table(clear)
-    assert verdict_plan(clear, evidence, None) == ""
+    assert verdict_plan(clear, evidence, None) == ()
     evidence["p_holm"] = 0.001
     plans = plan_measures(clear, evidence, PROTOCOLS["all"], progress=no_progress)
     section = plan_section(clear, evidence, plans)

@@ -119,7 +119,7 @@ def test_the_first_page_has_verdict_tiles_frames_and_limits(content, result):
     first = cover(content)
     assert "<h1>fir (X) and nir (Y) compared</h1>" in first
     assert 'class="question"' not in first
-    assert "nothing is claimed of others" in first or "Nothing is claimed: " in first
+    assert "too few" in first.lower()
     assert first.count('class="tile"') == 4
     assert 1 <= first.count("<img src=") <= 2
     assert "2 recordings: what others would show is open (6 are needed)." in first

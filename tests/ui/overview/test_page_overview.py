@@ -60,7 +60,7 @@ def tiles(app: AppTest) -> str:
 
 
 def test_four_tiles_say_what_is_shown_and_the_better_value_has_a_mark(app: AppTest):
-    assert app.markdown[0].value.startswith("## Nothing is claimed")
+    assert app.markdown[0].value.startswith("## 10 recordings do not tell X and Y apart")
     body = tiles(app)
     assert body.count("<section") == 4
     assert '<span class="x better"><i>X</i>30</span><span class="y"><i>Y</i>27</span>' in body
@@ -95,7 +95,7 @@ def test_what_is_known_is_drawn_once_and_not_first_as_unknown(
     monkeypatch.setattr(verdict_page.Room, "draw_known", lambda *_, **__: drawn.append(False))
     checked(app.run())
     assert drawn == [True]
-    assert app.markdown[0].value.startswith("## Nothing is claimed")
+    assert app.markdown[0].value.startswith("## 10 recordings do not tell X and Y apart")
     assert tiles(app).count(">not shown<") == 3
 
 

@@ -1,0 +1,98 @@
+"""Saying facts: one room, one text for an idea; a template for each type and kind of fact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from string import Formatter
+from typing import Any
+
+from nvcore.measures.table import inference_of
+from nvcore.objects import Objects
+from nvcore.sentences.caveats import caveats
+from nvcore.sentences.facts import Fact
+from nvcore.sentences.texts import TEXTS, Texts
+from nvcore.subjects import contributed
+from nvcore.wording import capitalised, count_text, listed
+
+
+def say(fact: Fact | str, objects: Objects) -> str:
+    """A fact as a sentence, with a capital; a text stays as it is.
+
+    Examples
+    --------
+    >>> from nvcore.objects import PEDESTRIAN
+    >>> from nvcore.sentences.facts import Split
+    >>> say(Split(n=12, both=3, x_only=6, y_only=0), PEDESTRIAN)
+    'X detects every encounter that Y detects, and 6 more of 12.'
+    """
+    return fact if isinstance(fact, str) else capitalised(phrase(fact, objects))
+
+
+def phrase(fact: Fact, objects: Objects) -> str:
+    """A fact as part of a sentence."""
+    return _Sentence(objects).of(fact)
+
+
+@cache
+def all_texts() -> Texts:
+    """Templates of the core and of subjects, by type of fact."""
+    texts = dict(TEXTS)
+    for added in contributed("texts"):
+        texts.update(added)
+    return texts
+
+
+@dataclass(frozen=True)
+class _Count:
+    """A number that says itself with the noun that is its format specification."""
+
+    n: int
+
+    def __format__(self, noun: str) -> str:
+        return count_text(self.n, noun)
+
+
+def _system(letter: str) -> str:
+    """A system as texts call it: X and Y, or by its name."""
+    return letter.upper() if letter in ("x", "y") else letter
+
+
+class _Sentence(Formatter):
+    """Templates with facts in facts, and rows of them.
+
+    Conversions: ``!u`` a system, X or Y, ``!n`` a count with the noun after the colon,
+    ``!m`` the noun of a measure, ``!c`` what findings mean.
+    """
+
+    def __init__(self, objects: Objects) -> None:
+        self.objects = objects
+
+    def of(self, fact: Fact) -> str:
+        """The text of a fact."""
+        text = all_texts()[type(fact)]
+        if not isinstance(text, str):
+            text = text[fact.kind]  # type: ignore[attr-defined]  # all with several texts have one
+        return self.vformat(text, (), {**self.objects.words, **vars(fact), "fact": fact})
+
+    def convert_field(self, value: Any, conversion: str | None) -> Any:
+        match conversion:
+            case "u":
+                return _system(value) if isinstance(value, str) else tuple(map(_system, value))
+            case "n":
+                return _Count(value)
+            case "m":
+                return self.objects.say(inference_of(value).noun)
+            case "c":
+                known = {**caveats().warned, **caveats().lesser}
+                return "; ".join(self.objects.say(known[code]) for code in value)
+        return super().convert_field(value, conversion)
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        if value is None:
+            return ""
+        if isinstance(value, Fact):
+            return self.of(value)
+        if isinstance(value, tuple):
+            return listed([self.format_field(each, format_spec) for each in value])
+        return str(super().format_field(value, format_spec))

@@ -1,0 +1,142 @@
+"""The sentences of the verdict: templates, by type and kind of fact.
+
+The fields are those of the fact; ``{one}`` and the like are words for the objects
+(`nvcore.wording.objects`). A sentence gets its capital when it is said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from nvcore.sentences import facts
+
+Texts = Mapping[type[facts.Fact], str | Mapping[str, str]]
+
+UNEQUAL_POINTS: Final = "X and Y are set to different operating points"
+AS_SET: Final = "as set: at unequal operating points"
+"""Marks numbers of X and Y from which nothing is claimed."""
+_ALARMS: Final = "X has {x:.3g} and Y {y:.3g} false alarms per frame"
+_NO_CLAIM: Final = "so nothing is claimed"
+
+TEXTS: Final[Texts] = {
+    facts.Named: "{key!m}",
+    facts.Compared: "{key!m} ({better.number} against {other})",
+    facts.OfBoth: "{key!m} (X {x.number}, Y {y})",
+    facts.Better: "{winner!u} is better on {won}",
+    facts.Conclusion: {
+        "claimed": "{better}: more than chance over {n_recordings!n:recording}{remark}",
+        "untested": "whether X and Y differ by more than chance has not been tested",
+        "pending": "nothing is claimed before X and Y are compared at equal false alarms",
+        "few": "too few recordings to tell X and Y apart ({n_recordings} of the {n_needed} needed)",
+        "within": "{better} within {n_recordings!n:recording}{remark}, too few to say so of others "
+        "({n_needed} are needed)",
+        "untestable": "too little data to tell X and Y apart",
+        "impossible": "too few recordings to tell X and Y apart: over {n_recordings} of them, no "
+        "difference in {n_measures!n:measure} could be shown to be more than chance, however large "
+        "(least possible {p})",
+        "withheld": "no difference between X and Y is claimed: each that is more than chance fails "
+        "another check",
+        "not shown": "{n_recordings!n:recording} do not tell X and Y apart: no difference is shown "
+        "to be more than chance",
+    },
+    facts.Headline: {
+        "alike": "{conclusion}.",
+        "equal": f"{UNEQUAL_POINTS}; at equal false alarms, {{conclusion}}.",
+        "pending": f"{UNEQUAL_POINTS}: nothing is claimed before they are compared at equal false "
+        "alarms.",
+        "threshold": f"{UNEQUAL_POINTS} and no threshold sets them alike, {_NO_CLAIM}.",
+        "scores": f"{UNEQUAL_POINTS} and cannot be set alike without scores, {_NO_CLAIM}.",
+        "same boxes": "two of the inputs have the same boxes: this is no comparison of two "
+        "systems.",
+        "wrong inputs": "nothing is claimed: the audit found errors in the inputs, and until they "
+        "are mended the numbers are wrong.",
+    },
+    facts.AsSet: {
+        "comparison": f"as set, {_ALARMS}: nothing is claimed from that comparison.",
+        "above": f"{AS_SET} ({_ALARMS}). Nothing is claimed from these.",
+        "equal": f"as set, {_ALARMS}.",
+        "rule": f"{UNEQUAL_POINTS} ({_ALARMS}), from which nothing is claimed: set thresholds that "
+        "give equally many",
+    },
+    facts.AtEqualAlarms: "at equal false alarms ({setting})",
+    facts.Setting: {
+        "all": "{moved!u} with all detections, {per_frame:.3g} per frame",
+        "some": "{moved!u} with scores of {threshold:g} or more, {per_frame:.3g} per frame",
+    },
+    facts.AboutAsSet: "what follows is as set.",
+    facts.AboutEqualAlarms: "what follows is at equal false alarms ({setting}); nothing is claimed "
+    "from the comparison as set.",
+    facts.Tested: {
+        "tested": " ({n!n:recording}, {p})",
+        "untestable": " (too few recordings tell them apart for a test)",
+    },
+    facts.Split: {
+        "none": "no encounter is near enough to count.",
+        "same": "X and Y detect the same {both} of {n!n:encounter}.",
+        "x": "X detects every encounter that Y detects, and {x_only} more of {n}{test}.",
+        "y": "Y detects every encounter that X detects, and {y_only} more of {n}{test}.",
+        "apart": "of the {fact.n_apart} encounters that only one system detects, X detects "
+        "{x_only} and Y {y_only}{test}.",
+    },
+    facts.Cost: {
+        "one": "the one encounter that only {finder!u} detects costs {loser!u} {seconds:.1f} s",
+        "many": "the {n} encounters that only {finder!u} detects cost {loser!u} {seconds:.1f} s",
+    },
+    facts.Weights: "in missed time, {costs}.",
+    facts.WorstFailure: "the worst single failure is {letter!u}'s: {one} {track} in {recording}, "
+    "{seconds:.1f} s.",
+    facts.Measured: {
+        "mean_similarity": "higher mean similarity ({better.number} against {other})",
+        "severity_s_per_encounter": "lower severity per encounter ({better.number} against "
+        "{other})",
+        "saliency": "lower saliency ({better.number} against {other})",
+        "mean saliency": "lower saliency in the mean over recordings ({better.number} against "
+        "{other})",
+        "false_alert_episodes": "fewer false-alert episodes ({better.number} against "
+        "{other}{extent})",
+        "log_average_miss_rate": "a lower log-average miss rate ({better.number} against {other})",
+        "same mean_similarity": "mean similarity ({better})",
+        "same severity_s_per_encounter": "severity per encounter ({better})",
+        "same saliency": "saliency ({better})",
+        "same mean saliency": "saliency in the mean over recordings ({better})",
+        "same false_alert_episodes": "number of false-alert episodes ({better}{extent})",
+        "same log_average_miss_rate": "log-average miss rate ({better})",
+    },
+    facts.Has: {"one": "{who!u} has {measured}.", "both": "both have the same {measured}."},
+    facts.Share: "{share:.0%} of {letter!u}'s",
+    facts.FarAway: "of the time in saliency events, {shares} is about {many} that count; in the "
+    "rest, {people} are too far away.",
+    facts.Shown: {
+        "interval": "{key!m} ({winner!u} better, X - Y 95 % interval {interval}, {p})",
+        "p": "{key!m} ({winner!u} better, {p})",
+    },
+    facts.MoreThanChance: "more than chance: {shown}.",
+    facts.Reason: {
+        "pending": "not yet compared at equal false alarms",
+        "range": "not shown throughout what may pass for equal false alarms",
+        "equal": "not shown at equal false alarms",
+        "strict": "the other way round if paired strictly",
+        "alarms": "{winner!u} also has more false alarms, and no threshold sets them alike",
+        "matches": "{winner!u} also matches fewer {many}, and no threshold sets them alike",
+        "unscored alarms": "{winner!u} also has more false alarms, and without scores nothing sets "
+        "them alike",
+        "unscored matches": "{winner!u} also matches fewer {many}, and without scores nothing sets "
+        "them alike",
+        "doubt": "{doubt}",
+    },
+    facts.Unclaimed: "not claimed: {measures} ({reason}).",
+    facts.UnclaimedOfPair: "{key!m} ({reason})",
+    facts.OthersNotShown: "the other differences are not shown to be more than chance.",
+    facts.ShortEncounters: "most encounters are one frame long, so saliency, severity and episodes "
+    "mean little here and are not judged.",
+    facts.Strict: "with strict pairing, where a false alarm cannot stand in for a match, it is the "
+    "other way round: {better}.",
+    facts.Unfiltered: "every detection of {letters!u} counts, however low its score.",
+    facts.Doubt: {
+        "known": "this depends on what the audit found: {known!c}.",
+        "mixed": "this depends on what the audit found: {known!c}; {n_others!n:other finding}.",
+        "others": "this depends on what the audit found: {n_others!n:finding}.",
+    },
+}
+"""Those of the core."""
