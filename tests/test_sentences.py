@@ -22,7 +22,9 @@ def kinds_of(fact: type[Fact]) -> set[str]:
 @pytest.mark.parametrize("fact", all_texts(), ids=lambda fact: fact.__name__)
 def test_a_template_names_nothing_but_fields_and_words_for_the_objects(fact: type[Fact]):
     text = all_texts()[fact]
-    known = {field.name for field in fields(fact)} | {"fact", *PEDESTRIAN.words}
+    own = {field.name for field in fields(fact)}
+    assert own.isdisjoint(PEDESTRIAN.words)
+    known = own | {"fact", *PEDESTRIAN.words}
     texts = [text] if isinstance(text, str) else text.values()
     names = {name for each in texts for _, name, _, _ in Formatter().parse(each) if name}
     assert {name.partition(".")[0] for name in names} <= known

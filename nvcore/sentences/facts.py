@@ -281,13 +281,13 @@ class Measured(Fact):
 class Has(Fact):
     """Which measures are better of a system, or the same of ``both``."""
 
-    who: str
+    system: str
     measured: tuple[Measured, ...]
 
     @property
     def kind(self) -> str:
         """Whether it is of both."""
-        return "both" if self.who == "both" else "one"
+        return "both" if self.system == "both" else "one"
 
 
 @dataclass(frozen=True)

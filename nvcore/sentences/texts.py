@@ -103,7 +103,7 @@ TEXTS: Final[Texts] = {
         "same false_alert_episodes": "number of false-alert episodes ({better}{extent})",
         "same log_average_miss_rate": "log-average miss rate ({better})",
     },
-    facts.Has: {"one": "{who!u} has {measured}.", "both": "both have the same {measured}."},
+    facts.Has: {"one": "{system!u} has {measured}.", "both": "both have the same {measured}."},
     facts.Share: "{share:.0%} of {letter!u}'s",
     facts.FarAway: "of the time in saliency events, {shares} is about {many} that count; in the "
     "rest, {people} are too far away.",

@@ -108,7 +108,7 @@ def test_what_failures_weigh_and_the_worst_of_them(better_x: Result):
 def test_the_measures_stand_side_by_side(better_x: Result):
     text = verdict_by(better_x, row_of("log_average_miss_rate", NAN))
     (has,) = said(text, "Other measures")
-    assert has.who == "x"
+    assert has.system == "x"
     assert [(of.key, str(of.better), of.extent) for of in has.measured] == [
         ("mean_similarity", "1.000", ""),
         ("severity_s_per_encounter", "0.00 s", ""),
@@ -143,7 +143,7 @@ def test_measures_that_look_the_same_are_not_called_better_and_undefined_ones_le
     alike: Result,
 ):
     (has,) = said(verdict_by(alike), "Other measures")
-    assert has.who == "both"
+    assert has.system == "both"
     assert [of.key for of in has.measured] == [
         *("mean_similarity", "severity_s_per_encounter", "saliency", "false_alert_episodes")
     ]

@@ -63,7 +63,7 @@ def test_the_p_beside_a_comparison_at_equal_false_alarms_is_the_larger_of_both_e
 
 def test_where_strict_pairing_disagrees_it_is_said_and_nothing_claimed():
     text = whole_verdict(result_of(turned_by_strict_pairing()))
-    by_who = {has.who: [of.key for of in has.measured] for has in said(text, "Other measures")}
+    by_who = {has.system: [of.key for of in has.measured] for has in said(text, "Other measures")}
     assert "mean_similarity" in by_who["y"]
     (strict,) = said(text, "Strict pairing")
     assert ("x", "mean_similarity") in {(of.winner, of.won[0].key) for of in strict.better}
