@@ -75,7 +75,7 @@ def _context_text(context: float) -> str:
 
 
 def write_video(path: Path, pictures: Iterable[NDArray[np.uint8]]) -> None:
-    """Grey pictures as an H.264 video; the same bytes from the same version of the encoder.
+    """Grey pictures as an H.264 video; the same bytes from the same machine and encoder.
 
     Parameters
     ----------
@@ -162,9 +162,9 @@ def _ranging_text() -> str:
 _README: Final = """# Sample data
 
 A night drive that never happened. Everything here is generated: `python -m tools.sample` in a
-checkout writes this folder again, the tables byte for byte (the videos too, with the same version
-of the video library); `nvcore sample` copies it. It is there to try the program and to test it; it
-says nothing about any real system.
+checkout writes this folder again, the tables byte for byte; another processor or version of the
+video library may change grey values of the videos a little. `nvcore sample` copies the folder. It
+is there to try the program and to test it; it says nothing about any real system.
 
 A pinhole camera (640 x 480, focal length 1100 px, 1.25 m above the road) drives past walking people
 in three dimensions. Boxes, distances, occlusion and pictures come from that one geometry. Pictures
