@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -57,6 +58,14 @@ class Document:
     after: str = ""
 
 
+@dataclass(frozen=True)
+class MadeFile:
+    """A file that the app has made of what is open; the session to be exported names it."""
+
+    path: Path
+    meaning: str
+
+
 @cache
 def contributed(kind: str) -> tuple[Any, ...]:
     """What each subject adds to a list of the dashboard, of those that add to it.
@@ -66,7 +75,10 @@ def contributed(kind: str) -> tuple[Any, ...]:
     kind
         Name of what `nvcore.subjects.Subject.ui` has, or of a reference ``"module:name"`` to it:
         ``"PAGES"`` (`Page`), ``"DOCUMENTS"`` (`Document`), ``"ASIDE"`` (`ui.jobs.runs.Aside`),
-        ``"ROUTES"`` (`ui.session.requests.Place`) or ``"STUDIES"`` (`ui.people.studies.Studies`).
+        ``"ROUTES"`` (`ui.session.requests.Place`), ``"STUDIES"`` (`ui.people.studies.Studies`),
+        ``"PRELOADED"`` (modules that `ui.confined.nursery` loads before it forks: none that loads
+        Streamlit), ``"SIGHT"`` (`ui.session.look.Sight`) or ``"MADE_FILES"`` (function of the
+        session and of the one to be written: each `MadeFile` by its name in the latter).
     """
     rooms = [subject.ui for _, subject in subjects().values() if subject.ui]
     return tuple(

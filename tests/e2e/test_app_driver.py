@@ -195,8 +195,6 @@ def test_an_estimate_is_taken_over_on_the_page_that_is_open_when_it_ends(visit):
     one.keyed("navigation").get_by_role("link", name="Export").click()
     expect(one.heading("Export", level=1)).to_be_visible()
     # the files that only the app has
-    expect(
-        one.page.get_by_text("(what the page Driver has estimated is in the ZIP)")
-    ).to_be_visible()
+    expect(one.page.get_by_text("(the ZIP has what was made here)")).to_be_visible()
     one.switch_to("Overview")
     expect(one.page.get_by_text("useful alerts: detected").first).to_be_visible()

@@ -16,15 +16,17 @@ import signal
 import socket
 import sys
 import traceback
+from importlib import import_module
+from itertools import chain
 from multiprocessing.connection import Connection
 from pathlib import Path
 
 import nvcore.inputs.load
 import nvcore.pictures.open  # noqa: F401  # loaded for the forked processes
-import ui.confined.driver  # noqa: F401  # likewise: half a second
 from nvcore.errors import NvcoreError
 from ui.confined.transfer import Fault, send_answer
 from ui.settings.limits import MEBI
+from ui.subjects import contributed
 
 ENDS_FIRST = "900"
 """Of 1000: several large pictures at a time may fill the machine, though none fills its process."""
@@ -39,6 +41,8 @@ def main(control: socket.socket) -> None:
 
     It is the first of its process group.
     """
+    for module in chain(*contributed("PRELOADED")):
+        import_module(module)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # ^C is for the server, which ends us
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for the processes
     with contextlib.suppress(OSError):  # Linux only: where memory runs out, these end first

@@ -1,4 +1,7 @@
-"""The pages Driver and Study, and what they add to the dashboard."""
+"""The pages Driver and Study, and what they add to the dashboard.
+
+`ui.driver.confined` is loaded in processes that must not load Streamlit: nor does this file.
+"""
 
 from typing import Final
 
@@ -22,6 +25,10 @@ DOCUMENTS: Final = (
     Document("driver", "The driver", after="formats"),
     Document("study", "Study", after="ratings"),
 )
+PRELOADED: Final = ("ui.driver.confined",)
+"""It takes half a second."""
+SIGHT: Final = "known:SIGHT"
+MADE_FILES: Final = "known:made_files"
 ASIDE: Final = "finished:ASIDE"
 ROUTES: Final = "study.routes:ROUTES"
 STUDIES: Final = "study.files:STUDIES"

@@ -12,11 +12,7 @@ from nvcore.driver.comparison.encounters import detectability_course, features_o
 from nvcore.driver.comparison.figures.course import detectability_course_plot
 from nvcore.driver.illumination.clock import AdaptationClock, unknown_clock, with_change
 from ui.driver import basis, panel, tunnel
-from ui.session import state
-from ui.session.chosen import chosen_encounter, name_of
-from ui.session.drawing import visible_of
-from ui.session.look import Look, VisiblePictures, look
-from ui.session.results.driver import (
+from ui.driver.known import (
     caution_of,
     clock_of,
     features_of,
@@ -25,6 +21,10 @@ from ui.session.results.driver import (
     opened_run,
     part_of,
 )
+from ui.session import state
+from ui.session.chosen import chosen_encounter, name_of
+from ui.session.drawing import visible_of
+from ui.session.look import Look, VisiblePictures, look
 from ui.widgets import compared_viewer
 from ui.widgets.charts import clicked_chart
 from ui.widgets.text import docs_link, plain

@@ -11,7 +11,7 @@ from nvcore.driver.estimators.model_file import MAX_BYTES, SAMPLE_ESTIMATOR
 from nvcore.driver.features import FEATURES
 from nvcore.errors import NvcoreError
 from nvcore.wording import count_text, listed
-from ui.confined.driver import EstimatorFacts, EstimatorSpec, describe_estimator
+from ui.driver.confined import EstimatorFacts, EstimatorSpec, describe_estimator
 from ui.session import state
 from ui.shell.messages import error_text, shown_error
 from ui.widgets.models import ModelKind, draw_field, model_files

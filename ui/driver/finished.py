@@ -15,13 +15,13 @@ from nvcore.errors import NvcoreError
 from nvcore.inputs.session import Session
 from nvcore.progress import Progress
 from nvcore.wording import count_text
-from ui.confined.driver import EstimatorSpec
+from ui.driver.confined import EstimatorSpec
+from ui.driver.known import RUN, OpenedRun
 from ui.jobs.background import JobState
 from ui.jobs.progress import draw_job_aside
 from ui.jobs.runs import Aside, FolderJob, is_uploaded, open_written
 from ui.session import state
 from ui.session.opening import relative_path
-from ui.session.results.driver import RUN, OpenedRun
 from ui.session.workspace import Workspace
 from ui.shell.messages import shown_error
 from ui.shell.navigate import PAGES

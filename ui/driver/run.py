@@ -15,14 +15,14 @@ from nvcore.driver.writing import WrittenEstimates, write_estimates
 from nvcore.errors import InputError, NvcoreError
 from nvcore.progress import Progress
 from nvcore.wording import count_text, listed
-from ui.confined.driver import EstimatorSpec, run_confined
 from ui.driver import estimator, finished
+from ui.driver.confined import EstimatorSpec, run_confined
 from ui.driver.finished import JOB, EstimateJob
+from ui.driver.known import opened_run
 from ui.jobs.progress import draw_job, draw_job_aside
 from ui.jobs.runs import new_run_folder
 from ui.session import state
 from ui.session.opening import live_session
-from ui.session.results.driver import opened_run
 from ui.session.uploads import ANNOTATION_FOLDERS, check_room, count_folder, remove_folder
 from ui.session.workspace import Workspace
 from ui.shell.messages import shown_error, without_paths

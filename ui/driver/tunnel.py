@@ -12,9 +12,9 @@ from nvcore.comparison import Result
 from nvcore.driver.comparison.simulated import describe_change
 from nvcore.errors import NvcoreError
 from nvcore.figures.over_time.similarity import end_of
-from ui.confined.driver import simulate
+from ui.driver.confined import simulate
+from ui.driver.known import OpenedRun, caution_of, clock_of, opened_run
 from ui.session import state
-from ui.session.results.driver import OpenedRun, caution_of, clock_of, opened_run
 from ui.shell.messages import shown_error
 
 TUNNEL: Final = "driver_tunnel"

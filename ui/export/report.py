@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
-from pathlib import Path
+from itertools import chain
 from typing import Final
 
 import streamlit as st
@@ -19,7 +19,6 @@ from nvcore.tables.column import Column
 from nvcore.tables.columns import report_columns
 from nvcore.wording import listed
 from ui.export.session import (
-    estimates_of,
     inputs_beside,
     names_in_files,
     portable_session,
@@ -28,9 +27,9 @@ from ui.export.session import (
 )
 from ui.session import state
 from ui.session.opening import live_session
-from ui.session.results.driver import opened_run
 from ui.session.results.findings import input_findings
 from ui.shell.messages import path_remover, shown_root
+from ui.subjects import MadeFile, contributed
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
 CONTENTS: Final = {
@@ -48,10 +47,6 @@ CONTENTS: Final = {
     "summary.json": "All aggregates over all recordings, parameters and version",
     "session.toml": "The session: what to run to get the same report again",
 }
-ESTIMATES: Final = (
-    "What was estimated on the page Driver: in each frame, how detectable each {one} is",
-    "How that was estimated; both lie beside session.toml, which names them",
-)
 TERMS: Final = (
     "{similarity} (0 to 1, 1 is best) says how near what a system shows is to what is there. An "
     "{encounter} is one {one}, from the first to the last annotated frame. In a {event} one missed "
@@ -76,19 +71,18 @@ class _Report:
 
     Attributes
     ----------
-    estimates
-        Files of what the page Driver has estimated, which only the app has, by their names in the
-        session.
+    made
+        Files that only the app has, by their names in the session.
     """
 
     session: Session
     findings: tuple[Finding, ...]
-    estimates: Mapping[str, Path]
+    made: Mapping[str, MadeFile]
 
     @property
     def inputs(self) -> dict[str, Callable[[], bytes]]:
         """Their contents."""
-        return {name: path.read_bytes for name, path in self.estimates.items()}
+        return {name: file.path.read_bytes for name, file in self.made.items()}
 
 
 def draw(result: Result) -> None:
@@ -143,7 +137,7 @@ def _report(result: Result, remove_paths: Callable[[object], str]) -> _Report:
     return _Report(
         portable,
         public_findings(input_findings(), remove_paths),
-        {} if opened_run() is None else estimates_of(session, portable),
+        dict(chain(*(made(session, portable).items() for made in contributed("MADE_FILES")))),
     )
 
 
@@ -170,7 +164,7 @@ def _draw_files(result: Result, report: _Report, public: Callable[[], Result]) -
     if counts[MATCHES] <= MOST_BOXES:
         makers[MATCHES] = lambda: matches_parquet(public())
     makers |= report.inputs
-    contents = CONTENTS | dict(zip(report.estimates, ESTIMATES, strict=False))
+    contents = CONTENTS | {name: file.meaning for name, file in report.made.items()}
     for name, make in makers.items():
         button, text = st.columns([1, 4], vertical_alignment="center")
         button.download_button(
@@ -218,11 +212,11 @@ def _joined(columns: tuple[Column, ...]) -> list[tuple[str, Column]]:
 
 
 def _draw_session_note(report: _Report) -> None:
-    input_files = inputs_beside(report.session, report.estimates)
+    input_files = inputs_beside(report.session, report.made)
     more = len(input_files) - MOST_NAMED
     first_files = ", ".join(plain(name) for name in input_files[:MOST_NAMED])
-    own = listed(["`session.toml`", *map(plain, report.estimates)])
-    rest = " (what the page Driver has estimated is in the ZIP)" if report.estimates else ""
+    own = listed(["`session.toml`", *map(plain, report.made)])
+    rest = " (the ZIP has what was made here)" if report.made else ""
     st.caption(
         f"To get the same report again, put {own}{rest} beside its inputs: {first_files}"
         + (f" and {more} more" if more > 0 else "")

@@ -72,12 +72,6 @@ def inputs_beside(portable: Session, given: Container[str] = ()) -> list[str]:
     return [path for path in names if path not in of_view and path not in given]
 
 
-def estimates_of(session: Session, portable: Session) -> dict[str, Path]:
-    """Files of estimates that the app has made of a session, by their names in `portable`."""
-    files = zip(vars(session.driver).values(), vars(portable.driver).values(), strict=True)
-    return {name: session.folder / path for path, name in files if path is not None}
-
-
 def public_findings(
     findings: Iterable[Finding], public: Callable[[object], str]
 ) -> tuple[Finding, ...]:

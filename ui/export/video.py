@@ -174,5 +174,5 @@ def start_job(
         )
 
     job = FileJob(path, name, write, while_open(space))
-    job.outlasts = True  # boxes and pictures know nothing of the driver
+    job.outlasts = True  # boxes and pictures do not depend on what is estimated
     return job

@@ -12,7 +12,6 @@ import streamlit as st
 from streamlit.delta_generator import DeltaGenerator
 
 from nvcore.comparison import Result
-from nvcore.driver.comparison.texts import describe_weighting
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import EqualAlarms
 from nvcore.findings import Finding
@@ -90,8 +89,9 @@ class Room:
         self._tiles().html(tiles_html(four))
         with self._basis().container():
             st.caption(_short_extent(result, equal_alarms_of(result, companions)))
-            if text := " ".join(describe_weighting(result)):
-                st.markdown(f":material/warning: {plain(text)}")
+            for point in conclusion.points:
+                if point.is_warning:
+                    st.markdown(f":material/warning: {plain(conclusion.say(*point.facts))}")
             if conclusion.doubt:
                 _draw_doubt(conclusion.say(conclusion.doubt))
         with self._rest:

@@ -18,7 +18,7 @@ from nvcore.pictures.stretch import STRETCH
 from nvcore.stages import COST
 from ui.session import state
 from ui.session.look import VisiblePictures
-from ui.session.results.driver import clock_of
+from ui.subjects import contributed
 
 MOST_THUMBNAILS: Final = 64
 HEIGHTS: Final = 2.2
@@ -159,8 +159,7 @@ def visible_of(recording: int) -> VisiblePictures | None:
     pictures = state.workspace().visible
     if recording not in pictures.sources:
         return None
-    clock = clock_of(recording)
     visible = VisiblePictures(pictures.area_of(recording), pictures.indices[recording] >= 0)
-    if clock is None:
-        return visible
-    return visible._replace(seen_s=clock.seen_s, change_s=clock.change_s)
+    for sight in contributed("SIGHT"):
+        visible = sight.add_light(recording, visible)
+    return visible

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any, Final, Literal, NamedTuple
 
 import numpy as np
 import streamlit as st
 
+from nvcore.pictures.base import Picture
 from ui.session import state
 
 NAMES: Final = ("picture", "blend", "seen_s")
@@ -50,6 +52,29 @@ class VisiblePictures(NamedTuple):
     can_simulate: bool = True
 
 
+@dataclass(frozen=True)
+class Sight:
+    """How eyes see the pictures of visible light of a recording that stand beside its own.
+
+    Attributes
+    ----------
+    label, hint
+        What the viewer's button is called, and its help text.
+    add_light
+        Adds to a recording's `VisiblePictures` what is known of its light.
+    trouble
+        Why nothing is known of the light of a recording, in a sentence; empty: no reason.
+    show
+        A picture, as eyes see it so many seconds after a change of light; infinite: adapted.
+    """
+
+    label: str
+    hint: str
+    add_light: Callable[[int, VisiblePictures], VisiblePictures]
+    trouble: Callable[[int], str]
+    show: Callable[[Picture, float], Picture]
+
+
 class Look(NamedTuple):
     """How the pictures of a recording are seen.
 
@@ -61,7 +86,7 @@ class Look(NamedTuple):
     blend
         Share of visible light where they are blended, 0..1.
     seen_s
-        Seconds after a change of light for which visible light is shown as the driver sees it;
+        Seconds after a change of light for which visible light is shown as eyes see it;
         `CLOCK`: those of the recording at each frame. None: as it is.
     """
 

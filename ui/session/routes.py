@@ -7,7 +7,7 @@ has one.
 
     GET /overview                                    the page that the app opens on
     GET /nv/TOKEN/frame/RECORDING/ROW.jpg?lo=&hi=    picture of a row of a recording
-    GET /nv/TOKEN/visible/RECORDING/ROW.jpg?seen_s=  of visible light, as the driver sees it
+    GET /nv/TOKEN/visible/RECORDING/ROW.jpg?seen_s=  of visible light, as eyes that adapt see it
     GET /nv/TOKEN/boxes/RECORDING/CHUNK?v=           boxes of 1024 rows (`packed_boxes`)
     GET /nv/TOKEN/reasons/RECORDING/ROW              what each box of a row counts and costs, why
     PUT /nv/TOKEN/upload/SLOT?name=                  one file of pictures, or a video
@@ -31,7 +31,6 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, RedirectResponse, Response
 from starlette.routing import Route
 
-from nvcore.driver.filter import as_the_driver_sees
 from nvcore.errors import MediaError
 from nvcore.overlay.explain import explain_boxes
 from nvcore.pictures.base import Picture, Pictures
@@ -71,7 +70,7 @@ async def frame(request: Request, space: Workspace | None) -> Response:
 
 @for_owner()
 async def visible(request: Request, space: Workspace | None) -> Response:
-    """The picture of visible light of a row; as the driver sees it after `seen_s`, if asked for."""
+    """The picture of visible light of a row; as eyes see it after `seen_s`, if asked for."""
     seen_s = _number(request, "seen_s", math.inf)
     if seen_s is None or seen_s < 0:
         return say(HTTPStatus.BAD_REQUEST, "seen_s: expected seconds, 0 or more")
@@ -79,9 +78,14 @@ async def visible(request: Request, space: Workspace | None) -> Response:
         return not_found("the session has ended; load the page again")
     recording, row = index_in(request, "recording"), index_in(request, "row")
     rows, pictures = space.visible.indices.get(recording), space.visible.sources.get(recording)
-    return await _picture(
-        space, pictures, rows, row, lambda read: as_the_driver_sees(stretch(read), seen_s)
-    )
+
+    def show(read: Picture) -> Picture:
+        picture = stretch(read)
+        for sight in contributed("SIGHT"):
+            picture = sight.show(picture, seen_s)
+        return picture
+
+    return await _picture(space, pictures, rows, row, show)
 
 
 async def _picture(

@@ -15,7 +15,7 @@ from ui.session import drawing, state
 from ui.session.chosen import choose_encounter, chosen_encounter
 from ui.session.drawing import cost_map_of, viewer_arguments
 from ui.session.look import Look, VisiblePictures, keep_look, look
-from ui.session.results.driver import light_trouble
+from ui.subjects import contributed
 from ui.widgets.text import plain
 from ui.widgets.viewer import ListedBox, settled_in, viewer
 
@@ -77,8 +77,9 @@ def draw(
         height_px=height_px,
         key=key,
     )
-    if arguments["visible"] is not None and (trouble := light_trouble(recording)):
-        st.caption(plain(f"How long ago the light has changed is not known: {trouble}"))
+    for sight in contributed("SIGHT"):
+        if arguments["visible"] is not None and (trouble := sight.trouble(recording)):
+            st.caption(plain(trouble))
 
 
 def _track_of(result: Result, recording: int, encounter: int | None) -> int | None:

@@ -24,7 +24,7 @@ from nvcore.report.verdict import PointOf
 from nvcore.wording import capitalised
 
 POINTS: Final = (
-    PointOf("Weighting", describe_weighting, after="Operating points"),
+    PointOf("Weighting", describe_weighting, after="Operating points", is_warning=True),
     PointOf("The driver", describe_driver, after="Time left"),
 )
 

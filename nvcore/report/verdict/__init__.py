@@ -37,11 +37,14 @@ class Point:
         At least one.
     after
         Topic of the point that it follows; empty: it has its own place.
+    is_warning
+        Whether it stands beside the headline, too.
     """
 
     topic: str
     facts: tuple[Fact | str, ...]
     after: str = ""
+    is_warning: bool = False
 
     @property
     def key(self) -> str:
@@ -61,11 +64,14 @@ class PointOf:
         Its facts; none: there is nothing to say.
     after
         Topic of the point that it follows.
+    is_warning
+        Whether it stands beside the headline, too, where there is room.
     """
 
     topic: str
     find: Callable[[Result], tuple[Fact | str, ...]]
     after: str
+    is_warning: bool = False
 
 
 @dataclass(frozen=True)
@@ -178,7 +184,10 @@ def verdict(
             Point("More recordings", plan),
             Point("Thresholds", points.thresholds(result) if shown is result else ()),
         ),
-        (Point(of.topic, of.find(shown), after=of.after) for of in chain(*contributed("points"))),
+        (
+            Point(of.topic, of.find(shown), of.after, of.is_warning)
+            for of in chain(*contributed("points"))
+        ),
     )
     return Verdict(
         headline(result, of_shown, companions, support),

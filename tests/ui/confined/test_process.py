@@ -53,7 +53,7 @@ def is_loaded(module: str) -> bool:
 
 
 def test_what_a_light_meter_needs_is_loaded_before_anybody_waits_for_it():
-    assert call(is_loaded, "ui.confined.driver", allowance=ENOUGH, what="asking")
+    assert call(is_loaded, "ui.driver.confined", allowance=ENOUGH, what="asking")
 
 
 def test_a_dataset_comes_back_as_it_was_read(tmp_path: Path):

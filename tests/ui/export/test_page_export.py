@@ -113,8 +113,8 @@ def test_the_zip_holds_the_estimates_that_its_session_names(
     names = ["detectability.csv", "driver.json"]
     assert names == [name for name in downloads(page) if name in names]
     assert (
-        "put `session.toml`, detectability.csv and driver.json (what the page Driver has estimated "
-        "is in the ZIP) beside its inputs: truth.csv, x.csv, y.csv." in texts(page)
+        "put `session.toml`, detectability.csv and driver.json (the ZIP has what was made here) "
+        "beside its inputs: truth.csv, x.csv, y.csv." in texts(page)
     )
     beside = tmp_path / "beside"
     with zipfile.ZipFile(BytesIO(packed[-1]())) as archive:

@@ -24,6 +24,7 @@ from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.palette import TRUTH_COLOUR, Theme, scheme_of
 from ui.session.look import OWN_PICTURES, Look, VisiblePictures, read_look
 from ui.settings.start import base_path
+from ui.subjects import contributed
 from ui.widgets.viewer.packing import (
     decimate_minima,
     find_spans,
@@ -230,6 +231,7 @@ def viewer(
 
 def _pack_visible(visible: VisiblePictures) -> dict[str, Any]:
     spans = pack(find_spans(visible.has_picture), "i4")
+    sight = next(iter(contributed("SIGHT")), None)
     is_simulated = np.zeros(0, bool) if visible.is_simulated is None else visible.is_simulated
     return {
         "area": [float(side) for side in visible.area],
@@ -238,6 +240,7 @@ def _pack_visible(visible: VisiblePictures) -> dict[str, Any]:
         "changes": pack(visible.change_s, "f8"),
         "simulated": pack(find_spans(is_simulated), "i4"),
         "can_simulate": visible.can_simulate,
+        "sight": sight and {"label": sight.label, "hint": sight.hint},
     }
 
 

@@ -35,7 +35,7 @@ const KEYS = [
   ["c", "what missing {a_one} would cost, by where the {feet_are}"],
   ["t", "follow the chosen {one}, four times as large in a corner"],
   ["b", "brightness and contrast"],
-  ["v d", "where there are pictures of visible light: the next way to see them; as the driver sees them"],
+  ["v d", "where there are pictures of visible light: the next way to see them; as eyes see them that adapt"],
   ["+ −", "zoom (also Ctrl + wheel; drag to move)"],
   ["f", "fit the picture"],
   ["?", "this help"],

@@ -80,7 +80,7 @@ function onKey(viewer, event) {
     b: () => viewer.light.isPossible && viewer.toggleLight(),
     t: () => viewer.toggleFollow(),
     v: () => viewer.nextLook(),
-    d: () => viewer.toggleDriver(),
+    d: () => viewer.toggleAdapting(),
     k: () => chooseNext(viewer, event.shiftKey ? -1 : 1),
     "+": () => viewer.zoomStep(1),
     "-": () => viewer.zoomStep(-1),

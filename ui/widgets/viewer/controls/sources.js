@@ -1,7 +1,5 @@
-// Above the picture, where a recording has two of them: which one is seen, and as who sees it.
+// Above the picture, where a recording has two of them: which one is seen, and as what eyes see it.
 
-const DRIVER_HINT = "As the driver sees it after the light has changed: contrast and sharpness come back "
-  + "while the eyes adapt (a model with numbers of ours)";
 const MODEL = "model, not measured";
 const BY_HAND_HINT = "The time since the light has changed by a slider, in place of that of the recording";
 const TUNNEL_HINT = "Simulate a change from bright to dark at this frame, and see the eyes adapt while it plays. "
@@ -20,10 +18,10 @@ function makeSources(actions) {
   const blend = slider("Share of visible light", { min: "0", max: "1", step: "0.05" }, (value) => actions.look({ blend: value }));
   const since = slider("Seconds since the light has changed", { min: "0", max: "10", step: "0.1" },
     (value) => actions.look({ sinceS: value, isByHand: true }));
-  const driver = make("button", {
-    type: "button", class: "icon text", text: "As the driver sees it", title: `${DRIVER_HINT} (d)`, "aria-pressed": "false",
+  const adapting = make("button", {
+    type: "button", class: "icon text", "aria-pressed": "false",
   });
-  driver.addEventListener("click", () => actions.driver());
+  adapting.addEventListener("click", () => actions.adapting());
   const tunnel = make("button", {
     type: "button", class: "icon text", text: "A tunnel ends here", title: TUNNEL_HINT, "aria-pressed": "false",
   });
@@ -33,28 +31,33 @@ function makeSources(actions) {
   });
   byHand.addEventListener("click", () => actions.byHand());
   const clock = make("span", { class: "clock" });
+  const model = make("span", { text: MODEL });
   // over the picture: there it moves nothing, and stays in full screen
-  const seen = make("div", { class: "seen", hidden: "" }, [clock, make("span", { text: MODEL, title: DRIVER_HINT })]);
+  const seen = make("div", { class: "seen", hidden: "" }, [clock, model]);
   const root = make("div", { class: "sources", role: "group", "aria-label": "Pictures", hidden: "" }, [
-    choice, blend.part, driver, byHand, since.part, tunnel,
+    choice, blend.part, adapting, byHand, since.part, tunnel,
   ]);
-  return { root, choice, blend, driver, byHand, since, tunnel, seen, clock };
+  return { root, choice, blend, adapting, byHand, since, tunnel, seen, clock, model };
 }
 
-function showSources({ root, choice, blend, driver, byHand, since, tunnel }, look) {
+function showSources({ root, choice, blend, adapting, byHand, since, tunnel, model }, look) {
   root.hidden = look.visible === null;
   choice.value = look.picture;
   blend.part.hidden = look.mode !== "blended";
   blend.field.value = String(look.blend);
   blend.shown.textContent = `${Math.round(100 * look.blend)} %`;
-  driver.hidden = !look.needsVisible;
-  driver.setAttribute("aria-pressed", String(look.isDriver));
-  const isDriver = look.needsVisible && look.isDriver;
+  const sight = look.visible?.sight;
+  adapting.hidden = !look.needsVisible || !sight;
+  adapting.textContent = sight?.label ?? "";
+  adapting.title = sight ? `${sight.hint} (d)` : "";
+  model.title = sight?.hint ?? "";
+  adapting.setAttribute("aria-pressed", String(look.isAdapting));
+  const isAdapting = look.needsVisible && look.isAdapting;
   const isSet = look.changeAt !== null;
-  byHand.hidden = !isDriver || isSet || !look.hasClock;
+  byHand.hidden = !isAdapting || isSet || !look.hasClock;
   byHand.setAttribute("aria-pressed", String(look.isByHand));
-  since.part.hidden = !isDriver || isSet || look.followsClock;
-  tunnel.hidden = !isDriver || !look.visible.can_simulate;
+  since.part.hidden = !isAdapting || isSet || look.followsClock;
+  tunnel.hidden = !isAdapting || !look.visible.can_simulate;
   tunnel.setAttribute("aria-pressed", String(isSet));
   since.field.value = String(look.sinceS);
   since.shown.textContent = `${look.sinceS.toFixed(1)} s`;
@@ -63,7 +66,7 @@ function showSources({ root, choice, blend, driver, byHand, since, tunnel }, loo
 // That it is a model's picture, and the time since the change of light in the row that is painted; where a
 // slider says that, it does.
 function showClock({ seen, clock }, look, row, endS) {
-  seen.hidden = !(look.needsVisible && look.isDriver);
+  seen.hidden = !(look.needsVisible && look.isAdapting);
   const isKnown = !seen.hidden && (look.changeAt !== null || look.followsClock);
   clock.hidden = !isKnown;
   clock.textContent = isKnown ? `${look.isSimulatedAt(row, endS) ? "simulated: " : ""}${sinceText(look, row, endS)}` : "";

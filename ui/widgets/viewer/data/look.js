@@ -8,7 +8,7 @@ class Look {
   constructor() {
     this.picture = "own";
     this.blend = 0.5; // share of visible light where both are blended
-    this.isDriver = false; // whether visible light is shown as the driver sees it
+    this.isAdapting = false; // whether visible light is shown as eyes see it that adapt
     this.sinceS = 0.5; // seconds since the light has changed
     this.isByHand = false; // whether `sinceS` holds also where the recording's own times are known
     this.changeAt = null; // time of a simulated change of light, s; null: none
@@ -22,7 +22,7 @@ class Look {
   take({ picture, blend, seen_s: seenS }) {
     this.picture = picture;
     this.blend = blend;
-    this.isDriver = seenS !== null;
+    this.isAdapting = seenS !== null;
     this.isByHand = typeof seenS === "number";
     if (this.isByHand) this.sinceS = seenS;
   }
@@ -47,7 +47,7 @@ class Look {
   // What is kept by the page.
   get choice() {
     const seenS = this.isByHand ? this.sinceS : CLOCK; // also where it is not known here
-    return { picture: this.picture, blend: this.blend, seen_s: this.isDriver ? seenS : null };
+    return { picture: this.picture, blend: this.blend, seen_s: this.isAdapting ? seenS : null };
   }
 
   get mode() {
@@ -89,7 +89,7 @@ class Look {
 
   // Seconds since the light has changed, at the end of a row; null: the picture is seen as it is.
   seenAt(row, endS) {
-    if (!this.isDriver) return null;
+    if (!this.isAdapting) return null;
     const simulated = this.sinceChange(row, endS);
     if (simulated !== null) return simulated;
     if (this.changeAt === null && !this.followsClock) return this.sinceS;

@@ -7,9 +7,9 @@ class Looking extends Player {
   }
 
   changeLook(changes) {
-    const { sinceS, isDriver, isByHand, changeAt } = this.look;
+    const { sinceS, isAdapting, isByHand, changeAt } = this.look;
     Object.assign(this.look, changes);
-    const isSeenOtherwise = this.look.sinceS !== sinceS || this.look.isDriver !== isDriver
+    const isSeenOtherwise = this.look.sinceS !== sinceS || this.look.isAdapting !== isAdapting
       || this.look.isByHand !== isByHand || this.look.changeAt !== changeAt;
     if (isSeenOtherwise) this.resetVisible();
     this.showLook();
@@ -33,10 +33,10 @@ class Looking extends Player {
     this.changeLook({});
   }
 
-  toggleDriver() {
+  toggleAdapting() {
     if (!this.look.visible) return;
     const picture = this.look.needsVisible ? this.look.picture : "visible";
-    this.changeLook({ picture, isDriver: !this.look.isDriver });
+    this.changeLook({ picture, isAdapting: !this.look.isAdapting });
   }
 
   // The recording's own times, or those of the slider.

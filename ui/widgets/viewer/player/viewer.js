@@ -24,7 +24,7 @@ class Viewer extends Looking {
       zoomOut: () => this.zoomStep(-1),
       light: () => this.toggleLight(),
       look: (changes) => this.changeLook(changes),
-      driver: () => this.toggleDriver(),
+      adapting: () => this.toggleAdapting(),
       byHand: () => this.toggleByHand(),
       tunnel: () => this.toggleTunnel(),
       follow: () => this.toggleFollow(),

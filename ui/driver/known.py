@@ -9,14 +9,22 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.driver.estimate import EstimateRun
+from nvcore.driver.filter import as_the_driver_sees
 from nvcore.driver.illumination import LightSettings, light_settings
 from nvcore.driver.illumination.clock import AdaptationClock
 from nvcore.driver.run import RecordingFeatures
 from nvcore.errors import NvcoreError, ParameterError
-from ui.confined.driver import EstimatorSpec, clock_by_meter
+from nvcore.inputs.session import Session
+from ui.driver.confined import EstimatorSpec, clock_by_meter
 from ui.session import state
+from ui.session.look import Sight, VisiblePictures
 from ui.session.opening import public_text, recording_entry
+from ui.subjects import MadeFile
 
+ESTIMATES: Final = (
+    "What was estimated on the page Driver: in each frame, how detectable each {one} is",
+    "How that was estimated; both lie beside session.toml, which names them",
+)
 RUN: Final = "driver_estimates"
 """What the workspace remembers of the run whose estimates were opened."""
 MOST_CLOCKS: Final = 50
@@ -76,10 +84,32 @@ def clock_of(recording: int) -> AdaptationClock | None:
     return None if isinstance(clock, str) else clock
 
 
-def light_trouble(recording: int) -> str:
+def made_files(session: Session, portable: Session) -> dict[str, MadeFile]:
+    """Files of the estimates that the app has made, by their names in the session to be written."""
+    if opened_run() is None:
+        return {}
+    files = zip(vars(session.driver).values(), vars(portable.driver).values(), strict=True)
+    made = {name: session.folder / path for path, name in files if path is not None}
+    return {
+        name: MadeFile(path, text)
+        for (name, path), text in zip(made.items(), ESTIMATES, strict=False)
+    }
+
+
+def _add_light(recording: int, visible: VisiblePictures) -> VisiblePictures:
+    """Pictures of visible light with the changes of light that are known in the recording."""
+    clock = clock_of(recording)
+    if clock is None:
+        return visible
+    return visible._replace(seen_s=clock.seen_s, change_s=clock.change_s)
+
+
+def _trouble(recording: int) -> str:
     """Why the file of a recording's light meter cannot be used, without paths; empty: it can."""
     trouble = _cached_by_meter(recording) if part_of(recording) is None else None
-    return trouble if isinstance(trouble, str) else ""
+    if not isinstance(trouble, str):
+        return ""
+    return f"How long ago the light has changed is not known: {trouble}"
 
 
 def caution_of(result: Result) -> str:
@@ -144,3 +174,13 @@ def _by_meter(recording: int) -> AdaptationClock | str | None:
         return clock_by_meter(session.folder / path, numbers, fps, settings)
     except NvcoreError as error:
         return public_text(error, (session.folder,))
+
+
+SIGHT: Final = Sight(
+    label="As the driver sees it",
+    hint="As the driver sees it after the light has changed: contrast and sharpness come back "
+    "while the eyes adapt (a model with numbers of ours)",
+    add_light=_add_light,
+    trouble=_trouble,
+    show=as_the_driver_sees,
+)
