@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import fields
 from string import Formatter
 from typing import Literal, get_args, get_origin, get_type_hints
@@ -27,7 +28,7 @@ def test_a_template_names_nothing_but_fields_and_words_for_the_objects(fact: typ
     known = own | {"fact", *PEDESTRIAN.words}
     texts = [text] if isinstance(text, str) else text.values()
     names = {name for each in texts for _, name, _, _ in Formatter().parse(each) if name}
-    assert {name.partition(".")[0] for name in names} <= known
+    assert {re.split(r"[.\[]", name)[0] for name in names} <= known
     if kinds := kinds_of(fact):
         assert set(text) == kinds
 

@@ -295,7 +295,7 @@ class Comparison:
         )
 
     @cached_property
-    def _plan(self) -> tuple[Fact | str, ...]:
+    def _plan(self) -> tuple[Fact, ...]:
         return verdict_plan(self.result, self._evidence, self._companions)
 
     def _protect_inputs(self, outputs: Sequence[Path]) -> None:

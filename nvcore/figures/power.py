@@ -7,7 +7,7 @@ from typing import Any, Final
 import plotly.graph_objects as go
 
 from nvcore.evidence.planning.plan import Plan
-from nvcore.evidence.planning.words import ASSUMPTIONS
+from nvcore.evidence.planning.said import ASSUMPTIONS
 from nvcore.figures.style import LOOK, axis, draw, empty_figure
 from nvcore.measures.table import difference_text
 from nvcore.palette import Theme

@@ -18,12 +18,7 @@ from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.pilot import plan_key
 from nvcore.evidence.planning.plan import Plan, plan_recordings
-from nvcore.evidence.planning.words import (
-    ASSUMPTIONS,
-    QUESTION,
-    describe_plan,
-    plan_sentence,
-)
+from nvcore.evidence.planning.said import ASSUMPTIONS, QUESTION, facts_for_verdict
 from nvcore.measures.table import difference_text
 from nvcore.sentences.facts import Fact
 from nvcore.wording import duration_text, percent
@@ -35,7 +30,7 @@ def verdict_plan(
     companions: Companions | None,
     *,
     plans: Mapping[str, Plan] | None = None,
-) -> tuple[Fact | str, ...]:
+) -> tuple[Fact, ...]:
     """How many encounters and recordings more would take, where none detects more beyond chance.
 
     Empty where a difference is shown, or nothing can be planned. Of systems that are set to
@@ -64,8 +59,7 @@ def verdict_plan(
         plan = (plans or {}).get(key) or plan_recordings(result, evidence=rows[0])
     else:  # the companions have no intervals
         plan = plan_recordings(basis)
-    sentence = plan_sentence(plan)
-    return (sentence,) if sentence else ()
+    return facts_for_verdict(plan)
 
 
 def evidence_of(evidence: pd.DataFrame, key: str) -> Evidence | None:
@@ -78,7 +72,7 @@ def evidence_of(evidence: pd.DataFrame, key: str) -> Evidence | None:
 
 def render_plan(plan: Plan) -> str:
     """The plan in sentences, and the power of every size that was simulated."""
-    lines = [QUESTION, *(f"  {sentence}" for sentence in describe_plan(plan))]
+    lines = [QUESTION, *(f"  {sentence}" for sentence in plan.sentences)]
     for size in plan.sizes:
         if not size.points:
             continue
@@ -127,7 +121,7 @@ def plan_values(plan: Plan) -> dict[str, Any]:
             }
             for size in plan.sizes
         ],
-        "sentences": list(describe_plan(plan)),
+        "sentences": list(plan.sentences),
     }
 
 

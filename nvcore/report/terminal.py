@@ -55,7 +55,7 @@ def render_scorecard(
     *,
     evidence: pd.DataFrame | None = None,
     companions: Companions | None = None,
-    plan: tuple[Fact | str, ...] | None = None,
+    plan: tuple[Fact, ...] | None = None,
 ) -> str:
     """Scorecard of both systems, Venn counts, fusion, worst moments, and the verdict.
 

@@ -9,11 +9,12 @@ from typing import Any
 
 from nvcore.measures.table import inference_of
 from nvcore.objects import Objects
+from nvcore.sentences import planning
 from nvcore.sentences.caveats import caveats
 from nvcore.sentences.facts import Fact
 from nvcore.sentences.texts import TEXTS, Texts
 from nvcore.subjects import contributed
-from nvcore.wording import capitalised, count_text, listed
+from nvcore.wording import capitalised, count_text, duration_text, listed, percent
 
 
 def say(fact: Fact | str, objects: Objects) -> str:
@@ -37,7 +38,7 @@ def phrase(fact: Fact, objects: Objects) -> str:
 @cache
 def all_texts() -> Texts:
     """Templates of the core and of subjects, by type of fact."""
-    texts = dict(TEXTS)
+    texts = {**TEXTS, **planning.TEXTS}
     for added in contributed("texts"):
         texts.update(added)
     return texts
@@ -61,8 +62,9 @@ def _system(letter: str) -> str:
 class _Sentence(Formatter):
     """Templates with facts in facts, and rows of them.
 
-    Conversions: ``!u`` a system, X or Y, ``!n`` a count with the noun after the colon,
-    ``!m`` the noun of a measure, ``!c`` what findings mean.
+    Conversions: ``!u`` a system, X or Y, ``!n`` a count with the noun after the colon, ``!m`` the
+    noun of a measure, ``!c`` what findings mean, ``!d`` a duration, ``!p`` a share in percent. What
+    follows the colon of a fact follows it in the text, unless there is none (None).
     """
 
     def __init__(self, objects: Objects) -> None:
@@ -83,6 +85,10 @@ class _Sentence(Formatter):
                 return _Count(value)
             case "m":
                 return self.objects.say(inference_of(value).noun)
+            case "d":
+                return duration_text(value)
+            case "p":
+                return percent(value)
             case "c":
                 known = {**caveats().warned, **caveats().lesser}
                 return "; ".join(self.objects.say(known[code]) for code in value)
@@ -92,7 +98,7 @@ class _Sentence(Formatter):
         if value is None:
             return ""
         if isinstance(value, Fact):
-            return self.of(value)
+            return self.of(value) + format_spec
         if isinstance(value, tuple):
             return listed([self.format_field(each, format_spec) for each in value])
         return str(super().format_field(value, format_spec))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from nvcore.wording import p_text
+from nvcore.wording import number, p_text
 
 
 class Fact:
@@ -27,7 +27,7 @@ class Amount:
     @property
     def number(self) -> str:
         """Without the unit."""
-        return format(int(self.value) if self.form == "d" else self.value, self.form)
+        return number(int(self.value) if self.form == "d" else self.value, self.form)
 
     def __str__(self) -> str:
         return self.number + self.unit

@@ -20,11 +20,11 @@ from nvcore.evidence.paired_tests import swap_test
 from nvcore.evidence.planning import (
     PLAN_KEYS,
     Pilot,
-    describe_plan,
+    facts_for_verdict,
+    facts_of_plan,
     judge_noninferiority,
     make_pilot,
     plan_recordings,
-    plan_sentence,
 )
 from nvcore.evidence.planning.power import (
     MOST_RECORDINGS,
@@ -34,6 +34,7 @@ from nvcore.evidence.planning.power import (
     find_length,
     studentised_tail,
 )
+from nvcore.sentences.planning import Advice, Apart, Excluded, Extent, NotWorse, Size, Sought
 
 
 def normal_pilot(n: int = 60, difference: float = 0.5, seed: int = 5) -> Pilot:
@@ -213,9 +214,10 @@ def test_unequal_operating_points_show_no_noninferiority():
     y = truth + [at(f, 5, recording=r) for r in range(8) for f in range(6)]
     result = result_of(make_dataset(truth, x, y, places=[Place(range(6))] * 8))
     plan = plan_recordings(result, PlanArguments("mean_similarity", margin=0.5))
-    text = " ".join(describe_plan(plan))
-    assert "nothing is claimed from these settings" in text
-    assert "It cannot be said that Y is at most 0.5000 worse than X: X and Y are set to" in text
+    said = facts_of_plan(plan)
+    assert Advice("unequal") in said
+    (answered,) = (fact for fact in said if isinstance(fact, NotWorse))
+    assert (answered.kind, answered.candidate, answered.margin.value) == ("open", "y", 0.5)
 
 
 def test_the_pilot_is_what_each_recording_adds_to_the_measure():
@@ -248,13 +250,13 @@ def test_a_plan_says_recordings_encounters_and_time():
     assert named.least_recordings < named.n_recordings < named.most_recordings
     assert as_found.n_recordings < named.n_recordings  # the difference is larger
     assert set(plan.curve["assumption"]) == {"as named", "as found"}
-    text = " ".join(describe_plan(plan))
-    assert "would show a difference of 20.0 pp in 80 % of studies" in text
-    assert "These 12 recordings exclude, at 95 %, a difference X - Y below" in text
-    is_clear = plan.evidence.low > 0  # 0 is excluded, by this measure alone
-    assert ("of this measure by itself, not corrected" in text) is is_clear
-    assert is_clear
-    assert str(plan) == "\n".join(describe_plan(plan))
+    key, n = plan.evidence.figure, named.n_recordings
+    assert plan.evidence.low > 0  # 0 is excluded, by this measure alone
+    _, ends, size, _, *advice = facts_of_plan(plan)
+    assert (ends.kind, ends.n, ends.low) == ("also 0", 12, Apart(plan.evidence.low, key))
+    assert size.sought == Sought("named", Apart(0.2, key))
+    assert size.extent == Extent(n, 5 * n, named.duration_s)
+    assert [fact for fact in advice if isinstance(fact, Advice)] == [Advice("fresh")]
     again = plan_recordings(result, PlanArguments(difference=0.2))
     assert again.sizes == plan.sizes  # the seed is fixed
 
@@ -282,8 +284,9 @@ def test_a_plan_for_noninferiority_takes_both_for_equal_and_for_different_as_fou
     better = plan_recordings(result, PlanArguments(margin=0.1, candidate="x"))
     assert better.noninferiority.is_shown is True
     assert better.sizes[1].n_recordings == 8  # the least with an interval
-    text = " ".join(describe_plan(better))
-    assert "It is shown that X is at most 10.0 pp worse than Y" in text
+    (answered,) = (fact for fact in facts_of_plan(better) if isinstance(fact, NotWorse))
+    assert answered.kind == "shown better"
+    assert [size.assumed.kind for size in facts_of_plan(better)[3:5]] == ["equal", "found"]
 
 
 def test_the_miss_rate_can_be_planned_for():
@@ -310,11 +313,24 @@ def test_without_recordings_variation_or_difference_there_is_a_reason_and_no_siz
     few = plan_recordings(result_of(drives(5)))
     assert few.sizes[0].n_recordings is None
     assert "a pilot of 6 recordings or more, here are 5" in few.sizes[0].reason
-    assert "nothing of others" in " ".join(describe_plan(few))
-    assert plan_sentence(few) == ""
+    assert Excluded("blocks") in facts_of_plan(few)
+    assert facts_for_verdict(few) == ()
     equal = plan_recordings(equal_drives())
     assert "X and Y are the same in every recording" in equal.sizes[0].reason
-    assert "– (X and Y are the same" in " ".join(describe_plan(equal))
+    assert [fact.extent for fact in facts_of_plan(equal) if isinstance(fact, Size)] == [None]
+
+
+def test_a_plan_in_words():
+    plan = plan_recordings(result_of(drives(12)), PlanArguments(difference=0.2))
+    first, exclude, named, found, level, fresh = plan.sentences
+    assert first.startswith("Share of encounters detected, by recordings: X ")
+    assert " in 12 recordings with 60 encounters; p = " in first
+    assert exclude.startswith("At 95 %, these 12 recordings exclude a difference X - Y below +")
+    assert " would show a difference of 20.0 pp in 80 % of studies (simulated: " in named
+    assert "Judged by 12 recordings, that number is itself uncertain: " in named
+    assert " would show a difference as found here (+" in found
+    assert level.startswith("A study shows it where p, of this measure by itself,")
+    assert fresh.startswith("This is the size of a study of its own")
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from nvcore.report.verdict import Verdict, verdict
 from nvcore.sentences import facts
 from nvcore.sentences.caveats import CAVEATS
 from nvcore.sentences.facts import Amount, Fact, FarAway
+from nvcore.sentences.planning import Advice
 
 
 @pytest.fixture(scope="module")
@@ -319,9 +320,7 @@ def test_a_verdict_in_words(better_x: Result):
     table = pd.DataFrame([*rows, row_of("mean_similarity", 0.01, doubt="X ends early")])
     companions = Companions(EqualAlarms(better_x, "x"), (table,), better_x)
     grave = [finding("kitti-size"), finding("ids-odd")]
-    text = verdict(
-        better_x, grave, evidence=table, companions=companions, plan=("More would show more.",)
-    )
+    text = verdict(better_x, grave, evidence=table, companions=companions, plan=(Advice("fresh"),))
     assert text.sentences == (
         "X is better on encounters detected (100.0% against 200.0%): more than chance over 12 "
         "recordings.",
@@ -336,7 +335,8 @@ def test_a_verdict_in_words(better_x: Result):
         "pp, p = 0.006; 0.012 after correction for 3 tests).",
         "Not claimed: mean similarity (X ends early).",
         "The other differences are not shown to be more than chance.",
-        "More would show more.",
+        "This is the size of a study of its own, whose end is set before it begins: recordings "
+        "added until p is small enough show differences that are not there.",
         "Every detection of X and Y counts, however low its score.",
         "This depends on what the audit found: the truth contradicts the picture size of some "
         "recordings; 1 other finding.",

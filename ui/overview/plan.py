@@ -15,7 +15,7 @@ from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.planning import PLAN_KEYS, Plan, plan_recordings
 from nvcore.evidence.planning.pilot import MIN_PILOT
-from nvcore.evidence.planning.words import QUESTION, describe_plan
+from nvcore.evidence.planning.said import QUESTION
 from nvcore.evidence.units import RECORDINGS
 from nvcore.figures.power import power_plot
 from nvcore.measures.table import count_recordings, inference_of
@@ -43,12 +43,12 @@ QUESTIONS: Final = {
 
 class _Answer(NamedTuple):
     plan: Plan
-    of_verdict: tuple[Fact | str, ...]
+    of_verdict: tuple[Fact, ...]
 
 
-def known_plan(result: Result) -> tuple[Fact | str, ...]:
+def known_plan(result: Result) -> tuple[Fact, ...]:
     """What the verdict says of more recordings, once any plan was computed; else nothing."""
-    facts: tuple[Fact | str, ...] | None = state.known("verdict_plan", comparison_key(result))
+    facts: tuple[Fact, ...] | None = state.known("verdict_plan", comparison_key(result))
     return facts or ()
 
 
@@ -144,7 +144,7 @@ def _draw_answer(
     if space.peek("verdict_plan", key) is None:
         space.cached("verdict_plan", key, lambda: answer.of_verdict)
         st.rerun()  # the verdict, which is above, says it
-    st.markdown("\n".join(f"- {plain(sentence)}" for sentence in describe_plan(answer.plan)))
+    st.markdown("\n".join(f"- {plain(sentence)}" for sentence in answer.plan.sentences))
     if any(size.points for size in answer.plan.sizes):
         draw_chart(power_plot(answer.plan, theme=state.theme()), "power")
 

@@ -77,7 +77,7 @@ class Room:
         findings: Sequence[Finding],
         evidence: pd.DataFrame,
         companions: Companions | None,
-        plan: tuple[Fact | str, ...],
+        plan: tuple[Fact, ...],
     ) -> None:
         """What the measures support, how much more it would take, and what it depends on."""
         result = self._result

@@ -14,7 +14,7 @@ from nvcore.evidence.planning.pilot import (
 )
 from nvcore.evidence.planning.plan import Plan, PlanSize, plan_recordings
 from nvcore.evidence.planning.power import PowerPoint
-from nvcore.evidence.planning.words import describe_plan, plan_sentence
+from nvcore.evidence.planning.said import facts_for_verdict, facts_of_plan
 
 __all__ = [
     "PLAN_KEYS",
@@ -23,12 +23,12 @@ __all__ = [
     "Plan",
     "PlanSize",
     "PowerPoint",
-    "describe_plan",
+    "facts_for_verdict",
+    "facts_of_plan",
     "judge_key",
     "judge_noninferiority",
     "make_pilot",
     "plan_key",
     "plan_recordings",
-    "plan_sentence",
     "worse_at_most",
 ]

@@ -33,11 +33,13 @@ from nvcore.evidence.planning.power import (
     find_length,
     guess_length,
 )
-from nvcore.evidence.planning.words import describe_plan
+from nvcore.evidence.planning.said import facts_of_plan
 from nvcore.evidence.units import Units, find_units
 from nvcore.measures.table import inference_of
+from nvcore.objects import PEDESTRIAN
 from nvcore.progress import Progress, no_progress, part_of
 from nvcore.protocols import PROTOCOLS, Protocol
+from nvcore.sentences import say
 
 ONE_SIDED: Final = 0.025
 """Level at which the 95 % interval shows non-inferiority."""
@@ -120,7 +122,12 @@ class Plan:
     noninferiority: NonInferiority | None = None
 
     def __str__(self) -> str:
-        return "\n".join(describe_plan(self))
+        return "\n".join(self.sentences)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What it says."""
+        return tuple(say(fact, PEDESTRIAN) for fact in facts_of_plan(self))  # none is about objects
 
     @property
     def level(self) -> float:

@@ -13,12 +13,7 @@ from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.pilot import MIN_PILOT, PLAN_KEYS
 from nvcore.evidence.planning.plan import Plan, PlanSize, plan_recordings
-from nvcore.evidence.planning.words import (
-    FRESH,
-    OPTIMISTIC,
-    QUESTION,
-    UNEQUAL,
-)
+from nvcore.evidence.planning.said import QUESTION
 from nvcore.evidence.units import RECORDINGS
 from nvcore.measures.table import doubt_of, evidence_form, measure_of, repeated_by
 from nvcore.progress import Progress, part_of
@@ -26,6 +21,8 @@ from nvcore.protocols import Protocol
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Block, Section, Sentences, table
 from nvcore.report.plan import evidence_of
+from nvcore.sentences import say
+from nvcore.sentences.planning import Advice
 from nvcore.wording import UNDEFINED, capitalised, difference, duration_text, percent
 
 HEAD: Final = (
@@ -100,10 +97,11 @@ def plan_section(result: Result, evidence: pd.DataFrame, plans: Mapping[str, Pla
         share = percent(PlanArguments.power)
         caption = f"Recordings that would show a difference as found, in {share} of studies"
         rows, reasons = [_row(plan) for plan in plans.values()], _reasons(plans.values())
-        sentences = [OPTIMISTIC, FRESH, *([UNEQUAL] if are_unequal(result) else [])]
+        advice = [Advice("optimistic"), Advice("fresh")]
+        advice += [Advice("unequal")] if are_unequal(result) else []
         blocks = [
             table(caption, HEAD, rows, right=range(1, 8), note=reasons),
-            Sentences(tuple(sentences)),
+            Sentences(tuple(say(of, result.objects) for of in advice)),
         ]
     return Section("plan", QUESTION.rstrip("?"), words.PLAN, tuple(blocks))
 

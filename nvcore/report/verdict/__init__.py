@@ -125,7 +125,7 @@ def verdict(
     *,
     evidence: pd.DataFrame | None = None,
     companions: Companions | None = None,
-    plan: tuple[Fact | str, ...] = (),
+    plan: tuple[Fact, ...] = (),
 ) -> Verdict:
     """Which differences between X and Y may be claimed, and what the measures say.
 

@@ -47,7 +47,7 @@ def test_a_margin_asks_whether_a_system_is_at_most_so_much_worse(app: AppTest):
     checked(app.number_input(key="plan_y_encounters_detected").set_value(30.0).run())
     said = texts(computed(app)).replace("\\", "")
     assert "It is shown that Y is at most 30.0 pp worse than X" in said
-    assert "If X and Y are equal: about" in said
+    assert "If X and Y are equal, about" in said
 
 
 def test_few_recordings_are_no_pilot(tmp_path, monkeypatch: pytest.MonkeyPatch):
