@@ -206,5 +206,6 @@ def check_ending(code: int, outcome: Outcome, tree: Path) -> None:
     if code == pytest.ExitCode.USAGE_ERROR:
         raise RuntimeError(f"pytest could not run: see {tree / 'pytest.log'}")
     outcome.stopped_in, outcome.why = "", "failure"
-    if code in (pytest.ExitCode.INTERRUPTED, pytest.ExitCode.INTERNAL_ERROR):
+    if code not in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
+        # a file that cannot be collected ends a run with -x as a failed test does
         outcome.failed = outcome.failed or ["collection"]

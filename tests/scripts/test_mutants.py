@@ -164,6 +164,21 @@ for change in ("max(value, low) -> None", "<= -> <", "max -> min"):
     assert "line 5 in test_values" in (root / "pytest.log").read_text()  # where it was
 
 
+def test_a_mutant_is_noticed_by_a_file_that_it_keeps_from_being_collected(root: Path) -> None:
+    (root / "test_of_clamping.py").write_text(
+        "from clamping import clamp\n\nEXPECTED = clamp(1) + 1\n\ndef test_one():\n    pass\n"
+    )
+    test = "test_of_clamping.py::test_one"
+    lines = run_in_worker(
+        root,
+        f"""
+mutant = mutants["max(value, low) -> None"]
+print(trial.try_mutant(mutant, [[{test!r}]], {{{test!r}: 0}}))
+""",
+    )
+    assert lines == [str(("collection", "failure"))]
+
+
 def test_a_test_that_never_ends_does_not_keep_the_others_from_being_recorded(root: Path) -> None:
     (root / "nvcore").mkdir()
     (root / "nvcore" / "__init__.py").write_text("def double(n):\n    return 2 * n\n")
