@@ -7,7 +7,6 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
@@ -18,14 +17,9 @@ from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
 from nvcore.measures.table import count_recordings, doubt_of, inference_of, measure_of
 from nvcore.measures.values import duration_of_recordings
 from nvcore.report.shown import comparison_shown
-from nvcore.sentences import phrase
-from nvcore.wording import count_text, difference, duration_text, minus, number
+from nvcore.sentences.facts import Chip, Interval
+from nvcore.wording import difference, duration_text, minus, number
 
-UNEQUAL_CHIP: Final = "no claim: unequal false alarms"
-NOT_SHOWN: Final = "not shown"
-SAME: Final = "the same"
-SINGLE_MISS: Final = "not tested: a single miss"
-SHORT: Final = "not judged: encounters of one frame"
 REACH: Final = 1.12
 """Half the length of a difference's axis, as a multiple of the largest value on it."""
 MOST_DECIMALS: Final = 3
@@ -43,7 +37,7 @@ class Tile:
     x, y, difference
         Values and X - Y as text.
     interval
-        "95 % interval" of the difference with its ends, or that there is none.
+        Of the difference; None: its place stays empty.
     bar
         Low end, difference, and high end on an axis from 0 (Y is better) to 1 (X is better), 0.5
         being no difference; None without interval.
@@ -52,7 +46,7 @@ class Tile:
     winner
         For whom the difference is claimed to be more than chance; empty: it is not.
     chip
-        The same in words.
+        That, or why it is not.
     """
 
     key: str
@@ -61,11 +55,11 @@ class Tile:
     x: str
     y: str
     difference: str
-    interval: str
+    interval: Interval | None
     bar: tuple[float, float, float] | None
     better: str
     winner: str
-    chip: str
+    chip: Chip
 
 
 @dataclass(frozen=True)
@@ -110,7 +104,7 @@ def tiles(
     evidence: pd.DataFrame | None,
     companions: Companions | None,
     *,
-    untested: str = "not tested",
+    is_being_tested: bool = False,
 ) -> tuple[Tile, ...]:
     """The four tiles of the comparison that the verdict is about.
 
@@ -118,13 +112,16 @@ def tiles(
     ----------
     evidence, companions
         As of `nvcore.report.verdict.verdict`.
-    untested
-        The chip of a measure without evidence.
+    is_being_tested
+        Whether a measure without evidence will have some.
     """
     shown, of_shown = comparison_shown(result, evidence, companions)
     support = find_claims(result, evidence, companions)
     rows = {} if of_shown is None else {row["figure"]: row for row in of_shown.to_dict("records")}
-    return tuple(_tile(kind, shown, rows.get(kind.judged), support, untested) for kind in KINDS)
+    return tuple(
+        _tile(kind, shown, rows.get(kind.judged), support, is_being_tested=is_being_tested)
+        for kind in KINDS
+    )
 
 
 def _tile(
@@ -132,7 +129,8 @@ def _tile(
     shown: Result,
     row: Mapping[Hashable, Any] | None,
     support: Support,
-    untested: str,
+    *,
+    is_being_tested: bool,
 ) -> Tile:
     x, y = values_of(kind.key, shown)
     is_count = kind.form == "d"
@@ -147,7 +145,7 @@ def _tile(
     if row is not None and math.isfinite(row["low"]):
         times = shown.venn.n_near if is_count else 1  # a share of encounters as a number of them
         low, middle, high = (times * float(row[name]) for name in ("low", "difference", "high"))
-        interval = f"95 % interval {_interval_text(low, high, '.1f' if is_count else kind.form)}"
+        interval = Interval("ends", _interval_text(low, high, ".1f" if is_count else kind.form))
         ends = _bar(low, middle, high, is_lower=is_lower)
     winner = next((claim.winner for claim in support.claims if claim.key == kind.judged), "")
     return Tile(
@@ -167,15 +165,16 @@ def _tile(
         bar=ends,
         better=better,
         winner=winner,
-        chip=_chip(kind, shown, row, support, winner, untested),
+        chip=Chip("better", winner)
+        if winner
+        else _chip(kind, shown, row, support, is_being_tested=is_being_tested),
     )
 
 
-def _no_interval(row: Mapping[Hashable, Any] | None) -> str:
-    """That there is no interval, and why where it is for want of recordings."""
+def _no_interval(row: Mapping[Hashable, Any] | None) -> Interval:
     if row is None or row["unit"] != RECORDINGS or row["n"] >= MIN_UNITS:
-        return "no interval"
-    return f"no interval: {count_text(int(row['n']), 'recording')}, {MIN_UNITS} needed"
+        return Interval("none")
+    return Interval("few", n=int(row["n"]), n_needed=MIN_UNITS)
 
 
 def _interval_text(low: float, high: float, form: str) -> str:
@@ -203,23 +202,20 @@ def _chip(
     shown: Result,
     row: Mapping[Hashable, Any] | None,
     support: Support,
-    winner: str,
-    untested: str,
-) -> str:
-    if winner:
-        return f"{winner.upper()} better"
+    *,
+    is_being_tested: bool,
+) -> Chip:
+    """Why nothing is claimed."""
     if support.basis is Basis.NONE:
-        return UNEQUAL_CHIP
+        return Chip("unequal")
     if not kind.judged:
-        return SINGLE_MISS
+        return Chip("single")
     if shown.is_short and inference_of(kind.judged).needs_tracks:
-        return SHORT
+        return Chip("short")
     if row is None:
-        return untested
+        return Chip("testing" if is_being_tested else "untested")
     if kind.judged in support.withheld:
-        return f"no claim: {phrase(support.withheld[kind.judged], shown.objects)}"
+        return Chip("withheld", reason=support.withheld[kind.judged])
     if row["unit"] != RECORDINGS:
-        n = count_text(count_recordings(shown), "recording")
-        return f"{NOT_SHOWN}: {n}, {MIN_RECORDINGS} needed"
-    x, y = float(row["x"]), float(row["y"])
-    return SAME if x == y and not np.isnan(x) else NOT_SHOWN
+        return Chip("few", n=count_recordings(shown), n_needed=MIN_RECORDINGS)
+    return Chip("same" if float(row["x"]) == float(row["y"]) else "not shown")

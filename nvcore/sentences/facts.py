@@ -388,6 +388,45 @@ class Unfiltered(Fact):
 
 
 @dataclass(frozen=True)
+class Interval(Fact):
+    """The 95 % interval of a difference with its ends; or that there is none, for want of units.
+
+    Attributes
+    ----------
+    kind
+        ``ends``; ``few``: `n` recordings, and `n_needed` would be; ``none``.
+    """
+
+    kind: Literal["ends", "few", "none"]
+    ends: str = ""
+    n: int = 0
+    n_needed: int = 0
+
+
+@dataclass(frozen=True)
+class Chip(Fact):
+    """In a few words, what may be claimed of a measure.
+
+    Attributes
+    ----------
+    kind
+        ``better``: that `winner` is. Nothing, for operating points are ``unequal``, it is a
+        ``single`` miss, encounters are ``short``, or for a `reason` (``withheld``). ``untested``:
+        not tested; ``testing``: not yet; ``awaited``: the measure itself is not yet known. ``few``
+        recordings, ``same`` values, or else ``not shown``.
+    """
+
+    kind: Literal[
+        "better", "unequal", "single", "short", "withheld", "untested", "testing", "awaited",
+        "few", "same", "not shown",
+    ]  # fmt: skip
+    winner: str = ""
+    reason: Reason | None = None
+    n: int = 0
+    n_needed: int = 0
+
+
+@dataclass(frozen=True)
 class Doubt(Fact):
     """Findings that a verdict depends on: those it can name, and how many others there are."""
 

@@ -133,6 +133,24 @@ TEXTS: Final[Texts] = {
     facts.Strict: "with strict pairing, where a false alarm cannot stand in for a match, it is the "
     "other way round: {better}.",
     facts.Unfiltered: "every detection of {letters!u} counts, however low its score.",
+    facts.Interval: {
+        "ends": "95 % interval {ends}",
+        "few": "no interval: {n!n:recording}, {n_needed} needed",
+        "none": "no interval",
+    },
+    facts.Chip: {
+        "better": "{winner!u} better",
+        "unequal": "no claim: unequal false alarms",
+        "single": "not tested: a single miss",
+        "short": "not judged: encounters of one frame",
+        "withheld": "no claim: {reason}",
+        "untested": "not tested",
+        "testing": "being tested",
+        "awaited": "being computed",
+        "few": "not shown: {n!n:recording}, {n_needed} needed",
+        "same": "the same",
+        "not shown": "not shown",
+    },
     facts.Doubt: {
         "known": "this depends on what the audit found: {known!c}.",
         "mixed": "this depends on what the audit found: {known!c}; {n_others!n:other finding}.",

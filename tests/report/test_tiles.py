@@ -16,7 +16,8 @@ from nvcore.evidence.operating_points import EqualAlarms
 from nvcore.evidence.table import evidence_table
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
-from nvcore.report.tiles import UNEQUAL_CHIP, Tile, tiles
+from nvcore.report.tiles import Tile, tiles
+from nvcore.sentences.facts import Chip, Interval, Reason
 
 FOUND, MISSED, ALERTS, WORST = range(4)
 
@@ -49,16 +50,14 @@ def test_the_values_are_those_of_the_scorecard(
     found, _, _, worst = four
     assert (found.x, found.y, found.difference, found.better) == ("30", "27", "+3", "x")
     assert found.unit == "encounters detected, of 38"
-    assert (worst.interval, worst.bar, worst.chip) == (
-        "no interval", None, "not tested: a single miss"
-    )  # fmt: skip
+    assert (worst.interval, worst.bar, worst.chip) == (Interval("none"), None, Chip("single"))
 
 
 def test_the_interval_of_encounters_counts_them_and_its_bar_is_right_where_x_is_better(
     sample: tuple[Result, pd.DataFrame, Companions],
 ):
     found = tile_of(sample, "encounters_detected_by_unit", low=-0.1, difference=0.1, high=0.3)
-    assert found.interval == "95 % interval −3.8 to +11.4"
+    assert found.interval == Interval("ends", "−3.8 to +11.4")
     low, middle, high = found.bar
     assert low < 0.5 < middle < high < 1
     missed = tile_of(sample, "severity_s_per_encounter", low=0.1, difference=0.2, high=0.4)
@@ -82,7 +81,7 @@ def test_ends_of_an_interval_do_not_read_alike_or_as_0(
     tile = tile_of(
         sample, "severity_s_per_encounter", low=low, difference=(low + high) / 2, high=high
     )
-    assert tile.interval == f"95 % interval {text}"
+    assert tile.interval == Interval("ends", text)
 
 
 def test_without_an_interval_for_want_of_recordings_a_tile_says_so(
@@ -90,22 +89,23 @@ def test_without_an_interval_for_want_of_recordings_a_tile_says_so(
 ):
     row = {"low": np.nan, "high": np.nan, "n": 7, "unit": "recordings"}
     tile = tile_of(sample, "severity_s_per_encounter", **row)
-    assert (tile.interval, tile.bar) == ("no interval: 7 recordings, 8 needed", None)
+    assert (tile.interval, tile.bar) == (Interval("few", n=7, n_needed=8), None)
 
 
 @pytest.mark.parametrize(
     ("row", "chip", "winner"),
     [
-        ({"p_holm": 0.01, "difference": 0.1, "unit": "recordings"}, "X better", "x"),
-        ({"p_holm": 0.01, "difference": -0.1, "unit": "recordings"}, "Y better", "y"),
-        ({"p_holm": 0.2, "unit": "recordings"}, "not shown", ""),
-        ({"p_holm": 0.01, "unit": "recordings", "doubt": "odd"}, "no claim: odd", ""),
-        ({"p_holm": np.nan, "unit": "blocks"}, "not shown: 10 recordings, 6 needed", ""),
-        ({"x": 0.5, "y": 0.5, "p_holm": 1.0, "unit": "recordings"}, "the same", ""),
+        ({"p_holm": 0.01, "difference": 0.1, "unit": "recordings"}, Chip("better", "x"), "x"),
+        ({"p_holm": 0.01, "difference": -0.1, "unit": "recordings"}, Chip("better", "y"), "y"),
+        ({"p_holm": 0.2, "unit": "recordings"}, Chip("not shown"), ""),
+        ({"p_holm": 0.01, "unit": "recordings", "doubt": "odd"},
+         Chip("withheld", reason=Reason("doubt", doubt="odd")), ""),
+        ({"p_holm": np.nan, "unit": "blocks"}, Chip("few", n=10, n_needed=6), ""),
+        ({"x": 0.5, "y": 0.5, "p_holm": 1.0, "unit": "recordings"}, Chip("same"), ""),
     ],
-)
+)  # fmt: skip
 def test_the_chip_claims_no_more_than_the_verdict(
-    sample: tuple[Result, pd.DataFrame, Companions], row: dict, chip: str, winner: str
+    sample: tuple[Result, pd.DataFrame, Companions], row: dict, chip: Chip, winner: str
 ):
     tile = tile_of(sample, "encounters_detected_by_unit", **row)
     assert (tile.chip, tile.winner) == (chip, winner)
@@ -114,15 +114,15 @@ def test_the_chip_claims_no_more_than_the_verdict(
 def test_at_unequal_false_alarms_nothing_is_claimed_until_they_are_set_alike():
     result = at_thresholds()
     evidence = evidence_table(result)
-    assert {tile.chip for tile in tiles(result, evidence, None)} == {UNEQUAL_CHIP}
+    assert {tile.chip for tile in tiles(result, evidence, None)} == {Chip("unequal")}
     companions = find_companions(result, evidence)
     at_equal = tiles(result, evidence, companions)
-    assert UNEQUAL_CHIP not in {tile.chip for tile in at_equal}
+    assert Chip("unequal") not in {tile.chip for tile in at_equal}
     equal = companions.equal
     assert equal is not None
     assert int(at_equal[FOUND].x) == int(equal.result.x.encounters["is_detected"].sum())
     none = replace(companions, equal=None)
-    assert {tile.chip for tile in tiles(result, evidence, none)} == {UNEQUAL_CHIP}
+    assert {tile.chip for tile in tiles(result, evidence, none)} == {Chip("unequal")}
 
 
 def test_at_equal_false_alarms_each_tile_but_the_single_miss_has_an_interval(
@@ -133,12 +133,12 @@ def test_at_equal_false_alarms_each_tile_but_the_single_miss_has_an_interval(
     evidence = evidence_table(result, has_intervals=False)
     *judged, worst = tiles(result, evidence, find_companions(result, evidence))
     for tile in judged:
-        assert tile.interval.startswith("95 % interval ")
+        assert tile.interval.kind == "ends"
         low, middle, high = tile.bar
         assert 0 < low < middle < high < 1
     assert worst.bar is None
 
 
 def test_what_is_not_tested_yet_says_so(sample: tuple[Result, pd.DataFrame, Companions]):
-    four = tiles(sample[0], None, None, untested="being tested")
-    assert [tile.chip for tile in four[:3]] == ["being tested"] * 3
+    four = tiles(sample[0], None, None, is_being_tested=True)
+    assert [tile.chip for tile in four[:3]] == [Chip("testing")] * 3

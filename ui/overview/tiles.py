@@ -5,28 +5,32 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
+from nvcore.objects import Objects
 from nvcore.report.tiles import Tile
+from nvcore.sentences import phrase
 from ui.widgets.html import stamp_html
 
 
-def tiles_html(tiles: Sequence[Tile]) -> str:
+def tiles_html(tiles: Sequence[Tile], objects: Objects) -> str:
     """Tiles in a row; each is as high with an interval as without."""
-    return f'<div class="nv-tiles">{stamp_html()}{"".join(map(_tile, tiles))}</div>'
+    sections = "".join(_tile(tile, objects) for tile in tiles)
+    return f'<div class="nv-tiles">{stamp_html()}{sections}</div>'
 
 
-def _tile(tile: Tile) -> str:
+def _tile(tile: Tile, objects: Objects) -> str:
     values = "".join(
         f'<span class="{letter}{" better" if tile.better == letter else ""}">'
         f"<i>{letter.upper()}</i>{escape(value)}</span>"
         for letter, value in (("x", tile.x), ("y", tile.y))
     )
-    chip = f'<span class="chip {tile.winner}">{escape(tile.chip)}</span>'
+    interval = "" if tile.interval is None else phrase(tile.interval, objects)
+    chip = f'<span class="chip {tile.winner}">{escape(phrase(tile.chip, objects))}</span>'
     return (
         f'<section class="nv-tile" aria-label="{escape(tile.title, quote=True)}">'
         f"<h3>{escape(tile.title)}</h3><p>{escape(tile.unit)}</p>"
         f'<div class="values">{values}</div>'
         f"<p>X − Y &nbsp;<b>{escape(tile.difference)}</b></p>{_bar(tile)}"
-        f"<p>{escape(tile.interval)}</p>{chip}</section>"
+        f"<p>{escape(interval)}</p>{chip}</section>"
     )
 
 

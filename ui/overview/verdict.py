@@ -19,7 +19,7 @@ from nvcore.report.equal_alarms import equal_alarms_of
 from nvcore.report.tiles import tiles
 from nvcore.report.verdict import verdict
 from nvcore.report.words import sampling_note
-from nvcore.sentences.facts import AtEqualAlarms, Fact
+from nvcore.sentences.facts import AtEqualAlarms, Chip, Fact
 from nvcore.wording import count_text
 from ui.jobs.companions import Alternative
 from ui.overview.tiles import tiles_html
@@ -31,9 +31,9 @@ from ui.widgets.text import docs_link, plain
 LAST: Final = "last_verdict"
 AWAITED: Final[dict[str, Any]] = {
     **dict.fromkeys(("x", "y", "difference"), "…"),
-    **dict.fromkeys(("interval", "better", "winner"), ""),
-    "bar": None,
-    "chip": "being computed",
+    **dict.fromkeys(("better", "winner"), ""),
+    **dict.fromkeys(("interval", "bar")),
+    "chip": Chip("awaited"),
 }
 """What a tile says in place of its numbers."""
 
@@ -67,10 +67,10 @@ class Room:
         equal = other.equal
         self._basis().caption(_short_extent(self._result, equal))
         shown, of_shown = (self._result, evidence) if equal is None else (equal.result, None)
-        four = tiles(shown, of_shown, None, untested="being tested")
+        four = tiles(shown, of_shown, None, is_being_tested=True)
         if other.is_awaited:
             four = tuple(replace(tile, **AWAITED) for tile in four)
-        self._tiles().html(tiles_html(four))
+        self._tiles().html(tiles_html(four, self._result.objects))
 
     def draw(
         self,
@@ -85,8 +85,8 @@ class Room:
         words = plain(conclusion.say(conclusion.headline))
         self._words().markdown(f"## {words}")
         st.session_state[LAST] = self._opening(), words
-        four = tiles(result, evidence, companions, untested="being tested")
-        self._tiles().html(tiles_html(four))
+        four = tiles(result, evidence, companions, is_being_tested=True)
+        self._tiles().html(tiles_html(four, self._result.objects))
         with self._basis().container():
             st.caption(_short_extent(result, equal_alarms_of(result, companions)))
             for point in conclusion.points:

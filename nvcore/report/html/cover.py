@@ -15,13 +15,15 @@ from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import alarms_as_set, are_unequal
 from nvcore.evidence.units import MIN_RECORDINGS
 from nvcore.measures.table import count_recordings
+from nvcore.objects import Objects
 from nvcore.report.equal_alarms import equal_alarms_of
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Photo
 from nvcore.report.tiles import Tile, tiles
 from nvcore.report.verdict import Verdict
 from nvcore.report.words import n_frames_text, sampling_note
-from nvcore.sentences.facts import AtEqualAlarms
+from nvcore.sentences import phrase
+from nvcore.sentences.facts import AtEqualAlarms, Fact
 from nvcore.subjects import contributed
 from nvcore.wording import count_text, duration_text
 
@@ -50,6 +52,8 @@ class Cover:
         The two frames that tell most.
     limits
         What the data do not show.
+    objects
+        What the boxes are of.
     """
 
     subtitle: str
@@ -60,6 +64,11 @@ class Cover:
     basis: str
     photos: tuple[Photo, ...]
     limits: tuple[str, ...]
+    objects: Objects
+
+    def say(self, fact: Fact | None) -> str:
+        """A fact of a tile, without a capital."""
+        return "" if fact is None else phrase(fact, self.objects)
 
 
 def cover_of(
@@ -97,6 +106,7 @@ def cover_of(
         else f"{conclusion.say(AtEqualAlarms(equal.setting))}; {extent}.",
         photos=_two_kinds(photos),
         limits=_limits(result, conclusion),
+        objects=result.objects,
     )
 
 
