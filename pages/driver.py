@@ -3,8 +3,8 @@
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.said import counts, no_claim, view_facts
 from nvcore.driver.comparison.steps import driver_in
-from nvcore.driver.comparison.texts import describe_counts, describe_doubt, describe_view
 from ui.driver import course, listed, missing, regions, run, threshold
 from ui.jobs.companions import choose_comparison, wait_for_equal_alarms
 from ui.session import state
@@ -33,10 +33,10 @@ def draw(result: Result) -> None:
     shown = choose_comparison(result, wait_for_equal_alarms(result), "driver")
     if shown is None:
         return
-    if doubt := describe_doubt(shown):
-        st.warning(plain(doubt), icon=":material/warning:")
-    st.markdown("\n\n".join(plain(text) for text in describe_view(shown)))
-    st.caption(describe_counts(shown))
+    for doubt in no_claim(shown):
+        st.warning(plain(state.say(doubt)), icon=":material/warning:")
+    st.markdown("\n\n".join(plain(state.say(fact)) for fact in view_facts(shown)))
+    st.caption(state.say(counts(shown)))
     region = regions.draw(shown)
     threshold.draw(shown)
     encounter = listed.draw(shown, region)

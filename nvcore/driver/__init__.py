@@ -12,6 +12,7 @@ SUBJECT = Subject(
     miss_weights="comparison.steps:MISS_WEIGHTS",
     findings="findings:CHECKS",
     caveats="findings:CAVEATS",
+    texts="comparison.texts:TEXTS",
     recording_keys="inputs.session:DriverEntry",
     session_tables="inputs.session:DriverTables",
     inputs="inputs.joining:INPUT",

@@ -8,16 +8,17 @@ from dataclasses import dataclass
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.measures.entry import Measure
+from nvcore.sentences.facts import Fact
 
 
 @dataclass(frozen=True)
 class Remarks:
-    """What a subject says beside the numbers of a comparison; empty where there is nothing to say.
+    """What a subject says beside the numbers of a comparison; nothing where it has nothing to say.
 
     Attributes
     ----------
     note
-        A sentence below the scorecard.
+        Below the scorecard.
     limits
         What the data do not show, for the first page of the HTML report.
     of_claims
@@ -26,7 +27,7 @@ class Remarks:
         Title of a column of the HTML report's table of recordings, and a text for each recording.
     """
 
-    note: Callable[[Result], str]
-    limits: Callable[[Result], tuple[str, ...]]
-    of_claims: Callable[[Result, Sequence[Measure]], str]
+    note: Callable[[Result], tuple[Fact, ...]]
+    limits: Callable[[Result], tuple[Fact, ...]]
+    of_claims: Callable[[Result, Sequence[Measure]], Fact | None]
     recordings: tuple[str, Callable[[Dataset], list[str]]]

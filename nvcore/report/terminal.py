@@ -249,7 +249,11 @@ def _notes(result: Result) -> list[str]:
     """What to know of the rates, and of measures that need encounters of several frames."""
     notes = [SHORT_ROWS] if result.is_short else []
     sampling = sampling_note(result.dataset.frame_columns)
-    of_subjects = (remarks.note(result) for remarks in contributed("remarks"))
+    of_subjects = (
+        say(fact, result.objects)
+        for remarks in contributed("remarks")
+        for fact in remarks.note(result)
+    )
     return [*notes, *filter(None, (sampling, *of_subjects))]
 
 

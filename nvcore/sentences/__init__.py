@@ -64,7 +64,8 @@ class _Sentence(Formatter):
 
     Conversions: ``!u`` a system, X or Y, ``!n`` a count with the noun after the colon, ``!m`` the
     noun of a measure, ``!c`` what findings mean, ``!d`` a duration, ``!p`` a share in percent. What
-    follows the colon of a fact follows it in the text, unless there is none (None).
+    follows the colon of a fact follows it in the text, unless there is none (None), what follows
+    that of a row of facts stands between them; by itself a row is "one, another and a third".
     """
 
     def __init__(self, objects: Objects) -> None:
@@ -100,5 +101,6 @@ class _Sentence(Formatter):
         if isinstance(value, Fact):
             return self.of(value) + format_spec
         if isinstance(value, tuple):
-            return listed([self.format_field(each, format_spec) for each in value])
+            parts = [self.format_field(each, "") for each in value]
+            return format_spec.join(parts) if format_spec else listed(parts)
         return str(super().format_field(value, format_spec))

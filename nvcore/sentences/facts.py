@@ -96,7 +96,7 @@ class Conclusion(Fact):
         The least one that is possible.
     n_needed
         Recordings that a p needs.
-    remark
+    remarks
         Of subjects, about the measures.
     """
 
@@ -109,7 +109,7 @@ class Conclusion(Fact):
     better: tuple[Better, ...] = ()
     p: P | None = None
     n_needed: int = 0
-    remark: str = ""
+    remarks: tuple[Fact, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -25,12 +25,12 @@ TEXTS: Final[Texts] = {
     facts.OfBoth: "{key!m} (X {x.number}, Y {y})",
     facts.Better: "{winner!u} is better on {won}",
     facts.Conclusion: {
-        "claimed": "{better}: more than chance over {n_recordings!n:recording}{remark}",
+        "claimed": "{better}: more than chance over {n_recordings!n:recording}{remarks}",
         "untested": "whether X and Y differ by more than chance has not been tested",
         "pending": "nothing is claimed before X and Y are compared at equal false alarms",
         "few": "too few recordings to tell X and Y apart ({n_recordings} of the {n_needed} needed)",
-        "within": "{better} within {n_recordings!n:recording}{remark}, too few to say so of others "
-        "({n_needed} are needed)",
+        "within": "{better} within {n_recordings!n:recording}{remarks}, too few to say so of "
+        "others ({n_needed} are needed)",
         "untestable": "too little data to tell X and Y apart",
         "impossible": "too few recordings to tell X and Y apart: over {n_recordings} of them, no "
         "difference in {n_measures!n:measure} could be shown to be more than chance, however large "

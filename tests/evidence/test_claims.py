@@ -13,6 +13,7 @@ from drives import turned_by_strict_pairing
 
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
+from nvcore.driver.comparison.facts import WeightedClaims
 from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.evidence.claims import Basis, Support, find_claims, least_corrected_p, values_of
 from nvcore.evidence.companions import find_companions
@@ -263,4 +264,4 @@ def test_what_is_weighted_by_an_estimator_that_learned_nothing_is_no_claim():
     companions = find_companions(trusted, evidence)
     conclusion = verdict(trusted, evidence=evidence, companions=companions).headline.conclusion
     assert conclusion is not None
-    assert "weighted by 1 - detectability" in conclusion.remark
+    assert conclusion.remarks == (WeightedClaims(),)

@@ -7,10 +7,11 @@ from typing import Final
 import numpy as np
 
 from nvcore.comparison import Result
+from nvcore.driver.comparison.facts import Why
 from nvcore.driver.comparison.settings import DRIVER
 from nvcore.driver.comparison.steps import driver_in
 from nvcore.measures.entry import Measure
-from nvcore.wording import count_text
+from nvcore.sentences import phrase
 
 MOST_OUTSIDE: Final = 0.5
 """From this share of encounters on that are decided outside the range of the training, nothing is
@@ -44,55 +45,36 @@ def are_all_open(result: Result) -> bool:
     return n_known > 0 and int(np.count_nonzero(driver.is_within_sd)) == n_known
 
 
-def doubt_of_estimator(result: Result) -> str:
-    """Why no estimate is to be believed; empty: no reason is known, or none was made."""
+def doubt_of_estimator(result: Result) -> Why | None:
+    """Why no estimate is to be believed; None: no reason is known, or none was made."""
     estimate = result.dataset.of("driver")
     if estimate is None or is_stated(result):
-        return ""
+        return None
     if estimate.of_no_use:
-        return result.objects.say(
-            "as a whole the estimator is no better than a constant on {many} that it had not seen"
-        )
-    if estimate.simulated == "all":
-        return "the estimator learnt from simulated subjects alone, not from people"
-    return ""
+        return Why("useless")
+    return Why("simulated") if estimate.simulated == "all" else None
 
 
-def doubt_of_seen(result: Result) -> str:
-    """Why nothing is claimed of whom the driver sees, whatever the counts; empty: no reason."""
+def doubt_of_seen(result: Result) -> Why | None:
+    """Why nothing is claimed of whom the driver sees, whatever the counts; None: no reason."""
     if why := doubt_of_estimator(result):
         return why
-    if why := _doubt_of_range(result):
-        return why
-    is_unseen = driver_in(result).is_unseen
+    driver, threshold = driver_in(result), result.params.driver_threshold
+    n_known, is_unseen = driver.venn.n_known, driver.is_unseen
+    if driver.n_outside and driver.n_outside >= MOST_OUTSIDE * n_known:
+        return Why("range", driver.n_outside, n_known)
     if are_all_open(result):
-        n, which = driver_in(result).venn.n_known, "of which it is known"
-    elif is_unseen.any() and bool(driver_in(result).is_within_sd[is_unseen].all()):
-        n, which = int(np.count_nonzero(is_unseen)), "counted as not seen by the driver"
-    else:
-        return ""
-    where = f"in all {count_text(n, 'encounter')}" if n > 1 else "in the only encounter"
-    return (
-        f"{where} {which}, the value that decides is within one standard deviation of "
-        f"{result.params.driver_threshold:g}"
-    )
-
-
-def _doubt_of_range(result: Result) -> str:
-    """That too many encounters are decided outside of what was trained; empty: they are not."""
-    n, n_outside = driver_in(result).venn.n_known, driver_in(result).n_outside
-    if not n_outside or n_outside < MOST_OUTSIDE * n:
-        return ""
-    return (
-        f"in {n_outside:,} of {count_text(n, 'encounter')} of which it is known, the value that "
-        "decides is outside the range of the training"
-    )
+        return Why("open", n_known, threshold=threshold)
+    if is_unseen.any() and bool(driver.is_within_sd[is_unseen].all()):
+        return Why("unseen", int(np.count_nonzero(is_unseen)), threshold=threshold)
+    return None
 
 
 def doubt_of(result: Result, measure: Measure) -> str:
     """Why no claim can rest on a measure, nor a value be the better one; empty: no reason."""
+    why = None
     if DRIVER in measure.stages:
-        return doubt_of_seen(result)
-    if measure.depends_on("driver_weighting") and is_weighted(result):
-        return doubt_of_estimator(result)
-    return ""
+        why = doubt_of_seen(result)
+    elif measure.depends_on("driver_weighting") and is_weighted(result):
+        why = doubt_of_estimator(result)
+    return phrase(why, result.objects) if why else ""

@@ -12,10 +12,11 @@ from nvcore.comparison import Result
 from nvcore.driver.comparison.doubts import doubt_of_seen
 from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.measures import KNOWN
+from nvcore.driver.comparison.said import known, no_claim
 from nvcore.driver.comparison.steps import driver_in
-from nvcore.driver.comparison.texts import describe_doubt, describe_known
 from nvcore.report.gate.added import RulesOf
 from nvcore.report.gate.measures import CONDITIONS
+from nvcore.sentences.facts import Fact
 
 OF_DRIVER: Final = frozenset(name for name, only_if in CONDITIONS.items() if only_if is KNOWN)
 """Measures of the driver's own view: of the encounters of which it is known."""
@@ -38,11 +39,10 @@ def _undefined(result: Result) -> Set[str]:
     return OF_DRIVER - OF_ANY_ESTIMATOR if doubt_of_seen(result) else frozenset()
 
 
-def _describe(result: Result, name: str) -> tuple[str, ...]:
+def _said(result: Result, name: str) -> tuple[Fact, ...]:
     if name not in OF_DRIVER or not driver_in(result).has_any:
         return ()
-    lines = describe_known(result, of_urgent=name in OF_URGENT), describe_doubt(result)
-    return tuple(filter(None, lines))
+    return known(result, of_urgent=name in OF_URGENT), *no_claim(result)
 
 
 def _is_in(result: Result, *, regions: tuple[DriverRegion, ...]) -> np.ndarray:
@@ -51,7 +51,7 @@ def _is_in(result: Result, *, regions: tuple[DriverRegion, ...]) -> np.ndarray:
 
 RULES: Final = RulesOf(
     undefined=_undefined,
-    describe=_describe,
+    said=_said,
     counted={
         **{
             f"driver_venn.{region.value}": partial(_is_in, regions=(region,))

@@ -9,23 +9,26 @@ from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.driver.comparison.columns import driver_views
 from nvcore.driver.comparison.doubts import is_stated, is_weighted
-from nvcore.driver.comparison.steps import driver_in
-from nvcore.driver.comparison.texts import (
-    describe_basis,
-    describe_doubt,
-    describe_driver,
-    describe_weighting,
-    regions_text,
+from nvcore.driver.comparison.facts import Estimated, WeightedClaims
+from nvcore.driver.comparison.said import (
+    basis_facts,
+    driver_facts,
+    no_claim,
+    seen_by,
     weighting,
+    weighting_facts,
 )
+from nvcore.driver.comparison.steps import driver_in
 from nvcore.measures.entry import Measure
 from nvcore.report.remarks import Remarks
 from nvcore.report.verdict import PointOf
+from nvcore.sentences import phrase, say
+from nvcore.sentences.facts import Fact
 from nvcore.wording import capitalised
 
 POINTS: Final = (
-    PointOf("Weighting", describe_weighting, after="Operating points", is_warning=True),
-    PointOf("The driver", describe_driver, after="Time left"),
+    PointOf("Weighting", weighting_facts, after="Operating points", is_warning=True),
+    PointOf("The driver", driver_facts, after="Time left"),
 )
 
 
@@ -33,39 +36,27 @@ def lines(result: Result) -> list[str]:
     """Who sees the encounters, and on whose word, for the terminal."""
     if not driver_in(result).has_any:
         return []
-    basis = describe_basis(result)
-    return [
-        f"encounters seen by: {regions_text(result)}",
-        f"the driver: {basis[0].lower()}{basis[1:-1]}",
-    ]
+    first, *others = basis_facts(result)
+    texts = [phrase(first, result.objects), *(say(fact, result.objects) for fact in others)]
+    return [phrase(seen_by(result), result.objects), f"the driver: {' '.join(texts)}"]
 
 
-def _limits(result: Result) -> tuple[str, ...]:
-    return (
-        describe_doubt(result) or _estimated(result),
-        " ".join(describe_weighting(result)),
-    )
+def _limits(result: Result) -> tuple[Fact, ...]:
+    return (*(no_claim(result) or _estimated(result)), *weighting_facts(result))
 
 
-def _estimated(result: Result) -> str:
-    """Why what is said of the driver is to be doubted; empty: nothing is known, or nothing said."""
+def _estimated(result: Result) -> tuple[Fact, ...]:
+    """Why what is said of the driver is to be doubted; none: nothing is known, or nothing said."""
     estimate = result.dataset.of("driver")
     if not driver_in(result).has_any or estimate is None or is_stated(result):
-        return ""
-    if not estimate.caution:
-        return ""
-    return result.objects.say(
-        "{What} the driver sees is estimated: {caution}.", caution=estimate.caution
-    )
+        return ()
+    return (Estimated(estimate.caution),) if estimate.caution else ()
 
 
-def _of_claims(result: Result, measures: Sequence[Measure]) -> str:
-    """That claims are of measures weighted by what the driver does not see; empty: none is."""
-    if not is_weighted(result):
-        return ""
-    if not any(measure.depends_on("driver_weighting") for measure in measures):
-        return ""
-    return " (similarity, saliency and severity weighted by 1 - detectability)"
+def _of_claims(result: Result, measures: Sequence[Measure]) -> WeightedClaims | None:
+    """That claims are of measures weighted by what the driver does not see; None: none is."""
+    is_any = any(measure.depends_on("driver_weighting") for measure in measures)
+    return WeightedClaims() if is_any and is_weighted(result) else None
 
 
 def _views(dataset: Dataset) -> list[str]:

@@ -7,16 +7,18 @@ from typing import Final
 from nvcore.comparison import Result
 from nvcore.driver.comparison.encounters import driver_venn_table, saved_encounters
 from nvcore.driver.comparison.kinds import DriverRegion
+from nvcore.driver.comparison.said import driver_facts
 from nvcore.driver.comparison.steps import driver_in
-from nvcore.driver.comparison.texts import describe_driver
 from nvcore.params import Params
 from nvcore.report.html.blocks import Intro, Section, SectionOf, Sentences, Table, table
+from nvcore.sentences import say
 from nvcore.wording import number
 
 
 def driver_section(result: Result) -> Section:
     """The eight regions of driver, X and Y, and the urgent encounters that one alone saves."""
-    blocks: list[Sentences | Table] = [Sentences(describe_driver(result)), _regions(result)]
+    said = tuple(say(fact, result.objects) for fact in driver_facts(result))
+    blocks: list[Sentences | Table] = [Sentences(said), _regions(result)]
     saved = _saved(result)
     if saved.rows:
         blocks.append(saved)

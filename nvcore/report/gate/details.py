@@ -21,7 +21,7 @@ from nvcore.report.gate.measures import (
 from nvcore.report.gate.outcomes import Outcome
 from nvcore.report.gate.rules import class_in
 from nvcore.schema import Category
-from nvcore.sentences import phrase
+from nvcore.sentences import phrase, say
 from nvcore.subjects import contributed
 
 MAX_LISTED: Final = 10
@@ -39,7 +39,7 @@ def _details(outcome: Outcome, result: Result, findings: Sequence[Finding]) -> t
     if name in WORSE and is_undecided(result, WORSE[name][0]):
         return (phrase(alarms_as_set(result, "rule"), result.objects),)
     of_subjects: tuple[RulesOf, ...] = contributed("rules")
-    known = tuple(line for of in of_subjects for line in of.describe(result, name))
+    known = tuple(say(fact, result.objects) for of in of_subjects for fact in of.said(result, name))
     if outcome.is_passed:
         return known
     counted = name.partition(".")[0] if class_in(name) else name

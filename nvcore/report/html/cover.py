@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import chain
 from typing import Final
 
 import pandas as pd
@@ -138,7 +137,7 @@ def _limits(result: Result, conclusion: Verdict) -> tuple[str, ...]:
                 conclusion.say(conclusion.doubt),
                 conclusion.say(as_set),
                 result.objects.say(words.SHORT_ENCOUNTERS) if result.is_short else "",
-                *chain.from_iterable(remarks.limits(result) for remarks in contributed("remarks")),
+                *(conclusion.say(*remarks.limits(result)) for remarks in contributed("remarks")),
                 few,
                 *points,
                 sampling_note(result.dataset.frame_columns),

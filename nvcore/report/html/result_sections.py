@@ -74,7 +74,11 @@ def scorecard_section(result: Result, companions: Companions) -> Section:
                 note=note,
             )
         )
-    notes = tuple(filter(None, (remarks.note(result) for remarks in contributed("remarks"))))
+    notes = tuple(
+        say(fact, result.objects)
+        for remarks in contributed("remarks")
+        for fact in remarks.note(result)
+    )
     remarked = [Sentences(notes)] if notes else []
     return Section("scorecard", "Scorecard", words.scorecard(result.params), (*remarked, *blocks))
 

@@ -15,7 +15,7 @@ from nvcore.evidence.operating_points import are_unequal, has_scores
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
 from nvcore.measures.table import count_recordings, evidence_form, inference_of, measure_of
-from nvcore.sentences.facts import Amount, Better, Compared, Conclusion, Headline, Named, P
+from nvcore.sentences.facts import Amount, Better, Compared, Conclusion, Fact, Headline, Named, P
 from nvcore.subjects import contributed
 
 
@@ -56,7 +56,7 @@ def _conclusion(
             "claimed",
             n_recordings=max(claim.n for claim in support.claims),
             better=_better(ranked, evidence, n_with_values=1),
-            remark=_remarks(result, support.claims),
+            remarks=_remarks(result, support.claims),
         )
     if companions is None and support.withheld:
         return Conclusion("pending")
@@ -67,7 +67,7 @@ def _conclusion(
             n_recordings=count_recordings(result),
             n_needed=MIN_RECORDINGS,
             better=_better(within, evidence, n_with_values=len(within)),
-            remark=_remarks(result, within),
+            remarks=_remarks(result, within),
         )
     n_measures = count_tests(evidence)
     if not n_measures:
@@ -80,10 +80,11 @@ def _conclusion(
     return Conclusion("withheld" if support.withheld else "not shown", n_recordings=n)
 
 
-def _remarks(result: Result, claims: Sequence[Claim]) -> str:
-    """What subjects say of claims about these measures; empty: nothing."""
+def _remarks(result: Result, claims: Sequence[Claim]) -> tuple[Fact, ...]:
+    """What subjects say of claims about these measures."""
     measures = [measure_of(claim.key) for claim in claims]
-    return "".join(remarks.of_claims(result, measures) for remarks in contributed("remarks"))
+    said = (remarks.of_claims(result, measures) for remarks in contributed("remarks"))
+    return tuple(fact for fact in said if fact is not None)
 
 
 def _better(

@@ -5,7 +5,8 @@ from __future__ import annotations
 from approach import approach, only
 from builders import NAN, Place, at, make_dataset, result_of
 
-from nvcore.driver.comparison.texts import describe_counts, describe_driver
+from nvcore.driver.comparison.facts import Counts, InTime
+from nvcore.driver.comparison.said import counts, driver_facts
 
 
 def test_each_encounter_and_each_urgent_one_is_in_one_part():
@@ -22,17 +23,11 @@ def test_each_encounter_and_each_urgent_one_is_in_one_part():
     truth += [at(0, 5, h=4, track=9)._replace(detectability=0.5)]
     dataset = make_dataset(truth, x, y, places=[Place(always)] * len(kinds))
     result = result_of(dataset, proximity="height")
-    assert describe_counts(result) == (
-        "6 encounters in all: 1 seen by the driver, 3 not seen, 1 unknown, 1 distant (never near "
-        "enough to count)."
-    )
-    assert (
-        "Of 4 urgent encounters of which it is known, the driver is in time unaided in 1; of "
-        "the others, both systems are in 1, X alone in 0, Y alone in 1, none of them in 1."
-    ) in describe_driver(result)
+    assert counts(result) == Counts(6, n_seen=1, n_unseen=3, n_unknown=1, n_distant=1)
+    assert InTime(4, driver=1, both=1, x=0, y=1, neither=1) in driver_facts(result)
 
 
 def test_where_all_are_near_and_known_and_none_is_urgent_no_more_is_said():
     truth = [at(0, 50)._replace(detectability=0.1)]
     result = result_of(make_dataset(truth, x=[at(0, 50)], n_frames=1))
-    assert describe_counts(result) == ("1 encounter in all: 0 seen by the driver, 1 not seen.")
+    assert counts(result) == Counts(1, n_seen=0, n_unseen=1, n_unknown=0, n_distant=0)

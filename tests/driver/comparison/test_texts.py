@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import product
+from typing import TypeVar
 
 import numpy as np
 import pytest
@@ -19,23 +21,38 @@ from nvcore.driver.comparison.encounters import (
     features_of_course,
     saved_encounters,
 )
+from nvcore.driver.comparison.facts import (
+    Adapted,
+    Alerts,
+    InTime,
+    LightUnknown,
+    NoClaim,
+    NothingKnown,
+    Open,
+    Outside,
+    SeenTooLate,
+    Seldom,
+    Source,
+    Weighting,
+    Why,
+)
 from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
+from nvcore.driver.comparison.said import (
+    alerts,
+    basis_facts,
+    driver_facts,
+    no_claim,
+    seen_by,
+    source,
+    weighting,
+    weighting_facts,
+)
 from nvcore.driver.comparison.section import driver_section
 from nvcore.driver.comparison.steps import driver_in
-from nvcore.driver.comparison.texts import (
-    NOTHING_KNOWN,
-    describe_basis,
-    describe_doubt,
-    describe_driver,
-    describe_source,
-    describe_weighting,
-    regions_text,
-    weighting,
-)
 from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.evidence.measures import significance_table
 from nvcore.measures.table import MEASURES
-from nvcore.objects import PEDESTRIAN, objects_from
+from nvcore.objects import objects_from
 from nvcore.params import Params
 from nvcore.report.gate import run_gate
 from nvcore.report.gate.measures import gate_measures, listed_names, measure_names
@@ -43,9 +60,13 @@ from nvcore.report.gate.rules import parse_rule
 from nvcore.report.terminal import render_scorecard
 from nvcore.report.tiles import tiles
 from nvcore.report.verdict import verdict
+from nvcore.sentences import say
+from nvcore.sentences.facts import Fact
 from nvcore.tables.result import encounters_table, recordings_table
 from nvcore.tables.scorecard import score_rows
 from nvcore.tables.summary import summary
+
+F = TypeVar("F", bound=Fact)
 
 
 def eight(n_recordings: int = 1, *, unknown: int = 1, **params: str) -> Result:
@@ -92,38 +113,43 @@ def test_of_recordings_of_which_nothing_is_known_the_alerts_are_undefined():
     assert "useful_alerts_x" not in bare
 
 
-def test_the_verdict_says_whom_each_system_warns_of_and_where_that_comes_from():
-    text = " ".join(describe_driver(eight()))
-    assert text == (
+def only_of(kind: type[F], facts: Iterable[Fact]) -> F:
+    """The only fact of a type."""
+    (fact,) = (fact for fact in facts if isinstance(fact, kind))
+    return fact
+
+
+def words_of(result: Result, facts: Iterable[Fact]) -> str:
+    return " ".join(say(fact, result.objects) for fact in facts)
+
+
+def test_what_is_known_of_the_driver_in_words():
+    """The golden text, of the ground truth's own values and of estimates."""
+    result = eight()
+    assert words_of(result, driver_facts(result)) == (
         "By the ground truth, the driver sees 4 of 8 encounters unaided; of the 4 not seen, X "
         "detects 2 and Y 2 (X alone 1, Y alone 1, neither 1). Detectability is as the ground truth "
         "states it; seen means that at least 50 % of drivers would see the pedestrian. It is known "
         "of 8 of 9 pedestrian boxes; 1 encounter of which it is unknown is not counted here."
     )
-    assert text in dict(verdict(eight()).topics).values()
-
-
-def test_estimated_and_simulated_are_said():
-    result = with_estimate(eight(unknown=0), EstimateRecord("m", "ab12", "all", 12))
-    assert describe_source(result) == (
-        "Detectability is estimated by the estimator m (12 subjects, fingerprint ab12), learnt "
-        "from simulated subjects; seen means that at least 50 % of drivers would see the "
-        "pedestrian."
-    )
-    doubt, alerts, *_ = describe_driver(result)
-    assert doubt == (
+    assert words_of(result, driver_facts(result)) == dict(verdict(result).topics)["The driver"]
+    simulated = with_estimate(eight(unknown=0), EstimateRecord("m", "ab12", "all", 12))
+    assert words_of(simulated, driver_facts(simulated)) == (
         "Nothing is claimed of whom the driver sees: the estimator learnt from simulated subjects "
-        "alone, not from people."
+        "alone, not from people. By the estimates (learnt from simulated subjects), the driver "
+        "sees 4 of 8 encounters unaided; of the 4 not seen, X detects 2 and Y 2 (X alone 1, Y "
+        "alone 1, neither 1). Detectability is estimated by the estimator m (12 subjects, "
+        "fingerprint ab12), learnt from simulated subjects; seen means that at least 50 % of "
+        "drivers would see the pedestrian."
     )
-    assert alerts.startswith(
-        "By the estimates (learnt from simulated subjects), the driver sees 4 of 8 encounters"
-    )
-    assert not describe_doubt(with_estimate(result, EstimateRecord("m", "ab12", "some", 12)))
+
+
+def test_estimates_of_simulated_subjects_alone_are_no_ground_for_a_claim():
+    result = with_estimate(eight(unknown=0), EstimateRecord("m", "ab12", "all", 12))
+    assert no_claim(result) == (NoClaim("seen", Why("simulated")),)
+    assert not no_claim(with_estimate(result, EstimateRecord("m", "ab12", "some", 12)))
     plain = with_estimate(eight(unknown=0), EstimateRecord())
-    assert describe_source(plain) == (
-        "Detectability is estimated; seen means that at least 50 % of drivers would see the "
-        "pedestrian."
-    )
+    assert source(plain) == (Source("estimates", 0.5, ("estimated",)),)
 
 
 def test_what_is_estimated_and_what_the_truth_states_are_told_apart():
@@ -132,33 +158,27 @@ def test_what_is_estimated_and_what_the_truth_states_are_told_apart():
     own, other = frozenset([name]), frozenset(["elsewhere"])
     record = EstimateRecord("m", "", "some", 12)
     both = with_estimate(result, replace(record, estimated_in=own, stated_in=own))
-    assert describe_driver(both)[0].startswith(
-        "By estimates in 1 recording (learnt in part from simulated subjects) and the ground "
-        "truth in 1, the driver sees"
-    )
-    assert describe_source(both).startswith(
-        "Detectability is estimated by the estimator m (12 subjects), learnt in part from "
-        "simulated subjects, in 1 recording, and as the ground truth states it in 1;"
-    )
     stated = with_estimate(result, replace(record, estimated_in=other, stated_in=own))
-    assert describe_driver(stated)[0].startswith("By the ground truth,")
-    assert describe_source(stated).startswith("Detectability is as the ground truth states it;")
     estimated = with_estimate(result, replace(record, estimated_in=own, stated_in=other))
-    assert describe_driver(estimated)[0].startswith("By the estimates (learnt in part from")
+    for each, kind in ((both, "both"), (stated, "truth"), (estimated, "estimates")):
+        assert alerts(each).by.kind == source(each)[0].kind == kind
+    assert (alerts(both).by.n_estimated, alerts(both).by.n_stated) == (1, 1)
+    assert alerts(estimated).by.caution is not None
+    assert alerts(stated).by.caution is None
 
 
 def test_the_regions_stand_in_the_terminal_and_the_unknown_only_where_there_are_some():
-    assert regions_text(eight()) == (
-        "driver, X and Y 1, driver and X 1, driver and Y 1, driver alone 1, X and Y 1, X alone 1, "
-        "Y alone 1, none of them 1, unknown of the driver 1"
-    )
-    assert regions_text(eight(unknown=0)).endswith("none of them 1")
-    assert f"encounters seen by: {regions_text(eight())}" in render_scorecard(eight())
+    assert [region.n for region in seen_by(eight()).regions] == [1] * 9
+    assert len(seen_by(eight(unknown=0)).regions) == 8
+    assert (
+        "encounters seen by: driver, X and Y 1, driver and X 1, driver and Y 1, driver alone 1, X "
+        "and Y 1, X alone 1, Y alone 1, none of them 1, unknown of the driver 1\n"
+    ) in render_scorecard(eight())
 
 
 def test_where_nothing_is_known_nothing_is_said():
     result = result_of(make_dataset([at(0, 50, track=1)]))
-    assert describe_driver(result) == ()
+    assert driver_facts(result) == ()
     assert "driver" not in render_scorecard(result)
     assert "driver" not in str(summary(result))
     assert not any("driver" in name for name in encounters_table(result))
@@ -166,21 +186,18 @@ def test_where_nothing_is_known_nothing_is_said():
     assert "useful_alerts" not in significance_table(result)["figure"].tolist()
 
 
-def test_weighting_is_said_to_be_ours_and_of_how_many_boxes_it_is_not():
-    assert weighting(eight()) == ""
-    assert weighting(eight(driver_weighting="on")) == (
-        "Similarity, saliency and severity are weighted by (1 - detectability): this weighting is "
-        "ours, not the papers'; 1 pedestrian box has none and weighs in full: a miss of these "
-        "weighs more than the same miss where a value is known."
-    )
+def test_weighting_is_said_and_of_how_many_boxes_it_is_not():
+    assert weighting(eight()) == ()
     weighted = eight(driver_weighting="on")
+    assert weighting(weighted) == (Weighting("one", 1),)
+    assert weighting(eight(unknown=0, driver_weighting="on")) == (Weighting("all"),)
     assert "weighted by (1 - detectability)" in render_scorecard(weighted)
     (point,) = [point for point in verdict(weighted).points if point.topic == "Weighting"]
-    assert point.facts == (weighting(weighted),)
+    assert (point.facts, point.is_warning) == (weighting(weighted), True)
     simulated = with_estimate(weighted, EstimateRecord("m", "", "all", 3))
-    assert describe_weighting(simulated)[1].startswith("Nothing is claimed of what is weighted")
+    assert weighting_facts(simulated)[1] == NoClaim("weighted", Why("simulated"))
     bare = result_of(make_dataset([at(0, 50, track=1)]), driver_weighting="on")
-    assert weighting(bare) == "driver_weighting has no effect: no detectability is known."
+    assert weighting(bare) == (Weighting("none"),)
 
 
 def test_the_table_of_regions_has_a_row_for_each_with_words():
@@ -213,11 +230,8 @@ def test_neither_the_driver_nor_x_but_y_is_counted_listed_and_said():
     assert rows["in_time_alone"] == (0, 1)
     saved = saved_encounters(result)
     assert saved[["recording", "system", "impact_kmh_y"]].to_numpy().tolist() == [["r1", "y", 0.0]]
-    text = " ".join(describe_driver(result))
-    assert (
-        "Of 3 urgent encounters of which it is known, the driver is in time unaided in 1; of "
-        "the others, both systems are in 0, X alone in 0, Y alone in 1, none of them in 1."
-    ) in text
+    in_time = only_of(InTime, driver_facts(result))
+    assert in_time == InTime(n=3, driver=1, both=0, x=0, y=1, neither=1)
     assert encounters_table(result)["driver_in_time"].tolist()[:3] == [False, False, True]
     assert encounters_table(result)["driver_in_time"].isna().tolist() == [False] * 3 + [True]
 
@@ -295,7 +309,7 @@ def test_a_rule_of_the_gate_is_judged_and_undefined_where_nothing_is_known():
     rules = [parse_rule("unprotected_y <= 2"), parse_rule("driver_venn.nobody == 1")]
     outcomes, _ = run_gate(rules, eight(), (), strict=False)
     assert [outcome.is_passed for outcome in outcomes[:2]] == [True, True]
-    known = "whether the driver sees them is known of 8 of 9 encounters, by the ground truth"
+    known = "Whether the driver sees them is known of 8 of 9 encounters, by the ground truth"
     assert [outcome.details for outcome in outcomes] == [(known,), (known,), ()]
     (failed, *_), _ = run_gate([parse_rule("unprotected_y == 0")], eight(), (), strict=False)
     assert failed.details == (known, "r0, track 6, frame 0", "r0, track 8, frame 0")
@@ -316,7 +330,7 @@ def test_below_a_rule_on_urgent_encounters_the_gate_says_of_how_many_of_these_it
     rules = [parse_rule(f"{name} >= -9") for name in names]
     outcomes, _ = run_gate(rules, urgent(), (), strict=False)
     known = [outcome.details[0].partition(", ")[0] for outcome in outcomes[:7]]
-    head = "whether the driver sees them is known of 3 of 4"
+    head = "Whether the driver sees them is known of 3 of 4"
     assert known == [f"{head} urgent encounters"] * 6 + [f"{head} encounters"]
 
 
@@ -326,7 +340,7 @@ def test_the_gate_says_that_what_is_known_of_the_driver_was_learnt_from_simulate
     rules = [parse_rule(f"{name} < 1 or undefined") for name in (*names, "encounters")]
     outcomes, _ = run_gate(rules, result, (), strict=False)
     known = (
-        "whether the driver sees them is known of 8 of 9 encounters, by the estimates (learnt from "
+        "Whether the driver sees them is known of 8 of 9 encounters, by the estimates (learnt from "
         "simulated subjects)"
     )
     assert [outcome.details[:1] == (known,) for outcome in outcomes] == [*[True] * 3, False, False]
@@ -356,25 +370,19 @@ def test_a_share_of_estimates_that_say_little_is_said_with_the_features():
     counts = {"Height": 5, "Edge contrast": 3, "Width": 2, "Lab distance": 1, "Luma": 1}
     record = EstimateRecord("m", n_estimates=100, n_light_unknown=6, outside=counts)
 
-    def source(record: EstimateRecord, n_outside: int) -> str:
+    def basis(record: EstimateRecord, n_outside: int) -> tuple[Fact, ...]:
         marked = boxes.assign(is_outside=np.arange(len(boxes)) < n_outside)
         dataset = replace(result.dataset, boxes=marked)
-        return describe_basis(
-            with_estimate(compare(dataset, Params(proximity="none")), record)
-        ).replace("\xa0", " ")
+        return basis_facts(with_estimate(compare(dataset, Params(proximity="none")), record))
 
-    text = source(record, 1)
-    assert (
-        "Outside the range of the training (in that run by Height, Edge contrast, Width and 2 more)"
-        f" are 1 of {n} values; such values decide 1 of 8 encounters."
-    ) in text
-    assert "In 6 % of all estimates of that run it is not known when the light last" in text
+    named = ("Height", "Edge contrast", "Width", "2 more")
+    assert Outside(1, n, n_deciding=1, n_encounters=8, names=named) in basis(record, 1)
+    assert LightUnknown(0.06) in basis(record, 1)
     (name,) = result.dataset.recordings["name"]
-    assert "In 6 %" not in source(replace(record, stated_in=frozenset([name])), 1)
-    few = source(replace(record, n_light_unknown=5), 0)
-    assert "of all estimates" not in few
-    assert "Outside the range" not in few
-    assert "of the training are" in source(replace(record, outside={}), 1)
+    assert LightUnknown(0.06) not in basis(replace(record, stated_in=frozenset([name])), 1)
+    few = basis(replace(record, n_light_unknown=5), 0)
+    assert not [fact for fact in few if isinstance(fact, LightUnknown | Outside)]
+    assert Outside(1, n, 1, 8, ()) in basis(replace(record, outside={}), 1)
 
 
 def test_where_boxes_are_outside_the_training_but_no_encounter_is_that_is_said():
@@ -383,24 +391,20 @@ def test_where_boxes_are_outside_the_training_but_no_encounter_is_that_is_said()
     result = result_of(make_dataset(truth))
     boxes = result.dataset.boxes
     outside = boxes.assign(is_outside=(boxes["detectability"] == 0.2).to_numpy())
-    text = describe_basis(compare(replace(result.dataset, boxes=outside), result.params))
-    assert text.replace("\xa0", " ").endswith(
-        "Outside the range of the training are 1 of 2 values; such values decide none of 1 "
-        "encounter."
-    )
+    said = basis_facts(compare(replace(result.dataset, boxes=outside), result.params))
+    assert only_of(Outside, said) == Outside(1, 2, n_deciding=0, n_encounters=1, names=())
 
 
 def test_encounters_whose_largest_value_is_within_its_sd_of_the_threshold_are_open():
     shares = (0.5, 0.55, 0.45, 0.8, 0.2)
     truth = [at(0, 50, track=i, detectability=share) for i, share in enumerate(shares)]
     bare = result_of(make_dataset(truth))
-    assert "is open" not in describe_basis(bare)
+    assert not [fact for fact in basis_facts(bare) if isinstance(fact, Open)]
     boxes = bare.dataset.boxes.assign(detectability_sd=0.1)
     result = compare(replace(bare.dataset, boxes=boxes), bare.params)
-    assert (
-        "Whether the driver sees the pedestrian is open in 3 of 5 encounters, 1 of the 2 "
-        "not seen among them: the value that decides is within one standard deviation of 0.5."
-    ) in describe_basis(result)
+    assert only_of(Open, basis_facts(result)) == Open(
+        n=3, n_known=5, is_least=False, n_open_unseen=1, n_unseen=2, threshold=0.5
+    )
     assert encounters_table(result)["within_sd"].tolist() == [1, 1, 1, 0, 0]
     assert summary(result)["driver"]["within_sd"] == 3
 
@@ -408,38 +412,30 @@ def test_encounters_whose_largest_value_is_within_its_sd_of_the_threshold_are_op
 def test_where_every_encounter_is_open_nothing_is_claimed_of_the_driver():
     truth = [at(0, 50, track=i, detectability=0.55) for i in range(2)]
     bare = result_of(make_dataset(truth))
-    assert not describe_doubt(bare)
+    assert not no_claim(bare)
     boxes = bare.dataset.boxes.assign(detectability_sd=[0.1, 0.1])
     result = compare(replace(bare.dataset, boxes=boxes), bare.params)
-    doubt, alerts, *_ = describe_driver(result)
-    assert doubt == (
-        "Nothing is claimed of whom the driver sees: in all 2 encounters of which it is known, the "
-        "value that decides is within one standard deviation of 0.5."
-    )
-    assert alerts.endswith("the driver sees 2 of 2 encounters unaided.")  # no "redundant"
-    assert "is open" not in describe_basis(result)  # said before
-    assert f"the driver: {doubt[0].lower()}{doubt[1:]}" in render_scorecard(result)
+    assert no_claim(result) == (NoClaim("seen", Why("open", 2, threshold=0.5)),)
+    assert alerts(result).kind == "all"  # not "redundant"
+    assert not [fact for fact in basis_facts(result) if isinstance(fact, Open)]  # said before
+    assert (
+        "the driver: nothing is claimed of whom the driver sees: in all 2 encounters of which it "
+        "is known, the value that decides is within one standard deviation of 0.5."
+    ) in render_scorecard(result)
     one_known = compare(replace(bare.dataset, boxes=boxes.assign(detectability_sd=[0.1, 0.01])))
-    assert not describe_doubt(one_known)
+    assert not no_claim(one_known)
 
 
 def test_of_an_estimator_that_learned_nothing_nothing_is_claimed():
     result = with_estimate(eight(unknown=0), EstimateRecord("m", "", "no", 3, of_no_use=True))
-    doubt, alerts, *_ = describe_driver(result)
-    assert doubt == (
-        "Nothing is claimed of whom the driver sees: as a whole the estimator is no better than a "
-        "constant on pedestrians that it had not seen."
-    )
-    assert alerts.startswith("By the estimates (as a whole no better than a constant), the driver")
+    assert no_claim(result) == (NoClaim("seen", Why("useless")),)
+    assert alerts(result).by.caution is not None
     seen = make_dataset([at(0, 50, track=1, detectability=0.9)])
     useless = with_estimate(result_of(seen), result.dataset.of("driver"))
-    assert describe_driver(useless)[1].endswith("the driver sees 1 of 1 encounter unaided.")
-    assert "estimated by the estimator m (3 subjects), as a whole no better" in describe_source(
-        result
-    )
+    assert (alerts(useless).kind, alerts(useless).n_seen) == ("all", 1)
     (name,) = result.dataset.recordings["name"]
     stated = EstimateRecord("m", of_no_use=True, stated_in=frozenset([name]))
-    assert not describe_doubt(with_estimate(result, stated))
+    assert not no_claim(with_estimate(result, stated))
 
 
 def test_where_half_is_decided_outside_of_the_training_nothing_is_claimed_nor_passed():
@@ -452,11 +448,8 @@ def test_where_half_is_decided_outside_of_the_training_nothing_is_claimed_nor_pa
         return with_estimate(result, EstimateRecord("m", "", "no", 12))
 
     few, many = decided(3), decided(4)
-    assert not describe_doubt(few)
-    assert describe_doubt(many) == (
-        "Nothing is claimed of whom the driver sees: in 4 of 8 encounters of which it is known, "
-        "the value that decides is outside the range of the training."
-    )
+    assert not no_claim(few)
+    assert no_claim(many) == (NoClaim("seen", Why("range", 4, 8)),)
     rules = [parse_rule("unprotected_x <= 9"), parse_rule("driver_venn.unknown <= 9")]
     passed = [
         [outcome.is_passed for outcome in run_gate(rules, result, (), strict=False)[0][:2]]
@@ -494,13 +487,10 @@ def test_whom_the_driver_sees_for_a_few_frames_only_is_counted():
     far = [at(f, 50, h=4, track=1, detectability=0.1 + 0.5 * (f == 3)) for f in range(6)]
     truth = [*far, at(6, 50, h=40, track=1, detectability=0.2), at(6, 20, detectability=0.9)]
     result = result_of(make_dataset(truth), proximity="height")
-    assert (
-        "One frame is enough to count as seen: 1 of the 2 reach the threshold in fewer than 50 % "
-        "of the frames up to the first that counts."
-    ) in describe_driver(result)
+    assert only_of(Seldom, driver_facts(result)) == Seldom(1, 2, 0.5)
     assert summary(result)["driver"]["seldom"] == 1
     often = result_of(make_dataset([b._replace(detectability=0.9) for b in truth]))
-    assert "One frame" not in " ".join(describe_driver(often))
+    assert not [fact for fact in driver_facts(often) if isinstance(fact, Seldom)]
 
 
 def test_who_is_seen_too_late_to_stop_is_said_and_no_alert_about_him_is_called_redundant():
@@ -508,9 +498,10 @@ def test_who_is_seen_too_late_to_stop_is_said_and_no_alert_about_him_is_called_r
     truth = [b._replace(detectability=float(b.frame >= 33)) for b in approach(range(40), 5)]
     sides = approach(range(40), 5), only(approach(range(40), 5), range(36, 40))
     result = result_of(make_dataset(truth, *sides), proximity="height", midpoint=30.0)
-    text = " ".join(describe_driver(result))
-    assert "the driver sees 1 of 1 encounter unaided. " in text
-    assert "X alone in 1, Y alone in 0, none of them in 0. 1 that the driver sees are seen" in text
+    said = driver_facts(result)
+    assert only_of(Alerts, said).kind == "all"
+    assert only_of(InTime, said) == InTime(n=1, driver=0, both=0, x=1, y=0, neither=0)
+    assert only_of(SeenTooLate, said) == SeenTooLate(1)
     assert summary(result)["driver"]["too_late"] == 1
 
 
@@ -521,7 +512,8 @@ def test_of_a_pedestrian_who_is_not_seen_any_estimate_outside_the_training_decid
     for threshold, n in ((0.5, 1), (0.2, 0)):
         result = compare(replace(bare.dataset, boxes=boxes), bare.params)
         result = compare(result.dataset, replace(bare.params, driver_threshold=threshold))
-        assert f"such values decide {n or 'none'} of 1 encounter" in describe_basis(result)
+        of_all = only_of(Outside, basis_facts(result))
+        assert (of_all.n_deciding, of_all.n_encounters) == (n, 1)
         assert encounters_table(result)["outside_training"].tolist() == [n]
 
 
@@ -530,13 +522,10 @@ def test_how_many_encounters_estimates_for_adapted_eyes_decide_is_said():
     boxes = bare.dataset.boxes
     marked = boxes.assign(is_adapted=(boxes["detectability"] == 0.1).to_numpy())
     result = compare(replace(bare.dataset, boxes=marked), bare.params)
-    assert (
-        "Estimates for adapted eyes, as no change from bright to dark is known before, decide 4 of "
-        "8 encounters."
-    ) in describe_driver(result)
+    assert only_of(Adapted, driver_facts(result)) == Adapted(4, 8)
     assert encounters_table(result)["adapted_eyes"].tolist() == [0] * 4 + [1] * 4
     assert summary(result)["driver"]["adapted"] == 4
-    assert "adapted eyes" not in " ".join(describe_driver(bare))
+    assert not [fact for fact in driver_facts(bare) if isinstance(fact, Adapted)]
 
 
 def test_rules_are_undefined_by_an_estimator_that_learned_nothing_but_for_those_on_what_is_known():
@@ -571,7 +560,7 @@ def test_below_a_rule_of_the_gate_stands_why_nothing_is_claimed_and_what_is_open
         )
         return outcome.details
 
-    head = "whether the driver sees them is known of 8 of 8 encounters, by the ground truth"
+    head = "Whether the driver sees them is known of 8 of 8 encounters, by the ground truth"
     assert details(0.1) == (head,)
     known, doubt, *_ = details(0.4)
     assert known == f"{head}; open in 8 of these, within one standard deviation"
@@ -583,7 +572,7 @@ def test_the_driver_stays_a_person_where_the_objects_are_others():
     settings = replace(met.dataset.settings, objects=objects_from("cyclist"))
     result = compare(replace(met.dataset, settings=settings), met.params)
     regions = map(result.objects.say, DRIVER_REGION_TEXT.values())
-    said = " ".join([*describe_driver(result), *regions, regions_text(result)])
+    said = " ".join([words_of(result, driver_facts(result)), *regions])
     assert not re.search(r"\b(it needs|warn it|its confirmation|nothing|it is taken)\b", said)
     assert "at least 50 % of drivers would see the cyclist" in said
     assert "none of them in 1" in said
@@ -597,23 +586,20 @@ def test_without_a_standard_deviation_it_is_not_known_who_is_near_the_threshold(
     boxes = bare.dataset.boxes.assign(detectability_sd=[0.1, np.nan])
     result = compare(replace(bare.dataset, boxes=boxes), bare.params)
     assert encounters_table(result)["within_sd"].isna().tolist() == [False, True]
-    assert "open in at least 1 of 2 encounters:" in describe_basis(result)
+    assert only_of(Open, basis_facts(result)).is_least
 
 
 def test_detectability_of_none_of_the_frames_that_decide_is_said():
     near = [at(f, 50, track=1, detectability=value) for f, value in ((0, NAN), (1, 0.9))]
     result = result_of(make_dataset(near))
     assert not driver_in(result).has_any
-    assert describe_driver(result) == (PEDESTRIAN.say(NOTHING_KNOWN),)
+    assert driver_facts(result) == (NothingKnown(),)
 
 
 def test_if_he_sees_everybody_shares_of_the_others_are_undefined_not_an_error():
     truth = [at(0, 50, track=1, detectability=1.0)]
     result = result_of(make_dataset(truth, [at(0, 50, score=1.0)]))
-    assert (
-        "sees 1 of 1 encounter unaided: every alert about these is redundant."
-        in describe_driver(result)[0]
-    )
+    assert alerts(result).kind == "redundant"
     table = significance_table(result).set_index("figure")
     assert np.isnan(table.loc["useful_alerts", "x"])
 
@@ -622,5 +608,6 @@ def test_estimates_outside_the_training_are_counted():
     result = eight(unknown=0)
     boxes = result.dataset.boxes.assign(is_outside=np.arange(len(result.dataset.boxes)) < 3)
     outside = compare(replace(result.dataset, boxes=boxes), Params(proximity="none"))
-    assert "such values decide 3 of 8 encounters." in describe_basis(outside)
+    of_all = only_of(Outside, basis_facts(outside))
+    assert (of_all.n_deciding, of_all.n_encounters) == (3, 8)
     assert encounters_table(outside)["outside_training"].sum() == 3
