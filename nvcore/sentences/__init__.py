@@ -17,8 +17,8 @@ from nvcore.subjects import contributed
 from nvcore.wording import capitalised, count_text, duration_text, listed, percent
 
 
-def say(fact: Fact | str, objects: Objects) -> str:
-    """A fact as a sentence, with a capital; a text stays as it is.
+def say(fact: Fact, objects: Objects) -> str:
+    """A fact as a sentence, with a capital.
 
     Examples
     --------
@@ -27,7 +27,7 @@ def say(fact: Fact | str, objects: Objects) -> str:
     >>> say(Split(n=12, both=3, x_only=6, y_only=0), PEDESTRIAN)
     'X detects every encounter that Y detects, and 6 more of 12.'
     """
-    return fact if isinstance(fact, str) else capitalised(phrase(fact, objects))
+    return capitalised(phrase(fact, objects))
 
 
 def phrase(fact: Fact, objects: Objects) -> str:

@@ -16,6 +16,7 @@ SUBJECT = Subject(
     figures="figures.of_result:FIGURES",
     lanes="figures.timeline:LANES",
     points="report:POINTS",
+    texts="facts:TEXTS",
     lines="report:lines",
     sections="section:SECTIONS",
     ui="ui.time_left",

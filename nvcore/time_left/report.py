@@ -6,12 +6,13 @@ from typing import Final
 
 from nvcore.comparison import Result
 from nvcore.report.verdict import PointOf
-from nvcore.time_left.texts import describe_time_left, describe_urgency
+from nvcore.sentences import phrase
+from nvcore.time_left.said import confirmed, urgent
 
-POINTS: Final = (PointOf("Time left", describe_time_left, after="Severity"),)
+POINTS: Final = (PointOf("Time left", confirmed, after="Severity"),)
 
 
 def lines(result: Result) -> list[str]:
     """Which encounters are urgent, for the terminal."""
-    urgency = describe_urgency(result)
-    return [f"time left: {urgency[0].lower()}{urgency[1:-1]}"] if urgency else []
+    said = urgent(result)
+    return [f"time left: {phrase(said, result.objects)}"] if said else []

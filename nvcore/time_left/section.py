@@ -10,15 +10,16 @@ from nvcore.comparison import Result
 from nvcore.params import Params
 from nvcore.report.html.blocks import Chart, Intro, Section, SectionOf, Sentences, Table, table
 from nvcore.report.html.result_sections import names_of
+from nvcore.sentences import say
 from nvcore.time_left.encounters import urgent_encounters
+from nvcore.time_left.facts import NobodyMet
 from nvcore.time_left.figures.approach import MOST_ROWS, approach_plot
 from nvcore.time_left.figures.over_speed import LOOKS, OverSpeed, over_speed_plot
+from nvcore.time_left.said import confirmed, urgent
 from nvcore.time_left.steps import time_left_in
 from nvcore.time_left.texts import (
     describe_needed,
-    describe_time_left,
     describe_turns,
-    describe_urgency,
     few_urgent,
 )
 from nvcore.wording import number
@@ -26,24 +27,24 @@ from nvcore.wording import number
 
 def _section(result: Result) -> Section:
     """The urgent encounters up to contact, and both systems over the speed of the car."""
-    curve, urgent = time_left_in(result).over_speed, urgent_encounters(result)
+    curve, encounters = time_left_in(result).over_speed, urgent_encounters(result)
     needed = (
         describe_needed(result.params, result.objects)
         if time_left_in(result).has_assumed_speed.any()
         else ""
     )
     sentences = (
-        *describe_time_left(result),
-        describe_urgency(result) or f"No {result.objects.singular} is met.",
-        few_urgent(len(urgent)),
+        *(say(fact, result.objects) for fact in confirmed(result)),
+        f"{say(urgent(result) or NobodyMet(), result.objects)}.",
+        few_urgent(len(encounters)),
         needed,
         *describe_turns(curve),
     )
     blocks: list[Sentences | Chart | Table] = [Sentences(tuple(filter(None, sentences)))]
-    if not urgent.empty:
-        figure = approach_plot(result, urgent, theme=result.scheme("light"))
+    if not encounters.empty:
+        figure = approach_plot(result, encounters, theme=result.scheme("light"))
         in_words = "For each urgent encounter the last chance and when X and Y confirm"
-        blocks += [Chart("approach", figure, in_words), _listing(result, urgent)]
+        blocks += [Chart("approach", figure, in_words), _listing(result, encounters)]
     if curve["urgent"].any():
         blocks += [_over_speed(result, curve, measure) for measure in LOOKS]
     return Section("time-left", "Time left", _introduction(result.params), tuple(blocks))

@@ -8,14 +8,13 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.evidence.claims import values_of
 from nvcore.objects import Objects
 from nvcore.params import Params
 from nvcore.time_left.encounters import systems_in_words
 from nvcore.time_left.judging import needed_time, turning_speeds
-from nvcore.time_left.kinds import TimeLeft, Urgency
-from nvcore.time_left.steps import count_time_left, time_left_in
-from nvcore.wording import capitalised, count_text, listed
+from nvcore.time_left.kinds import Urgency
+from nvcore.time_left.steps import time_left_in
+from nvcore.wording import capitalised, listed
 
 FEW_URGENT: Final = 10
 """Fewest urgent encounters of which a single one does not move a share by more than 10 %."""
@@ -122,83 +121,4 @@ def _turns_of(curve: pd.DataFrame, measure: str) -> str:
     return capitalised(
         f"{name.lower()} turns {len(turns)} times: up to {turns[0]:g} km/h {first} is ahead, and "
         f"the order changes at {speeds} km/h{even}."
-    )
-
-
-def describe_urgency(result: Result) -> str:
-    """How many encounters leave a last chance to stop, at which speed, and why others do not."""
-    counts = time_left_in(result).count_urgency()
-    if not len(result.encounters) or not result.dataset.objects.is_on_road:
-        return ""
-    others = [
-        f"{counts[kind]} {words}"
-        for kind, words in (
-            (Urgency.NO_CHANCE, "without a chance (too near to stop when first known)"),
-            (Urgency.OUTSIDE, "outside the corridor"),
-            (Urgency.NOT_URGENT, "not urgent"),
-            (Urgency.UNKNOWN, f"unknown{_why_unknown(result)}"),
-        )
-        if counts[kind]
-    ]
-    n = counts[Urgency.URGENT]
-    if counts[Urgency.NOT_URGENT] == len(result.encounters):
-        return result.objects.say("{Nobody} is urgent {at}.", at=speed_text(result))
-    if counts[Urgency.UNKNOWN] == len(result.encounters):
-        return f"Time left to stop is unknown for all encounters{_why_unknown(result)}."
-    none = result.objects.say("{Nobody} is")
-    who = count_text(n, "encounter is", "encounters are") if n else none
-    text = f"{who} urgent {speed_text(result)}"
-    if others:
-        text += f"; {', '.join(others)}"
-    if result.venn.distant:  # which the Venn diagram beside it leaves out
-        distant = count_text(result.venn.distant, "distant one")
-        text += f" (of all {len(result.encounters):,} encounters, {distant} among them)"
-    return f"{text}."
-
-
-def speed_text(result: Result) -> str:
-    """At which speed: "at 50 km/h (assumed)", or as the recordings say."""
-    is_assumed, assumed = (
-        time_left_in(result).has_assumed_speed,
-        f"{result.params.speed_kmh:g} km/h",
-    )
-    if is_assumed.all():
-        return f"at {assumed} (assumed)"
-    if not is_assumed.any():
-        return "at the speed of each recording"
-    n = count_text(int(np.count_nonzero(is_assumed)), "recording")
-    return f"at the speed of each recording ({assumed} assumed in {n} without)"
-
-
-def _why_unknown(result: Result) -> str:
-    """Why the time to contact of encounters is unknown, in brackets."""
-    contact = time_left_in(result).contact
-    is_unknown = (time_left_in(result).urgency["urgency"] == Urgency.UNKNOWN.value).to_numpy()
-    reasons = {
-        "not every frame is evaluated": contact.is_sampled,
-        "the truth has no track ids": contact.is_linked & ~contact.is_sampled,
-        "too short, or cut by the picture's edge": is_unknown & contact.is_judged,
-    }
-    counts = {text: int(np.count_nonzero(of)) for text, of in reasons.items() if of.any()}
-    if len(counts) == 1:
-        return f" ({next(iter(counts))})"
-    return f" ({', '.join(f'{n} as {text}' for text, n in counts.items())})" if counts else ""
-
-
-def describe_time_left(result: Result) -> tuple[str, ...]:
-    """How many urgent pedestrians each system confirms in time; empty where nobody is urgent."""
-    n = int(time_left_in(result).is_urgent.sum())
-    if not n:
-        return ()
-    in_time_x, in_time_y = (count_time_left(system, TimeLeft.IN_TIME) for _, system in result.sides)
-    impact_x, impact_y = values_of("mean_impact_kmh", result)
-    impact = f"impact speed {impact_x:.1f} km/h with X and {impact_y:.1f} km/h with Y."
-    speed = speed_text(result)
-    if n == 1:
-        who = {(1, 1): "X and Y", (1, 0): "X, not by Y", (0, 1): "Y, not by X", (0, 0): "neither"}
-        by = who[in_time_x, in_time_y]
-        return (f"The only urgent encounter {speed} is confirmed in time by {by}; {impact}",)
-    return (
-        f"Of {n} urgent encounters {speed}, X confirms {in_time_x} in time and Y {in_time_y}; mean "
-        f"{impact}",
     )

@@ -21,8 +21,10 @@ from nvcore.report.words import (
     describe_saliency,
     saliency_caveat,
 )
+from nvcore.sentences import say
 from nvcore.tables.encounters.miss_classes import fusion_table
-from nvcore.time_left.texts import describe_time_left, describe_urgency
+from nvcore.time_left.facts import Among, Confirmed, Kind, Others, Reason, Speed, Unknown, Urgent
+from nvcore.time_left.said import confirmed, urgent
 
 
 @pytest.fixture(scope="module")
@@ -184,54 +186,60 @@ def test_who_is_urgent_at_which_speed_and_why_others_are_not():
     ]
     tall = PLACE._replace(height=4000.0)
     result = result_of(make_dataset(sorted(people), places=[tall]))
-    assert describe_urgency(result) == (
-        "1 encounter is urgent at 50 km/h (assumed); 1 without a chance (too near to stop when "
-        "first known), 1 not urgent, 1 unknown (too short, or cut by the picture's edge)."
+    said = urgent(result)
+    assert (said.kind, {kind.kind: kind.n for kind in said.others.kinds}) == (
+        "one",
+        {"no chance": 1, "not urgent": 1, "unknown": 1},
     )
+    assert said.others.kinds[-1].unknown == Unknown((Reason("short", 0),))
     corridor = result_of(result.dataset, corridor=0.5)
-    assert "Nobody is urgent at 50 km/h (assumed); 1 without" in describe_urgency(corridor)
-    assert "1 outside the corridor" in describe_urgency(corridor)
+    assert urgent(corridor).kind == "none"
+    assert Kind("outside", 1) in urgent(corridor).others.kinds
 
 
 def test_distant_encounters_are_said_to_be_among_those_counted():
     far = [at(f, 85, track=2, h=5) for f in range(40)]
     result = compare(make_dataset([*approach(range(40), 5), *far], places=[PLACE]))
     assert result.venn.distant == 1
-    assert describe_urgency(result) == (
+    said = urgent(result)
+    assert said == Urgent(
+        "one", Speed("assumed", 50.0), 1, Others((Kind("not urgent", 1),)), Among(2, 1)
+    )
+    assert say(said, result.objects) == (
         "1 encounter is urgent at 50 km/h (assumed); 1 not urgent (of all 2 encounters, 1 distant "
-        "one among them)."
+        "one among them)"
     )
 
 
 def test_nobody_urgent_and_nothing_known_are_told_apart():
     still = result_of(make_dataset([at(f, 50, track=1) for f in range(20)]))
-    assert describe_urgency(still) == "Nobody is urgent at 50 km/h (assumed)."
-    assert describe_time_left(still) == ()
+    assert urgent(still) == Urgent("none", Speed("assumed", 50.0))
+    assert confirmed(still) == ()
     sampled = Place(range(0, 40, 2))
     result = result_of(make_dataset(approach(range(0, 40, 2), 5), places=[sampled]))
-    assert describe_urgency(result) == (
-        "Time left to stop is unknown for all encounters (not every frame is evaluated)."
-    )
+    assert urgent(result).unknown == Unknown((Reason("sampled", 0),))
     linked = [box._replace(track=-1) for box in approach(range(40), 5)]
     result = result_of(make_dataset(linked, places=[PLACE]))
-    assert describe_urgency(result).endswith("encounters (the truth has no track ids).")
+    assert urgent(result).unknown == Unknown((Reason("linked", 0),))
 
 
 def test_the_verdict_tells_who_leaves_time_to_stop():
     boxes = approach(range(40), 5)
     result = result_of(make_dataset(boxes, boxes, only(boxes, range(38, 40)), places=[PLACE]))
-    assert describe_time_left(result) == (
+    (said,) = confirmed(result)
+    assert said == Confirmed(1, 1, 0, 0.0, pytest.approx(50.0), Speed("assumed", 50.0))
+    assert say(said, result.objects) == (
         "The only urgent encounter at 50 km/h (assumed) is confirmed in time by X, not by Y; "
-        "impact speed 0.0 km/h with X and 50.0 km/h with Y.",
+        "impact speed 0.0 km/h with X and 50.0 km/h with Y."
     )
 
 
 def test_speeds_of_recordings_are_told_from_the_assumed_one():
     boxes = [box for r in range(2) for box in approach(range(40), 5, recording=r)]
     dataset = make_dataset(boxes, places=[PLACE] * 2)
-    for speeds, text in (
-        ([30.0, np.nan], "at the speed of each recording (50 km/h assumed in 1 recording without)"),
-        ([30.0, 90.0], "at the speed of each recording"),
+    for speeds, speed in (
+        ([30.0, np.nan], Speed("some", 50.0, 1)),
+        ([30.0, 90.0], Speed("own", 50.0)),
     ):
         stated = replace(dataset, recordings=dataset.recordings.assign(speed_kmh=speeds))
-        assert text in describe_urgency(result_of(stated))
+        assert urgent(result_of(stated)).speed == speed

@@ -14,10 +14,12 @@ from nvcore.evidence.units import BLOCKS
 from nvcore.measures.table import evidence_form
 from nvcore.stages import THRESHOLD
 from nvcore.tables.scorecard import score_rows
+from nvcore.time_left.facts import NobodyMet
 from nvcore.time_left.kinds import TimeLeft, Urgency
+from nvcore.time_left.said import confirmed, urgent
 from nvcore.time_left.settings import TIME_LEFT
 from nvcore.time_left.steps import time_left_in
-from nvcore.time_left.texts import describe_needed, describe_time_left, describe_urgency, few_urgent
+from nvcore.time_left.texts import describe_needed, few_urgent
 from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number
 from ui.session import state
 from ui.widgets.html import MeasureRow, measures_html, score_row
@@ -34,17 +36,21 @@ WITHIN_NOTE: Final = "within these recordings alone"
 def draw(result: Result) -> None:
     """The counts, the measures with their intervals, and what they mean."""
     with st.container(key="time_left_headline"):
-        for sentence in describe_time_left(result):
-            st.header(plain(sentence), anchor=False)
+        for fact in confirmed(result):
+            st.header(plain(state.say(fact)), anchor=False)
     if not time_left_in(result).is_urgent.any():
         _draw_nobody(result)
         return
-    st.caption(plain(describe_urgency(result)))
+    st.caption(_urgency(result))
     left, right = st.columns([5, 4], gap="large")
     with left:
         _draw_measures(result)
     with right:
         _draw_meaning(result)
+
+
+def _urgency(result: Result) -> str:
+    return plain(f"{state.say(urgent(result) or NobodyMet())}.")
 
 
 def _draw_nobody(result: Result) -> None:
@@ -57,10 +63,10 @@ def _draw_nobody(result: Result) -> None:
         return
     n_unknown = time_left_in(result).count_urgency()[Urgency.UNKNOWN]
     if n_unknown == len(result.encounters):
-        st.info(f"{plain(describe_urgency(result))} Nothing can be said of any of them ({link}).")
+        st.info(f"{_urgency(result)} Nothing can be said of any of them ({link}).")
     else:
         st.info(
-            f"{plain(describe_urgency(result))} So nobody"
+            f"{_urgency(result)} So nobody"
             f"{', as far as is known,' if n_unknown else ''} has to be told by a last chance, and "
             "neither system is better in that. A higher speed or a longer reaction time, in the "
             f"sidebar, may make others urgent ({link})."

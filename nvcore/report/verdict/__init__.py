@@ -42,7 +42,7 @@ class Point:
     """
 
     topic: str
-    facts: tuple[Fact | str, ...]
+    facts: tuple[Fact, ...]
     after: str = ""
     is_warning: bool = False
 
@@ -69,7 +69,7 @@ class PointOf:
     """
 
     topic: str
-    find: Callable[[Result], tuple[Fact | str, ...]]
+    find: Callable[[Result], tuple[Fact, ...]]
     after: str
     is_warning: bool = False
 
@@ -101,7 +101,7 @@ class Verdict:
     doubt: Doubt | None
     objects: Objects
 
-    def say(self, *facts: Fact | str | None) -> str:
+    def say(self, *facts: Fact | None) -> str:
         """Facts in sentences."""
         return " ".join(say(fact, self.objects) for fact in facts if fact is not None)
 

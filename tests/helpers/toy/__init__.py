@@ -12,5 +12,6 @@ SUBJECT = Subject(
     columns="shown:COLUMNS",
     figures="shown:FIGURES",
     points="shown:POINTS",
+    texts="shown:TEXTS",
     ui="toy.ui",
 )

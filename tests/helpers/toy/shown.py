@@ -1,9 +1,12 @@
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
 from nvcore.report.verdict import PointOf
+from nvcore.sentences.facts import Fact
 from nvcore.tables.added import Columns
 from nvcore.tables.column import Column, Kind
 from toy.measures import is_long
@@ -21,6 +24,14 @@ COLUMNS = (
     ),
 )
 FIGURES = {"toy": _draw}
-POINTS = (
-    PointOf("Toy", lambda result: (f"{is_long(result).sum()} are long.",), after="Encounters"),
-)
+
+
+@dataclass(frozen=True)
+class Long(Fact):
+    """How many encounters are long."""
+
+    n: int
+
+
+TEXTS = {Long: "{n} are long."}
+POINTS = (PointOf("Toy", lambda result: (Long(int(is_long(result).sum())),), after="Encounters"),)
