@@ -105,18 +105,18 @@ class EstimateRun:
                 f"training ({by_feature}): to be taken with care"
             )
         if self.steps.n_jumping:
-            pedestrians = count_text(self.steps.n_crossing, "pedestrian")
+            tracks = count_text(self.steps.n_crossing, "track")
             jumping = count_text(self.steps.n_jumping, "has an estimate", "have estimates")
             step = "steps" if self.steps.n_jumping == 1 else "step"
             lines.append(
-                f"of {pedestrians} for whom another adaptation period's estimator is taken from "
+                f"of {tracks} for which another adaptation period's estimator is taken from "
                 f"some frame on, {jumping} that {step} there by more than the sd; interpolation "
                 "takes out such steps"
             )
         return "\n".join(lines)
 
     def _result(self, known: pd.DataFrame) -> str:
-        boxes = count_text(len(self.table), "pedestrian box", "pedestrian boxes")
+        boxes = count_text(len(self.table), "box", "boxes")
         text = f"detectability of {len(known):,} of {boxes}"
         if len(known):
             return f"{text}: {known['detectability'].mean():.2f} on average"
@@ -150,7 +150,7 @@ class EstimateRun:
         periods = table.loc[is_lacking, "period_s"]
         spans = f"{periods.min():.2g} to {periods.max():.2g} s after a change of light"
         when = f" ({int(periods.notna().sum()):,} {spans})" if periods.notna().any() else ""
-        boxes = count_text(n, "pedestrian box", "pedestrian boxes")
+        boxes = count_text(n, "box", "boxes")
         why = f": the estimator needs {listed([LABELS[key] for key in keys])} there" if keys else ""
         return [f"{boxes} in pictures without an estimate{when}{why}"]
 
@@ -191,7 +191,7 @@ class EstimateRun:
             reasons = reasons or ["each lacks a feature that is needed"]
             if n_unseen:
                 reasons.append(f"{n_unseen:,} are in frames without a picture")
-        boxes = count_text(len(self.table), "pedestrian box", "pedestrian boxes")
+        boxes = count_text(len(self.table), "box", "boxes")
         raise InputError(f"none of {boxes} can be estimated: {'; '.join(reasons)}")
 
     def counts_json(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What is said of a recording's features: what was taken for what, and what speaks against it."""
+"""Notes on a recording's features: assumptions made, and warnings."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _NO_LIGHT: Final = "Nothing is known of the light: no adaptation period."
 
 
 def picture_notes(recording: DriverRecording, faults: list[str], n_unseen: int) -> list[str]:
-    """Which pictures were taken, and what is wrong with them.
+    """Which pictures were used, and what is wrong with them.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def picture_notes(recording: DriverRecording, faults: list[str], n_unseen: int) 
             notes.append("They are grey; far-infrared ones say nothing about what eyes see.")
     notes += recording.doubts
     if n_unseen:
-        boxes = count_text(n_unseen, "pedestrian box is", "pedestrian boxes are")
+        boxes = count_text(n_unseen, "box is", "boxes are")
         notes.append(f"{boxes} in frames without a picture. {recording.picture_note}".strip())
     if faults:
         cannot = count_text(len(faults), "picture")
@@ -51,17 +51,17 @@ def picture_notes(recording: DriverRecording, faults: list[str], n_unseen: int) 
 
 
 def outside_note(recording: DriverRecording, n_outside: int, n_seen: int) -> str:
-    """How many of the boxes whose frame has a picture lie outside of it; empty: none does."""
+    """How many boxes lie outside the picture of their frame; empty if none."""
     if not n_outside:
         return ""
     by = "with its visible_map " if recording.has_map else ""
-    boxes = count_text(n_seen, "pedestrian box", "pedestrian boxes")
-    which = "all pedestrian boxes" if n_outside == n_seen else f"{n_outside:,} of {boxes}"
+    boxes = count_text(n_seen, "box", "boxes")
+    which = "all boxes" if n_outside == n_seen else f"{n_outside:,} of {boxes}"
     return f"{by}{which} lie outside the picture"
 
 
 def other_frames(gaze: Gaze, frames: NDArray[np.int64]) -> str:
-    """What is wrong with gaze of none of a recording's frames (n,); empty: it is of some."""
+    """Why no gaze point belongs to a frame of the recording (n,); empty if some do."""
     if not len(gaze.frame):
         return "the gaze file has no row"
     if not len(frames) or not np.isnan(gaze.at(frames)).all():
@@ -78,7 +78,7 @@ def fixation_note(
     frames: NDArray[np.int64],
     with_boxes: NDArray[np.int64],
 ) -> str:
-    """Where the driver is taken to look.
+    """Where the driver is assumed to look.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def fixation_note(
     text = "Fixation by the gaze file."
     if n_known < len(with_boxes):
         n_without = len(with_boxes) - n_known
-        of_frames = f"{n_without:,} of {len(with_boxes):,} frames with pedestrians"
+        of_frames = f"{n_without:,} of {len(with_boxes):,} frames with boxes"
         text = f"Fixation by the gaze file, which has none in {of_frames}."
     if recording.picture_px is None:
         return text
@@ -103,7 +103,7 @@ def fixation_note(
     if n_outside:
         width, height = recording.picture_px
         text += (
-            f" {n_outside:,} of its {count_text(n_known, 'point')} in frames with pedestrians "
+            f" {n_outside:,} of its {count_text(n_known, 'point')} in frames with boxes "
             f"{'lies' if n_outside == 1 else 'lie'} outside the picture of {width} x {height} px."
         )
     return text
@@ -112,7 +112,7 @@ def fixation_note(
 def picture_doubt(
     recording: DriverRecording, assumed: FixedPoint, with_boxes: NDArray[np.int64]
 ) -> str:
-    """What looks like pictures or gaze of something else, in sentences; empty: nothing.
+    """Signs that pictures or gaze belong to another recording, in sentences; empty if none.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def picture_doubt(
 def _count_outside(
     recording: DriverRecording, assumed: FixedPoint, frames: NDArray[np.int64]
 ) -> int:
-    """In how many of these frames the driver is said to look beside the picture."""
+    """Number of these frames in which the gaze is outside the picture."""
     assert recording.picture_px is not None
     points = recording.fixations(frames, assumed, recording.picture_px)
     return int(np.count_nonzero(((points < 0) | (points > recording.picture_px)).any(axis=1)))
@@ -147,7 +147,7 @@ def light_note(
     fps: float,
     settings: LightSettings,
 ) -> str:
-    """What told how bright it was, and how often it became dark.
+    """Source of the brightness, and how often it became dark.
 
     Parameters
     ----------
@@ -190,7 +190,7 @@ def light_note(
 def light_doubt(
     light: Light | None, frames: NDArray[np.int64], fps: float, settings: LightSettings
 ) -> str:
-    """What looks like a light meter of another unit or clock, as a clause; empty: nothing.
+    """Signs of another unit or clock of the light meter, as a clause; empty if none.
 
     Parameters
     ----------
@@ -221,7 +221,7 @@ def light_doubt(
 
 
 def _levels(light: Light, settings: LightSettings) -> str:
-    """The range of a light meter's readings: a wrong unit shows there."""
+    """Range of a light meter's readings, in which a wrong unit shows."""
     low, high = _amount(light.level.min()), _amount(light.level.max())
     text = f"readings of {low} to {high} lx" if low != high else f"readings of {low} lx"
     n_dark = int(np.count_nonzero(light.level < settings.least_lux))
@@ -232,13 +232,13 @@ def _levels(light: Light, settings: LightSettings) -> str:
 
 
 def _sparse(light: Light, noun: str, settings: LightSettings) -> str:
-    """How far apart readings are, where a change may be missed between two; else empty."""
+    """Interval between readings if a change could fall between two; else empty."""
     is_sparse = light.step_s > settings.bright_for_s / 2
     return f", with one {noun} in {_amount(light.step_s)} s" if is_sparse else ""
 
 
 def _gaps(light: Light, noun: str, begin_s: float, end_s: float, settings: LightSettings) -> str:
-    """Where readings have gaps so that light is not known in the recording; empty: nowhere.
+    """Gaps in the readings in which the light is unknown; empty if none.
 
     Parameters
     ----------

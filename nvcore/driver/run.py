@@ -135,10 +135,7 @@ class FeatureRun:
     @property
     def _boxes(self) -> str:
         n_boxes = sum(len(recording.table) for recording in self.recordings)
-        return (
-            f"{count_text(n_boxes, 'pedestrian box', 'pedestrian boxes')} in "
-            f"{count_text(self.n_pictures, 'picture')}"
-        )
+        return f"{count_text(n_boxes, 'box', 'boxes')} in {count_text(self.n_pictures, 'picture')}"
 
 
 def run_features(

@@ -71,8 +71,7 @@ def test_boxes_without_an_estimate_are_counted_though_no_feature_is_lacking(plac
     made = estimator()
     result = run(place, replace(made, regressions=(hollow, *made.regressions[1:])))
     assert (
-        "10 pedestrian boxes in pictures without an estimate (10 0.25 to 2.5 s after a change of "
-        "light)"
+        "10 boxes in pictures without an estimate (10 0.25 to 2.5 s after a change of light)"
     ) in str(result).splitlines()
 
 
@@ -86,7 +85,7 @@ def test_between_two_periods_it_may_be_interpolated(place: Path):
 def test_steps_from_one_estimator_to_the_next_are_counted(place: Path):
     result = run(place, estimator())  # from 0.3 to 0.6, with a sd of 0.1 and 0.2
     assert result.steps == (1, 1)
-    assert "of 1 pedestrian for whom another adaptation period's estimator is taken" in str(result)
+    assert "of 1 track for which another adaptation period's estimator is taken" in str(result)
     vague = replace(estimator(), qualities=tuple(Quality(51, 0.1, 0.5, 0.1) for _ in range(3)))
     assert run(place, vague).steps == (1, 0)
     assert "interpolation" not in str(run(place, vague))
@@ -128,9 +127,7 @@ def test_a_feature_that_is_needed_and_missing_leaves_no_estimate(place: Path):
     result = run(place, estimator(LAB))
     assert result.table[["detectability", "sd", "estimator_s"]].isna().all(axis=None)
     assert not result.table["is_outside"].any()
-    assert "detectability of 0 of 40 pedestrian boxes: the estimator needs lab_distance" in (
-        str(result)
-    )
+    assert "detectability of 0 of 40 boxes: the estimator needs lab_distance" in (str(result))
 
 
 def test_boxes_that_lack_what_one_periods_estimator_needs_are_counted(place: Path):
@@ -142,7 +139,7 @@ def test_boxes_that_lack_what_one_periods_estimator_needs_are_counted(place: Pat
     assert is_lacking.tolist() == [False] * 20 + [True] * 10 + [False] * 10
     assert result.table["is_outside"].isna().tolist() == is_lacking.tolist()
     assert (
-        "10 pedestrian boxes in pictures without an estimate (10 0.25 to 2.5 s after a change of "
+        "10 boxes in pictures without an estimate (10 0.25 to 2.5 s after a change of "
         "light): the estimator needs Lab distance there"
     ) in str(result)
     assert "without an estimate" not in str(run(place, estimator()))
@@ -161,7 +158,7 @@ def test_grey_pictures_that_nobody_calls_visible_give_no_estimate(place: Path):
 
 def test_print_says_what_to_take_with_care(place: Path):
     text = str(run(place, estimator(simulated="all")))
-    assert "detectability of 40 of 40 pedestrian boxes: 0.53 on average" in text
+    assert "detectability of 40 of 40 boxes: 0.53 on average" in text
     assert "estimates are learnt from simulated subjects" in text
     assert "learnt in part from simulated subjects" in str(run(place, estimator(simulated="some")))
     assert "20 estimates without a known change of light" in text
@@ -319,7 +316,7 @@ def test_where_no_pedestrian_can_be_estimated_it_is_refused(
     session, out = place / "session.toml", place / "out"
     session.write_text(session.read_text().replace("visible =", pictures))
     write_estimator(estimator(column), place / "m.npz")
-    with pytest.raises(InputError, match=f"none of 40 pedestrian boxes can be estimated: {words}"):
+    with pytest.raises(InputError, match=f"none of 40 boxes can be estimated: {words}"):
         estimate_driver(session, place / "m.npz", out)
     assert not out.exists()
 
@@ -335,7 +332,7 @@ def test_where_no_pedestrian_can_be_estimated_it_is_refused(
         (
             "visible_map = [1, 1, 640, 0]",
             r"the estimator needs fixation_distance_px, which no box has \(drive: with its "
-            r"visible_map all pedestrian boxes lie outside the picture\)$",
+            r"visible_map all boxes lie outside the picture\)$",
         ),
     ],
 )
@@ -359,7 +356,7 @@ def test_a_wrong_map_is_named_before_the_grey_pictures_of_other_recordings(place
     with pytest.raises(InputError) as refused:
         estimate_driver(session, place / "m.npz", place / "out")
     cause, advice = str(refused.value).split("; no estimate from")
-    assert "drive: with its visible_map all pedestrian boxes lie outside the picture" in cause
+    assert "drive: with its visible_map all boxes lie outside the picture" in cause
     assert advice.startswith(" grey pictures that may be far infrared: heat;")
 
 

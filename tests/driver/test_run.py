@@ -165,7 +165,7 @@ def test_the_fixation_is_that_of_the_gaze_file(place: Path):
     distance = part.table["fixation_distance_px"]
     assert distance[:2].tolist() == [3.0, 25.0]  # from the middles (24, 18) and (25, 18)
     assert distance[2:].isna().all()
-    assert "Fixation by the gaze file, which has none in 38 of 40 frames with pedestrians." in (
+    assert "Fixation by the gaze file, which has none in 38 of 40 frames with boxes." in (
         part.notes
     )
 
@@ -175,8 +175,8 @@ def test_points_outside_the_picture_are_counted(place: Path):
     (place / "gaze.csv").write_text("\n".join(["frame,x,y", *rows]) + "\n")
     part = run(place, 'pictures = "drive"\ngaze = "gaze.csv"\n').recordings[0]
     assert (
-        "Fixation by the gaze file, which has none in 2 of 40 frames with pedestrians. 19 of its "
-        "38 points in frames with pedestrians lie outside the picture of 64 x 48 px."
+        "Fixation by the gaze file, which has none in 2 of 40 frames with boxes. 19 of its "
+        "38 points in frames with boxes lie outside the picture of 64 x 48 px."
     ) in part.notes
     assert part.picture_doubt == "19 of 38 points of the gaze file lie outside the picture."
     (place / "gaze.csv").write_text("\n".join(["frame,x,y", *rows[::2], *rows[1:18:2]]) + "\n")
@@ -198,8 +198,8 @@ def test_a_gaze_file_of_other_frames_is_said_to_be(place: Path):
 @pytest.mark.parametrize(
     ("right", "note"),
     [
-        (640, "With its visible_map all pedestrian boxes lie outside the picture."),
-        (41.5, "With its visible_map 10 of 40 pedestrian boxes lie outside the picture."),
+        (640, "With its visible_map all boxes lie outside the picture."),
+        (41.5, "With its visible_map 10 of 40 boxes lie outside the picture."),
         (5, ""),
     ],
 )
@@ -393,7 +393,7 @@ def test_boxes_in_frames_without_a_picture_have_no_features_and_are_counted(plac
     assert np.flatnonzero(part.table["width_px"].isna()).tolist() == [3, 4]
     assert part.n_unseen == 2
     text = " ".join(part.notes)
-    assert "2 pedestrian boxes are in frames without a picture. The number" in text
+    assert "2 boxes are in frames without a picture. The number" in text
     assert "1 picture cannot be read: 004.png" in text
 
 
@@ -446,7 +446,7 @@ def test_print_says_once_what_holds_for_several_recordings(place: Path):
     (place / "truth.csv").write_text(rows + rows.replace("drive", "again").partition("\n")[2])
     again = f'[[recording]]\nname = "again"\nframes = "0:{N_FRAMES - 1}"\npictures = "drive"\n'
     text = str(run(place, f'pictures = "drive"\n{again}'))
-    assert text.startswith("80 pedestrian boxes in 80 pictures, in ")
+    assert text.startswith("80 boxes in 80 pictures, in ")
     assert "\ndrive and again: Features are of its own pictures" in text
 
 

@@ -1,4 +1,4 @@
-"""What the address of a page asks for, checked before it is used."""
+"""Query parameters of a page, checked before they are used."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def read_place(
     names: Sequence[str],
     frame_numbers: Callable[[int], np.ndarray],
 ) -> tuple[tuple[int, int], list[str]]:
-    """Recording index and row within it, and what could not be followed, in words.
+    """Index of the recording and row within it; and, in words, what could not be followed.
 
     Listed frame numbers of a recording, increasing, come from `frame_numbers` by its index.
     """
@@ -45,7 +45,7 @@ def read_place(
 
 
 def is_whole_number(text: str) -> bool:
-    """Whether this is an integer in plain digits, of so few that every table can hold it."""
+    """Whether this is an integer in plain digits, short enough for any table."""
     digits = text.removeprefix("-")
     return digits.isascii() and digits.isdigit() and len(digits) <= MAX_DIGITS
 
@@ -53,7 +53,7 @@ def is_whole_number(text: str) -> bool:
 def read_systems(
     x: str | None, y: str | None, names: Sequence[str]
 ) -> tuple[tuple[str, str] | None, list[str]]:
-    """X and Y by their names, None: as they are open; and what could not be followed, in words."""
+    """Names of X and Y (None: as open); and, in words, what could not be followed."""
     if x is None and y is None:
         return None, []
     if x is None or y is None or x == y or not {x, y} <= {*names}:
@@ -62,14 +62,14 @@ def read_systems(
 
 
 def tags_text(tags: Sequence[str]) -> str:
-    """Tags as an address has them."""
+    """Tags, written as a query parameter."""
     return ";".join(tags)
 
 
 def read_tags(
     text: str | None, tags_of: Iterable[tuple[str, ...]]
 ) -> tuple[tuple[str, ...] | None, list[str]]:
-    """Tags that all recordings shown have, None: as they are open; and what could not be followed.
+    """Tags that recordings must have (None: as open); and what could not be followed.
 
     `tags_of` are those of each recording.
     """
@@ -82,7 +82,7 @@ def read_tags(
 
 
 def read_parameters(query: Mapping[str, str]) -> tuple[dict[str, float | str | None], list[str]]:
-    """Parameters of the address, and in words those that have no possible value."""
+    """Parameters in the address; and, in words, those whose value is impossible."""
     values: dict[str, float | str | None] = {}
     wrong = []
     for name, setting in SETTINGS.items():
@@ -113,7 +113,7 @@ def _finite(text: str) -> float:
 
 
 def changed_parameters(live: Params, *starts: Params) -> dict[str, str]:
-    """The live parameters that differ from those at a start, as in an address.
+    """Live parameters that differ from the initial ones, written as query parameters.
 
     With several starts, those that differ from any: the address holds whichever it begins with.
     """

@@ -1,4 +1,4 @@
-"""Values that are kept while nothing that they depend on changes."""
+"""A cache of values by kind and key."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ T = TypeVar("T")
 
 
 class Caching:
-    """Keeps values by kind and key; several threads may ask for them."""
+    """Thread-safe cache of values by kind and key."""
 
     def __init__(self) -> None:
         self._caches: dict[str, OrderedDict[Hashable, Any]] = {}
         self._caches_lock = threading.Lock()
 
     def cached(self, kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
-        """The value that was made for this key before, else the one that `make` returns.
+        """The cached value for this key; if there is none, `make` computes it.
 
         Parameters
         ----------
@@ -48,12 +48,12 @@ class Caching:
         return value
 
     def peek(self, kind: str, key: Hashable) -> Any:
-        """The value that `cached` has for this key; None: there is none."""
+        """The cached value for this key; None if there is none."""
         with self._caches_lock:
             cache = self._caches.get(kind)
             return None if cache is None else cache.get(key)
 
     def forget_values(self) -> None:
-        """Drop all values."""
+        """Empty the cache."""
         with self._caches_lock:
             self._caches.clear()

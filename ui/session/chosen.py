@@ -1,4 +1,4 @@
-"""Who is chosen on any page, and which recordings: by name, as rows change with what is open."""
+"""The selected encounter and recordings, shared by all pages; kept by name, since rows change."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ PROTOCOL_RECORDINGS: Final = "protocol_recordings"
 
 
 def choose_encounter(result: Result, encounter: int) -> None:
-    """Make a row of ``result.encounters`` the chosen one of all pages; others are ignored."""
+    """Select a row of ``result.encounters`` on all pages; a row out of range is ignored."""
     if 0 <= encounter < len(result.encounters):
         choose_named(name_of(result, encounter))
 
 
 def choose_named(name: str | None) -> None:
-    """Make the encounter of that name the chosen one; None: nobody."""
+    """Select the encounter of that name on all pages; None clears the selection."""
     if name is None:
         st.session_state.pop(CHOSEN, None)
     else:
@@ -35,19 +35,19 @@ def choose_named(name: str | None) -> None:
 
 
 def chosen_encounter(result: Result) -> int | None:
-    """Row of the chosen encounter; None where there is none in what is compared."""
+    """Row of the selected encounter; None if nothing in the comparison is selected."""
     name = _chosen_name()
     return encounter_of(result, name) if name else None
 
 
 def name_of(result: Result, encounter: int) -> str:
-    """Name of an encounter in an address: its recording and its track."""
+    """Name of an encounter, as in an address: its recording and its track."""
     recording = result.dataset.recordings["name"].iloc[result.encounters.recording[encounter]]
     return f"{recording}:{result.encounters.track[encounter]}"
 
 
 def encounter_of(result: Result, name: str) -> int | None:
-    """Row of the encounter of that name; None: there is none."""
+    """Row of the encounter of that name; None if there is none."""
     recording, _, track = name.rpartition(":")
     names = result.dataset.recordings["name"].tolist()
     if recording not in names or not is_whole_number(track):
@@ -58,12 +58,12 @@ def encounter_of(result: Result, name: str) -> int | None:
 
 
 def recordings_key(page: str) -> str:
-    """Key of the widget by which a page chooses recordings of what is open, by their names."""
+    """Key of the widget with which a page selects recordings by name."""
     return f"{page}_recording_{state.workspace().n_opened}"
 
 
 def rename_chosen(titles: Mapping[str, str]) -> None:
-    """Keep what is chosen where recordings are called otherwise; `titles` by old names."""
+    """Update the selection after recordings were renamed; `titles` maps old names to new ones."""
     recording, colon, track = _chosen_name().rpartition(":")
     if recording in titles:
         choose_named(f"{titles[recording]}{colon}{track}")

@@ -1,4 +1,4 @@
-"""What pages draw of the open recordings: pictures, what a miss would cost, and their viewer."""
+"""Pictures of the open recordings for the pages: thumbnails, cost maps, arguments of the viewer."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def cost_map_of(recording: int) -> CostMap:
 
 
 def thumbnail(what: Hashable, draw: Callable[[], bytes]) -> bytes:
-    """A drawn picture of a frame or a part of it, cached while nothing that shows in it changes."""
+    """Picture of (part of) a frame with its boxes; cached while nothing in it changes."""
     key = (state.workspace().version, stretch(), what)  # other pictures forget all
     return state.cached("thumbnails", key, draw, most=MOST_THUMBNAILS)
 
@@ -58,7 +58,7 @@ def part_of_frame(
     labels: bool,
     is_visible: bool = False,
 ) -> np.ndarray:
-    """The part of a frame around a box of the recording, px, with the boxes of truth, X and Y.
+    """The part of a frame around a box (px), with the boxes of truth, X and Y.
 
     Without a box the whole frame; without pictures the boxes on a blank.
 
@@ -88,7 +88,7 @@ def part_of_frame(
 
 
 def cut_out(picture: np.ndarray, xywh: np.ndarray) -> np.ndarray:
-    """The part of a picture around a box, wide enough to see where it is; inside the picture."""
+    """The part of a picture around a box, wide enough to show where it is."""
     x, y, w, h = xywh
     n_rows, n_columns = picture.shape[:2]
     high = int(min(n_rows, max(HEIGHTS * h, LEAST * n_rows)))
@@ -108,7 +108,7 @@ def stretch() -> tuple[float, float]:
 def viewer_arguments(
     result: Result, recording: int, *, with_visible: bool = True
 ) -> dict[str, Any]:
-    """The arguments of `viewer` that say which pictures, frames and boxes there are.
+    """Arguments of `viewer` for the pictures, frames and boxes of a recording.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def viewer_arguments(
 
 
 def has_visible(row: int) -> bool:
-    """Whether a frame has a picture of visible light beside its own."""
+    """Whether a frame has a picture of visible light besides its own."""
     recording, in_recording = state.place_of(row)
     visible = state.workspace().visible
     return recording in visible.sources and bool(visible.indices[recording][in_recording] >= 0)
@@ -147,7 +147,7 @@ def has_visible(row: int) -> bool:
 def _visible_in_place(
     result: Result, recording: int, in_recording: int
 ) -> tuple[PictureReader, int]:
-    """Pictures of visible light, cut to those of the recording, and which shows that frame."""
+    """Visible-light pictures cropped to the recording's view, and the index for that frame."""
     visible, frames = state.workspace().visible, result.dataset.frame_columns
     size = float(frames.width[recording]), float(frames.height[recording])
     source = MappedPictures(visible.sources[recording], visible.maps[recording], size)
@@ -155,7 +155,7 @@ def _visible_in_place(
 
 
 def visible_of(recording: int) -> VisiblePictures | None:
-    """Pictures of visible light of a recording; None: it has none beside its own."""
+    """Visible-light pictures of a recording; None if it has none."""
     pictures = state.workspace().visible
     if recording not in pictures.sources:
         return None

@@ -1,4 +1,4 @@
-"""Ends a session, and closes its workspace, some time after its browser has gone.
+"""Ends a session and closes its workspace some time after its browser has disconnected.
 
 Streamlit lets a session whose browser stays away end by itself, but only when the next visitor
 comes: until then its uploads would stay, on disk and in memory.
@@ -30,15 +30,15 @@ INTERVAL_S: Final = 20.0
 
 
 class Closable(Protocol):
-    """What ends with a session."""
+    """A resource that is closed when its session ends."""
 
     def close(self) -> None:
-        """End."""
+        """Release the resource."""
 
 
 @dataclass
 class _Watched:
-    """Something that ends with a session, and when the session's browser was last seen."""
+    """A resource of a session, and when the session's browser was last connected."""
 
     what: weakref.ref[Closable]
     is_alive: Callable[[], bool]
@@ -55,12 +55,12 @@ _loops: list[asyncio.AbstractEventLoop] = []
 
 
 def close_sessions_on(loop: asyncio.AbstractEventLoop) -> None:
-    """End sessions on this loop, which is Streamlit's."""
+    """Use this event loop, Streamlit's own, to end sessions."""
     _loops[:] = [loop]
 
 
 def end_with_session(what: Closable) -> None:
-    """Close this when the running session's browser has gone; nothing without a session."""
+    """Close a resource when the browser of the running session has gone, if there is a session."""
     context = get_script_run_ctx(suppress_warning=True)
     if context is None or not runtime.exists():
         return
@@ -77,27 +77,27 @@ def end_with_session(what: Closable) -> None:
 
 
 def watch(what: Closable, is_alive: Callable[[], bool], *, session_id: str | None = None) -> None:
-    """Close this when `is_alive` has been false for `GRACE_S`, and end the session; see `sweep`."""
+    """Close a resource and end its session once `is_alive` was false for `GRACE_S`; see `sweep`."""
     with _lock:
         _watched.append(_Watched(weakref.ref(what), is_alive, session_id))
 
 
 def of_session(session_id: str) -> list[Closable]:
-    """What ends with this session."""
+    """Resources of this session."""
     with _lock:
         things = [entry.what() for entry in _watched if entry.session_id == session_id]
     return [what for what in things if what is not None]
 
 
 def is_in_use(what: Closable) -> bool:
-    """Whether the browser of a session that has this is there."""
+    """Whether the browser of a session that uses this resource is connected."""
     with _lock:
         watched = list(_watched)
     return any(entry.what() is what and entry.is_alive() for entry in watched)
 
 
 def sweep(now_s: float) -> None:
-    """Close what has been without its browser for too long; `now_s` is by ``time.monotonic``.
+    """Close resources whose browser has been gone too long; `now_s` is from ``time.monotonic``.
 
     Of more than the server takes visitors, those that have been away longest end at once: who opens
     and closes tabs all the time should not fill the memory.
@@ -133,7 +133,7 @@ def _close(what: Closable | None) -> None:
 
 
 def _end(session_id: str | None) -> None:
-    """Streamlit forgets the session, with the files that it sent."""
+    """Make Streamlit drop the session and its uploaded files."""
     if session_id is not None and runtime.exists() and _loops and not _loops[0].is_closed():
         _loops[0].call_soon_threadsafe(runtime.get_instance().close_session, session_id)
 

@@ -1,4 +1,4 @@
-"""Folders for uploads on disk: private, and gone when the process that made them is.
+"""Private folders for uploads, removed when the process that made them has ended.
 
     BASE/PROCESS.lock       held as long as the process lives
     BASE/PROCESS/SESSION/   one folder for each browser session
@@ -44,7 +44,7 @@ def new_folder() -> Path:
 
 
 def base_folder() -> Path:
-    """The folder that all processes of this user share; nothing else is in it."""
+    """The folder that all server processes of this user share, and nothing else uses."""
     variable = os.environ.get(ENVIRONMENT)
     if variable:
         parent = Path(variable)
@@ -65,7 +65,7 @@ def base_folder() -> Path:
 
 @cache
 def process_folder(base: Path) -> Path:
-    """Folder of the running process in `base`; what dead processes left there is removed."""
+    """Folder of the running process below `base`; folders of dead processes are removed."""
     remove_leftovers(base)
     name = secrets.token_hex(8)
     # the lock comes first, so that a folder without a held lock is always a leftover
@@ -85,7 +85,7 @@ def remove_own() -> None:
 
 
 def remove_leftovers(base: Path) -> None:
-    """Remove the folders of processes that no longer live.
+    """Remove folders whose process has ended.
 
     Whatever was not made by `process_folder` stays: a new lock could be acquired for any
     folder, so a folder counts only with an existing lock.

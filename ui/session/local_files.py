@@ -1,4 +1,4 @@
-"""Files of the machine that the app runs on: only below one folder, and only if enabled.
+"""Access to the server's own files: below one folder, and only if enabled.
 
 Either ``nvcore app --local-root DIR`` (``streamlit run app.py -- --local-root DIR``) or
 ``NVCORE_LOCAL_ROOT=DIR`` names it.
@@ -31,7 +31,7 @@ class Entry:
 
 
 class LocalRoot:
-    """The folder that may be looked at; nothing outside, links followed, is revealed or read."""
+    """The folder that may be browsed; nothing outside it is listed or read, even through links."""
 
     def __init__(self, folder: Path):
         """Take the folder.
@@ -61,7 +61,7 @@ class LocalRoot:
         return target
 
     def entries(self, path: str = "") -> list[Entry]:
-        """What a folder below the root holds, folders first; hidden files are left out.
+        """Entries of a folder below the root, folders first, without hidden ones.
 
         Raises
         ------
@@ -94,7 +94,7 @@ def _is_utf8(name: str) -> bool:
 def local_root(
     arguments: Sequence[str] | None = None, environment: Mapping[str, str] | None = None
 ) -> LocalRoot | None:
-    """The folder that the app was started with; None: files of the machine are out of reach.
+    """The folder given at start; None if the server's files are out of reach.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Which of a recording's two pictures people see, its own or that of visible light, and how."""
+"""Which of a recording's two pictures is shown, its own or the visible-light one, and how."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ CLOCK: Final = "clock"
 
 
 class VisiblePictures(NamedTuple):
-    """Pictures of visible light beside a recording's own.
+    """Visible-light pictures of a recording, besides its own.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ OWN_PICTURES: Final = Look()
 
 
 def look() -> Look:
-    """How they are seen in this browser session: as chosen, else as the address says."""
+    """The look in this browser session: as chosen, else as the address says."""
     if KEY not in st.session_state:
         query = st.query_params.to_dict()
         st.session_state[KEY] = from_address(query) or OWN_PICTURES
@@ -108,13 +108,13 @@ def look() -> Look:
 
 
 def keep_look(chosen: Look) -> None:
-    """See the pictures so from now on; the page's address says so, too."""
+    """Use this look from now on, and put it into the page's address."""
     st.session_state[KEY] = chosen
     state.write_address(to_address(chosen), NAMES)
 
 
 def to_address(chosen: Look) -> dict[str, str]:
-    """What an address says of it; nothing of what is as usual.
+    """The look as query parameters; defaults are left out.
 
     Examples
     --------
@@ -137,7 +137,7 @@ def to_address(chosen: Look) -> dict[str, str]:
 
 
 def from_address(query: Mapping[str, str]) -> Look | None:
-    """What `to_address` wrote, checked; None: the address says nothing that can be."""
+    """The look from query parameters, checked; None if there is no valid one."""
     sent = {name: query[name] for name in NAMES if name in query}
     if not sent:
         return None
@@ -146,7 +146,7 @@ def from_address(query: Mapping[str, str]) -> Look | None:
 
 
 def read_look(sent: Any) -> Look | None:
-    """What a browser or an address says, checked; None: it says nothing that can be."""
+    """The look from a browser message or an address, checked; None if there is no valid one."""
     if not isinstance(sent, Mapping) or sent.get("picture") not in CHOICES:
         return None
     blend = _within(sent.get("blend"), 1.0)

@@ -1,4 +1,4 @@
-"""From what a person chose to the `Session` that describes it.
+"""Turns what a person chose on the Data page into a `Session`.
 
 Paths in a session name files of the machine. What strangers send never decides which: the paths
 of an uploaded session file are looked up by name among the files that came with it, and those of
@@ -65,7 +65,7 @@ def checked_frames(text: str) -> str | None:
 
 
 def recording_names(session: Session) -> list[str]:
-    """Names of the recordings in the ground truth, which is read for it.
+    """Names of the recordings in the ground truth; reads its files.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def recording_names(session: Session) -> list[str]:
 
 
 def load_for(space: Workspace, session: Session) -> Dataset:
-    """What the session names, within what the server may hold.
+    """Load a session within the server's limits.
 
     Raises
     ------
@@ -141,7 +141,7 @@ def uploaded_session(content: bytes, folder: Path, files: Sequence[str], picture
 
 
 def with_uploaded_recordings(session: Session, pictures: Path) -> Session:
-    """The session with its table of recordings read, and only such pictures as were sent.
+    """The session with its table of recordings read, naming only pictures that were uploaded.
 
     All other files that it names for recordings are left out: nobody has sent them.
 
@@ -168,7 +168,7 @@ def with_uploaded_recordings(session: Session, pictures: Path) -> Session:
 
 
 class _Sent:
-    """Finds what a session file names among the files that came with it."""
+    """Finds the files that a session names among those uploaded with it."""
 
     def __init__(self, folder: Path, files: Sequence[str]):
         self.paths: list[PurePosixPath] = []
@@ -189,7 +189,7 @@ class _Sent:
         return text if is_frame_range(text) else str(self.find(text)[0])
 
     def find(self, text: str) -> list[PurePosixPath]:
-        """The file or folder that shares the most parts at the end of its path; all of a glob."""
+        """The file or folder with the most trailing path parts in common; all matches of a glob."""
         target = PurePosixPath(text.replace("\\", "/"))
         shared = {path: _shared_end(path, target) for path in self.paths}
         most = max(shared.values(), default=0)
@@ -211,7 +211,7 @@ class _Sent:
 
 
 def _shared_end(sent: PurePosixPath, path: PurePosixPath) -> int:
-    """Parts that both end with; what was sent has safe names, what an archive held its own."""
+    """Number of trailing path parts in common; uploads have safe names, archive members not."""
     n_parts = 0
     for stored, wanted in zip(reversed(sent.parts), reversed(path.parts), strict=False):
         if stored not in (wanted, safe_name(wanted)):
@@ -231,12 +231,12 @@ def _uploaded_pictures(text: str | None, pictures: Path, folder: Path) -> str | 
 
 
 def relative_path(path: Path, folder: Path) -> str:
-    """The path as a session in that folder names it."""
+    """The path, relative to the folder of a session."""
     return Path(os.path.relpath(path, folder)).as_posix()
 
 
 def check_confined(session: Session, root: Path) -> None:
-    """Refuse a session that would read anything outside a folder, links followed.
+    """Refuse a session that would read outside a folder, even through links.
 
     Raises
     ------
@@ -270,7 +270,7 @@ def check_confined(session: Session, root: Path) -> None:
 
 
 def _before_magic(parts: Sequence[str]) -> list[str]:
-    """The parts of a path before the first that is a pattern."""
+    """The parts of a path before its first pattern."""
     lines: list[str] = []
     for part in parts:
         if glob.has_magic(part):
@@ -280,7 +280,7 @@ def _before_magic(parts: Sequence[str]) -> list[str]:
 
 
 def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, str]:
-    """Pictures of each recording, guessed from their names: its own, or the only ones.
+    """Pictures of each recording, guessed by name; if there is only one set, that one.
 
     Each source serves one recording: that whose whole name it has, else that with the longest name
     within its own.
@@ -316,7 +316,7 @@ def guess_pictures(names: Sequence[str], sources: Iterable[str]) -> dict[str, st
 
 
 def _is_in(name: str, stem: str) -> bool:
-    """Whether a name stands in a file's: drive_1 is no part of drive_10."""
+    """Whether a name is part of a file's name; drive_1 is not part of drive_10."""
     start = r"(?<!\d)" if name[:1].isdigit() else ""
     end = r"(?!\d)" if name[-1:].isdigit() else ""
     return re.search(start + re.escape(name) + end, stem) is not None
@@ -325,7 +325,7 @@ def _is_in(name: str, stem: str) -> bool:
 def with_recordings(
     session: Session, names: Sequence[str], changes: Mapping[str, Mapping[str, object]]
 ) -> Session:
-    """The session with other `RecordingEntry` of some recordings of the data, by name."""
+    """The session with these fields of `RecordingEntry` replaced, by recording."""
     entries = session.entries(names)
     for name, change in changes.items():
         entries[name] = replace(entries.get(name, RecordingEntry(name)), **change)  # type: ignore[arg-type]
@@ -333,12 +333,12 @@ def with_recordings(
 
 
 def recording_entry(session: Session, names: Sequence[str], name: str) -> RecordingEntry:
-    """What the session says of a recording of the data."""
+    """The session's entry for a recording."""
     return session.entries(names).get(name, RecordingEntry(name))
 
 
 def corrections_up_to(findings: Iterable[Finding], finding: Finding) -> list[Finding]:
-    """The corrections of a system up to this one: each builds on those before it."""
+    """Corrections of a system up to this one; each builds on those before it."""
     corrections = []
     for other in findings:
         is_correction = "threshold" not in dict(other.suggestion)
@@ -350,7 +350,7 @@ def corrections_up_to(findings: Iterable[Finding], finding: Finding) -> list[Fin
 
 
 def corrected(session: Session, dataset: Dataset, findings: Iterable[Finding]) -> Session:
-    """The session with the corrections that findings suggest, on top of its own."""
+    """The session with the corrections suggested by findings added to its own."""
     systems = list(session.systems)
     for finding in findings:
         index = dataset.systems.index(finding.subject)
@@ -395,7 +395,7 @@ def with_systems(
 def live_session(
     session: Session, dataset: Dataset, params: Params, *, x: str, y: str | None
 ) -> Session:
-    """The session as shown: with the live parameters, thresholds and systems."""
+    """The session with the live parameters, thresholds and systems."""
     # a threshold of None counts every detection; as a parameter it would leave the system's own
     live = {x: params.threshold_x, y: params.threshold_y}
     systems = tuple(
@@ -407,7 +407,7 @@ def live_session(
 
 
 def public_text(text: object, folders: Iterable[Path]) -> str:
-    """A message without the paths of the machine: what lies below these folders keeps its name.
+    """A message without the server's paths; files below these folders keep their names.
 
     Readers show the last parts of a path, so the last parts of the folders go as well.
 

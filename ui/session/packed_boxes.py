@@ -1,4 +1,4 @@
-"""The bytes in which the viewer gets the boxes of some frames.
+"""Binary encoding of boxes for the viewer.
 
 `widgets/viewer/data/boxes.js` reads them.
 

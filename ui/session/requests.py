@@ -1,4 +1,4 @@
-"""What the app's own routes have in common: who may ask, and short answers."""
+"""Shared by the app's own routes: authorisation and short answers."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MOST_DIGITS: Final = 12
 
 @dataclass(frozen=True)
 class Place:
-    """A place below the addresses of a session, and who answers there.
+    """A route below the address of a session, and its handler.
 
     Attributes
     ----------
@@ -46,14 +46,14 @@ NOT_CACHED: Final = {**PRIVATE, **_GUARDS}
 
 
 def index_in(request: Request, name: str) -> int:
-    """A part of the address that counts from 0; anything else becomes an index beyond all."""
+    """A path parameter that is an index from 0; anything else becomes an index out of range."""
     text = request.path_params[name]
     is_index = text.isascii() and text.isdigit() and len(text) < MOST_DIGITS
     return int(text) if is_index else 10**MOST_DIGITS
 
 
 def for_owner(*, sent: str = "") -> Callable[[Handler], Route]:
-    """A route of a workspace for its owner alone, which is given the workspace; None: it has ended.
+    """Decorator of routes for a workspace's owner; they receive it, None if the session has ended.
 
     Parameters
     ----------
@@ -77,23 +77,23 @@ def for_owner(*, sent: str = "") -> Callable[[Handler], Route]:
 
 
 def is_owner(request: Request, space: Workspace | None) -> bool:
-    """Whether the person with this browser may use the workspace; also where there is none."""
+    """Whether the sender may use the workspace; true if there is none."""
     key = key_of(request.cookies)
     return key is not None and (space is None or is_same(space.owner, key))
 
 
 def is_own_page(request: Request) -> bool:
-    """Whether our own page sends this; programs other than browsers state no origin."""
+    """Whether the request comes from our own page; other programs send no origin."""
     if request.headers.get("sec-fetch-site", "same-origin") not in ("same-origin", "none"):
         return False
     return is_own_origin(request.headers.get("origin"), request.headers.get("host"))
 
 
 def say(status: int, text: str) -> Response:
-    """An answer in words."""
+    """A plain-text answer."""
     return text_answer(status, text, NOT_CACHED)
 
 
 def not_found(text: str) -> Response:
-    """The answer where there is nothing, and why."""
+    """A 404 answer with the reason."""
     return say(HTTPStatus.NOT_FOUND, text)

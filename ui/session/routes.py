@@ -56,7 +56,7 @@ QUALITY: Final = 85
 
 @for_owner()
 async def frame(request: Request, space: Workspace | None) -> Response:
-    """The picture that shows a row of a recording, stretched to lie between two percentiles."""
+    """Picture of a row of a recording, its grey values stretched between two percentiles."""
     lo, hi = _percentile(request, "lo", 0.0), _percentile(request, "hi", 100.0)
     if lo is None or hi is None or lo >= hi:
         return say(HTTPStatus.BAD_REQUEST, "lo and hi: expected 0 <= lo < hi <= 100")
@@ -70,7 +70,7 @@ async def frame(request: Request, space: Workspace | None) -> Response:
 
 @for_owner()
 async def visible(request: Request, space: Workspace | None) -> Response:
-    """The picture of visible light of a row; as eyes see it after `seen_s`, if asked for."""
+    """Visible-light picture of a row; with `seen_s`, as eyes see it that long after a change."""
     seen_s = _number(request, "seen_s", math.inf)
     if seen_s is None or seen_s < 0:
         return say(HTTPStatus.BAD_REQUEST, "seen_s: expected seconds, 0 or more")
@@ -149,7 +149,7 @@ async def reasons(request: Request, space: Workspace | None) -> Response:
 
 @for_owner(sent="uploads")
 async def upload(request: Request, space: Workspace | None) -> Response:
-    """Take one file of pictures, or a video, into the session's folder, as it comes."""
+    """Receive one picture file or video into the session's folder as a stream."""
     if space is None or request.path_params["slot"] not in SLOTS:
         return not_found("the session has ended; load the page again")
     stated = request.headers.get("content-length", "")
@@ -172,7 +172,7 @@ async def upload(request: Request, space: Workspace | None) -> Response:
 
 
 async def overview(request: Request) -> Response:
-    """The Overview under its own name: Streamlit knows the page that it opens on as ``/`` only."""
+    """Redirect /overview to ``/``, the only address under which Streamlit knows the first page."""
     query = request.scope["query_string"].decode("utf-8", "replace")
     # relative, so that it holds behind any path
     return RedirectResponse(f"./{'?' if query else ''}{query}", headers=NOT_CACHED)
@@ -188,7 +188,7 @@ OWN: Final = (
 
 
 def routes_below(start: str) -> list[Route]:
-    """All routes, for an app whose addresses start so, as `base_path` says.
+    """All routes below a base path, as from `base_path`.
 
     ``st.App(routes=...)`` does not put the base path before them by itself.
     """
@@ -203,7 +203,7 @@ def routes_below(start: str) -> list[Route]:
 
 
 def address(space: Workspace) -> str:
-    """Start of the addresses of a workspace's routes, below the app's base path."""
+    """Prefix of the addresses of a workspace's routes."""
     return f"{base_path()}/nv/{space.token}"
 
 

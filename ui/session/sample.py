@@ -1,4 +1,4 @@
-"""What all visitors may open (sample, start), and what is computed of it: made once.
+"""Comparisons that all visitors share (sample, start), with results computed once.
 
 The sample recordings, and the session that the app was started with. Nothing of a visitor's own
 gets in here: a session takes part only while it has the very object `SharedSample.opened` open,
@@ -31,7 +31,7 @@ T = TypeVar("T")
 
 
 class SharedSample(Caching):
-    """A session file that all visitors may open, read once; nobody changes what is `opened`."""
+    """A session that all visitors share, read once; `opened` is never changed."""
 
     def __init__(self, path: Path, label: str) -> None:
         super().__init__()
@@ -44,7 +44,7 @@ class SharedSample(Caching):
         self.most_moved: Final = min(MOST_MOVED, MOVED_FRAMES // n_frames)
 
     def new_pictures(self, key: Source = "pictures") -> RecordingPictures:
-        """Its pictures, for one more visitor; where some cannot be opened, the next call tries."""
+        """Pictures for one more visitor; those that cannot be opened are tried again next time."""
         with self._pictures_turn:
             pictures = self._pictures.get(key)
             if pictures is None or pictures.troubles:
@@ -54,7 +54,7 @@ class SharedSample(Caching):
             return pictures.another()
 
     def cached(self, kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
-        """As `Caching.cached`; of several visitors at once one makes it, the others wait."""
+        """As `Caching.cached`; of visitors that ask at once, one computes and the others wait."""
         turn = (kind, key)
         try:
             with self._turns.setdefault(turn, threading.RLock()):
@@ -63,7 +63,7 @@ class SharedSample(Caching):
             self._turns.pop(turn, None)  # who waits has it; who comes now finds the value
 
     def cached_moved(self, kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
-        """The same with other settings than those that it opens with: kept apart, and not all."""
+        """As `cached`, for settings other than the initial ones; a bounded cache of its own."""
         known: T | None = self.peek(kind, key)  # what these settings do not move
         if known is not None:
             return known
@@ -72,7 +72,7 @@ class SharedSample(Caching):
         return self.cached(_moved(kind), key, make, most=max(most, self.most_moved))
 
     def known(self, kind: str, key: Hashable) -> Any:
-        """What either of them has for this key; None: there is nothing."""
+        """The value for this key in either cache; None if there is none."""
         value = self.peek(kind, key)
         return self.peek(_moved(kind), key) if value is None else value
 
@@ -86,7 +86,7 @@ _lock = threading.Lock()
 
 
 def shared_sample(path: Path, *, label: str) -> SharedSample:
-    """The sample of that session file; the first call reads it, the others wait for it.
+    """The shared comparison of that session file; the first call reads it, later ones wait.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def shared_sample(path: Path, *, label: str) -> SharedSample:
 
 
 def shared_opening(session: Session, label: str) -> Opened | None:
-    """The sample of that very session, called so on the pages; None: it is a visitor's own."""
+    """The shared comparison with that session and label; None if it is a visitor's own."""
     with _lock:
         for sample in _samples.values():
             if sample.opened.session is session and sample.opened.label == label:
@@ -117,13 +117,13 @@ def shared_opening(session: Session, label: str) -> Opened | None:
 
 
 def sample_of(opened: Opened) -> SharedSample | None:
-    """The sample that this is; None for anything else, a changed sample too."""
+    """The shared comparison that is open; None if it is another, or was changed."""
     with _lock:
         return next((sample for sample in _samples.values() if sample.opened is opened), None)
 
 
 def as_shared(opened: Opened) -> Opened:
-    """The sample, where this is the sample as it opens; else what was given."""
+    """The shared comparison if this equals it as opened; else the argument."""
     with _lock:
         starts = [sample.opened for sample in _samples.values()]
     for start in starts:
@@ -133,7 +133,7 @@ def as_shared(opened: Opened) -> Opened:
 
 
 def shown_in(space: Workspace, opened: Opened) -> Opened:
-    """What is open from now on, with its pictures: the shared ones of a sample, else its own."""
+    """Opens a comparison in a workspace: with the shared pictures of a sample, else its own."""
     shared = sample_of(opened)
     if shared is not None:
         return space.show(opened, shared.new_pictures(), shared.new_pictures("visible"))

@@ -1,4 +1,4 @@
-"""The settings as they were made: kept here, whatever becomes of the widgets that show them.
+"""The settings a visitor has made, kept independently of the widgets that show them.
 
 Streamlit forgets the value of a widget that a run does not draw, as one that a click on the page
 cuts off for another page. So a widget only tells of a change, and is given its value anew.
@@ -21,41 +21,41 @@ _NONE: Final = object()
 
 
 def kept(name: str, otherwise: Any) -> Any:
-    """The value of a setting; `otherwise` where it was not made."""
+    """Value of a setting; `otherwise` if the visitor has not set it."""
     return st.session_state.get(_KEPT, {}).get(name, otherwise)
 
 
 def keep(**values: Any) -> None:
-    """Make these settings."""
+    """Set these settings."""
     st.session_state[_KEPT] = {**st.session_state.get(_KEPT, {}), **values}
 
 
 def forget() -> None:
-    """No setting was made: all are those of what is open."""
+    """Drop all settings: those of the open session hold again."""
     st.session_state.pop(_KEPT, None)
 
 
 def begin_run() -> None:
-    """What widgets told of is in the settings."""
+    """Take over values that widgets changed since the last run; call once at the start of a run."""
     st.session_state.pop(_LET_GO, None)
     st.session_state[_SHOWN] = {}
 
 
 def shown() -> dict[str, Any]:
-    """The values that the widgets of this run were given, so far."""
+    """Values given to widgets so far in this run."""
     values: dict[str, Any] = st.session_state.get(_SHOWN, {})
     return values
 
 
 def take(name: str) -> None:
-    """A widget tells of a change. For callbacks."""
+    """Callback: store the new value of a widget."""
     keep(**{name: st.session_state[name]})
     st.session_state[_LET_GO] = {*st.session_state.get(_LET_GO, ()), name}
     st.session_state.pop(_MOVING, None)
 
 
 def drag(name: str, value: float) -> None:
-    """A slider in motion has this value, of which Streamlit does not know until it is let go.
+    """Store the value of a slider while it is dragged; Streamlit learns of it on release.
 
     Passed over where it was let go since: that is newer.
     """
@@ -65,7 +65,7 @@ def drag(name: str, value: float) -> None:
 
 
 def give(name: str, value: Any) -> None:
-    """Give a widget its value before it is drawn, unless it has it, or is in motion."""
+    """Set the value of a widget before it is drawn, unless it is up to date or being dragged."""
     st.session_state[_SHOWN] = {**shown(), name: value}
     own = st.session_state.get(name, _NONE)
     if own != value and (name, own) != st.session_state.get(_MOVING):
@@ -73,7 +73,7 @@ def give(name: str, value: Any) -> None:
 
 
 def key_of(name: str, value: Any) -> str:
-    """Key of a widget that shows a value which others change, too.
+    """Key of a widget whose value is also changed elsewhere.
 
     A browser that has not heard of such a change sends what the widget had before, as if it had
     been chosen. So what others have changed is shown by another widget.
@@ -88,7 +88,7 @@ def key_of(name: str, value: Any) -> str:
 
 
 def is_chosen(name: str, key: str) -> bool:
-    """Whether a widget with a key of `key_of` tells of a choice. For callbacks.
+    """Callback helper: whether the visitor, not the app, changed a widget with a key of `key_of`.
 
     A browser sends the value of a widget that another has replaced until it has drawn that one, and
     Streamlit, which has forgotten the value, takes it for a change.

@@ -1,4 +1,4 @@
-"""What is open, with which settings, and what came out: all state of the UI is kept here."""
+"""What is open in this browser session, its settings and results."""
 
 from __future__ import annotations
 
@@ -44,12 +44,12 @@ T = TypeVar("T")
 
 
 def workspace() -> Workspace:
-    """The workspace of this browser session; the first call opens what the app starts with."""
+    """The workspace of this browser session; the first call opens the start comparison."""
     return _workspace_and_opened()[0]
 
 
 def opened() -> Opened:
-    """What is open in it; the first call opens what the app starts with."""
+    """What is open; the first call opens the start comparison."""
     return _workspace_and_opened()[1]
 
 
@@ -64,7 +64,7 @@ def _workspace_and_opened() -> tuple[Workspace, Opened]:
 
 
 def open_session(session: Session, *, label: str) -> None:
-    """Open another comparison in this session's workspace, and start its run again.
+    """Open another comparison in this workspace and rerun the page.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def open_session(session: Session, *, label: str) -> None:
 
 
 def read_again(session: Session, *, then: Callable[[], None]) -> None:
-    """Go on with the same recordings, read again as `session` says, and start the run again.
+    """Read the same recordings again as `session` says, and rerun the page.
 
     Frame, settings and choices stay, unless a file has changed so that there are other frames.
 
@@ -105,12 +105,12 @@ def read_again(session: Session, *, then: Callable[[], None]) -> None:
 
 
 def sample_session() -> Session:
-    """The session of the sample recordings: to open it costs little."""
+    """The session of the sample recordings; cheap to open."""
     return shared_sample(SAMPLE, label=SAMPLE_LABEL).opened.session
 
 
 def shared_start() -> SharedSample:
-    """What every visitor starts with: the session that the app was given, else the sample.
+    """What every visitor starts with: the session given to the app, else the sample.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def shared_start() -> SharedSample:
 
 
 def restore(token: str) -> bool:
-    """Go on with the workspace of that token; False: another page uses it, so far.
+    """Take over the workspace with that token; False if another page still uses it.
 
     What cannot be had at all is left alone, and so is a page on which something was opened since.
     """
@@ -147,7 +147,7 @@ def restore(token: str) -> bool:
 
 
 def begin_run() -> None:
-    """To be called before any widget is drawn.
+    """Prepare the state for a run; call before any widget is drawn.
 
     Any run may be cut off by the next one, even while something is being opened. So whatever
     belongs to the open comparison is renewed here, when its number has changed.
@@ -170,12 +170,12 @@ def begin_run() -> None:
 
 
 def set_params(**values: Any) -> None:
-    """Give parameters these values in the next run; to be followed by a rerun."""
+    """Set parameters for the next run; the caller reruns the page."""
     st.session_state["new_params"] = {**st.session_state.get("new_params", {}), **values}
 
 
 def set_threshold(letter: str, threshold: float | None) -> None:
-    """Move the slider of X or Y; None: to its left end, the lowest score, where all count."""
+    """Move the threshold slider of X or Y; None moves it to its left end: every score counts."""
     name = systems()["xy".index(letter)]
     span = None if name is None else score_span(name)
     if span is not None:
@@ -184,12 +184,12 @@ def set_threshold(letter: str, threshold: float | None) -> None:
 
 
 def reset_params() -> None:
-    """Give all parameters the values of the open session in the next run."""
+    """Reset all parameters to those of the open session in the next run."""
     st.session_state["wants_reset"] = True
 
 
 def cached(kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) -> T:
-    """As `Workspace.cached`; of what all visitors may open, made once for all of them.
+    """As `Workspace.cached`; for a shared comparison, computed once for all visitors.
 
     For values that follow from what is open and the key alone, and that nobody changes.
     """
@@ -201,19 +201,19 @@ def cached(kind: str, key: Hashable, make: Callable[[], T], *, most: int = 1) ->
 
 
 def known(kind: str, key: Hashable) -> Any:
-    """The value that `cached` would not have to make; None: it would."""
+    """The value if it is cached; else None."""
     value, sample = workspace().peek(kind, key), sample_of(opened())
     return sample.known(kind, key) if value is None and sample is not None else value
 
 
 def score_span(system: str) -> tuple[float, float] | None:
-    """Lowest and highest score of a system; None without scores or with a single one."""
+    """Lowest and highest score of a system; None unless there are two different ones."""
     dataset = opened().dataset
     return cached("score_span", system, lambda: span_of_scores(dataset, system), most=20)
 
 
 def session_params() -> Params:
-    """The parameters that the open session starts with."""
+    """Initial parameters of the open session."""
     return opened().params
 
 
@@ -224,14 +224,14 @@ def params() -> Params:
 
 
 def systems() -> tuple[str, str | None]:
-    """Names of X and Y; Y is None where there is one system only."""
+    """Names of X and Y; Y is None if there is only one system."""
     dataset = opened().dataset
     x, y = dataset.compared()
     return x or dataset.systems[0], y
 
 
 def result() -> Result | None:
-    """The comparison with the live parameters; None where there is only one system."""
+    """The comparison with the live parameters; None if there is only one system."""
     space, dataset = workspace(), opened().dataset
     x, y = systems()
     if y is None:
@@ -260,13 +260,13 @@ def protocol() -> Protocol:
 
 
 def set_protocol(protocol: Protocol) -> None:
-    """Evaluate detections by this protocol from now on."""
+    """Set the protocol of the detection measures."""
     if opened().session.protocol != protocol:
         workspace().opened = replace(opened(), session=replace(opened().session, protocol=protocol))
 
 
 def compare_as(session: Session, whole: Dataset | None = None) -> None:
-    """Go on with the same data, or `whole`: them with other names, compared in another way."""
+    """Compare the same data (or `whole`, the same data renamed) as another session says."""
     space, before = workspace(), opened()
     compared = space.compared
     space.look_at(as_shared(Opened.of(session, whole or before.whole, before.label)))
@@ -275,7 +275,7 @@ def compare_as(session: Session, whole: Dataset | None = None) -> None:
 
 
 def theme() -> Scheme:
-    """Whether the page is shown light or dark, and how X and Y are drawn: by their systems."""
+    """The colour scheme: light or dark, with the systems' colours."""
     shade: Shade = "dark" if st.context.theme.type == "dark" else "light"
     return scheme_for(shade, opened().dataset.systems, *systems())
 
@@ -303,7 +303,7 @@ def row() -> int:
 
 
 def _place() -> tuple[int, int]:
-    """Recording and row; within what is open, whatever was current before."""
+    """Current recording and row, clipped to what is open."""
     recording_index, row_in_recording = st.session_state.get("place", (0, 0))
     if not 0 <= recording_index < len(recording_names()):
         return 0, 0
@@ -312,13 +312,13 @@ def _place() -> tuple[int, int]:
 
 
 def go_to(recording_index: int, row_in_recording: int, *, writes: bool = True) -> None:
-    """Make this the current frame; in the page's address as well, unless it is written later."""
+    """Make this the current frame, also in the page's address unless that is written later."""
     settle(recording_index, row_in_recording, writes=writes)
     st.session_state["seek"] = seek() + 1
 
 
 def settle(recording_index: int, row_in_recording: int, *, writes: bool = True) -> None:
-    """Make this the current frame without asking the viewer to go there: it is there."""
+    """Make this the current frame without moving the viewer, which already shows it."""
     last = max(len(frame_numbers(recording_index)) - 1, 0)
     st.session_state["place"] = recording_index, min(max(row_in_recording, 0), last)
     if writes:
@@ -326,7 +326,7 @@ def settle(recording_index: int, row_in_recording: int, *, writes: bool = True) 
 
 
 def write_address(own: Mapping[str, str] | None = None, names: Sequence[str] = ()) -> None:
-    """Put systems, frame and the parameters that were changed into the page's address, at once.
+    """Write systems, frame and changed parameters into the page's address.
 
     With a page's `own` entries, in place of those of `names`, which belong to it.
     """
@@ -338,13 +338,13 @@ def write_address(own: Mapping[str, str] | None = None, names: Sequence[str] = (
 
 
 def seek() -> int:
-    """Changes whenever anything but the viewer chooses the frame."""
+    """Counter that grows whenever anything but the viewer changes the frame."""
     n_seeks: int = st.session_state.get("seek", 0)
     return n_seeks
 
 
 def place_of(row_in_all: int) -> tuple[int, int]:
-    """Recording and row within it, of a row of the frames table."""
+    """Recording, and row within it, of a row of the frames table."""
     frames = opened().dataset.frame_columns
     recording_index = int(frames.recording[row_in_all])
     return recording_index, row_in_all - int(frames.first[recording_index])
@@ -356,7 +356,7 @@ def row_in_all() -> int:
 
 
 def link_to(recording_index: int, row_in_recording: int) -> dict[str, str]:
-    """What the address of a page needs to open at this frame with the live parameters."""
+    """Query parameters that open a page at this frame with the live parameters."""
     numbers = frame_numbers(recording_index)
     place = {"recording": recording_names()[recording_index]}
     if len(numbers):
@@ -372,13 +372,13 @@ def link_to(recording_index: int, row_in_recording: int) -> dict[str, str]:
 
 
 def bad_link() -> str:
-    """What in the address could not be followed, in words; empty if nothing. Returned once."""
+    """What in the address could not be followed, in words; returned once, then empty."""
     reasons: str = st.session_state.pop("bad_link", "")
     return reasons
 
 
 def _follow_link() -> None:
-    """Take systems, recording and frame from the address that the session was opened by."""
+    """Take systems, recording and frame from the address with which the session was opened."""
     get = st.query_params.get
     pair, wrong_systems = read_systems(get("x"), get("y"), opened().dataset.systems)
     if pair is not None and pair != systems():
@@ -406,6 +406,6 @@ def frame_numbers(recording_index: int) -> np.ndarray:
 
 
 def _forget_settings() -> None:
-    """Let the settings start with those of the open session."""
+    """Drop the settings made so far; those of the open session hold."""
     st.session_state.pop("params", None)
     settings.forget()

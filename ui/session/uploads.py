@@ -1,4 +1,4 @@
-"""Files that people send: into the session's own folder, under harmless names, within limits.
+"""Uploads: stored in the session's folder under safe names, within limits.
 
     FOLDER/pictures/                  videos and archives of pictures, by the upload route
     FOLDER/pictures/images/           single pictures; of the N-th form after the first images-N
@@ -66,7 +66,7 @@ _UNSAFE = re.compile(r'[<>:"/\\|?*\x00-\x1f\x7f]')
 
 
 class UploadError(NvcoreError):
-    """A file is refused: why, what to do, and the status of the route's answer."""
+    """An upload is refused: reason, what to do, and HTTP status."""
 
     def __init__(self, message: str, status: HTTPStatus):
         self.status = status
@@ -74,7 +74,7 @@ class UploadError(NvcoreError):
 
 
 class SentFile(Protocol):
-    """A file that came with a form, such as Streamlit's ``UploadedFile``."""
+    """A file submitted with a form, such as Streamlit's ``UploadedFile``."""
 
     name: str
 
@@ -83,7 +83,7 @@ class SentFile(Protocol):
 
 
 def safe_name(name: str, *, keep: str = "") -> str:
-    """Base name without anything that means something to a file system, but for signs to keep.
+    """Base name without characters that mean something to a file system.
 
     Examples
     --------
@@ -118,7 +118,7 @@ def free_name(name: str, names_in_use: Iterable[str]) -> str:
 
 
 def kind_of(head: bytes) -> Kind | None:
-    """What the first bytes of a file say it is; None: neither pictures nor a video."""
+    """Kind of a file by its first bytes; None if it is neither pictures nor a video."""
     for offset, magic, kind in _MAGIC:
         if head.startswith(magic, offset):
             return kind
@@ -134,7 +134,7 @@ async def receive(
     *,
     n_bytes: int | None = None,
 ) -> Stored:
-    """Write a file into the session's folder as it comes in; no more than a chunk is in memory.
+    """Stream a file into the session's folder, one chunk in memory at a time.
 
     Parameters
     ----------
@@ -239,7 +239,7 @@ def remove_pictures(space: Workspace, names: Iterable[str]) -> None:
 
 
 def begin_form(space: Workspace) -> None:
-    """Pictures sent so far stay with what is open; those that it does not show are removed."""
+    """Start a form: uploaded pictures that the open comparison does not show are removed."""
     in_use: set[Path] = set()
     if space.opened is not None:
         session = space.opened.session
@@ -254,7 +254,7 @@ def begin_form(space: Workspace) -> None:
 
 
 def new_upload(space: Workspace) -> Path:
-    """Folder for the annotations of one form; those of earlier forms that are not open go."""
+    """Folder for a form's annotations; folders of earlier forms that are not open are removed."""
     open_folder = None if space.opened is None else space.opened.session.folder
     for folder in space.folder.glob("upload-*"):
         if folder != open_folder:
@@ -269,7 +269,7 @@ def new_upload(space: Workspace) -> Path:
 def store_model(
     space: Workspace, file: SentFile, kind: str, check: Callable[[Path], object]
 ) -> Path:
-    """Write a model, in place of the one of its kind that was sent before.
+    """Store a model, replacing the previous one of its kind.
 
     Raises
     ------
@@ -293,14 +293,14 @@ def store_model(
 
 
 def remove_folder(space: Workspace, folder: Path) -> None:
-    """Remove a folder of the session, and no longer count its bytes."""
+    """Remove a folder of the session and free its share of the quota."""
     shutil.rmtree(folder, ignore_errors=True)
     with space.lock:
         space.used_bytes -= space.upload_bytes.pop(folder, 0)
 
 
 def count_folder(space: Workspace, folder: Path) -> None:
-    """Count what a run has written into a folder of the session, until `remove_folder`.
+    """Count the bytes a run has written into a folder against the quota, until `remove_folder`.
 
     Raises
     ------
@@ -383,14 +383,14 @@ def _unpack(space: Workspace, packed: Path) -> tuple[Path, int]:
 
 
 def _room(space: Workspace) -> int:
-    """Bytes that the session may still take."""
+    """Bytes left in the quota of the session."""
     on_disk = shutil.disk_usage(space.folder).free - SPARE_BYTES
     of_all = limits_of_environment().max_disk_mb * MEBI - used_by_all()
     return max(min(MAX_SESSION_BYTES - space.used_bytes, on_disk, of_all), 0)
 
 
 def check_room(space: Workspace, n_bytes: int, *, so_far: int = 0) -> None:
-    """Raise UploadError where so many bytes have no room, beside `so_far` of the same file."""
+    """Raise UploadError if more bytes exceed the quota; `so_far` of the file are written."""
     if so_far + n_bytes > MAX_FILE_BYTES:
         raise UploadError(
             f"The file is larger than {MAX_FILE_BYTES / 2**30:g} GiB; send the recordings one by "

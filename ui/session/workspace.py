@@ -39,7 +39,7 @@ Kind = Literal["video", "zip", "image"]
 
 @dataclass(frozen=True)
 class Stored:
-    """One file of pictures in the session's folder: a safe, unique name and what its content is.
+    """A picture file in the session's folder: its safe, unique name and its kind.
 
     `form` is the number of the form it was sent in: what was sent in an earlier one is open.
     """
@@ -51,14 +51,14 @@ class Stored:
 
     @property
     def place(self) -> PurePosixPath:
-        """Where it lies in the session's folder."""
+        """Path within the session's folder."""
         images = [f"images-{self.form}" if self.form else "images"] if self.kind == "image" else []
         return PurePosixPath(PICTURES, *images, self.name)
 
 
 @dataclass(frozen=True)
 class Opened:
-    """What is open: the session with changes made on the pages, what was read, and a label.
+    """What is open: the session with changes made on the pages, its data, and a label.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Opened:
 
     @classmethod
     def of(cls, session: Session, whole: Dataset, label: str) -> Opened:
-        """What is open of these data, by the session's choice of recordings.
+        """Opens data, restricted to the recordings that the session chooses.
 
         Raises
         ------
@@ -93,13 +93,13 @@ class Opened:
 
     @property
     def rows(self) -> np.ndarray:
-        """Rows of the whole's recordings that are compared."""
+        """Rows of the recordings that are compared."""
         names = self.whole.recordings["name"].isin(self.dataset.recordings["name"])
         return np.flatnonzero(names)
 
 
 class Compared(NamedTuple):
-    """A comparison's result, and a name for it in addresses; set and read as one."""
+    """A result and its version in addresses; replaced together."""
 
     result: Result
     version: str
@@ -118,17 +118,17 @@ class Job(Protocol):
 
     @property
     def is_busy(self) -> bool:
-        """Whether it has not ended yet."""
+        """Whether the job is still running."""
 
     def discard(self) -> None:
-        """Stop, and remove what was made."""
+        """Stop the job and remove its output."""
 
 
 _workspaces: weakref.WeakValueDictionary[str, Workspace] = weakref.WeakValueDictionary()
 
 
 class Workspace(Caching):
-    """One per browser session; lives in ``st.session_state`` and ends with it.
+    """Workspace of one browser session; lives in ``st.session_state`` and ends with it.
 
     The frame, box and upload routes find it by its token, which only the session's own browser
     knows, and are for its owner alone.
@@ -207,36 +207,36 @@ class Workspace(Caching):
 
     @property
     def version(self) -> str:
-        """Changes with every result: browsers may cache an address that contains it."""
+        """Version of the result, for addresses that browsers may cache."""
         return "" if self.compared is None else self.compared.version
 
     @property
     def pictures_version(self) -> str:
-        """Changes with the pictures."""
+        """Version of the pictures, likewise."""
         return str(self._n_changes)
 
     def job(self, kind: str) -> Any:
-        """The newest job of this kind, also one that has ended; None: there was none."""
+        """The newest job of this kind, running or ended; None if there was none."""
         return self._jobs.get(kind)
 
     def drop_job(self, kind: str) -> None:
-        """Stop the job of this kind, and remove what it made."""
+        """Stop the job of this kind and remove its output."""
         job = self._jobs.pop(kind, None)
         if job is not None:
             job.discard()
 
     @property
     def is_busy(self) -> bool:
-        """Whether any job has not ended yet."""
+        """Whether any job is still running."""
         return any(job.is_busy for job in self._jobs.values())
 
     def put_job(self, kind: str, job: Job) -> None:
-        """Hold the job until there is a newer one of its kind, or until `forget`."""
+        """Keep the job until there is a newer one of its kind, or until `forget`."""
         self.drop_job(kind)
         self._jobs[kind] = job
 
     def forget(self, *, keeps_outputs: bool = False) -> None:
-        """Drop all computed values, and stop all jobs; keep, if asked for, what outlasts that."""
+        """Drop all computed values and stop all jobs, optionally except those that outlast it."""
         for kind, job in list(self._jobs.items()):
             if not (keeps_outputs and job.outlasts and not job.is_busy):
                 self.drop_job(kind)
@@ -254,7 +254,7 @@ class Workspace(Caching):
         pictures: RecordingPictures,
         visible: RecordingPictures = NONE_VISIBLE,
     ) -> Opened:
-        """Go on with another comparison and its pictures; returns the comparison."""
+        """Switch to another comparison and its pictures; returns it."""
         self.forget()  # first: nothing should go on to read the pictures
         self.close_pictures()
         self._all_pictures, self._all_visible = pictures, visible
@@ -263,7 +263,7 @@ class Workspace(Caching):
         return opened
 
     def look_at(self, opened: Opened, *, keeps_outputs: bool = False) -> None:
-        """Go on with other recordings of the same data; pictures stay open; see `forget`."""
+        """Switch to other recordings of the same data; pictures stay open; see `forget`."""
         self.forget(keeps_outputs=keeps_outputs)
         self._look_at(opened)
 
@@ -285,7 +285,7 @@ class Workspace(Caching):
             source.close()
 
     def close(self) -> None:
-        """Forget everything and remove the folder; the token is unknown from now on."""
+        """Drop everything, remove the folder and invalidate the token."""
         _workspaces.pop(self.token, None)
         self.opened = None
         self.notes.clear()
@@ -297,12 +297,12 @@ class Workspace(Caching):
 
 
 def workspace_of(token: str) -> Workspace | None:
-    """The workspace with that token; None where the session has ended or never was."""
+    """The workspace with that token; None if there is no such session any more."""
     return _workspaces.get(token)
 
 
 def workspace_of_session(session_id: str) -> Workspace | None:
-    """The workspace of a session of Streamlit's; None where it has none yet, or has ended."""
+    """The workspace of a Streamlit session; None if it has none."""
     spaces = (space for space in of_session(session_id) if isinstance(space, Workspace))
     return next(spaces, None)
 
@@ -313,7 +313,7 @@ def used_by_all() -> int:
 
 
 def opened_by_others(space: Workspace) -> list[Opened]:
-    """What other sessions have open; what several share once."""
+    """What other sessions have open, each shared comparison once."""
     others = {
         id(other.opened.whole.frames): other.opened
         for other in list(_workspaces.values())

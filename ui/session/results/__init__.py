@@ -1,1 +1,1 @@
-"""What is computed of the open inputs, and cached: the comparison, its evidence, the audit."""
+"""Cached results for the open inputs: comparison, evidence, audit."""

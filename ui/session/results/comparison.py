@@ -1,4 +1,4 @@
-"""The comparison of X and Y, cached while nothing that it depends on changes."""
+"""The cached comparison of X and Y."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ Cached = Callable[..., Any]
 def result_kept_by(
     cached: Cached, params: Params, x: str, y: str, make: Callable[[], Result]
 ) -> Result:
-    """The comparison that `make` makes, kept as `cached` keeps values while the data are open."""
+    """The comparison, computed by `make` unless `cached` has it."""
     result: Result = cached("result", (params, x, y), make)
     return result
 
 
 def of_boxes(settings: Params) -> Params:
-    """The settings that boxes, their matches and the most salient misses depend on.
+    """Settings that move boxes, matches or most salient misses.
 
     The others have their defaults: drawn boxes stay valid while only those others change.
     """

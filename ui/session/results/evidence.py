@@ -1,4 +1,4 @@
-"""Whether the differences are more than chance, cached while nothing that it depends on changes."""
+"""The cached evidence for the differences between X and Y."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from ui.session.results.comparison import Cached
 
 
 def comparison_key(result: Result, protocol: Protocol | None = None) -> tuple[object, ...]:
-    """What the evidence of a comparison depends on, while the same data are open."""
+    """Cache key of the evidence, for the open data."""
     return (result.params, result.x.name, result.y.name, protocol or state.protocol())
 
 
 def measure_evidence(result: Result) -> pd.DataFrame:
-    """The measures of X and Y with their evidence."""
+    """The table of evidence of X and Y."""
     return evidence_kept_by(state.cached, result, state.protocol())
 
 
 def known_evidence(result: Result) -> pd.DataFrame | None:
-    """The same, if it is known already."""
+    """The table of evidence if it is cached; else None."""
     known: pd.DataFrame | None = state.known("evidence", comparison_key(result))
     return known
 
 
 def evidence_kept_by(cached: Cached, result: Result, protocol: Protocol) -> pd.DataFrame:
-    """The same, kept as `cached` keeps values: `state.cached`, or of what all visitors share."""
+    """The table of evidence from a cache: `state.cached`, or the one that visitors share."""
 
     def make() -> pd.DataFrame:
         units = find_units(result)
@@ -44,14 +44,14 @@ def evidence_kept_by(cached: Cached, result: Result, protocol: Protocol) -> pd.D
 
 
 def miss_rate_evidence(result: Result) -> Evidence:
-    """Difference of the log-average miss rate under the protocol in use."""
+    """Evidence for the log-average miss rate under the current protocol."""
     return _miss_rate_kept_by(state.cached, result, find_units(result), state.protocol())
 
 
 def _miss_rate_kept_by(
     cached: Cached, result: Result, units: Units, protocol: Protocol
 ) -> Evidence:
-    """Depends on the settings of matching alone, and on the blocks of time."""
+    """Keyed by the settings of matching and the blocks of time, which alone move it."""
     key = (
         result.x.name,
         result.y.name,

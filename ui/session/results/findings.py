@@ -1,4 +1,4 @@
-"""What the audit says of the open inputs, cached in parts that depend on different settings."""
+"""Cached findings of the audit, in parts that depend on different settings."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ui.session.results.comparison import Cached
 
 
 def input_findings() -> tuple[Finding, ...]:
-    """The findings about the open inputs and their pictures, worst first."""
+    """Findings about the open inputs and their pictures, worst first."""
     dataset, space = state.opened().dataset, state.workspace()
     with st.spinner("Auditing the inputs"):
         findings = findings_kept_by(state.cached, dataset, state.params(), *state.systems())
@@ -37,7 +37,7 @@ def input_findings() -> tuple[Finding, ...]:
 
 
 def known_findings() -> tuple[Finding, ...] | None:
-    """The same, if they are known already."""
+    """The findings if all are cached; else None."""
     known: tuple[Finding, ...] | None = state.known(
         "findings", _key(state.params(), *state.systems())
     )
@@ -47,7 +47,7 @@ def known_findings() -> tuple[Finding, ...] | None:
 def findings_kept_by(
     cached: Cached, dataset: Dataset, params: Params, x: str, y: str | None
 ) -> tuple[Finding, ...]:
-    """The same, kept as `cached` keeps values: `state.cached`, or of what all visitors share.
+    """The findings from a cache: `state.cached`, or the one that visitors share.
 
     As `nvcore.auditing.audit`, in parts: another threshold audits no file again.
     """
