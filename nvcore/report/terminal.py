@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.evidence.companions import Companions, find_companions
-from nvcore.evidence.operating_points import are_unequal, as_set_note
+from nvcore.evidence.operating_points import as_set_note
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
 from nvcore.metrics.proximity.horizon import estimate_horizons
@@ -25,15 +24,18 @@ from nvcore.report.plan import verdict_plan
 from nvcore.report.verdict import Verdict, verdict
 from nvcore.report.words import (
     FUSION_RULE,
-    count_leads,
+    lead,
+    missed,
     n_frames_text,
+    parted,
     saliency_caveat,
     sampling_note,
     score_cells,
     scorecard_cells,
 )
 from nvcore.scoring import SystemResult
-from nvcore.sentences import say
+from nvcore.sentences import phrase, say
+from nvcore.sentences.encounters import TERMINAL
 from nvcore.sentences.facts import AtEqualAlarms, Fact
 from nvcore.subjects import contributed
 from nvcore.tables.inputs import inputs_table
@@ -268,8 +270,9 @@ def _venn(result: Result) -> str:
         f"severity (1 s: {result.objects.say('{a_one}')} straight ahead and near is missed for "
         f"1 s), of encounters detected by {weights_text(result)}",
     ]
-    lines.append(describe_exclusivity(result))
-    lines.append(_lead(result))
+    said = missed(result), parted(result)
+    lines.append("".join(phrase(fact, result.objects, TERMINAL) for fact in said))
+    lines.append(phrase(lead(result), result.objects, TERMINAL))
     for lines_of in contributed("lines"):
         lines += lines_of(result)
     boxes = result.boxes
@@ -287,35 +290,6 @@ def _venn(result: Result) -> str:
         + ", ".join(n_absorbed)
     )
     return _text(lines)
-
-
-def describe_exclusivity(result: Result) -> str:
-    """How exclusive the misses are, in words that claim no more than the numbers show."""
-    e, x_only, y_only = result.exclusivity, result.venn.x_only, result.venn.y_only
-    text = (
-        f"encounters not detected: {e.missed_by_x} by X, {e.missed_by_y} by Y, of these "
-        f"{e.missed_by_both} by both "
-        f"(Jaccard {number(e.jaccard, '.2f')}, phi {number(e.phi, '.2f')})"
-    )
-    if x_only + y_only == 0:
-        return text + "; none tells the two systems apart"
-    text += f"; X alone detects {x_only}, Y alone {y_only}"
-    if np.isnan(result.mcnemar_p):
-        return text
-    where = "as set, at unequal operating points: " if are_unequal(result) else ""
-    return f"{text} ({where}McNemar's exact p within these drives = {result.mcnemar_p:.2g})"
-
-
-def _lead(result: Result) -> str:
-    """Which system is first, in the encounters that both match."""
-    lead, first_x, first_y = count_leads(result)
-    if not len(lead):
-        return "lead time: no encounter is matched by both systems"
-    return (
-        f"lead time, in {count_text(len(lead), 'encounter')} that both match: X is first in "
-        f"{first_x}, Y in {first_y}, both at the same time in {len(lead) - first_x - first_y}; X "
-        f"leads by {lead.mean():+.2f} s on average, median {np.median(lead):+.2f} s"
-    )
 
 
 def _fusion(result: Result) -> str:

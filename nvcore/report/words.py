@@ -6,7 +6,7 @@ The systems are called X and Y; these sentences contain no names from files.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import numpy as np
 import pandas as pd
@@ -14,6 +14,7 @@ import pandas as pd
 from nvcore.columns import FrameColumns
 from nvcore.comparison import Result
 from nvcore.evidence.measures import ODDS_RATIO
+from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.inputs.evaluated_frames import nth
 from nvcore.measures.entry import MeasureTable
@@ -22,6 +23,8 @@ from nvcore.measures.values import relevant_share
 from nvcore.objects import Objects
 from nvcore.params import Params
 from nvcore.scoring import SystemResult
+from nvcore.sentences.encounters import Correlated, Lead, Missed, Parted
+from nvcore.sentences.facts import Fact
 from nvcore.tables.classes import names_classes, read_share
 from nvcore.tables.scorecard import ScoreRow, score_rows
 from nvcore.wording import UNDEFINED, count_text, difference, number
@@ -110,105 +113,59 @@ def sampling_note(frames: FrameColumns) -> str:
     )
 
 
-def count_leads(result: Result) -> tuple[np.ndarray, int, int]:
-    """Lead times of X over Y where both match, seconds, and how often X and Y are first."""
-    lead_s = result.lead_time_s
-    lead_s = lead_s[np.isfinite(lead_s)]
-    return lead_s, int(np.count_nonzero(lead_s > 0)), int(np.count_nonzero(lead_s < 0))
+def missed(result: Result) -> Missed:
+    """How many encounters X, Y and both do not detect."""
+    e = result.exclusivity
+    counts = result.venn.n_near, e.missed_by_x, e.missed_by_y, e.missed_by_both
+    return Missed(*counts, e.jaccard, e.phi)
 
 
-def describe_misses(result: Result) -> tuple[str, ...]:
-    """Whether X and Y miss the same pedestrians, in sentences.
+def parted(result: Result) -> Parted:
+    """Whether the split between encounters that only one detects may be chance: McNemar's test."""
+    x, y, p = result.venn.x_only, result.venn.y_only, result.mcnemar_p
+    kind: Literal["none", "even", "short", "untested", "uneven", "chance"]
+    if not x + y:
+        kind = "none"
+    elif x == y:
+        kind = "even"
+    elif result.is_short:
+        kind = "short"
+    elif np.isnan(p):
+        kind = "untested"
+    else:
+        kind = "uneven" if p <= SIGNIFICANT else "chance"
+    return Parted(kind, x, y, p, is_as_set=are_unequal(result))
+
+
+def misses(result: Result) -> tuple[Fact, ...]:
+    """Whether X and Y miss the same pedestrians.
 
     How many each system misses, how much the two sets of misses share (Jaccard index), how they
-    correlate (phi), and whether the split between them may be chance (exact McNemar test; omitted
-    where most encounters are one frame long).
+    correlate (phi), and how encounters part that only one system detects.
     """
-    venn, e = result.venn, result.exclusivity
-    if not venn.n_near:
-        one = result.objects.singular
-        return (f"No {one} came near enough to count, so there is nothing to miss.",)
-    n_missed = venn.x_only + venn.y_only + venn.neither
-    if not n_missed:
-        return (f"Neither system misses any of the {venn.n_near} encounters that count.",)
-    sentences = [
-        f"Of {venn.n_near} encounters that count, X does not detect {e.missed_by_x} "
-        f"and Y does not detect {e.missed_by_y}; {_shared(n_missed, venn.neither)} (Jaccard "
-        f"index {e.jaccard:.2f})."
-    ]
-    many = result.objects.plural
-    if relation := _relation(many, e.phi, min(e.missed_by_x, e.missed_by_y)):
-        sentences.append(relation)
-    sentences.append(_split(venn.x_only, venn.y_only, result.mcnemar_p, short=result.is_short))
-    return tuple(sentences)
+    first = missed(result)
+    if not first.n_missed:
+        return (first,)
+    few = min(first.by_x, first.by_y) < FEW_MISSES
+    phi = [] if np.isnan(first.phi) else [Correlated("few" if few else "known", first.phi)]
+    return (first, *phi, parted(result))
 
 
-def _shared(n_missed: int, by_both: int) -> str:
-    if not by_both:
-        return f"no encounter is missed by both: all {n_missed} misses are exclusive"
-    if by_both == n_missed:
-        return f"they miss the same {by_both}"
-    return f"{by_both} of the {n_missed} that at least one misses are missed by both"
-
-
-def _relation(many: str, phi: float, fewest: int) -> str:
-    """Phi in words; empty where it is undefined."""
-    if np.isnan(phi):
-        return ""
-    if fewest < FEW_MISSES:
-        return f"Too few misses to say whether those of X and Y go together (phi {phi:+.2f})."
-    return (
-        f"The correlation of their misses is phi {phi:+.2f} (0: a miss of one says nothing about "
-        f"the other; 1: both miss the same {many}; below 0: one rather detects those that the "
-        "other misses)."
-    )
-
-
-def _split(x_only: int, y_only: int, p: float, *, short: bool) -> str:
-    n = x_only + y_only
-    if not n:
-        return "No encounter is detected by one system alone: none tells the two apart."
-    split = (
-        f"Of the {n} encounters that only one system detects, X detects {x_only} and Y {y_only}"
-        if n > 1
-        else f"Only one encounter is detected by a single system, by {'X' if x_only else 'Y'}"
-    )
-    if x_only == y_only:
-        return f"{split}: in this they do not differ."
-    if short:
-        return (
-            f"{split}. Most encounters are one frame long and not independent, so no test of "
-            "single encounters is given."
-        )
-    if np.isnan(p):
-        return f"{split}: too few to test."
-    within = f"exact McNemar test within these drives, p = {p:.2g}"
-    if p <= SIGNIFICANT:
-        return (
-            f"{split}: so uneven a split would be unlikely if each of them fell to either system "
-            f"by chance ({within}; whether other drives would show it is judged by recordings)."
-        )
-    return f"{split}: two equally good systems could well differ so much by chance ({within})."
-
-
-def describe_lead(result: Result) -> str:
+def lead(result: Result) -> Lead:
     """Which system matches a pedestrian first: mean and median lead time (positive: X first)."""
-    lead_s, first_x, first_y = count_leads(result)
+    lead_s = result.lead_time_s
+    lead_s = lead_s[np.isfinite(lead_s)]
     if not len(lead_s):
-        return "No encounter is matched by both systems, so there is no lead time."
-    mean, median = round(float(lead_s.mean()), 2), round(float(np.median(lead_s)), 2)
-    text = (
-        f"Of {count_text(len(lead_s), 'encounter')} that both match, X matches {first_x} first, Y "
-        f"{first_y}, and both match {len(lead_s) - first_x - first_y} at the same time. X's lead "
-        f"is {mean:+z.2f} s on average, median {median:+z.2f} s"
-    )
-    if not mean and not median:
-        return f"{text}: neither leads."
+        return Lead("none")
+    mean_s, median_s = float(lead_s.mean()), float(np.median(lead_s))
+    mean, median = round(mean_s, 2), round(median_s, 2)
+    kind: Literal["neither", "usually", "apart", "clear"] = "clear"
     if not median:
-        return f"{text}: in the middle neither leads; the mean comes from those that differ."
-    if mean * median < 0:
-        return f"{text}: the two point in different directions, so neither leads clearly."
-    return f"{text}."
+        kind = "usually" if mean else "neither"
+    elif mean * median < 0:
+        kind = "apart"
+    x, y = (int(np.count_nonzero(sign * lead_s > 0)) for sign in (1, -1))
+    return Lead(kind, len(lead_s), x, y, mean_s, median_s)
 
 
 def describe_fusion(fusion: pd.DataFrame, objects: Objects) -> tuple[str, ...]:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 from string import Formatter
+from types import MappingProxyType
 from typing import Any
 
 from nvcore.measures.table import inference_of
 from nvcore.objects import Objects
-from nvcore.sentences import planning
+from nvcore.sentences import encounters, planning
 from nvcore.sentences.caveats import caveats
 from nvcore.sentences.facts import Fact
 from nvcore.sentences.texts import TEXTS, Texts
@@ -30,15 +31,21 @@ def say(fact: Fact, objects: Objects) -> str:
     return capitalised(phrase(fact, objects))
 
 
-def phrase(fact: Fact, objects: Objects) -> str:
-    """A fact as part of a sentence."""
-    return _Sentence(objects).of(fact)
+def phrase(fact: Fact, objects: Objects, of_medium: Texts = MappingProxyType({})) -> str:
+    """A fact as part of a sentence.
+
+    Parameters
+    ----------
+    of_medium
+        Templates of a medium that says some facts in another way.
+    """
+    return _Sentence(objects, of_medium).of(fact)
 
 
 @cache
 def all_texts() -> Texts:
     """Templates of the core and of subjects, by type of fact."""
-    texts = {**TEXTS, **planning.TEXTS}
+    texts = {**TEXTS, **planning.TEXTS, **encounters.TEXTS}
     for added in contributed("texts"):
         texts.update(added)
     return texts
@@ -68,12 +75,13 @@ class _Sentence(Formatter):
     that of a row of facts stands between them; by itself a row is "one, another and a third".
     """
 
-    def __init__(self, objects: Objects) -> None:
+    def __init__(self, objects: Objects, of_medium: Texts) -> None:
         self.objects = objects
+        self.of_medium = of_medium
 
     def of(self, fact: Fact) -> str:
         """The text of a fact."""
-        text = all_texts()[type(fact)]
+        text = self.of_medium.get(type(fact)) or all_texts()[type(fact)]
         if not isinstance(text, str):
             text = text[fact.kind]  # type: ignore[attr-defined]  # all with several texts have one
         return self.vformat(text, (), {**self.objects.words, **vars(fact), "fact": fact})

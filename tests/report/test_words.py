@@ -16,9 +16,9 @@ from nvcore.objects import PEDESTRIAN
 from nvcore.params import Params
 from nvcore.report.words import (
     describe_fusion,
-    describe_lead,
-    describe_misses,
     describe_saliency,
+    lead,
+    misses,
     saliency_caveat,
 )
 from nvcore.sentences import say
@@ -33,62 +33,76 @@ def nothing() -> Result:
 
 
 @pytest.mark.parametrize(
-    ("both", "x_only", "y_only", "neither", "texts"),
+    ("both", "x_only", "y_only", "neither", "kind", "correlated", "parted"),
     [
-        # the paper's first figure
-        (5, 2, 2, 1, (
-            "Of 10 encounters that count, X does not detect 3 and Y does not detect 3; 1 of the 5 "
-            "that at least one misses are missed by both (Jaccard index 0.20).",
-            "Too few misses to say whether those of X and Y go together (phi +0.05).",
-            "only one system detects, X detects 2 and Y 2: in this they do not differ.")),
-        (20, 12, 0, 5, ("so uneven a split would be unlikely if each of them fell to either",)),
-        (20, 4, 2, 5, ("X detects 4 and Y 2: two equally good systems could well differ so much",)),
-        (20, 3, 4, 0, ("all 7 misses are exclusive",)),
-        (20, 0, 0, 4, ("they miss the same 4", "none tells the two apart")),
-        (5, 0, 1, 2, ("Only one encounter is detected by a single system, by Y",)),
-        (50, 3, 3, 20, ("is phi +0.81 (0: a miss of one says nothing about the other; 1: both",)),
-        (4, 20, 20, 2, ("is phi -0.74 (",)),
-        (3, 0, 0, 0, ("Neither system misses any of the 3 encounters that count.",)),
-        (0, 0, 0, 0, ("No pedestrian came near enough",)),
+        (5, 2, 2, 1, "some", "few", "even"),  # the paper's first figure
+        (20, 12, 0, 5, "some", "known", "uneven"),
+        (20, 4, 2, 5, "some", "known", "chance"),
+        (20, 3, 4, 0, "exclusive", "few", "chance"),
+        (20, 0, 0, 4, "same", "few", "none"),
+        (5, 0, 1, 2, "some", "few", "untested"),
+        (50, 3, 3, 20, "some", "known", "even"),
+        (3, 0, 0, 0, "none", "", ""),
+        (0, 0, 0, 0, "nobody", "", ""),
     ],
-)  # fmt: skip
+)
 def test_whether_both_miss_the_same_pedestrians(
-    nothing: Result, both: int, x_only: int, y_only: int, neither: int, texts: tuple[str, ...]
+    nothing: Result,
+    both: int,
+    x_only: int,
+    y_only: int,
+    neither: int,
+    kind: str,
+    correlated: str,
+    parted: str,
 ):
     venn = Venn(both, x_only, y_only, neither, distant=0)
-    text = " ".join(
-        describe_misses(replace(nothing, venn=venn, exclusivity=measure_exclusivity(venn)))
-    )
-    assert [words for words in texts if words not in text] == []
+    first, *others = misses(replace(nothing, venn=venn, exclusivity=measure_exclusivity(venn)))
+    assert (first.kind, first.n, first.by_both) == (kind, venn.n_near, neither)
+    assert [fact.kind for fact in others] == [text for text in (correlated, parted) if text]
+
+
+def test_misses_in_words(nothing: Result):
+    venn = Venn(5, 2, 2, 1, distant=0)
+    said = misses(replace(nothing, venn=venn, exclusivity=measure_exclusivity(venn)))
+    assert [say(fact, PEDESTRIAN) for fact in said] == [
+        "Of 10 encounters that count, X does not detect 3 and Y does not detect 3; 1 of the 5 that "
+        "at least one misses are missed by both (Jaccard index 0.20).",
+        "Too few misses to say whether those of X and Y go together (phi +0.05).",
+        "Of the 4 encounters that only one system detects, X detects 2 and Y 2: in this they do "
+        "not differ.",
+    ]
 
 
 def test_encounters_of_one_frame_are_not_tested_one_by_one():
     truth = [at(f, 50, track=f) for f in range(12)]
     result = result_of(make_dataset(truth, truth, truth[:2], n_frames=12))
-    text = " ".join(describe_misses(result))
-    assert "X detects 10 and Y 0. Most encounters are one frame long" in text
-    assert "p =" not in text
+    assert (misses(result)[-1].kind, misses(result)[-1].x) == ("short", 10)
 
 
 @pytest.mark.parametrize(
-    ("lead_s", "end"),
+    ("lead_s", "kind"),
     [
-        ((0.5, 0.3, 0.4), "Of 3 encounters that both match, X matches 3 first, Y 0, and both match "
-         "0 at the same time. X's lead is +0.40 s on average, median +0.40 s."),
-        ((0.0, 0.0), "median +0.00 s: neither leads."),
-        ((0.9, 0.0, 0.0), "the mean comes from those that differ."),
-        ((1.8, -0.1, -0.1), "point in different directions, so neither leads clearly."),
-        ((), "No encounter is matched by both systems, so there is no lead time."),
+        ((0.5, 0.3, 0.4), "clear"),
+        ((0.0, 0.0), "neither"),
+        ((0.9, 0.0, 0.0), "usually"),
+        ((1.8, -0.1, -0.1), "apart"),
+        ((), "none"),
     ],
-)  # fmt: skip
-def test_lead_time_is_told_by_mean_and_median(lead_s: tuple[float, ...], end: str):
+)
+def test_lead_time_is_told_by_mean_and_median(lead_s: tuple[float, ...], kind: str):
     truth = [at(f, 10 + 8 * i, track=i) for i in range(len(lead_s)) for f in range(20)]
     x, y = (
         [box for box in truth if box.frame >= 10 * max(0, sign * lead_s[box.track])]
         for sign in (-1, 1)
     )
-    result = result_of(make_dataset(truth, x, y), proximity="none")
-    assert describe_lead(result).endswith(end)
+    said = lead(result_of(make_dataset(truth, x, y), proximity="none"))
+    assert (said.kind, said.n) == (kind, len(lead_s))
+    if kind == "clear":
+        assert say(said, PEDESTRIAN) == (
+            "Of 3 encounters that both match, X matches 3 first, Y 0, and both match 0 at the same "
+            "time. X's lead is +0.40 s on average, median +0.40 s."
+        )
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.figures.encounters import LABELS, fusion_plot, lead_time_plot, miss_classes_plot
-from nvcore.report.words import FUSION_RULE, describe_fusion, describe_misses
+from nvcore.report.words import FUSION_RULE, describe_fusion, misses
 from nvcore.tables.encounters.miss_classes import ALL_CLASSES, fusion_table, miss_class_totals
 from ui.encounters.filters import set_classes
 from ui.session import state
@@ -58,7 +58,7 @@ def _choose_class() -> None:
 def draw_exclusivity(result: Result) -> None:
     """Whether both miss the same pedestrians: in words, and class against class."""
     st.header(state.say("Do X and Y miss the same {many}?"))
-    st.markdown("\n".join(f"- {sentence}" for sentence in describe_misses(result)))
+    st.markdown("\n".join(f"- {plain(state.say(fact))}" for fact in misses(result)))
     st.caption(
         f"{docs_link('Jaccard index', 'exclusivity')}: share of all misses that both have, 0 to "
         "1. Phi: how much the misses of X and Y go together, -1 to 1, 0 if not at all. McNemar's "

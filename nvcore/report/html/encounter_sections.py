@@ -18,10 +18,11 @@ from nvcore.report.html.result_sections import names_of
 from nvcore.report.words import (
     FUSION_RULE,
     describe_fusion,
-    describe_lead,
-    describe_misses,
+    lead,
+    misses,
 )
 from nvcore.schema import CATEGORY_TEXT, MISS_CLASS_TEXT, Category
+from nvcore.sentences import say as said
 from nvcore.tables.encounters.miss_classes import fusion_table
 from nvcore.tables.encounters.severity import weighed_encounters
 from nvcore.tables.encounters.weightings import compare_weightings
@@ -46,7 +47,8 @@ def encounters_section(result: Result) -> Section:
             score_rows(result, MeasureTable.MISS_CLASSES), MISS_CLASS_TEXT, strict=True
         )
     ]
-    sentences = (*describe_misses(result), describe_lead(result))
+    facts = (*misses(result), lead(result))
+    sentences = tuple(said(fact, result.objects) for fact in facts)
     fusion = fusion_table(result)
     names = names_of(result)
     encounters = weighed_encounters(result)
