@@ -83,7 +83,7 @@ TEXTS: Final[Texts] = {
         "one": "the one encounter that only {finder!u} detects costs {loser!u} {seconds:.1f} s",
         "many": "the {n} encounters that only {finder!u} detects cost {loser!u} {seconds:.1f} s",
     },
-    facts.Weights: "in missed time, {costs}.",
+    facts.Weights: "weighed by severity, {costs}.",
     facts.WorstFailure: "the worst single failure is {letter!u}'s: {one} {track} in {recording}, "
     "{seconds:.1f} s.",
     facts.Measured: {

@@ -326,7 +326,7 @@ def test_a_verdict_in_words(better_x: Result):
         "recordings.",
         "X detects every encounter that Y detects, and 4 more of 6 (12 recordings, p = 0.006; "
         "0.012 after correction for 3 tests).",
-        "In missed time, the 4 encounters that only X detects cost Y 1.2 s.",
+        "Weighed by severity, the 4 encounters that only X detects cost Y 1.2 s.",
         "The worst single failure is Y's: pedestrian 2 in r0, 0.3 s.",
         "X has higher mean similarity (1.000 against 0.398), lower severity per encounter (0.00 "
         "against 0.20 s), lower saliency (0.00 against 0.30 s) and fewer false-alert episodes (0 "
