@@ -10,7 +10,6 @@ import pytest
 from approach import approach, only
 from builders import Place, at, make_dataset, result_of
 from drives import drives
-from nvcore.report.verdict.words import QUALITIES
 
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import summarise_curve
@@ -29,6 +28,7 @@ from nvcore.measures.table import (
 from nvcore.objects import PEDESTRIAN
 from nvcore.report.matrix import PAIR_MEASURES
 from nvcore.report.tiles import KINDS
+from nvcore.report.verdict.points import QUALITIES
 
 OF_SYSTEMS = [measure for measure in MEASURES if measure.of is not None]
 OF_CURVES = [measure for measure in MEASURES if measure.of_curve is not None]
