@@ -149,7 +149,7 @@ IN_THE_SAMPLE: Final = (
 )
 WITH_THREE: Final = (
     Jump("ui/systems/pairs.py:_open", "Systems", "Overview", press("pair_1")),
-    Jump("ui/overview/verdict.py:_draw_caveat", "Overview", "Data", press("see_findings")),
+    Jump("ui/overview/verdict.py:_draw_doubt", "Overview", "Data", press("see_findings")),
 )
 WITH_ONE: Final = (
     Jump("ui/shell/messages.py:_one_system_only", "Saliency", "Data", press("open_data_page")),
