@@ -1,7 +1,4 @@
-"""Exclusivity, fusion and saliency of a comparison, in sentences that claim no more than numbers.
-
-The systems are called X and Y; these sentences contain no names from files.
-"""
+"""What is told of misses, fusion and saliency of a comparison: facts, and cells of tables."""
 
 from __future__ import annotations
 
@@ -20,11 +17,22 @@ from nvcore.inputs.evaluated_frames import nth
 from nvcore.measures.entry import MeasureTable
 from nvcore.measures.table import has_several_recordings
 from nvcore.measures.values import relevant_share
-from nvcore.objects import Objects
 from nvcore.params import Params
 from nvcore.scoring import SystemResult
-from nvcore.sentences.encounters import Correlated, Lead, Missed, Parted
+from nvcore.sentences.encounters import (
+    ClassesRead,
+    Correlated,
+    Fused,
+    Gain,
+    Lead,
+    Missed,
+    MoreEpisodes,
+    NoFusion,
+    Parted,
+    Rate,
+)
 from nvcore.sentences.facts import Fact
+from nvcore.sentences.saliency import End, Event, OnAverage, Relevance, SaliencyOf, Sum, Weight
 from nvcore.tables.classes import names_classes, read_share
 from nvcore.tables.scorecard import ScoreRow, score_rows
 from nvcore.wording import UNDEFINED, count_text, difference, number
@@ -168,8 +176,8 @@ def lead(result: Result) -> Lead:
     return Lead(kind, len(lead_s), x, y, mean_s, median_s)
 
 
-def describe_fusion(fusion: pd.DataFrame, objects: Objects) -> tuple[str, ...]:
-    """What each fused system gains and costs against the better single one, in sentences.
+def fusion_gains(fusion: pd.DataFrame) -> tuple[Fact, ...]:
+    """What each fused system gains and costs against the better single one.
 
     Parameters
     ----------
@@ -179,40 +187,35 @@ def describe_fusion(fusion: pd.DataFrame, objects: Objects) -> tuple[str, ...]:
     rows = {row["system"]: row for row in fusion.to_dict("records")}
     n = rows["x"]["encounters"]
     if not n:
-        one = objects.singular
-        return (f"No {one} came near enough to count, so a fusion can neither gain nor lose.",)
+        return (NoFusion(),)
     # against the single system that detects more; X if they are equal
     best = max("xy", key=lambda letter: rows[letter]["encounters_detected"])
-    return tuple(
-        _fused_sentence(rows[kind], name, best, n)
-        for kind, name in (("x_or_y", "X or Y"), ("x_and_y", "X and Y"))
-    )
+    kinds: tuple[Literal["x_or_y", "x_and_y"], ...] = ("x_or_y", "x_and_y")
+    return tuple(_fused(rows[kind], kind, best, n) for kind in kinds)
 
 
-def _fused_sentence(row: dict[Hashable, Any], name: str, best: str, n: int) -> str:
+def _fused(
+    row: dict[Hashable, Any], kind: Literal["x_or_y", "x_and_y"], best: str, n: int
+) -> Fused:
     gain, more = row[f"gain_on_{best}"], row[f"more_episodes_than_{best}"]
     per_hour = row[f"more_episodes_per_hour_than_{best}"]
-    encounters = (
-        f"as many as {best.upper()} alone"
-        if not gain
-        else f"{abs(gain)} {'more' if gain > 0 else 'fewer'} than {best.upper()} alone"
-    )
-    rate = "" if np.isnan(per_hour) or not more else f" ({per_hour:+.0f} an hour)"
-    alerts = (
-        "and has as many false-alert episodes"
-        if not more
-        else f"{'and costs' if more > 0 else 'and saves'} "
-        f"{count_text(abs(more), 'false-alert episode')}{rate}"
-    )
-    return (
-        f"\u201c{name}\u201d detects {row['encounters_detected']} of {n} encounters, "
-        f"{encounters}, {alerts}."
+    rate = None if np.isnan(per_hour) else Rate(per_hour)
+    return Fused(
+        kind,
+        row["encounters_detected"],
+        n,
+        Gain(_sign_of(gain), abs(gain), best),
+        MoreEpisodes(_sign_of(more), abs(more), rate),
     )
 
 
-def describe_saliency(result: Result) -> tuple[str, ...]:
-    """How each system's saliency over all recordings comes about, a few sentences each."""
-    return tuple(_saliency(result, letter.upper(), system) for letter, system in result.sides)
+def _sign_of(change: int) -> Literal["more", "fewer", "same"]:
+    return "more" if change > 0 else "fewer" if change < 0 else "same"
+
+
+def saliencies(result: Result) -> tuple[SaliencyOf, ...]:
+    """How each system's saliency over all recordings comes about."""
+    return tuple(_saliency_of(result, letter, system) for letter, system in result.sides)
 
 
 def saliency_caveat(params: Params) -> str:
@@ -225,60 +228,43 @@ def saliency_caveat(params: Params) -> str:
     )
 
 
-def _saliency(result: Result, letter: str, system: SystemResult) -> str:
+def _saliency_of(result: Result, letter: str, system: SystemResult) -> SaliencyOf:
     events = system.events
     if events.empty:
-        nobody = result.objects.say("{nobody}")
-        return f"{letter} misses {nobody} by more than the tolerance: its saliency is 0."
-    is_mean = has_several_recordings(result)
-    n_events = count_text(len(events), "event")
-    if result.params.saliency_aggregate == "sum":
-        total_s, saliency_s = (float(events[name].sum()) for name in ("duration_s", "saliency_s"))
-        weight = ""
-        if result.params.saliency_weight == "risk":
-            weight = f", which weigh {float(events['weight_s'].sum()):.2f} s"
-        mean = f", {system.saliency_s:.2f} s a recording" if is_mean else ""
-        text = (
-            f"{letter}: {n_events}, {total_s:.1f} s in all{weight}; weighted by recency and added "
-            f"they make {saliency_s:.2f} s{mean}."
-        )
-    elif is_mean:
-        text = (
-            f"{letter}: {n_events}. The largest of each recording makes {system.saliency_s:.2f} s "
-            f"on average; the largest of all {_largest(result, events)}"
-        )
-    else:
-        text = f"{letter}: the most salient of {n_events} {_largest(result, events)}"
+        return SaliencyOf("none", letter)
     share = relevant_share(system)
-    if share == 1:
-        return f"{text} The missed {result.objects.plural} count (k >= 0.5) throughout."
-    return result.objects.say(
-        "{text} In {share:.0%} of the events' time the missed {one} counts (k >= 0.5); in the rest "
-        "{he} is too far to count.",
-        text=text,
-        share=share,
-    )
+    relevance = Relevance("all" if share == 1 else "part", share)
+    mean = OnAverage(system.saliency_s) if has_several_recordings(result) else None
+    if result.params.saliency_aggregate == "sum":
+        weight = _weight_of(result, "all", events["weight_s"].sum())
+        total = Sum(float(events["duration_s"].sum()), weight, float(events["saliency_s"].sum()))
+        return SaliencyOf("sum", letter, len(events), total, mean, relevance)
+    kind: Literal["largest", "mean"] = "mean" if mean else "largest"
+    return SaliencyOf(kind, letter, len(events), _largest(result, events), mean, relevance)
 
 
-def _largest(result: Result, events: pd.DataFrame) -> str:
-    """How the largest event comes about: "lasts ... s."."""
+def _weight_of(result: Result, kind: Literal["one", "all"], weight_s: float) -> Weight | None:
+    return Weight(kind, float(weight_s)) if result.params.saliency_weight == "risk" else None
+
+
+def _largest(result: Result, events: pd.DataFrame) -> Event:
+    """The largest event."""
     worst = events.iloc[events["saliency_s"].argmax()]
-    scope = "encounter" if result.params.saliency_scope == "encounter" else "recording"
-    if result.params.recency_unit == "seconds":
-        end = f"ends {worst['rest_s']:.1f} s before the end of the {scope}"
-    else:
-        end = f"ends when {worst['tau']:.0%} of the {scope} has passed"
-    weight = ""
-    if result.params.saliency_weight == "risk":
-        weight = f", weighs {worst['weight_s']:.2f} s (weighted distance summed over time)"
-    return (
-        f"lasts {worst['duration_s']:.2f} s{weight} and {end}, which gives it the recency "
-        f"{worst['recency']:.2f}: {worst['weight_s']:.2f} s × {worst['recency']:.2f} = "
-        f"{worst['saliency_s']:.2f} s."
+    scope: Literal["encounter", "recording"] = (
+        "encounter" if result.params.saliency_scope == "encounter" else "recording"
+    )
+    in_seconds = result.params.recency_unit == "seconds"
+    return Event(
+        worst["duration_s"],
+        _weight_of(result, "one", worst["weight_s"]),
+        End("seconds", worst["rest_s"], scope) if in_seconds else End("share", worst["tau"], scope),
+        worst["recency"],
+        worst["weight_s"],
+        worst["saliency_s"],
     )
 
 
-def describe_read(result: Result, table: pd.DataFrame, letter: str) -> str:
+def classes_read(result: Result, table: pd.DataFrame, letter: str) -> ClassesRead:
     """How many of the matches of a system have the truth's class, with the interval.
 
     Parameters
@@ -288,14 +274,9 @@ def describe_read(result: Result, table: pd.DataFrame, letter: str) -> str:
     letter
         "x" or "y".
     """
-    who = letter.upper()
     if not names_classes(result, dict(result.sides)[letter]):
-        return f"{who} names no classes."
+        return ClassesRead("no classes", letter)
     right = read_share(table, letter)
     if not right.n:
-        return f"{who}: – (no match has a class)."
-    matches = count_text(right.n, "match", "matches")
-    return (
-        f"{who}: {right.share:.1%} of {matches} right, 95 % interval {right.low:.1%} to "
-        f"{right.high:.1%} (Wilson; as if boxes were independent)."
-    )
+        return ClassesRead("none", letter)
+    return ClassesRead("known", letter, right.n, right.share, right.low, right.high)

@@ -10,7 +10,7 @@ from typing import Any
 
 from nvcore.measures.table import inference_of
 from nvcore.objects import Objects
-from nvcore.sentences import encounters, planning
+from nvcore.sentences import encounters, planning, saliency
 from nvcore.sentences.caveats import caveats
 from nvcore.sentences.facts import Fact
 from nvcore.sentences.texts import TEXTS, Texts
@@ -45,7 +45,7 @@ def phrase(fact: Fact, objects: Objects, of_medium: Texts = MappingProxyType({})
 @cache
 def all_texts() -> Texts:
     """Templates of the core and of subjects, by type of fact."""
-    texts = {**TEXTS, **planning.TEXTS, **encounters.TEXTS}
+    texts = {**TEXTS, **planning.TEXTS, **encounters.TEXTS, **saliency.TEXTS}
     for added in contributed("texts"):
         texts.update(added)
     return texts
@@ -53,12 +53,16 @@ def all_texts() -> Texts:
 
 @dataclass(frozen=True)
 class _Count:
-    """A number that says itself with the noun that is its format specification."""
+    """A number that says itself with the noun that is its format specification.
+
+    A plural that is not the noun and an s follows a slash: "match/matches".
+    """
 
     n: int
 
     def __format__(self, noun: str) -> str:
-        return count_text(self.n, noun)
+        singular, _, plural = noun.partition("/")
+        return count_text(self.n, singular, plural or None)
 
 
 def _system(letter: str) -> str:

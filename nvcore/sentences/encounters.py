@@ -140,6 +140,65 @@ class Lead(Fact):
         return self.n - self.x - self.y
 
 
+@dataclass(frozen=True)
+class NoFusion(Fact):
+    """That no encounter counts, so that a fusion gains and loses none."""
+
+
+@dataclass(frozen=True)
+class Gain(Fact):
+    """Encounters that a fusion detects beyond those of the better single system (`best`)."""
+
+    kind: Literal["more", "fewer", "same"]
+    n: int
+    best: str
+
+
+@dataclass(frozen=True)
+class Rate(Fact):
+    """Episodes per hour beyond those of a single system."""
+
+    per_hour: float
+
+
+@dataclass(frozen=True)
+class MoreEpisodes(Fact):
+    """False-alert episodes that a fusion has beyond those of a single system."""
+
+    kind: Literal["more", "fewer", "same"]
+    n: int
+    rate: Rate | None
+
+
+@dataclass(frozen=True)
+class Fused(Fact):
+    """What a fusion gains and costs against the better single system."""
+
+    kind: Literal["x_or_y", "x_and_y"]
+    detected: int
+    n: int
+    gain: Gain
+    cost: MoreEpisodes
+
+
+@dataclass(frozen=True)
+class ClassesRead(Fact):
+    """How many matches of a system have the truth's class, with Wilson's 95 % interval.
+
+    Attributes
+    ----------
+    kind
+        The system names ``no classes``; no match has one (``none``); or shares are ``known``.
+    """
+
+    kind: Literal["no classes", "none", "known"]
+    letter: str
+    n: int = 0
+    share: float = 0.0
+    low: float = 0.0
+    high: float = 0.0
+
+
 _LEAD: Final = (
     "of {n!n:encounter} that both match, X matches {x} first, Y {y}, and both match "
     "{fact.n_together} at the same time. X's lead is {mean_s:+z.2f} s on average, median "
@@ -148,6 +207,7 @@ _LEAD: Final = (
 _MISSED: Final = (
     "of {n} encounters that count, X does not detect {by_x} and Y does not detect {by_y}"
 )
+_FUSED: Final = "detects {detected} of {n!n:encounter}, {gain}, and {cost}."
 _JACCARD: Final = "(Jaccard index {jaccard:.2f})."
 
 TEXTS: Final[Texts] = {
@@ -189,6 +249,28 @@ TEXTS: Final[Texts] = {
         "usually": f"{_LEAD}: in the middle neither leads; the mean comes from those that differ.",
         "apart": f"{_LEAD}: the two point in different directions, so neither leads clearly.",
         "clear": f"{_LEAD}.",
+    },
+    NoFusion: "no {one} came near enough to count, so a fusion can neither gain nor lose.",
+    Gain: {
+        "more": "{n} more than {best!u} alone",
+        "fewer": "{n} fewer than {best!u} alone",
+        "same": "as many as {best!u} alone",
+    },
+    Rate: " ({per_hour:+.0f} an hour)",
+    MoreEpisodes: {
+        "more": "costs {n!n:false-alert episode}{rate}",
+        "fewer": "saves {n!n:false-alert episode}{rate}",
+        "same": "has as many false-alert episodes",
+    },
+    Fused: {
+        "x_or_y": f"\u201cX or Y\u201d {_FUSED}",
+        "x_and_y": f"\u201cX and Y\u201d {_FUSED}",
+    },
+    ClassesRead: {
+        "no classes": "{letter!u} names no classes.",
+        "none": "{letter!u}: – (no match has a class).",
+        "known": "{letter!u}: {share:.1%} of {n!n:match/matches} right, 95 % interval {low:.1%} to "
+        "{high:.1%} (Wilson; as if boxes were independent).",
     },
 }
 _NOT_DETECTED: Final = (

@@ -8,10 +8,9 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.objects import Objects
 from nvcore.tables.result import encounters_table
 from nvcore.time_left.kinds import TimeLeft
-from nvcore.time_left.steps import confirmed_by, time_left_in, time_left_of
+from nvcore.time_left.steps import confirmed_by, time_left_in
 
 QUADRANTS: Final = ("both", "only_x", "only_y", "neither")
 """Who confirmed an urgent encounter in time."""
@@ -67,38 +66,6 @@ def count_in_time(urgent: pd.DataFrame) -> dict[str, int]:
         Of `urgent_encounters`.
     """
     return {name: int((urgent["in_time"] == name).sum()) for name in QUADRANTS}
-
-
-def systems_in_words(result: Result, encounters: np.ndarray) -> list[tuple[str, str]]:
-    """What X and Y did with urgent encounters: "X confirms him 0.95 s before it, in time".
-
-    Parameters
-    ----------
-    encounters
-        Rows of ``result.encounters``; shape (n,).
-    """
-    columns = ["time_left", "margin_s", "impact_kmh"]
-    x, y = (
-        [
-            f"{letter.upper()} {_in_words(result.objects, *row)}"
-            for row in zip(
-                *(time_left_of(system)[name].to_numpy()[encounters] for name in columns),
-                strict=True,
-            )
-        ]
-        for letter, system in result.sides
-    )
-    return list(zip(x, y, strict=True))
-
-
-def _in_words(objects: Objects, kind: str, margin_s: float, impact_kmh: float) -> str:
-    impact = f"impact at {impact_kmh:.0f} km/h"
-    if kind == TimeLeft.NEVER:
-        return objects.say("never confirms {him}: {impact}", impact=impact)
-    if kind == TimeLeft.IN_TIME:
-        return objects.say("confirms {him} {margin:.2f} s before it, in time", margin=margin_s)
-    when = f"{-margin_s:.2f} s after it" if margin_s else "only then"
-    return objects.say("confirms {him} {when}, late: {impact}", when=when, impact=impact)
 
 
 def nearest_contact(result: Result, recording: int) -> pd.DataFrame:

@@ -7,6 +7,7 @@ from typing import Final, Literal
 
 from nvcore.sentences.facts import Fact
 from nvcore.sentences.texts import Texts
+from nvcore.wording import listed
 
 
 @dataclass(frozen=True)
@@ -108,7 +109,145 @@ class NobodyMet(Fact):
     """That there is no encounter."""
 
 
+@dataclass(frozen=True)
+class Needed(Fact):
+    """When a warning must come for the car to stop; seconds, and m/s²."""
+
+    speed_kmh: float
+    needed_s: float
+    reaction_s: float
+    deceleration: float
+
+
+@dataclass(frozen=True)
+class FewUrgent(Fact):
+    """That one or so many urgent encounters are few."""
+
+    kind: Literal["one", "many"]
+    n: int
+
+
+@dataclass(frozen=True)
+class Response(Fact):
+    """What a system made of an urgent encounter.
+
+    Attributes
+    ----------
+    kind
+        It confirms it before the last chance (``in time``), in that very frame (``only then``),
+        ``late`` or ``never``.
+    margin_s
+        From there to the last chance.
+    """
+
+    kind: Literal["in time", "only then", "late", "never"]
+    letter: str
+    margin_s: float
+    impact_kmh: float
+
+    @property
+    def late_s(self) -> float:
+        """From the last chance to there."""
+        return -self.margin_s
+
+
+@dataclass(frozen=True)
+class WhyUnknown(Fact):
+    """Why the time to contact of an encounter is unknown."""
+
+    kind: Literal["sampled", "linked", "short"]
+
+
+@dataclass(frozen=True)
+class SpeedOfOne(Fact):
+    """The speed of the car in a recording, ``assumed`` or its ``own``."""
+
+    kind: Literal["assumed", "own"]
+    kmh: float
+
+
+@dataclass(frozen=True)
+class LastChance(Fact):
+    """The last chance of an encounter, and what both systems made of it.
+
+    Attributes
+    ----------
+    kind
+        It is ``unknown``; the car is ``never nearer``; the encounter is ``not urgent``, without a
+        chance (``no chance``), ``outside`` the corridor, or ``urgent``.
+    least_s
+        Least time to contact.
+    frame, time_s
+        Where the last chance is.
+    """
+
+    kind: Literal["unknown", "never nearer", "not urgent", "no chance", "outside", "urgent"]
+    why: WhyUnknown | None = None
+    speed: SpeedOfOne | None = None
+    least_s: float = 0.0
+    frame: int = 0
+    time_s: float = 0.0
+    responses: tuple[Response, ...] = ()
+
+
+@dataclass(frozen=True)
+class Ahead(Fact):
+    """That a system is ahead in ``share_in_time`` or ``mean_impact_kmh``."""
+
+    kind: Literal["share_in_time", "mean_impact_kmh"]
+    letter: str
+
+
+@dataclass(frozen=True)
+class OverSpeed(Fact):
+    """The measure over the speed of the car."""
+
+    kind: Literal["share_in_time", "mean_impact_kmh"]
+
+
+@dataclass(frozen=True)
+class Equal(Fact):
+    """At how many speeds X and Y are equal: as an exception (``but``), or in ``addition``."""
+
+    kind: Literal["but", "addition"]
+    n: int
+    n_all: int
+
+
+@dataclass(frozen=True)
+class Order(Fact):
+    """Which system is ahead at which speed of the car.
+
+    Attributes
+    ----------
+    kind
+        None is at any (``same``), one is ``always``, the order turns ``once`` or ``often``.
+    second
+        Who is ahead above the first of `turns_kmh`.
+    """
+
+    kind: Literal["same", "always", "once", "often"]
+    measure: OverSpeed
+    ahead: Ahead | None = None
+    second: str = ""
+    turns_kmh: tuple[float, ...] = ()
+    equal: Equal | None = None
+
+    @property
+    def n_turns(self) -> int:
+        """How often it turns."""
+        return len(self.turns_kmh)
+
+    @property
+    def turns_text(self) -> str:
+        """At which speeds."""
+        return listed([f"{speed_kmh:g}" for speed_kmh in self.turns_kmh])
+
+
 _IMPACT: Final = "impact speed {impact_x:.1f} km/h with X and {impact_y:.1f} km/h with Y."
+_HAPPENED: Final = "what happened in these recordings, and little of what happens in others."
+_HIT: Final = "impact at {impact_kmh:.0f} km/h"
+_WHEN: Final = "frame {frame} ({time_s:.2f} s)"
 _ONLY: Final = "the only urgent encounter {speed} is confirmed in time by"
 
 TEXTS: Final[Texts] = {
@@ -150,4 +289,50 @@ TEXTS: Final[Texts] = {
         "many": "{n:,} encounters are urgent {speed}{others}{among}",
     },
     NobodyMet: "no {one} is met",
+    Needed: "at {speed_kmh:g} km/h the car still stops before {a_one} if the warning comes more "
+    "than {needed_s:.1f} s before contact: {reaction_s:g} s pass until the brakes act, then it "
+    "brakes with {deceleration:g} m/s². The frame from which on less is left is the last chance.",
+    FewUrgent: {
+        "one": f"the only urgent encounter says {_HAPPENED}",
+        "many": f"{{n}} urgent encounters are few: they say {_HAPPENED}",
+    },
+    Response: {
+        "in time": "{letter!u} confirms {him} {margin_s:.2f} s before it, in time",
+        "only then": f"{{letter!u}} confirms {{him}} only then, late: {_HIT}",
+        "late": f"{{letter!u}} confirms {{him}} {{fact.late_s:.2f}} s after it, late: {_HIT}",
+        "never": f"{{letter!u}} never confirms {{him}}: {_HIT}",
+    },
+    WhyUnknown: {
+        "sampled": "not every frame is evaluated",
+        "linked": "the truth gives this {one} no track id",
+        "short": "{he} is there for too few frames, or cut by the picture's edge",
+    },
+    SpeedOfOne: {"assumed": "{kmh:g} km/h (assumed)", "own": "{kmh:g} km/h"},
+    LastChance: {
+        "unknown": "time left to stop is unknown: {why}.",
+        "never nearer": "not urgent: the car never comes nearer, as far as the boxes tell.",
+        "not urgent": "not urgent at {speed}: never less than {least_s:.1f} s to contact.",
+        "no chance": f"no chance at {{speed}}: too near to stop when first known, in {_WHEN}.",
+        "outside": f"outside the corridor when {{he}} becomes urgent at {{speed}}, in {_WHEN}.",
+        "urgent": f"urgent at {{speed}}: the last chance to stop is {_WHEN}. {{responses:. }}.",
+    },
+    Ahead: {
+        "share_in_time": "{letter!u} confirms the larger share in time",
+        "mean_impact_kmh": "{letter!u} has the lower mean impact speed",
+    },
+    OverSpeed: {
+        "share_in_time": "the share in time",
+        "mean_impact_kmh": "the mean impact speed",
+    },
+    Equal: {
+        "but": " but {n} of {n_all}, at which X and Y are equal",
+        "addition": "; at {n} of {n_all} speeds X and Y are equal",
+    },
+    Order: {
+        "same": "{measure} of X and Y is the same at every speed.",
+        "always": "{ahead} at every speed{equal}.",
+        "once": "below {turns_kmh[0]:g} km/h {ahead}, from there on {second!u}{equal}.",
+        "often": "{measure} turns {fact.n_turns} times: up to {turns_kmh[0]:g} km/h "
+        "{ahead.letter!u} is ahead, and the order changes at {fact.turns_text} km/h{equal}.",
+    },
 }

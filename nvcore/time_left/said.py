@@ -2,22 +2,45 @@
 
 from __future__ import annotations
 
+from typing import Final, Literal
+
 import numpy as np
+import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.evidence.claims import values_of
+from nvcore.params import Params
 from nvcore.time_left.facts import (
+    Ahead,
     Among,
     Confirmed,
+    Equal,
+    FewUrgent,
     Kind,
+    LastChance,
+    Needed,
+    Order,
     Others,
+    OverSpeed,
     Reason,
+    Response,
     Speed,
+    SpeedOfOne,
     Unknown,
     Urgent,
+    WhyUnknown,
 )
+from nvcore.time_left.judging import needed_time, turning_speeds
 from nvcore.time_left.kinds import TimeLeft, Urgency
-from nvcore.time_left.steps import count_time_left, time_left_in
+from nvcore.time_left.steps import count_time_left, time_left_in, time_left_of
+
+FEW_URGENT: Final = 10
+"""Fewest urgent encounters of which a single one does not move a share by more than 10 %."""
+_CHANCES: Final[dict[Urgency, Literal["no chance", "outside", "urgent"]]] = {
+    Urgency.NO_CHANCE: "no chance",
+    Urgency.OUTSIDE: "outside",
+    Urgency.URGENT: "urgent",
+}
 
 
 def confirmed(result: Result) -> tuple[Confirmed, ...]:
@@ -91,3 +114,122 @@ def _unknown(result: Result) -> Unknown | None:
     )
     reasons = tuple(reason for reason in every if reason.n)
     return Unknown(reasons) if reasons else None
+
+
+def needed(params: Params) -> Needed:
+    """What the last chance is, with the settings at hand."""
+    needed_s = float(needed_time(np.array(params.speed_kmh), params))
+    return Needed(params.speed_kmh, needed_s, params.reaction_s, params.deceleration)
+
+
+def few_urgent(result: Result) -> tuple[FewUrgent, ...]:
+    """That urgent encounters are few; none: they are not, or there is none."""
+    n = int(time_left_in(result).is_urgent.sum())
+    return (FewUrgent("one" if n == 1 else "many", n),) if 0 < n < FEW_URGENT else ()
+
+
+def responses(result: Result, encounters: np.ndarray) -> list[tuple[Response, Response]]:
+    """What X and Y made of urgent encounters.
+
+    Parameters
+    ----------
+    encounters
+        Rows of ``result.encounters``; shape (n,).
+    """
+    columns = ["time_left", "margin_s", "impact_kmh"]
+    x, y = (
+        [
+            _response(letter, *row)
+            for row in time_left_of(system)[columns]
+            .iloc[encounters]
+            .itertuples(index=False, name=None)
+        ]
+        for letter, system in result.sides
+    )
+    return list(zip(x, y, strict=True))
+
+
+def _response(letter: str, time_left: str, margin_s: float, impact_kmh: float) -> Response:
+    kind: Literal["in time", "only then", "late", "never"]
+    if time_left == TimeLeft.NEVER:
+        kind = "never"
+    elif time_left == TimeLeft.IN_TIME:
+        kind = "in time"
+    else:
+        kind = "late" if margin_s else "only then"
+    return Response(kind, letter, margin_s, impact_kmh)
+
+
+def last_chance(result: Result, encounter: int) -> LastChance:
+    """The last chance of an encounter and what each system made of it.
+
+    Parameters
+    ----------
+    encounter
+        Row of ``result.encounters``.
+    """
+    urgency = time_left_in(result).urgency.iloc[encounter]
+    kind, row = Urgency(urgency["urgency"]), int(urgency["urgent_row"])
+    speed = _speed_of(result, encounter)
+    if kind is Urgency.UNKNOWN:
+        return LastChance("unknown", _why_unknown(result, encounter))
+    if kind is Urgency.NOT_URGENT:
+        least_s = float(urgency["min_ttc_s"])
+        is_nearer = np.isfinite(least_s)
+        return LastChance("not urgent" if is_nearer else "never nearer", None, speed, least_s)
+    frames = result.dataset.frames
+    return LastChance(
+        _CHANCES[kind],
+        speed=speed,
+        frame=int(frames["frame"].iloc[row]),
+        time_s=float(frames["time_s"].iloc[row]),
+        responses=responses(result, np.array([encounter]))[0] if kind is Urgency.URGENT else (),
+    )
+
+
+def _why_unknown(result: Result, encounter: int) -> WhyUnknown:
+    contact = time_left_in(result).contact
+    if contact.is_sampled[encounter]:
+        return WhyUnknown("sampled")
+    return WhyUnknown("linked" if contact.is_linked[encounter] else "short")
+
+
+def _speed_of(result: Result, encounter: int) -> SpeedOfOne:
+    recording = int(result.encounters.recording[encounter])
+    if time_left_in(result).has_assumed_speed[recording]:
+        return SpeedOfOne("assumed", result.params.speed_kmh)
+    return SpeedOfOne("own", float(result.dataset.frame_columns.speed_kmh[recording]))
+
+
+def orders(curve: pd.DataFrame) -> tuple[Order, ...]:
+    """Who is ahead at which speed, in both measures; none where nobody is urgent at any.
+
+    Parameters
+    ----------
+    curve
+        Of `nvcore.time_left.judging.curve_over_speed`.
+    """
+    if not curve["urgent"].any():
+        return ()
+    return _order(curve, "share_in_time", 1), _order(curve, "mean_impact_kmh", -1)
+
+
+def _order(
+    curve: pd.DataFrame, measure: Literal["share_in_time", "mean_impact_kmh"], sign: int
+) -> Order:
+    """Who is ahead in a measure; `sign` is that of X - Y where X is."""
+    difference = sign * np.nan_to_num(curve[f"{measure}_x"] - curve[f"{measure}_y"])
+    apart = np.flatnonzero(np.abs(difference) > 1e-9)
+    if not len(apart):
+        return Order("same", OverSpeed(measure))
+    turns_kmh = tuple(turning_speeds(curve, measure))
+    first, second = "xy" if difference[apart[0]] > 0 else "yx"
+    n_equal = int(np.count_nonzero(curve["urgent"])) - len(apart)
+    return Order(
+        "often" if len(turns_kmh) > 1 else "once" if turns_kmh else "always",
+        OverSpeed(measure),
+        Ahead(measure, first),
+        second,
+        turns_kmh,
+        Equal("addition" if turns_kmh else "but", n_equal, len(curve)) if n_equal else None,
+    )

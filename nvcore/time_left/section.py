@@ -15,32 +15,25 @@ from nvcore.time_left.encounters import urgent_encounters
 from nvcore.time_left.facts import NobodyMet
 from nvcore.time_left.figures.approach import MOST_ROWS, approach_plot
 from nvcore.time_left.figures.over_speed import LOOKS, OverSpeed, over_speed_plot
-from nvcore.time_left.said import confirmed, urgent
+from nvcore.time_left.said import confirmed, few_urgent, needed, orders, urgent
 from nvcore.time_left.steps import time_left_in
-from nvcore.time_left.texts import (
-    describe_needed,
-    describe_turns,
-    few_urgent,
-)
 from nvcore.wording import number
 
 
 def _section(result: Result) -> Section:
     """The urgent encounters up to contact, and both systems over the speed of the car."""
     curve, encounters = time_left_in(result).over_speed, urgent_encounters(result)
-    needed = (
-        describe_needed(result.params, result.objects)
-        if time_left_in(result).has_assumed_speed.any()
-        else ""
+    facts = (
+        *few_urgent(result),
+        *([needed(result.params)] if time_left_in(result).has_assumed_speed.any() else []),
+        *orders(curve),
     )
     sentences = (
         *(say(fact, result.objects) for fact in confirmed(result)),
         f"{say(urgent(result) or NobodyMet(), result.objects)}.",
-        few_urgent(len(encounters)),
-        needed,
-        *describe_turns(curve),
+        *(say(fact, result.objects) for fact in facts),
     )
-    blocks: list[Sentences | Chart | Table] = [Sentences(tuple(filter(None, sentences)))]
+    blocks: list[Sentences | Chart | Table] = [Sentences(sentences)]
     if not encounters.empty:
         figure = approach_plot(result, encounters, theme=result.scheme("light"))
         in_words = "For each urgent encounter the last chance and when X and Y confirm"

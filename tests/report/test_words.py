@@ -1,4 +1,4 @@
-"""Sentences about exclusivity, fusion and saliency."""
+"""What is told of misses, fusion, saliency and time left."""
 
 from __future__ import annotations
 
@@ -15,13 +15,15 @@ from nvcore.metrics.venn import Venn, measure_exclusivity
 from nvcore.objects import PEDESTRIAN
 from nvcore.params import Params
 from nvcore.report.words import (
-    describe_fusion,
-    describe_saliency,
+    fusion_gains,
     lead,
     misses,
+    saliencies,
     saliency_caveat,
 )
 from nvcore.sentences import say
+from nvcore.sentences.encounters import Gain, MoreEpisodes, NoFusion
+from nvcore.sentences.saliency import End, Relevance, Weight
 from nvcore.tables.encounters.miss_classes import fusion_table
 from nvcore.time_left.facts import Among, Confirmed, Kind, Others, Reason, Speed, Unknown, Urgent
 from nvcore.time_left.said import confirmed, urgent
@@ -115,25 +117,26 @@ def fusion() -> pd.DataFrame:
 
 
 def test_gain_and_cost_of_a_fusion_are_told_against_the_better_system(fusion: pd.DataFrame):
-    assert describe_fusion(fusion, PEDESTRIAN) == (
+    gains = fusion_gains(fusion)
+    assert [say(gain, PEDESTRIAN) for gain in gains] == [
         "“X or Y” detects 3 of 3 encounters, 1 more than X alone, and costs 1 false-alert episode "
         "(+3600 an hour).",
         "“X and Y” detects 1 of 3 encounters, 1 fewer than X alone, and has as many false-alert "
         "episodes.",
-    )
+    ]
     fusion.loc[fusion["system"] == "y", "encounters_detected"] = 3
     fusion["gain_on_y"] = fusion["encounters_detected"] - 3
-    either, both = describe_fusion(fusion, PEDESTRIAN)
-    assert "as many as Y alone, and has as many" in either
-    assert "2 fewer than Y alone, and saves 1 false-alert episode" in both
+    either, both = fusion_gains(fusion)
+    assert (either.gain, either.cost.kind) == (Gain("same", 0, "y"), "same")
+    assert (both.gain, both.cost.kind, both.cost.n) == (Gain("fewer", 2, "y"), "fewer", 1)
 
 
 def test_an_unknown_rate_is_not_told_and_a_fusion_of_nothing_gains_nothing(
     fusion: pd.DataFrame, nothing: Result
 ):
     fusion["more_episodes_per_hour_than_x"] = np.nan
-    assert describe_fusion(fusion, PEDESTRIAN)[0].endswith("costs 1 false-alert episode.")
-    assert "can neither gain nor lose" in describe_fusion(fusion_table(nothing), PEDESTRIAN)[0]
+    assert fusion_gains(fusion)[0].cost == MoreEpisodes("more", 1, None)
+    assert fusion_gains(fusion_table(nothing)) == (NoFusion(),)
 
 
 def missed(**params: object) -> Result:
@@ -144,22 +147,26 @@ def missed(**params: object) -> Result:
 
 
 def test_the_saliency_of_a_recording_is_taken_apart():
-    assert describe_saliency(missed()) == (
+    assert [say(each, PEDESTRIAN) for each in saliencies(missed())] == [
         "X: the most salient of 2 events lasts 0.20 s and ends when 100% of the recording has "
         "passed, which gives it the recency 0.99: 0.20 s × 0.99 = 0.20 s. The missed pedestrians "
         "count (k >= 0.5) throughout.",
         "Y misses nobody by more than the tolerance: its saliency is 0.",
-    )
-    x, _ = describe_saliency(missed(saliency_aggregate="sum"))
-    assert x.startswith(
-        "X: 2 events, 0.4 s in all; weighted by recency and added they make 0.25 s. "
-    )
-    assert "of the encounter has passed" in describe_saliency(missed(saliency_scope="encounter"))[0]
-    in_seconds = describe_saliency(missed(recency_unit="seconds"))[0]
-    assert "lasts 0.20 s and ends 0.0 s before the end of the recording" in in_seconds
+    ]
+    of_encounter = saliencies(missed(saliency_scope="encounter"))[0]
+    assert of_encounter.event.end.scope == "encounter"
+    in_seconds = saliencies(missed(recency_unit="seconds"))[0]
+    assert in_seconds.event.end == End("seconds", pytest.approx(0), "recording")
     truth = [at(f, 50, h=60 if f < 5 else 2, track=3) for f in range(10)]
     far = result_of(make_dataset(truth), proximity="height", tolerance=0)
-    assert "In 50% of the events' time the missed pedestrian counts" in describe_saliency(far)[0]
+    assert saliencies(far)[0].relevance == Relevance("part", 0.5)
+
+
+def test_the_sum_of_all_events_is_told_as_one():
+    x, _ = saliencies(missed(saliency_aggregate="sum"))
+    assert say(x, PEDESTRIAN).startswith(
+        "X: 2 events, 0.4 s in all; weighted by recency and added they make 0.25 s. "
+    )
 
 
 def test_the_mean_over_recordings_stands_before_the_largest_event_of_all():
@@ -167,23 +174,23 @@ def test_the_mean_over_recordings_stands_before_the_largest_event_of_all():
     truth = [at(f, 50, track=3, recording=r) for r in (0, 1) for f in range(10)]
     x = [box for box in truth if box.recording == 0 or box.frame < 8]
     several = make_dataset(truth, x, truth, places=places)
-    text, _ = describe_saliency(result_of(several))
-    assert text.startswith(
+    largest, _ = saliencies(result_of(several))
+    assert say(largest, PEDESTRIAN).startswith(
         "X: 1 event. The largest of each recording makes 0.10 s on average; the largest of all "
         "lasts 0.20 s and ends"
     )
-    text, _ = describe_saliency(result_of(several, saliency_aggregate="sum"))
-    assert "added they make 0.20 s, 0.10 s a recording." in text
+    total, _ = saliencies(result_of(several, saliency_aggregate="sum"))
+    assert "added they make 0.20 s, 0.10 s a recording. The" in say(total, PEDESTRIAN)
 
 
-def test_with_risk_the_sentence_says_what_the_event_weighs():
-    text, _ = describe_saliency(missed(saliency_weight="risk", proximity="none"))
+def test_with_risk_an_event_says_what_it_weighs():
+    largest, _ = saliencies(missed(saliency_weight="risk", proximity="none"))
     # the pedestrian stands in the middle: weighted distance over half the width is 1
-    assert "weighs 0.20 s (weighted distance summed over time) and ends when 100%" in text
-    text, _ = describe_saliency(
+    assert largest.event.weight == Weight("one", pytest.approx(0.2))
+    total, _ = saliencies(
         missed(saliency_weight="risk", saliency_aggregate="sum", proximity="none")
     )
-    assert "2 events, 0.4 s in all, which weigh 0.40 s; weighted by recency" in text
+    assert total.event.weight == Weight("all", pytest.approx(0.4))
 
 
 def test_what_follows_from_the_paper_s_rule_is_told_while_it_holds():

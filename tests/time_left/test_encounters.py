@@ -7,13 +7,15 @@ import pytest
 from approach import ALL, LATE, NEVER, approach, met
 from builders import at, make_dataset, result_of
 
+from nvcore.objects import PEDESTRIAN
+from nvcore.sentences import phrase
 from nvcore.time_left.encounters import (
     contact_at,
     count_in_time,
     nearest_contact,
-    systems_in_words,
     urgent_encounters,
 )
+from nvcore.time_left.said import responses
 
 
 def test_the_fastest_impact_is_on_top_then_the_smaller_margin():
@@ -46,15 +48,12 @@ def test_where_nobody_is_urgent_the_table_is_empty_with_its_columns():
 
 def test_what_each_system_did_is_said_in_words():
     result = met((range(10, 40), LATE), (NEVER, range(27, 40)))
-    assert systems_in_words(result, np.array([1, 0])) == [
-        (
-            "X never confirms him: impact at 50 km/h",
-            "Y confirms him only then, late: impact at 15 km/h",
-        ),
-        (
-            "X confirms him 1.70 s before it, in time",
-            "Y confirms him 0.30 s after it, late: impact at 31 km/h",
-        ),
+    of_both = responses(result, np.array([1, 0]))
+    assert [phrase(response, PEDESTRIAN) for pair in of_both for response in pair] == [
+        "X never confirms him: impact at 50 km/h",
+        "Y confirms him only then, late: impact at 15 km/h",
+        "X confirms him 1.70 s before it, in time",
+        "Y confirms him 0.30 s after it, late: impact at 31 km/h",
     ]
 
 

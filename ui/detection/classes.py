@@ -6,7 +6,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.figures.classes import classes_plot
-from nvcore.report.words import describe_read
+from nvcore.report.words import classes_read
 from nvcore.tables.classes import classes_table, has_classes, names_classes
 from ui.session import state
 from ui.widgets.charts import draw_chart
@@ -32,4 +32,4 @@ def draw(result: Result) -> None:
             if names_classes(result, system):
                 figure = classes_plot(table, letter, system.name, theme=state.theme())
                 draw_chart(figure, f"classes_{letter}")
-            st.caption(plain(describe_read(result, table, letter)))
+            st.caption(plain(state.say(classes_read(result, table, letter))))

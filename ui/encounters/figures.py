@@ -10,7 +10,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.figures.encounters import LABELS, fusion_plot, lead_time_plot, miss_classes_plot
-from nvcore.report.words import FUSION_RULE, describe_fusion, misses
+from nvcore.report.words import FUSION_RULE, fusion_gains, misses
 from nvcore.tables.encounters.miss_classes import ALL_CLASSES, fusion_table, miss_class_totals
 from ui.encounters.filters import set_classes
 from ui.session import state
@@ -119,8 +119,8 @@ def draw_fusion(result: Result) -> None:
     with left:
         draw_chart(fusion_plot(fusion, theme=state.theme()), "encounters_fusion")
     with right:
-        sentences = describe_fusion(fusion, result.objects)
-        st.markdown("\n".join(f"- {sentence}" for sentence in sentences))
+        gains = (state.say(gain) for gain in fusion_gains(fusion))
+        st.markdown("\n".join(f"- {sentence}" for sentence in gains))
         st.caption(plain(FUSION_RULE))
         st.dataframe(
             _fusion_shown(fusion),

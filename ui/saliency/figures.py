@@ -13,7 +13,7 @@ from nvcore.figures.paired import recordings_plot
 from nvcore.figures.saliency import parts_plot, plane_plot, recency_plot
 from nvcore.measures.table import has_several_recordings
 from nvcore.params import Params
-from nvcore.report.words import describe_saliency, saliency_caveat
+from nvcore.report.words import saliencies, saliency_caveat
 from nvcore.tables.result import recordings_table, worst_events
 from ui.session import state
 from ui.shell.navigate import open_row
@@ -60,13 +60,13 @@ def draw_numbers(result: Result) -> None:
         kind = f"{kind}, mean over recordings"
     if result.is_short:
         kind += " (means little here: see above)"
-    for column, (letter, system), description in zip(
-        st.columns(2, gap="medium"), result.sides, describe_saliency(result), strict=True
+    for column, (letter, system), how in zip(
+        st.columns(2, gap="medium"), result.sides, saliencies(result), strict=True
     ):
         column.metric(
             f"Late misses of {letter.upper()} (saliency, {kind})", f"{system.saliency_s:.2f} s"
         )
-        column.markdown(description)
+        column.markdown(state.say(how))
         if not system.events.empty:
             with column:
                 _draw_way(result, letter)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.time_left.said import last_chance
 from nvcore.time_left.steps import time_left_in
-from nvcore.time_left.texts import describe_encounter
+from ui.session import state
 from ui.shell.navigate import open_row
 from ui.widgets.buttons import button
 from ui.widgets.text import docs_link, plain
@@ -15,7 +16,7 @@ from ui.widgets.text import docs_link, plain
 def draw_text(result: Result, encounter: int) -> None:
     """The last chance, and what each system made of it."""
     if result.dataset.objects.is_on_road:
-        text = describe_encounter(result, encounter)
+        text = state.say(last_chance(result, encounter))
         st.caption(f"{docs_link('Time left', 'time-left')}: {plain(text)}")
 
 

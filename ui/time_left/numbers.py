@@ -16,10 +16,9 @@ from nvcore.stages import THRESHOLD
 from nvcore.tables.scorecard import score_rows
 from nvcore.time_left.facts import NobodyMet
 from nvcore.time_left.kinds import TimeLeft, Urgency
-from nvcore.time_left.said import confirmed, urgent
+from nvcore.time_left.said import confirmed, few_urgent, needed, urgent
 from nvcore.time_left.settings import TIME_LEFT
 from nvcore.time_left.steps import time_left_in
-from nvcore.time_left.texts import describe_needed, few_urgent
 from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number
 from ui.session import state
 from ui.widgets.html import MeasureRow, measures_html, score_row
@@ -86,8 +85,7 @@ def _draw_measures(result: Result) -> None:
             rows.append(with_interval(_share(evidence[SHARE]), evidence[SHARE], notes))
     st.html(measures_html(rows, key="time-left", head=HEAD))
     lines = [f"{mark}: {plain(capitalised(note))}." for note, mark in notes.marks.items()]
-    if few := few_urgent(int(time_left_in(result).is_urgent.sum())):
-        lines.append(few)
+    lines += [state.say(fact) for fact in few_urgent(result)]
     st.caption("  \n".join(lines))
 
 
@@ -127,7 +125,7 @@ def _draw_meaning(result: Result) -> None:
     if is_assumed.any():
         if not is_assumed.all():
             st.markdown("In recordings that do not state their speed:")
-        st.markdown(plain(describe_needed(params, result.objects)))
+        st.markdown(plain(state.say(needed(params))))
     else:
         st.markdown("The recordings state the speed of the car: the assumed one moves nothing.")
     st.markdown(

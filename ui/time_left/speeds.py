@@ -12,9 +12,9 @@ from nvcore.comparison import Result
 from nvcore.params import settings_for
 from nvcore.stages import THRESHOLD
 from nvcore.time_left.figures.over_speed import OverSpeed, over_speed_plot
+from nvcore.time_left.said import orders
 from nvcore.time_left.settings import TIME_LEFT
 from nvcore.time_left.steps import time_left_in
-from nvcore.time_left.texts import describe_turns
 from ui.session import state
 from ui.widgets.charts import draw_chart, kept_figure
 from ui.widgets.text import docs_link, plain
@@ -31,8 +31,8 @@ def draw(result: Result) -> None:
     if not curve["urgent"].any():
         return
     st.header("If the car were slower or faster")
-    for sentence in describe_turns(curve):
-        st.markdown(plain(sentence))
+    for order in orders(curve):
+        st.markdown(plain(state.say(order)))
     names, theme = (result.x.name, result.y.name), state.theme()
     speed_kmh = time_left_in(result).assumed_speed_kmh
     for column, measure in zip(st.columns(2, gap="medium"), MEASURES, strict=True):

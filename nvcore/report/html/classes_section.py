@@ -6,7 +6,8 @@ from nvcore.comparison import Result
 from nvcore.figures.classes import NO_CLASS, classes_plot
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Block, Chart, Section, Sentences, table
-from nvcore.report.words import describe_read
+from nvcore.report.words import classes_read
+from nvcore.sentences import say
 from nvcore.tables.classes import classes_table, names_classes
 
 
@@ -15,7 +16,7 @@ def classes_section(result: Result) -> Section:
     counted = classes_table(result)
     blocks: list[Block] = []
     for letter, system in result.sides:
-        text = describe_read(result, counted, letter)
+        text = say(classes_read(result, counted, letter), result.objects)
         blocks.append(Sentences((text,)))
         rows = counted[counted["system"] == letter]
         if rows.empty or not names_classes(result, system):

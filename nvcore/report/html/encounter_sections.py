@@ -17,7 +17,7 @@ from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table
 from nvcore.report.html.result_sections import names_of
 from nvcore.report.words import (
     FUSION_RULE,
-    describe_fusion,
+    fusion_gains,
     lead,
     misses,
 )
@@ -97,7 +97,7 @@ def encounters_section(result: Result) -> Section:
             ),
             table("How they were missed", ("Class", "X", "Y", "Meaning"), classes, right=(1, 2)),
             _boxes(result),
-            Sentences(describe_fusion(fusion, result.objects)),
+            Sentences(tuple(said(gain, result.objects) for gain in fusion_gains(fusion))),
             _fusion(fusion),
         ),
     )

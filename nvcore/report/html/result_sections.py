@@ -22,7 +22,7 @@ from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table
 from nvcore.report.html.input_sections import span_in_use
 from nvcore.report.terminal import SHORT_ROWS
 from nvcore.report.words import (
-    describe_saliency,
+    saliencies,
     score_cells,
     scorecard_cells,
 )
@@ -218,7 +218,7 @@ def saliency_section(result: Result) -> Section:
         "Saliency",
         words.saliency(result.params),
         (
-            Sentences(describe_saliency(result)),
+            Sentences(tuple(say(each, result.objects) for each in saliencies(result))),
             Chart(
                 "plane",
                 plane_plot(result, theme=result.scheme("light")),

@@ -24,7 +24,8 @@ from nvcore.figures.style import (
     written,
 )
 from nvcore.palette import Theme
-from nvcore.time_left.encounters import systems_in_words
+from nvcore.sentences import phrase
+from nvcore.time_left.said import responses
 from nvcore.wording import count_text
 
 MOST_ROWS: Final = 20
@@ -160,16 +161,30 @@ def _places(part: pd.DataFrame, frame_row: np.ndarray) -> np.ndarray:
     return np.column_stack([frame_row, part.index.to_numpy()])
 
 
+def responses_text(result: Result, encounters: np.ndarray) -> list[str]:
+    """For the mouse: a line for what each system made of the urgent encounter.
+
+    Parameters
+    ----------
+    encounters
+        Rows of ``result.encounters``; shape (n,).
+    """
+    return [
+        "<br>".join(phrase(response, result.objects) for response in of_both)
+        for of_both in responses(result, encounters)
+    ]
+
+
 def _texts(result: Result, part: pd.DataFrame, frame_row: np.ndarray, what: str) -> list[str]:
     """For the mouse: the moment, and what both systems made of the encounter."""
     frames = result.dataset.frames
     columns = (part[name] for name in ("track", "recording", "ttc_s", "speed_kmh"))
     moments = (frames[name].to_numpy()[frame_row] for name in ("frame", "time_s"))
-    of_both, one = systems_in_words(result, part.index.to_numpy()), result.objects.singular
+    of_both, one = responses_text(result, part.index.to_numpy()), result.objects.singular
     return [
         f"{one} {track}, {plain(recording)}<br>{what}: frame {frame}, {time_s:.2f} s<br>"
-        f"last chance {ttc_s:.2f} s before contact, at {speed_kmh:g} km/h<br>{'<br>'.join(words)}"
-        for track, recording, ttc_s, speed_kmh, frame, time_s, words in zip(
+        f"last chance {ttc_s:.2f} s before contact, at {speed_kmh:g} km/h<br>{of_both_text}"
+        for track, recording, ttc_s, speed_kmh, frame, time_s, of_both_text in zip(
             *columns, *moments, of_both, strict=True
         )
     ]

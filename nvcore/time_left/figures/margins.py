@@ -23,8 +23,8 @@ from nvcore.figures.style import (
     write,
 )
 from nvcore.palette import Theme
-from nvcore.time_left.encounters import QUADRANTS, count_in_time, systems_in_words
-from nvcore.time_left.figures.approach import NO_URGENT
+from nvcore.time_left.encounters import QUADRANTS, count_in_time
+from nvcore.time_left.figures.approach import NO_URGENT, responses_text
 from nvcore.wording import count_text, minus
 
 WORDS: Final = {
@@ -80,9 +80,9 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
         for letter in "xy"
     }
     texts = [
-        f"{result.objects.singular} {track}, {plain(recording)}<br>" + "<br>".join(of_both)
+        f"{result.objects.singular} {track}, {plain(recording)}<br>{of_both}"
         for of_both, track, recording in zip(
-            systems_in_words(result, urgent.index.to_numpy()),
+            responses_text(result, urgent.index.to_numpy()),
             urgent["track"],
             urgent["recording"],
             strict=True,

@@ -14,7 +14,8 @@ from nvcore.figures.over_time.lanes import Lanes, Strip
 from nvcore.figures.over_time.similarity import decimate, evenly
 from nvcore.figures.style import LOOK, axis, faded, written
 from nvcore.palette import Theme
-from nvcore.time_left.encounters import contact_at, nearest_contact, systems_in_words
+from nvcore.time_left.encounters import contact_at, nearest_contact
+from nvcore.time_left.figures.approach import responses_text
 from nvcore.time_left.judging import needed_time
 from nvcore.time_left.steps import time_left_in
 
@@ -139,9 +140,9 @@ def last_chances(result: Result, encounters: np.ndarray, size: float, theme: The
     frame, time_s = frames["frame"].to_numpy()[row], frames["time_s"].to_numpy()[row]
     text = [
         f"{result.objects.singular} {result.encounters.track[encounter]}, last chance to stop: "
-        f"frame {number}, {second:.2f} s<br>" + "<br>".join(of_both)
+        f"frame {number}, {second:.2f} s<br>{of_both}"
         for encounter, number, second, of_both in zip(
-            urgent.tolist(), frame, time_s, systems_in_words(result, urgent), strict=True
+            urgent.tolist(), frame, time_s, responses_text(result, urgent), strict=True
         )
     ]
     ink = LOOK[theme].ink
