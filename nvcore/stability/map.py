@@ -136,7 +136,7 @@ class StabilityMap:
 
     @cached_property
     def end(self) -> Flip | None:
-        """The nearest setting on the map at which the verdict does not hold: a tie is enough."""
+        """The nearest setting on the map at which the verdict no longer holds (a tie ends it)."""
         is_other = (self.winner != self.verdict) & (self.winner != "undefined")
         if self.verdict == "undefined":
             return None

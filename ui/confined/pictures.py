@@ -125,7 +125,7 @@ def _file_names(path: Path, indices: list[int]) -> list[str] | None:
 
 
 def _again(path: Path) -> Pictures:
-    """What was opened, perhaps by a process that has ended."""
+    """The pictures; opened again if the process that had opened them has ended."""
     if path not in _opened:
         _opened[path] = open_pictures(path)
     return _opened[path]

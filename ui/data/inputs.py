@@ -93,7 +93,7 @@ def _inputs(dataset: Dataset) -> pd.DataFrame:
 
 
 def _without_old_name(conversion: str) -> str:
-    """The text without the name that the file gives the only recording: the next table has it.
+    """The text without the file's own name for the only recording, which the next table shows.
 
     Examples
     --------

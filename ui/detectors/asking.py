@@ -62,7 +62,7 @@ def described(spec: DetectorSpec) -> DetectorFacts:
 
 
 def found(spec: DetectorSpec, picture: Picture) -> Detections:
-    """All its boxes in the picture of the current frame; errors as `ask`."""
+    """All boxes of the detector in the picture of the current frame; errors as `ask`."""
     return ask("boxes", find, spec, picture, key=place())
 
 

@@ -115,7 +115,7 @@ def _take_model() -> None:
 
 
 def _draw_about(what: DetectorFacts) -> None:
-    """What it detects, what it was trained on, by which digits it is known."""
+    """What it detects, what it was trained on, and its fingerprint."""
     about, inside = what.about, what.inside
     parts = [f"Detects {plain(listed([*about.labels]))}."]
     if inside is not None:

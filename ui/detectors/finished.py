@@ -130,7 +130,7 @@ def draw(job: RunJob, on_screen: OnScreen | None) -> None:
 
 
 def differences_of(started: OnScreen, now: OnScreen) -> list[str]:
-    """What of a run is not as it is set by now, in words."""
+    """Which settings of a run differ from those of the page by now, in words."""
     before, after = started.key.spec, now.key.spec
     if (before.text, before.version) != (after.text, after.version):
         return ["another detector"]

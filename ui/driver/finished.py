@@ -88,7 +88,7 @@ def draw_aside(page: str) -> None:
 
 
 def _news_on(page: str) -> str:
-    """What is to be said of estimates that were taken over, on the page where that was said first.
+    """The message about estimates that were taken over, for the page that showed it first.
 
     Empty: nothing, or somebody has gone to another page since.
     """

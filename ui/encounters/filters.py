@@ -432,7 +432,7 @@ def _set(
 
 
 def _choose_among(name: str, names: Sequence[str]) -> None:
-    """Show of what was chosen from a list what there is; the rest is chosen again with it."""
+    """Keep the choices that the list still has; others are set aside until it has them again."""
     chosen = st.session_state.get(key(name), [])
     waiting = st.session_state.get(_set_key(name), [])
     if not {*chosen} <= {*names} or not {*waiting}.isdisjoint(names):

@@ -118,7 +118,7 @@ class BackgroundJob(Generic[Output]):
 
     @property
     def is_stopping(self) -> bool:
-        """Whether it was cancelled and has not come to its next step yet."""
+        """Whether it was cancelled and is still at the step at which that happened."""
         return self.is_busy and self._stop.is_set()
 
     def cancel(self) -> None:
@@ -126,7 +126,7 @@ class BackgroundJob(Generic[Output]):
         self._stop.set()
 
     def discard(self) -> None:
-        """Stop at the next step; nothing is left, also if it is done already."""
+        """Stop at the next step; nothing is left, even of work that is done."""
         self.cancel()
         with self._ending:
             if not self.is_busy:

@@ -24,12 +24,12 @@ class Computation(Generic[Output]):
     most: int
 
     def start(self) -> None:
-        """Compute it in the background."""
+        """Start computing it in the background."""
         space = state.workspace()
         space.put_job(self.kind, BackgroundJob(self.compute, while_open(space), key=self.key))
 
     def draw(self, *, is_quick: bool) -> tuple[Output | None, bool]:
-        """The value, None: there is none yet; whether the page has to offer to `start` it."""
+        """The value, None until computed, and whether the page should offer to `start` it."""
         space = state.workspace()
         job: BackgroundJob[Output] | None = space.job(self.kind)
         if job is not None and job.key == self.key:

@@ -52,7 +52,7 @@ class Room:
             self._rest = st.expander("What this rests on")
 
     def _opening(self) -> tuple[object, ...]:
-        """What the last headline was about; it stays, in grey, until that of other settings."""
+        """What the last headline was about; it stays, greyed, until the next one is known."""
         return state.opened().dataset.fingerprint, self._result.x.name, self._result.y.name
 
     def draw_known(self, evidence: pd.DataFrame | None, other: Alternative) -> None:

@@ -92,7 +92,7 @@ def use_names(systems: Mapping[str, str], changes: Mapping[str, Mapping[str, Any
 
 
 def _tagged(session: Session, whole: Dataset, changes: Mapping[str, Mapping[str, Any]]) -> Session:
-    """The session with these tags; without a choice by such that no recording has any longer.
+    """The session with these tags; its choice loses those that no recording has any more.
 
     Of the recordings that the session compares, if it names some.
     """

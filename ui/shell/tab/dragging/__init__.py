@@ -1,4 +1,4 @@
-"""Parameters that act while their slider in the sidebar is dragged, and what is not yet of them.
+"""Parameters that act while their slider is dragged, and what still shows their former values.
 
 Streamlit tells Python of a slider only when it is let go. A script of the page reads where the
 handle is meanwhile and sends that, one value at a time (`ui.session.settings`).
