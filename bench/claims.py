@@ -1,11 +1,12 @@
 """How often does the verdict claim a difference that is none, and one that is?
 
-    python -m bench.claims [--pairs 400] [--seed 2026] [--processes 2] [--write]
+    python -m bench.claims --keep ROWS.jsonl [--null 1000] [--power 300] [--processes 2] [--write]
 
 Draws pairs of systems, compares each through the whole library (dataset, comparison, evidence,
-comparison at equal false alarms, strict pairing, verdict) and counts the verdicts that claim
-anything. `--write` puts the table into docs/significance.md. 400 pairs take under an hour on two
-free cores.
+comparison at equal false alarms, strict pairing, verdict) and notes what the verdict claims. Every
+verdict is a line of ROWS.jsonl; those that are there already are not made again. `--write` puts the
+table of shares, with 95 % intervals (Wilson), into docs/significance.md. The same seeds draw the
+same pairs, so that two versions of the rule can be compared verdict by verdict.
 """
 
 from __future__ import annotations
@@ -14,13 +15,13 @@ import argparse
 import json
 import os
 import sys
-import time
-from collections.abc import Callable, Iterable, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -28,8 +29,8 @@ import pandas as pd
 from nvcore.comparison import compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
-from nvcore.evidence.companions import find_companions
-from nvcore.evidence.table import evidence_table
+from nvcore.evidence.companions import judge_both
+from nvcore.metrics.shares import share_of
 from nvcore.params import Params
 from nvcore.report.verdict import Verdict, verdict
 
@@ -38,15 +39,17 @@ PAGE: Final = ROOT / "docs" / "significance.md"
 BEGIN: Final = "<!-- claims: written by `python -m bench.claims --write` -->"
 END: Final = "<!-- end of claims -->"
 
-SIZES: Final = (1, 2, 4, 6, 8, 16, 50)
-POWER_SIZES: Final = (8, 16, 50)
-BOUND_99: Final = 32
-"""Of 400 verdicts that claim in 5 % of the cases, more than so many come in one of 200 runs."""
+SIZES: Final = (6, 8, 12, 20, 30)
+SEED: Final = 2026
+CHUNK: Final = 20
+"""Verdicts of a task: so many are lost at most where a run is stopped."""
 
 N_FRAMES: Final = 30
-N_TRACKS: Final = 6
+TRACKS_PER_FRAME: Final = 0.2
 TRACK_FRAMES: Final = 10
 WIDTH: Final = 640.0
+
+Systems = tuple["Detector", "Detector"]
 
 
 @dataclass(frozen=True)
@@ -81,21 +84,21 @@ class Scenario:
         How they differ, or do not.
     draw
         X and Y for so many recordings.
-    sizes
-        Numbers of recordings.
     has_scores
         Whether detections have scores.
     is_same
         Whether Y's detections are X's, cut at its own threshold.
+    has_lengths
+        Whether recordings differ in length, up to tenfold.
     is_null
         Whether there is no difference.
     """
 
     label: str
-    draw: Callable[[np.random.Generator, int], tuple[Detector, Detector]]
-    sizes: Sequence[int] = SIZES
-    has_scores: bool = False
+    draw: Callable[[np.random.Generator, int], Systems]
+    has_scores: bool = True
     is_same: bool = False
+    has_lengths: bool = False
     is_null: bool = True
 
 
@@ -104,7 +107,7 @@ def logistic(values: np.ndarray) -> np.ndarray:
     return shares
 
 
-def varying(rng: np.random.Generator, n: int) -> tuple[Detector, Detector]:
+def varying(rng: np.random.Generator, n: int) -> Systems:
     """Each system is good in some recordings and bad in others, equally often."""
     hard = rng.normal(-1.2, 0.6, n)
     x, y = (
@@ -113,13 +116,30 @@ def varying(rng: np.random.Generator, n: int) -> tuple[Detector, Detector]:
     return x, y
 
 
-def clustered(rng: np.random.Generator, n: int) -> tuple[Detector, Detector]:
+def clustered(rng: np.random.Generator, n: int) -> Systems:
     """The same, and a pedestrian is missed throughout or not at all."""
     x, y = varying(rng, n)
     return replace(x, clumped=True), replace(y, clumped=True)
 
 
-def skewed(rng: np.random.Generator, n: int) -> tuple[Detector, Detector]:
+def heavy_misses(rng: np.random.Generator, n: int) -> Systems:
+    """The same, and now and then a recording is very much harder for one of them."""
+    x, y = (
+        replace(of, miss=logistic(rng.normal(-1.6, 0.4, n) + rng.standard_t(2, n)))
+        for of in varying(rng, n)
+    )
+    return x, y
+
+
+def heavy_alarms(rng: np.random.Generator, n: int) -> Systems:
+    """The same, and a few recordings have most of the false alarms."""
+    x, y = (
+        replace(of, alarms=np.minimum(rng.lognormal(-2.5, 1.3, n), 5.0)) for of in varying(rng, n)
+    )
+    return x, y
+
+
+def skewed(rng: np.random.Generator, n: int) -> Systems:
     """X misses a little everywhere, Y little in most recordings and much in few: equal means."""
     order = rng.permutation(2)
     excess = rng.lognormal(0, 1, n) / np.exp(0.5)
@@ -128,7 +148,7 @@ def skewed(rng: np.random.Generator, n: int) -> tuple[Detector, Detector]:
     return pair[order[0]], pair[order[1]]
 
 
-def two_thresholds(rng: np.random.Generator, n: int) -> tuple[Detector, Detector]:
+def two_thresholds(rng: np.random.Generator, n: int) -> Systems:
     """Two systems that are equally good, at thresholds of their own."""
     x, y = varying(rng, n)
     low = rng.uniform(0.0, 0.3)
@@ -136,38 +156,65 @@ def two_thresholds(rng: np.random.Generator, n: int) -> tuple[Detector, Detector
     return replace(x, threshold=cuts[0]), replace(y, threshold=cuts[1])
 
 
-def better_y(rng: np.random.Generator, n: int) -> tuple[Detector, Detector]:
-    """Y misses about half as much as X."""
-    x, y = varying(rng, n)
-    return x, replace(y, miss=0.5 * y.miss)
+def fewer_misses(
+    share: float, of: Callable[[np.random.Generator, int], Systems] = varying
+) -> Callable[[np.random.Generator, int], Systems]:
+    """Y misses this share of what it would miss if it were as good as X."""
+
+    def draw(rng: np.random.Generator, n: int) -> Systems:
+        x, y = of(rng, n)
+        return x, replace(y, miss=share * y.miss)
+
+    return draw
 
 
-SCENARIOS: Final = (
-    Scenario("equal, each better in some recordings", varying, has_scores=True),
-    Scenario("the same, encounters missed as a whole, no scores", clustered),
-    Scenario("equal means, rare disasters against frequent trifles", skewed),
-    Scenario("one detector at two thresholds", two_thresholds, has_scores=True, is_same=True),
-    Scenario("the same, without scores", two_thresholds, is_same=True),
-    Scenario("two equal detectors at two thresholds", two_thresholds, has_scores=True),
-    Scenario("Y misses half as much", better_y, POWER_SIZES, has_scores=True, is_null=False),
-)
+SCENARIOS: Final[Mapping[str, Scenario]] = {
+    "equal": Scenario("equal, each better in some recordings", varying),
+    "heavy misses": Scenario("the same, misses heavy-tailed", heavy_misses),
+    "heavy alarms": Scenario("the same, false alarms heavy-tailed", heavy_alarms),
+    "lengths": Scenario("the same, recordings of unequal length", varying, has_lengths=True),
+    "clustered": Scenario(
+        "the same, encounters missed as a whole, no scores", clustered, has_scores=False
+    ),
+    "points": Scenario("two equal detectors at two thresholds", two_thresholds),
+    "one detector": Scenario("one detector at two thresholds", two_thresholds, is_same=True),
+    "skewed": Scenario("equal means, rare disasters against frequent trifles", skewed),
+    "half": Scenario("Y misses half as much", fewer_misses(1 / 2), is_null=False),
+    "third": Scenario("Y misses a third less", fewer_misses(2 / 3), is_null=False),
+    "fifth": Scenario("Y misses a fifth less", fewer_misses(4 / 5), is_null=False),
+    "half points": Scenario(
+        "Y misses half as much, at two thresholds",
+        fewer_misses(1 / 2, two_thresholds),
+        is_null=False,
+    ),
+}
 
 
 def draw_dataset(scenario: Scenario, n: int, rng: np.random.Generator) -> Dataset:
     """Recordings of 30 frames with six pedestrians in ten frames each, and a pair of systems."""
     detectors = scenario.draw(rng, n)
-    track = np.tile(np.repeat(np.arange(N_TRACKS), TRACK_FRAMES), n)
-    recording = np.repeat(np.arange(n), N_TRACKS * TRACK_FRAMES)
-    start = rng.integers(0, N_FRAMES - TRACK_FRAMES + 1, n * N_TRACKS)
-    frame = np.repeat(start, TRACK_FRAMES) + np.tile(np.arange(TRACK_FRAMES), n * N_TRACKS)
-    centre = np.repeat(rng.uniform(40, WIDTH - 40, n * N_TRACKS), TRACK_FRAMES)
-    truth = _boxes(0, recording * N_FRAMES + frame, centre, np.nan).assign(
-        track=track, h=np.repeat(rng.uniform(60, 160, n * N_TRACKS), TRACK_FRAMES)
+    lengths = np.full(n, N_FRAMES)
+    if scenario.has_lengths:
+        lengths = np.round(N_FRAMES * np.geomspace(0.4, 4, n)).astype(int)[rng.permutation(n)]
+    first = np.cumsum(lengths) - lengths
+    n_tracks = np.round(TRACKS_PER_FRAME * lengths).astype(int)
+    recording_of_track = np.repeat(np.arange(n), n_tracks)
+    number = np.arange(len(recording_of_track)) - np.repeat(
+        np.cumsum(n_tracks) - n_tracks, n_tracks
+    )
+    latest = lengths[recording_of_track] - TRACK_FRAMES + 1
+    start = first[recording_of_track] + rng.integers(0, latest)
+    frame_index = np.repeat(start, TRACK_FRAMES) + np.tile(np.arange(TRACK_FRAMES), len(start))
+    recording = np.repeat(recording_of_track, TRACK_FRAMES)
+    centre = np.repeat(rng.uniform(40, WIDTH - 40, len(start)), TRACK_FRAMES)
+    truth = _boxes(0, frame_index, centre, np.nan).assign(
+        track=np.repeat(number, TRACK_FRAMES),
+        h=np.repeat(rng.uniform(60, 160, len(start)), TRACK_FRAMES),
     )
     tables, shared = [truth], None
     for source, detector in enumerate(detectors, start=1):
         if shared is None or not scenario.is_same:
-            shared = _detections(detector, truth, recording, n, rng)
+            shared = _detections(detector, truth, recording, lengths, rng)
         passing = shared[shared["score"] >= detector.threshold].assign(source=source)
         tables.append(passing if scenario.has_scores else passing.assign(score=np.nan))
     boxes = pd.concat(tables, ignore_index=True)
@@ -175,7 +222,7 @@ def draw_dataset(scenario: Scenario, n: int, rng: np.random.Generator) -> Datase
     recordings = pd.DataFrame(
         {"name": [f"r{i:02}" for i in range(n)], "width": WIDTH, "height": 480.0, "fps": 10.0}
     )
-    frames = [np.arange(N_FRAMES)] * n
+    frames = [np.arange(length) for length in lengths]
     return dataset_from_tables(recordings, frames, boxes, ["x", "y"], fingerprint="")
 
 
@@ -190,11 +237,11 @@ def _detections(
     detector: Detector,
     truth: pd.DataFrame,
     recording: np.ndarray,
-    n: int,
+    lengths: np.ndarray,
     rng: np.random.Generator,
 ) -> pd.DataFrame:
     """Of the pedestrians that are not missed, with noise, and false alarms with lower scores."""
-    n_encounters = n * N_TRACKS
+    n_encounters = len(truth) // TRACK_FRAMES
     miss = detector.miss[recording]
     if detector.clumped:
         drawn = np.repeat(rng.random(n_encounters), TRACK_FRAMES)
@@ -206,156 +253,128 @@ def _detections(
     hits = hits.assign(
         x=hits["x"] + rng.normal(0, 2, len(hits)), score=rng.beta(4, 2, len(hits)), track=-1
     )
-    n_alarms = rng.poisson(np.repeat(detector.alarms, N_FRAMES))
-    at = np.repeat(np.arange(n * N_FRAMES), n_alarms)
+    n_alarms = rng.poisson(np.repeat(detector.alarms, lengths))
+    at = np.repeat(np.arange(lengths.sum()), n_alarms)
     centre = rng.uniform(20, WIDTH - 20, len(at))
     alarms = _boxes(1, at, centre, rng.beta(2, 3, len(at))).assign(track=-1)
     return pd.concat([hits, alarms], ignore_index=True)
 
 
-def judge(dataset: Dataset) -> Verdict:
-    """The verdict, as page, command line and report give it."""
+def judge(dataset: Dataset) -> tuple[Verdict, pd.DataFrame]:
+    """The verdict, as page, command line and report give it, and the evidence as set."""
     result = compare(dataset, Params(), x="x", y="y")
-    evidence = evidence_table(result, has_intervals=False)
-    return verdict(result, evidence=evidence, companions=find_companions(result, evidence))
+    evidence, companions = judge_both(result, has_intervals=False)
+    return verdict(result, evidence=evidence, companions=companions), evidence
 
 
-@dataclass(frozen=True)
-class Row:
-    """How many of the verdicts of a scenario claim something."""
-
-    scenario: int
-    n_recordings: int
-    n_pairs: int
-    n_claiming: int
-    n_wrong: int
-    n_encounters: int
-    seconds: float
-
-
-def simulate(task: tuple[int, int, int], seed: int) -> Row:
-    """One row: scenario, recordings, pairs."""
-    number, n, n_pairs = task
-    scenario = SCENARIOS[number]
-    begin, claims = time.perf_counter(), []
-    for pair in range(n_pairs):
-        rng = np.random.default_rng([seed, number, n, pair])
-        claims.append(judge(draw_dataset(scenario, n, rng)).claims)
-    return Row(
-        *(number, n, n_pairs),
-        n_claiming=sum(bool(of_pair) for of_pair in claims),
-        n_wrong=sum(any(claim.winner == "x" for claim in of_pair) for of_pair in claims),
-        n_encounters=sum(
-            any(claim.key == "encounters_detected_by_unit" for claim in of_pair)
-            for of_pair in claims
-        ),
-        seconds=time.perf_counter() - begin,
-    )
+def make_rows(task: tuple[str, int, int, int]) -> list[dict[str, Any]]:
+    """The verdicts of a scenario on so many recordings: the pairs from first to before end."""
+    name, n, first, end = task
+    rows = []
+    for pair in range(first, end):
+        rng = np.random.default_rng([SEED, sorted(SCENARIOS).index(name), n, pair])
+        found, evidence = judge(draw_dataset(SCENARIOS[name], n, rng))
+        rows.append(
+            {
+                "scenario": name,
+                "n": n,
+                "pair": pair,
+                "claims": {claim.key: claim.winner for claim in found.claims},
+                "p": dict(zip(evidence["figure"], map(_defined, evidence["p"]), strict=True)),
+            }
+        )
+    return rows
 
 
-def table_text(rows: Iterable[Row]) -> str:
+def _defined(p: float) -> float | None:
+    return None if np.isnan(p) else round(float(p), 5)
+
+
+def tasks(n_null: int, n_power: int, done: set[tuple[str, int, int]]) -> Iterator[Any]:
+    """What is to be made, the first pairs of all rows before the next ones."""
+    for first in range(0, max(n_null, n_power), CHUNK):
+        for n in SIZES:
+            for name, scenario in SCENARIOS.items():
+                end = min(first + CHUNK, n_null if scenario.is_null else n_power)
+                if any((name, n, pair) not in done for pair in range(first, end)):
+                    yield name, n, first, end
+
+
+def read_rows(path: Path) -> list[dict[str, Any]]:
+    """Verdicts of earlier runs."""
+    if not path.exists():
+        return []
+    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+
+
+def table_text(rows: Iterable[Mapping[str, Any]]) -> str:
     """The tables for docs/significance.md."""
-    rows = sorted(rows, key=lambda row: (row.scenario, row.n_recordings))
+    of_cell = defaultdict(list)
+    for row in rows:
+        of_cell[row["scenario"], row["n"]].append(row["claims"])
     lines = []
     for is_null in (True, False):
-        of_kind = [row for row in rows if SCENARIOS[row.scenario].is_null == is_null]
-        if not of_kind:
-            continue
-        sizes = sorted({row.n_recordings for row in of_kind})
         head = "no difference" if is_null else "a difference"
         lines += [
-            f"| {head}, recordings: | {' | '.join(map(str, sizes))} |",
-            "|---|" + "---|" * len(sizes),
+            f"| {head}, recordings: | {' | '.join(map(str, SIZES))} |",
+            "|---|" + "---|" * len(SIZES),
         ]
-        for number in sorted({row.scenario for row in of_kind}):
-            shares = {
-                row.n_recordings: f"{row.n_claiming / row.n_pairs:.1%}"
-                for row in of_kind
-                if row.scenario == number
-            }
-            cells = [shares.get(size, "–") for size in sizes]
-            lines.append(f"| {SCENARIOS[number].label} | {' | '.join(cells)} |")
+        for name, scenario in SCENARIOS.items():
+            if scenario.is_null == is_null:
+                cells = [_share_text(of_cell[name, n], is_null=is_null) for n in SIZES]
+                lines.append(f"| {scenario.label} | {' | '.join(cells)} |")
         lines.append("")
     return "\n".join(lines).strip()
 
 
-def read_rows(path: Path | None) -> list[Row]:
-    """Rows of an earlier run."""
-    if path is None or not path.exists():
-        return []
-    return [Row(**json.loads(line)) for line in path.read_text(encoding="utf-8").splitlines()]
-
-
-def parse_options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--pairs", type=int, default=400)
-    parser.add_argument("--seed", type=int, default=2026)
-    parser.add_argument("--processes", type=int, default=os.cpu_count())
-    parser.add_argument("--only", type=int, nargs="+", help="numbers of scenarios")
-    parser.add_argument("--sizes", type=int, nargs="+", help="numbers of recordings")
-    parser.add_argument("--keep", type=Path, help="rows are added here, and not made again")
-    parser.add_argument("--write", action="store_true")
-    return parser.parse_args()
-
-
-def tasks_of(options: argparse.Namespace, rows: Iterable[Row]) -> list[tuple[int, int, int]]:
-    """Scenario, number of recordings and of pairs for each row to be made, the quick ones first."""
-    done = {(row.scenario, row.n_recordings, row.n_pairs) for row in rows}
-    tasks = [
-        (number, n, options.pairs)
-        for number, scenario in enumerate(SCENARIOS)
-        for n in scenario.sizes
-        if (not options.only or number in options.only)
-        and (not options.sizes or n in options.sizes)
-    ]
-    return [task for task in sorted(tasks, key=lambda task: task[1]) if task not in done]
-
-
-def simulate_all(tasks: Iterable[tuple[int, int, int]], options: argparse.Namespace) -> list[Row]:
-    """The rows of all tasks, each kept and told as soon as it is there."""
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # of the new processes: they share the processors
-    rows = []
-    with ProcessPoolExecutor(options.processes, get_context("spawn")) as pool:
-        for future in as_completed([pool.submit(simulate, task, options.seed) for task in tasks]):
-            row = future.result()
-            rows.append(row)
-            if options.keep:
-                with options.keep.open("a", encoding="utf-8") as file:
-                    file.write(json.dumps(asdict(row)) + "\n")
-            label = SCENARIOS[row.scenario].label
-            print(
-                f"{label}, {row.n_recordings} recordings: {row.n_claiming} of {row.n_pairs} claim "
-                f"({row.n_encounters} of encounters, {row.n_wrong} for X), {row.seconds:.0f} s",
-                file=sys.stderr,
-                flush=True,
-            )
-    return rows
-
-
-def write_page(text: str, n_pairs: int) -> None:
-    """The table in its place on the page."""
-    page = PAGE.read_text(encoding="utf-8")
-    before, rest = page.split(BEGIN)
-    _, after = rest.split(END)
-    note = f"{n_pairs} pairs in each cell: share of verdicts that claim anything."
-    PAGE.write_text(f"{before}{BEGIN}\n{note}\n\n{text}\n{END}{after}", encoding="utf-8")
+def _share_text(claims: list[dict[str, str]], *, is_null: bool) -> str:
+    """Share of verdicts that claim any difference, or one for Y, with its interval."""
+    if not claims:
+        return "–"
+    is_claimed = [bool(of) if is_null else "y" in of.values() for of in claims]
+    share = share_of(sum(is_claimed), len(claims))
+    return f"{share.share:.1%} ({100 * share.low:.1f} to {100 * share.high:.1f})"
 
 
 def main() -> None:
-    options = parse_options()
-    begin = time.perf_counter()
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--keep", type=Path, required=True)
+    parser.add_argument("--null", type=int, default=1000, help="verdicts without a difference")
+    parser.add_argument("--power", type=int, default=300, help="verdicts with one")
+    parser.add_argument("--processes", type=int, default=os.cpu_count())
+    parser.add_argument("--write", action="store_true")
+    options = parser.parse_args()
     rows = read_rows(options.keep)
-    rows += simulate_all(tasks_of(options, rows), options)
+    done = {(row["scenario"], row["n"], row["pair"]) for row in rows}
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # of the new processes: they share the processors
+    with (
+        options.keep.open("a", encoding="utf-8") as file,
+        ProcessPoolExecutor(options.processes, get_context("spawn")) as pool,
+    ):
+        waiting = [
+            pool.submit(make_rows, task) for task in tasks(options.null, options.power, done)
+        ]
+        for number, future in enumerate(as_completed(waiting), start=1):
+            made = [
+                row
+                for row in future.result()
+                if (row["scenario"], row["n"], row["pair"]) not in done
+            ]
+            rows += made
+            file.writelines(json.dumps(row) + "\n" for row in made)
+            file.flush()
+            print(f"\r{number} of {len(waiting)}", end="", file=sys.stderr, flush=True)
     text = table_text(rows)
     print(text)
-    print(f"{(time.perf_counter() - begin) / 60:.0f} minutes", file=sys.stderr)
     if options.write:
-        write_page(text, options.pairs)
-    null = [row for row in rows if SCENARIOS[row.scenario].is_null]
-    if options.pairs == 400 and any(row.n_claiming > BOUND_99 for row in null):
-        sys.exit(f"more than {BOUND_99} of 400 verdicts claim a difference that is none")
+        page = PAGE.read_text(encoding="utf-8")
+        before, rest = page.split(BEGIN)
+        _, after = rest.split(END)
+        note = (
+            f"{options.null:,} verdicts in each cell without a difference, {options.power:,} in "
+            "each with one: share that claim any, or one for Y, with its 95 % interval."
+        )
+        PAGE.write_text(f"{before}{BEGIN}\n{note}\n\n{text}\n{END}{after}", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ from typing import Final, Self
 
 from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.params import Params
+from nvcore.primary import Primary
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.published import PublishedPoint
 
@@ -38,6 +39,8 @@ class Settings:
         Operating points of others, drawn beside the curves.
     accept
         Codes of errors of the audit that are meant: they are warnings.
+    primary
+        The measure by which the comparison is decided.
     """
 
     x: str | None = None
@@ -49,6 +52,7 @@ class Settings:
     objects: Objects = PEDESTRIAN
     published: tuple[PublishedPoint, ...] = ()
     accept: tuple[str, ...] = ()
+    primary: Primary = Primary()
 
     def renamed(
         self,

@@ -22,9 +22,12 @@ from nvcore.dataset import Dataset
 from nvcore.errors import InputError, ParameterError
 from nvcore.evidence.claims import Claim
 from nvcore.evidence.companions import Companions, find_companions
+from nvcore.evidence.measures import Judged
+from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.planning import Plan, plan_recordings
 from nvcore.evidence.table import evidence_table
+from nvcore.evidence.units import find_units
 from nvcore.extras import needs
 from nvcore.findings import Finding, worst_first
 from nvcore.inputs.session import Session
@@ -279,11 +282,18 @@ class Comparison:
 
     @cached_property
     def _evidence(self) -> pd.DataFrame:
-        return evidence_table(self.result, self.protocol)
+        units = find_units(self.result)
+        return evidence_table(self.result, self.protocol, units=units, miss_rate=self._miss_rate)
+
+    @cached_property
+    def _miss_rate(self) -> Judged:
+        return judge_miss_rate(self.result, find_units(self.result), self.protocol)
 
     @cached_property
     def _companions(self) -> Companions:
-        return find_companions(self.result, self._evidence)
+        return find_companions(
+            self.result, self._evidence, self.protocol, miss_rate=self._miss_rate
+        )
 
     @cached_property
     def _verdict(self) -> Verdict:

@@ -23,6 +23,7 @@ from nvcore.arguments import (
 from nvcore.inputs.facts import FRAME_NAMES
 from nvcore.objects import PEDESTRIAN
 from nvcore.params import AUDIT_SETTINGS, SETTINGS
+from nvcore.primary import DEFAULT
 from nvcore.protocols import PROTOCOLS
 from nvcore.wording import listed, one_line
 
@@ -347,6 +348,15 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
             multiple=True,
             metavar="RECORDING",
             help="Compare only this recording; may be given again.",
+        ),
+        grouped_option(
+            INPUTS,
+            "--primary",
+            metavar="KEY",
+            help="The measure by which to decide, to be chosen before the verdict is seen: it is "
+            "tested by itself, and others are claimed only if it shows a difference; such as "
+            "mean_similarity or encounters_detected. Default: the session's, or "
+            f"{DEFAULT}.",
         ),
         grouped_option(
             OUTPUT,

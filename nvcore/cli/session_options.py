@@ -21,6 +21,7 @@ from nvcore.inputs.session import (
 from nvcore.inputs.session_toml import read_session
 from nvcore.objects import Objects, objects_from
 from nvcore.params import SETTINGS, Params, params_from
+from nvcore.primary import now_text
 from nvcore.protocols import PROTOCOLS
 from nvcore.wording import one_line
 
@@ -50,9 +51,18 @@ def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
     given = {name: options[name] for name in SETTINGS if options.get(name) is not None}
     make = _from_flags if options["session_file"] is None else _from_file
     session = make(options, given, needs_y=needs_y)
+    session = _with_primary(session, options.get("primary"))
     for name in session.params.without_effect:
         click.echo(_without_effect(name, session.params), err=True)
     return session
+
+
+def _with_primary(session: Session, name: str | None) -> Session:
+    """The session with the primary measure of the flag, or its own checked."""
+    from nvcore.measures.table import claimed_key
+
+    key, fixed_at = claimed_key(name or session.primary.key), now_text()
+    return replace(session, primary=session.primary.choose(key, fixed_at=fixed_at))
 
 
 def _without_effect(name: str, params: Params) -> str:

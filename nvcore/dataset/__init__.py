@@ -26,6 +26,7 @@ from nvcore.errors import InputError
 from nvcore.findings import Finding
 from nvcore.objects import Objects
 from nvcore.params import Params
+from nvcore.primary import Primary
 from nvcore.schema import (
     ATTRIBUTE_DTYPES,
     DETECTABILITY_COLUMNS,
@@ -103,6 +104,11 @@ class Dataset:
     of_subjects: Mapping[str, Any] = field(default_factory=dict, repr=False)
     labels: tuple[str, ...] = ()
     read_as: Mapping[str, ReadAs] = field(default_factory=dict, repr=False)
+
+    @property
+    def primary(self) -> Primary:
+        """The measure by which the comparison is decided."""
+        return self.settings.primary.of_data(self.fingerprint)
 
     def of(self, subject: str) -> Any:
         """What a subject knows of the data by its inputs; None: they name none."""

@@ -85,6 +85,7 @@ def bootstrap_difference(
     y: np.ndarray,
     statistic: Statistic = ratio,
     *,
+    shift: np.ndarray | None = None,
     n_resamples: int = N_RESAMPLES,
     seed: int = SEED,
     units: str = "units",
@@ -104,7 +105,9 @@ def bootstrap_difference(
         denominator, with `ratio`; for a curve its counts at every threshold.
     statistic
         The measure from such sums, vectorised over leading axes.
-
+    shift
+        What is taken off each unit's part in the difference; the interval is then of the
+        difference less the mean of these. Float64, shape (n_units,); None: nothing.
     n_resamples
         0: no interval.
     units
@@ -150,12 +153,15 @@ def bootstrap_difference(
         return without(f"X and Y are the same in all {units}")
     sums_of_units = np.concatenate([x.reshape(n, -1), y.reshape(n, -1)], axis=1).astype(float)
     n_columns = sums_of_units.shape[1] // 2
+    taken_off = np.zeros(n) if shift is None else shift / n
 
     def of_units(units: np.ndarray, axis: int = -1) -> np.ndarray:  # noqa: ARG001
-        sums = count_units(units, n) @ sums_of_units
+        counts = count_units(units, n)
+        sums = counts @ sums_of_units
         sums_x, sums_y = sums[..., :n_columns], sums[..., n_columns:]
         lead = sums.shape[:-1]
-        return statistic(sums_x.reshape(*lead, *shape)) - statistic(sums_y.reshape(*lead, *shape))
+        apart = statistic(sums_x.reshape(*lead, *shape)) - statistic(sums_y.reshape(*lead, *shape))
+        return apart - counts @ taken_off
 
     level = 1 - 2 * ndtr(-np.sqrt(n / (n - 1)) * student.isf((1 - CONFIDENCE) / 2, n - 1))
     options: dict[str, Any] = {
@@ -215,46 +221,80 @@ def pseudo_values(x: np.ndarray, y: np.ndarray, statistic: Statistic) -> np.ndar
     return values
 
 
-def studentised_p(parts: np.ndarray, *, n_resamples: int = N_RESAMPLES, seed: int = SEED) -> float:
-    """Two-sided p of the mean of some parts being 0, by the studentised bootstrap (bootstrap-t).
+@dataclass(frozen=True, eq=False)
+class StudentisedTest:
+    """Whether the mean of some parts is 0, by the studentised bootstrap.
 
-    The parts are drawn with replacement; p is twice the share of draws whose t is as far from the
-    parts' mean, on the side of the mean found. Unlike an exchange it does not take positive and
-    negative parts for mirror images, and so allows for skew.
+    Attributes
+    ----------
+    p
+        Two-sided p-value; NaN where a part is undefined, or all are the same.
+    t
+        t of every draw, positive on the side of the mean found; shape (n_resamples,), empty without
+        p-value.
+    """
+
+    p: float
+    t: np.ndarray
+
+
+def studentised_tests(
+    parts: np.ndarray, *, n_resamples: int = N_RESAMPLES, seed: int = SEED
+) -> list[StudentisedTest]:
+    """The means of some parts tested against 0 by the studentised bootstrap (bootstrap-t).
+
+    The units are drawn with replacement, the same ones for all parts; p is twice the share of draws
+    whose t is as far from the parts' mean, on the side of the mean found. Unlike an exchange it
+    does not take positive and negative parts for mirror images, and so allows for skew.
 
     Parameters
     ----------
     parts
-        `pseudo_values`, shape (n_units,).
-
-    Returns
-    -------
-    NaN where a part is undefined, or all are the same.
+        `pseudo_values` of each measure; shape (n_units, n_measures).
 
     References
     ----------
     Efron and Tibshirani (1993), An introduction to the bootstrap, section 12.5.
+    """
+    n, n_measures = parts.shape
+    means, spreads = (
+        (parts.mean(axis=0), parts.std(axis=0)) if n else np.full((2, n_measures), np.nan)
+    )
+    is_tested = (n > 1) & np.isfinite(means) & (spreads > 1e-9 * np.abs(means))
+    deviations = ((parts - means) * np.sign(means))[:, is_tested]
+    spread, n_tested = spreads[is_tested], int(np.count_nonzero(is_tested))
+    moments = np.concatenate([deviations, deviations**2], axis=1) / max(n, 1)
+    rng = np.random.default_rng(seed)
+    batch = max(1, ROWS_AT_ONCE // max(n, 1))
+    t = []
+    for start in range(0, n_resamples if n_tested else 0, batch):  # batches bound the memory
+        drawn = rng.integers(0, n, size=(min(batch, n_resamples - start), n))
+        mean, square = np.split(count_units(drawn, n) @ moments, 2, axis=1)
+        of_draws = np.sqrt(np.maximum(square - mean**2, 0))
+        t.append(mean / np.maximum(of_draws, LEAST_SPREAD * spread))
+    columns = iter(np.concatenate(t).T if t else ())
+    tests = []
+    for mean, spread_of, has_p in zip(means, spreads, is_tested, strict=True):
+        if not has_p:
+            tests.append(StudentisedTest(np.nan, np.empty(0)))
+            continue
+        of_measure = next(columns)
+        n_reached = int(np.count_nonzero(of_measure >= abs(mean) / spread_of))
+        p = min(1.0, 2 * (n_reached + 1) / (n_resamples + 1))
+        tests.append(StudentisedTest(p, of_measure))
+    return tests
+
+
+def studentised_p(parts: np.ndarray, *, n_resamples: int = N_RESAMPLES, seed: int = SEED) -> float:
+    """P of one measure by `studentised_tests`; NaN where a part is undefined, or all are the same.
 
     Examples
     --------
     >>> studentised_p(np.array([1.0, 2.0, 3.0, 2.0, 1.0, 2.0, 3.0, 2.0])) < 0.05
     True
     """
-    n = len(parts)
-    if n < 2 or not np.isfinite(parts).all():
-        return np.nan
-    mean, spread = float(parts.mean()), float(parts.std())
-    if not spread > 1e-9 * abs(mean):
-        return np.nan
-    rng = np.random.default_rng(seed)
-    observed, n_reached = abs(mean) / spread, 0
-    deviations = (parts - mean) * np.sign(mean)
-    batch = max(1, ROWS_AT_ONCE // n)
-    for start in range(0, n_resamples, batch):  # batches bound the memory
-        drawn = deviations[rng.integers(0, n, size=(min(batch, n_resamples - start), n))]
-        spreads = np.maximum(drawn.std(axis=1), LEAST_SPREAD * spread)
-        n_reached += int(np.count_nonzero(drawn.mean(axis=1) >= observed * spreads))
-    return min(1.0, 2 * (n_reached + 1) / (n_resamples + 1))
+    (test,) = studentised_tests(parts[:, np.newaxis], n_resamples=n_resamples, seed=seed)
+    return test.p
 
 
 def count_units(units: np.ndarray, n: int) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any, Final
@@ -103,11 +103,9 @@ def find_claims(
         return Support(basis, withheld=withheld | doubts)
     if is_unequal:
         assert companions.equal is not None
-        basis_result, candidates = companions.equal.result, _at_all(result, companions.evidence)
-        somewhere = {key for table in companions.evidence for key in _candidates(result, table)}
-        withheld = {
-            key: Reason("range") for key in CLAIMED if key in somewhere and key not in candidates
-        }
+        assert companions.evidence is not None
+        basis_result, candidates = companions.equal.result, _candidates(result, companions.evidence)
+        withheld = {}
     else:
         basis_result, candidates = result, _candidates(result, evidence)
         withheld = _not_confirmed(result, candidates, companions)
@@ -169,7 +167,7 @@ def _candidates(result: Result, evidence: pd.DataFrame) -> dict[str, Claim]:
         if row["doubt"] or (result.is_short and inference_of(key).needs_tracks):
             continue
         winner = winner_of(row["difference"], row["better"])
-        claims[key] = Claim(key, winner, float(row["p_holm"]), int(row["n"]))
+        claims[key] = Claim(key, winner, float(row["p_corrected"]), int(row["n"]))
     return claims
 
 
@@ -184,22 +182,13 @@ def _doubts(evidence: pd.DataFrame) -> dict[str, Reason]:
 
 def _significant_rows(evidence: pd.DataFrame) -> list[dict[Hashable, Any]]:
     """Rows of the measures that may be claimed, with a small enough p over recordings."""
-    is_small = (evidence["unit"] == RECORDINGS) & (evidence["p_holm"] <= SIGNIFICANT)
+    is_small = (evidence["unit"] == RECORDINGS) & (evidence["p_corrected"] <= SIGNIFICANT)
     return evidence[is_small & evidence["figure"].isin(CLAIMED)].to_dict("records")
 
 
 def winner_of(difference: float, better: str) -> str:
     """The system, ``x`` or ``y``, that a difference X - Y favours."""
     return "x" if (difference > 0) == (better == "higher") else "y"
-
-
-def _at_all(result: Result, tables: Sequence[pd.DataFrame]) -> dict[str, Claim]:
-    """Differences that every table shows for the same system, with the largest p of all tables."""
-    first, *others = (_candidates(result, table) for table in tables)
-    for other in others:
-        shared = {key for key, claim in first.items() if _same_winner(claim, other.get(key))}
-        first = {key: max(first[key], other[key], key=lambda claim: claim.p) for key in shared}
-    return {key: first[key] for key in CLAIMED if key in first}
 
 
 def _same_winner(claim: Claim, other: Claim | None) -> bool:
@@ -210,9 +199,9 @@ def _not_confirmed(
     result: Result, candidates: Mapping[str, Claim], companions: Companions
 ) -> dict[str, Reason]:
     """Why differences as set do not hold at equal false alarms, by key."""
-    if companions.equal is None:
+    if companions.evidence is None:
         return _not_dominant(result, candidates)
-    confirmed = _at_all(result, companions.evidence)
+    confirmed = _candidates(result, companions.evidence)
     return {
         key: Reason("equal")
         for key, claim in candidates.items()
@@ -254,17 +243,6 @@ def values_of(key: str, result: Result) -> tuple[float, float]:
     return float(value_of(result, result.x)), float(value_of(result, result.y))
 
 
-def least_corrected_p(evidence: pd.DataFrame) -> float:
-    """The smallest corrected p that these recordings could give; NaN without any p.
-
-    Holm multiplies the smallest of m p-values by m.
-    """
-    tested = evidence[np.isfinite(evidence["p_holm"])]
-    if tested.empty:
-        return np.nan
-    return float(tested["least_p"].min() * len(tested))
-
-
-def count_tests(evidence: pd.DataFrame) -> int:
-    """Number of hypotheses that p is corrected for."""
-    return int(np.isfinite(evidence["p_holm"]).sum())
+def has_primary(evidence: pd.DataFrame, key: str) -> bool:
+    """Whether the table has a p of the primary measure."""
+    return bool((np.isfinite(evidence["p_corrected"]) & (evidence["figure"] == key)).any())

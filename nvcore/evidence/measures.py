@@ -3,24 +3,36 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Final
+from types import MappingProxyType
+from typing import Final, Literal
 
 import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.dataset import Dataset
 from nvcore.evidence.bootstrap import (
     N_RESAMPLES,
+    SEED,
     BootstrapDifference,
     Statistic,
+    StudentisedTest,
     bootstrap_difference,
     pseudo_values,
     ratio,
-    studentised_p,
+    studentised_tests,
 )
-from nvcore.evidence.paired_tests import SIGNIFICANT, McNemar, SwapTest, holm, mcnemar, swap_test
+from nvcore.evidence.paired_tests import (
+    SIGNIFICANT,
+    McNemar,
+    Paired,
+    SwapTest,
+    mcnemar,
+    step_down,
+    swap_tests,
+)
 from nvcore.evidence.units import (
     OTHER_RECORDINGS,
     RECORDINGS,
@@ -32,6 +44,7 @@ from nvcore.evidence.units import (
 from nvcore.measures.entry import Better
 from nvcore.measures.table import (
     EVIDENCE_KEYS,
+    claimed_key,
     doubt_of,
     evidence_keys,
     evidence_label,
@@ -39,6 +52,7 @@ from nvcore.measures.table import (
     measure_of,
     repeated_by,
 )
+from nvcore.primary import Primary
 
 D_Z: Final = "Cohen's d_z"
 ODDS_RATIO: Final = "odds ratio"
@@ -81,9 +95,9 @@ class Evidence:
         Values of both systems, and ``x - y``; NaN undefined.
     low, high
         95 % interval of the difference; NaN where none can be given.
-    p, p_holm
-        Two-sided p-value, and by Holm's correction for all measures shown together; NaN where none
-        can be given, and p_holm where the hypothesis is that of another row.
+    p, p_corrected
+        Two-sided p-value, and corrected for all that is tested together; NaN where none can be
+        given, and p_corrected where the hypothesis is that of another row.
     least_p
         The least p that so many units could give; NaN without p.
     effect, effect_name
@@ -112,7 +126,7 @@ class Evidence:
     low: float = math.nan
     high: float = math.nan
     p: float = math.nan
-    p_holm: float = math.nan
+    p_corrected: float = math.nan
     least_p: float = math.nan
     effect: float = math.nan
     effect_name: str = D_Z
@@ -141,9 +155,12 @@ COLUMNS: Final = tuple(field.name for field in fields(Evidence))
 
 def significance_table(
     result: Result,
-    extra: Sequence[Evidence] = (),
+    extra: Sequence[Judged] = (),
     *,
+    keys: Sequence[str] | None = None,
     units: Units | None = None,
+    shifts: Mapping[str, np.ndarray] = MappingProxyType({}),
+    primary: str | None = None,
     has_intervals: bool = True,
 ) -> pd.DataFrame:
     """The scorecard's measures with interval, p-value and effect size.
@@ -159,26 +176,61 @@ def significance_table(
     Parameters
     ----------
     extra
-        Further measures, included in Holm's correction.
+        Further measures.
+    keys
+        Of `nvcore.measures.EVIDENCE_KEYS`; None: all that the comparison has.
     units
         ``find_units(result)``, if already computed.
+    shifts
+        As of `run_together`.
+    primary
+        Key of the measure that is tested by itself; empty: none, all are corrected for one another.
+        None: that of the dataset's settings, unless it was changed.
     has_intervals
         Without them, p alone: much faster.
 
     Returns
     -------
-    Columns `COLUMNS` (attributes of `Evidence`), one row per measure. p_holm corrects for all of
-    them but those whose hypothesis another row has already (`corrected`).
+    Columns `COLUMNS` (attributes of `Evidence`), one row per measure. p_corrected is NaN where
+    another row has the hypothesis: McNemar's test asks by encounters what is asked by recordings,
+    and lost similarity is mean similarity in other words.
 
     Examples
     --------
     >>> significance_table(result)[["figure", "difference", "low", "high"]]  # doctest: +SKIP
     """
-    keys = [key for key in evidence_keys(result) if inference_of(key).test != "curve"]
-    rows = judge(result, keys, units=units, has_intervals=has_intervals)
-    table = pd.DataFrame([vars(row) for row in (*rows, *extra)])
-    table["p_holm"] = corrected(table)
-    return table
+    units = find_units(result) if units is None else units
+    keys = evidence_keys(result) if keys is None else keys
+    keys = [key for key in keys if inference_of(key).test != "curve"]
+    of_units = [measure for measure in unit_measures(result, units) if measure.key in keys]
+    known = {of.evidence.figure: of.tested for of in extra if of.tested is not None}
+    tests = run_together(of_units, shifts, known) if units.kind == RECORDINGS else {}
+    rows = _judge(
+        result, keys, of_units, units=units, tests=tests, shifts=shifts, has_intervals=has_intervals
+    )
+    table = pd.DataFrame([vars(row) for row in (*rows, *(of.evidence for of in extra))])
+    if primary is None:
+        own = primary_of(result.dataset)
+        primary = "" if own.is_changed else own.key
+    family = {key: of for key, of in tests.items() if not repeated_by(key) and _counts(result, key)}
+    corrected = correct_together(family, primary)
+    return table.assign(p_corrected=[corrected.get(key, np.nan) for key in table["figure"]])
+
+
+def primary_of(dataset: Dataset) -> Primary:
+    """The primary measure of a comparison of these data, by its key.
+
+    Raises
+    ------
+    ParameterError
+        If the session names no measure on which a verdict can rest.
+    """
+    return replace(dataset.primary, key=claimed_key(dataset.primary.key))
+
+
+def _counts(result: Result, key: str) -> bool:
+    """Whether differences in a measure may be claimed at all."""
+    return not (result.is_short and inference_of(key).needs_tracks)
 
 
 def judge(
@@ -198,7 +250,21 @@ def judge(
         As of `significance_table`.
     """
     units = find_units(result) if units is None else units
-    by_unit = {measure.key: measure for measure in unit_measures(result, units)}
+    of_units = unit_measures(result, units)
+    return _judge(result, keys, of_units, units=units, has_intervals=has_intervals)
+
+
+def _judge(
+    result: Result,
+    keys: Sequence[str],
+    measures: Iterable[UnitMeasure],
+    *,
+    units: Units,
+    tests: Mapping[str, Tested] = MappingProxyType({}),
+    shifts: Mapping[str, np.ndarray] = MappingProxyType({}),
+    has_intervals: bool,
+) -> tuple[Evidence, ...]:
+    by_unit = {measure.key: measure for measure in measures}
 
     def judge_one(key: str) -> Evidence:
         inference = inference_of(key)
@@ -206,7 +272,13 @@ def judge(
             row = judge_encounters(result, key)
             row = row.values_only() if result.is_short else row
         else:
-            row = judge_measure(by_unit[key], units, has_interval=has_intervals)
+            row = judge_measure(
+                by_unit[key],
+                units,
+                tested=tests.get(key),
+                shift=shifts.get(key),
+                has_interval=has_intervals,
+            )
             row = with_mean_over_recordings(result, units, row)
         return with_doubt(result, row)
 
@@ -216,16 +288,6 @@ def judge(
 def with_doubt(result: Result, row: Evidence) -> Evidence:
     """The row with why no claim can rest on it, by what subjects know of its measure."""
     return replace(row, doubt=doubt_of(result, measure_of(row.figure)))
-
-
-def corrected(table: pd.DataFrame) -> np.ndarray:
-    """Holm's correction of p over rows of `Evidence`; NaN where another row has the hypothesis.
-
-    McNemar's test asks by encounters what is asked by recordings, and lost similarity is mean
-    similarity in other words: they make the family no larger.
-    """
-    is_repeated = np.array([bool(repeated_by(key)) for key in table["figure"]], dtype=bool)
-    return holm(np.where(is_repeated, np.nan, table["p"].to_numpy(dtype=float)))
 
 
 def judge_encounters(result: Result, key: str = "encounters_detected") -> Evidence:
@@ -292,29 +354,169 @@ def unit_measures(result: Result, units: Units) -> tuple[UnitMeasure, ...]:
     return tuple(measures)
 
 
-def judge_measure(measure: UnitMeasure, units: Units, *, has_interval: bool = True) -> Evidence:
+@dataclass(frozen=True, eq=False)
+class Tested:
+    """Both tests of a measure over units.
+
+    Attributes
+    ----------
+    exchange
+        X and Y exchanged unit by unit.
+    skewed
+        The studentised bootstrap, which allows for skew.
+    """
+
+    exchange: SwapTest
+    skewed: StudentisedTest
+
+    @property
+    def p(self) -> float:
+        """The larger p of the two; NaN where there is none."""
+        has_p = np.isfinite(self.exchange.p)
+        return float(np.fmax(self.exchange.p, self.skewed.p)) if has_p else np.nan
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """A measure judged by itself, to stand among others.
+
+    Attributes
+    ----------
+    evidence
+        What the data say of it.
+    measure, tested
+        By which it was tested, over all units; None: it was not.
+    """
+
+    evidence: Evidence
+    measure: UnitMeasure | None = None
+    tested: Tested | None = None
+
+
+def run_together(
+    measures: Iterable[UnitMeasure],
+    shifts: Mapping[str, np.ndarray] = MappingProxyType({}),
+    known: Mapping[str, Tested] = MappingProxyType({}),
+) -> dict[str, Tested]:
+    """Tests of measures of the same recordings, all by the same exchanges and the same draws.
+
+    Parameters
+    ----------
+    shifts
+        What is taken off each recording's part in the difference of a measure, by its key
+        (`nvcore.evidence.paired_tests.Paired`).
+    known
+        Tests that were made already, without shifts.
+    """
+    every = [measure for measure in measures if measure.key not in known]
+    if not every:
+        return dict(known)
+    paired = [Paired(of.x, of.y, of.statistic, shifts.get(of.key)) for of in every]
+    exchanges = swap_tests(paired)
+    undefined = np.full(len(every[0].x), np.nan)
+    parts = [
+        pseudo_values(of.x, of.y, of.statistic) - of.taken_off if np.isfinite(test.p) else undefined
+        for of, test in zip(paired, exchanges, strict=True)
+    ]
+    skewed = studentised_tests(np.column_stack(parts))
+    tests = map(Tested, exchanges, skewed)
+    return {**dict(zip((of.key for of in every), tests, strict=True)), **known}
+
+
+def correct_together(tests: Mapping[str, Tested], primary: str) -> dict[str, float]:
+    """P of measures that are tested together, corrected; NaN where a measure has none.
+
+    The primary measure is tested by itself. All others are claimed only where it is, and are
+    corrected for one another (`nvcore.evidence.paired_tests.step_down`): their corrected p is at
+    least its p. So at most 5 % of comparisons without a difference claim any at 5 %.
+
+    Parameters
+    ----------
+    primary
+        Key of the primary measure; where it has no p, or is none of these, all are corrected for
+        one another.
+
+    References
+    ----------
+    Westfall and Krishen (2001), Optimally weighted, fixed sequence and gatekeeper multiple testing
+    procedures, Journal of Statistical Planning and Inference 99:25.
+    """
+    known = {key: of for key, of in tests.items() if np.isfinite(of.p)}
+    first = known[primary].p if primary in known else 0.0
+    family = [key for key in known if key != primary]
+    corrected = dict.fromkeys(tests, np.nan)
+    if primary in known:
+        corrected[primary] = first
+    if family:
+        found = np.fmax(*(_step_down(kind, known, family) for kind in ("exchange", "skewed")))
+        corrected.update(zip(family, np.maximum(found, first).tolist(), strict=True))
+    return corrected
+
+
+def _step_down(
+    kind: Literal["exchange", "skewed"], tests: Mapping[str, Tested], family: Sequence[str]
+) -> np.ndarray:
+    """Corrected p of the measures by one of the tests; NaN where it has no p."""
+    if kind == "exchange":
+        of_kind = [tests[key].exchange for key in family]
+        is_exact = of_kind[0].is_exact
+        draws = np.column_stack([test.sizes for test in of_kind])
+        p = np.array([test.p for test in of_kind])
+        return step_down(draws, p, n_added=0 if is_exact else 1)
+    corrected = np.full(len(family), np.nan)
+    skewed = [tests[key].skewed for key in family]
+    has_p = np.array([np.isfinite(test.p) for test in skewed])
+    if has_p.any():
+        draws = np.column_stack([test.t for test in skewed if np.isfinite(test.p)])
+        p = np.array([test.p for test in skewed])[has_p]
+        corrected[has_p] = np.minimum(2 * step_down(draws, p / 2, n_added=1), 1)
+    return corrected
+
+
+NOT_TESTED: Final = Tested(
+    SwapTest(np.nan, 0, 0, is_exact=False, seed=SEED, reason="", sizes=np.empty(0)),
+    StudentisedTest(np.nan, np.empty(0)),
+)
+"""Blocks of time have no p."""
+
+
+def judge_measure(
+    measure: UnitMeasure,
+    units: Units,
+    *,
+    tested: Tested | None = None,
+    shift: np.ndarray | None = None,
+    has_interval: bool = True,
+) -> Evidence:
     """Difference of a measure with bootstrap interval, test and effect size.
 
     p is the larger of the exact exchange's (`swap_test`) and the studentised bootstrap's, which
     allows for skew. Blocks of time have none.
+
+    Parameters
+    ----------
+    tested
+        Of `run_together`; None: this measure is tested by itself.
+    shift
+        As of `run_together`.
     """
     x, y, statistic = measure.x, measure.y, measure.statistic
     n_resamples = N_RESAMPLES if has_interval else 0
-    interval = bootstrap_difference(x, y, statistic, n_resamples=n_resamples, units=units.kind)
-    if units.kind == RECORDINGS:
-        test = swap_test(x, y, statistic)
-    else:
-        test = SwapTest(np.nan, 0, 0, is_exact=False, seed=interval.seed, reason="")
-    has_p = bool(np.isfinite(test.p))
-    parts = pseudo_values(x, y, statistic) if has_p else np.empty(0)
-    p_of_skewed = studentised_p(parts)
-    p = np.fmax(test.p, p_of_skewed) if has_p else np.nan
+    interval = bootstrap_difference(
+        x, y, statistic, shift=shift, n_resamples=n_resamples, units=units.kind
+    )
+    if units.kind != RECORDINGS:
+        tested = NOT_TESTED
+    elif tested is None:
+        of_key = {} if shift is None else {measure.key: shift}
+        tested = run_together([measure], of_key)[measure.key]
+    test, p_of_skewed, p = tested.exchange, tested.skewed.p, tested.p
     notes = [*dict.fromkeys((interval.reason, test.reason)), units.note]
     if test.p <= SIGNIFICANT < p:
         notes.append(
             "the recordings' differences are very skewed: a few large ones against many small ones"
         )
-    has_evidence = np.isfinite(interval.low) or has_p
+    has_evidence = np.isfinite(interval.low) or np.isfinite(p)
     return Evidence(
         figure=measure.key,
         label=measure.label,
@@ -324,7 +526,7 @@ def judge_measure(measure: UnitMeasure, units: Units, *, has_interval: bool = Tr
         difference=interval.difference,
         low=interval.low,
         high=interval.high,
-        p=float(p),
+        p=p,
         least_p=test.least_p,
         effect=_effect_size(measure) if has_evidence else np.nan,
         n=len(units),

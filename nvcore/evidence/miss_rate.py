@@ -12,8 +12,8 @@ from nvcore.detection.curves import Outcomes, detection_outcomes
 from nvcore.detection.filtered_truth import filter_truth
 from nvcore.detection.miss_rate import FPPI_REFERENCES, explain_few, explain_zero
 from nvcore.errors import InputError
-from nvcore.evidence.measures import Evidence, UnitMeasure, judge_measure
-from nvcore.evidence.units import Units, units_within
+from nvcore.evidence.measures import Evidence, Judged, UnitMeasure, judge_measure, run_together
+from nvcore.evidence.units import RECORDINGS, Units, units_within
 from nvcore.measures.table import measure_of
 from nvcore.protocols import PROTOCOLS, Protocol
 
@@ -61,15 +61,21 @@ def judge_miss_rate(
     protocol: Protocol = PROTOCOLS["all"],
     *,
     has_interval: bool = True,
-) -> Evidence:
+) -> Judged:
     """Difference of the log-average miss rate; `note` says why it is undefined or 0.
 
-    The units are those within the recordings that the protocol counts.
+    Its interval is over the units within the recordings that the protocol counts. It is tested over
+    all units: those without a part in it change no p.
     """
 
-    def undefined(why: str) -> Evidence:
-        return Evidence.undefined(
-            KEY, _label(protocol), measure_of(KEY).better, unit=units.kind, n=len(units), note=why
+    def undefined(why: str) -> Judged:
+        return Judged(
+            Evidence.undefined(
+                *(KEY, _label(protocol), measure_of(KEY).better),
+                unit=units.kind,
+                n=len(units),
+                note=why,
+            )
         )
 
     try:
@@ -78,11 +84,17 @@ def judge_miss_rate(
         return undefined(error.message)
     recordings = np.zeros(len(result.dataset.recordings), dtype=bool)
     recordings[result.dataset.frame_columns.recording[truth.is_counted]] = True
-    units = units_within(result, units, recordings)
-    measure = log_average_miss_rate_measure(result, units, protocol)
-    if measure is None:
+    of_all = log_average_miss_rate_measure(result, units, protocol)
+    if of_all is None:
+        units = units_within(result, units, recordings)
         return undefined(result.objects.say(NEEDED))
-    evidence = judge_measure(measure, units, has_interval=has_interval)
+    measure = of_all
+    is_within = recordings[units.recording]
+    if not is_within.all():
+        units = units_within(result, units, recordings)
+        measure = replace(measure, x=measure.x[is_within], y=measure.y[is_within])
+    tested = run_together([of_all])[KEY] if units.kind == RECORDINGS else None
+    evidence = judge_measure(measure, units, tested=tested, has_interval=has_interval)
     sums = (measure.x.sum(axis=0), measure.y.sum(axis=0))
     evidence = replace(evidence, doubt=_doubt(evidence, *(_reach(totals) for totals in sums)))
     notes = [evidence.note]
@@ -94,7 +106,8 @@ def judge_miss_rate(
     for letter, system_sums in zip("XY", sums, strict=True):
         why_zero = explain_zero(_rates(system_sums))
         notes.append(f"log-average miss rate of {letter}: {why_zero}" if why_zero else "")
-    return replace(evidence, note="; ".join(filter(None, notes)))
+    evidence = replace(evidence, note="; ".join(filter(None, notes)))
+    return Judged(evidence, of_all, tested)
 
 
 def _label(protocol: Protocol) -> str:

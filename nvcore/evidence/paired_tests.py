@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Final
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Final, NamedTuple
 
 import numpy as np
 from scipy.stats import binomtest
 
-from nvcore.evidence.bootstrap import CONFIDENCE, ROUNDING, ROWS_AT_ONCE, SEED, Statistic
+from nvcore.evidence.bootstrap import CONFIDENCE, ROUNDING, ROWS_AT_ONCE, SEED, Statistic, ratio
 from nvcore.metrics.shares import share_of
 from nvcore.metrics.venn import MIN_DISCORDANT, Venn, measure_exclusivity
 
@@ -154,6 +154,9 @@ class SwapTest:
         Seed of the random exchanges.
     reason
         Why there is no p-value; empty where there is one.
+    sizes
+        Size of the difference in every exchange; shape (n_ways,), empty without p-value. Of an
+        exact test half of them: exchanging all other units instead gives the same sizes.
     """
 
     p: float
@@ -162,13 +165,83 @@ class SwapTest:
     is_exact: bool
     seed: int
     reason: str
+    sizes: np.ndarray = field(repr=False, compare=False)
 
     @property
     def least_p(self) -> float:
         """Smallest p that so many units can give; NaN without p."""
         if np.isnan(self.p):
             return np.nan
-        return 2 / self.n_permutations if self.is_exact else 1 / (self.n_permutations + 1)
+        least: float = 2 / 2**self.n_swapped
+        return least if self.is_exact else max(least, 1 / (self.n_permutations + 1))
+
+
+class Paired(NamedTuple):
+    """A measure of X and Y over units.
+
+    Attributes
+    ----------
+    x, y, statistic
+        As for `nvcore.evidence.bootstrap.bootstrap_difference`.
+    shift
+        What is taken off each unit's part in the difference, and changes its sign where X and Y are
+        exchanged; float64, shape (n_units,). None: nothing.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    statistic: Statistic
+    shift: np.ndarray | None = None
+
+    @property
+    def taken_off(self) -> np.ndarray:
+        """The shift, shape (n_units,)."""
+        return np.zeros(len(self.x)) if self.shift is None else self.shift
+
+    @property
+    def differs(self) -> np.ndarray:
+        """Units in which X and Y differ, or have a shift; bool, shape (n_units,)."""
+        is_other: np.ndarray = np.any(self.x != self.y, axis=tuple(range(1, self.x.ndim)))
+        is_shifted: np.ndarray = self.taken_off != 0
+        differs: np.ndarray = is_other | is_shifted
+        return differs
+
+    @property
+    def values(self) -> tuple[float, float]:
+        """The measure of X and of Y over all units."""
+        return float(self.statistic(self.x.sum(axis=0))), float(self.statistic(self.y.sum(axis=0)))
+
+    @property
+    def difference(self) -> float:
+        """X - Y, less the shift."""
+        value_x, value_y = self.values
+        return value_x - value_y - float(self.taken_off.sum() / max(len(self.x), 1))
+
+    def exchanged(self) -> Callable[[np.ndarray], np.ndarray]:
+        """A function that gives the difference for ways to exchange units, 0 or 1, shape (b, n)."""
+        x, y, statistic, n = self.x, self.y, self.statistic, len(self.x)
+        if statistic is ratio and np.array_equal(x[:, 1], y[:, 1]):  # linear in the exchange
+            parts = (x[:, 0] - y[:, 0]) / x[:, 1].sum() - self.taken_off / n
+
+            def of_parts(ways: np.ndarray) -> np.ndarray:
+                apart: np.ndarray = parts.sum() - 2 * (ways @ parts)
+                return apart
+
+            return of_parts
+        shape = x.shape[1:]
+        flat_x, flat_y = (sums.reshape(n, math.prod(shape)).astype(float) for sums in (x, y))
+        change, total_x, total_y = flat_y - flat_x, flat_x.sum(axis=0), flat_y.sum(axis=0)
+
+        def of_ways(ways: np.ndarray) -> np.ndarray:
+            moved = ways @ change
+            of_x, of_y = (
+                statistic(sums.reshape(-1, *shape)) for sums in (total_x + moved, total_y - moved)
+            )
+            taken_off = (self.taken_off.sum() - 2 * (ways @ self.taken_off)) / n
+            apart: np.ndarray = of_x - of_y - taken_off
+            return apart
+
+        return of_ways
 
 
 def swap_test(
@@ -176,6 +249,7 @@ def swap_test(
     y: np.ndarray,
     statistic: Statistic,
     *,
+    shift: np.ndarray | None = None,
     n_permutations: int = N_PERMUTATIONS,
     seed: int = SEED,
 ) -> SwapTest:
@@ -191,8 +265,8 @@ def swap_test(
 
     Parameters
     ----------
-    x, y, statistic
-        As for `nvcore.evidence.bootstrap.bootstrap_difference`.
+    x, y, statistic, shift
+        As of `Paired`.
 
     Notes
     -----
@@ -204,37 +278,68 @@ def swap_test(
     Fisher (1935), The design of experiments, section 21; Phipson and Smyth (2010) on the p-value
     of random permutations.
     """
-    n = len(x)
-    shape = x.shape[1:]
-    flat_x, flat_y = (side_sums.reshape(n, math.prod(shape)).astype(float) for side_sums in (x, y))
-    differs = np.any(flat_x != flat_y, axis=1)
-    n_swapped = int(np.count_nonzero(differs))
-    value_x, value_y = float(statistic(x.sum(axis=0))), float(statistic(y.sum(axis=0)))
-    if not np.isfinite(value_x - value_y):
-        return SwapTest(np.nan, n_swapped, 0, False, seed, "the measure is undefined")
+    measure = Paired(x, y, statistic, shift)
+    (test,) = swap_tests([measure], measure.differs, n_permutations=n_permutations, seed=seed)
+    return test
+
+
+def swap_tests(
+    measures: Sequence[Paired],
+    is_exchanged: np.ndarray | None = None,
+    *,
+    n_permutations: int = N_PERMUTATIONS,
+    seed: int = SEED,
+) -> list[SwapTest]:
+    """`swap_test` of several measures of the same units, all by the same exchanges.
+
+    Parameters
+    ----------
+    is_exchanged
+        Units that are exchanged, bool, shape (n_units,); None: all.
+    """
+    n = len(measures[0].x) if measures else 0
+    chosen = np.ones(n, dtype=bool) if is_exchanged is None else is_exchanged
+    n_chosen = int(np.count_nonzero(chosen))
+    reasons = [_why_untested(measure) for measure in measures]
+    tested = [
+        measure.exchanged() for measure, why in zip(measures, reasons, strict=True) if not why
+    ]
+    is_exact = n_chosen <= EXACT_UNITS
+    n_tried = 2**n_chosen if is_exact else n_permutations
+    sizes: list[list[np.ndarray]] = [[] for _ in tested]
+    if tested:
+        for is_swapped in _exchanges(n_chosen, n_tried, is_exact=is_exact, seed=seed):
+            ways = np.zeros((len(is_swapped), n))
+            ways[:, chosen] = is_swapped
+            for difference_of, of_measure in zip(tested, sizes, strict=True):
+                of_measure.append(np.abs(difference_of(ways)))
+    waiting = iter(sizes)
+    tests = []
+    for measure, why in zip(measures, reasons, strict=True):
+        n_swapped = int(np.count_nonzero(measure.differs))
+        if why:
+            tests.append(SwapTest(np.nan, n_swapped, 0, False, seed, why, np.empty(0)))
+            continue
+        magnitudes = np.concatenate(next(waiting))
+        # sums in another order differ by rounding, but equal differences must count
+        grain = ROUNDING * max(*np.abs(measure.values), float(magnitudes.max()))
+        n_reached = int(np.count_nonzero(magnitudes >= abs(measure.difference) - grain))
+        p = n_reached / len(magnitudes) if is_exact else (n_reached + 1) / (n_tried + 1)
+        tests.append(SwapTest(p, n_swapped, n_tried, is_exact, seed, "", magnitudes))
+    return tests
+
+
+def _why_untested(measure: Paired) -> str:
+    """Why a measure has no p; empty: it has one."""
+    if not np.isfinite(measure.difference):
+        return "the measure is undefined"
+    n_swapped = int(np.count_nonzero(measure.differs))
     if n_swapped < MIN_SWAPPED:
-        reason = (
+        return (
             f"too few recordings tell X and Y apart for a test: {n_swapped}, at least "
             f"{MIN_SWAPPED} are needed"
         )
-        return SwapTest(np.nan, n_swapped, 0, False, seed, reason)
-    change = (flat_y - flat_x)[differs]
-    total_x, total_y = flat_x.sum(axis=0), flat_y.sum(axis=0)
-    is_exact = n_swapped <= EXACT_UNITS
-    n_tried = 2**n_swapped if is_exact else n_permutations
-    sizes = []
-    for is_swapped in _exchanges(n_swapped, n_tried, is_exact=is_exact, seed=seed):
-        shift = is_swapped.astype(float) @ change
-        of_x, of_y = (
-            statistic(sums.reshape(-1, *shape)) for sums in (total_x + shift, total_y - shift)
-        )
-        sizes.append(np.abs(of_x - of_y))
-    magnitudes = np.concatenate(sizes)
-    # sums in another order differ by rounding, but equal differences must count
-    grain = ROUNDING * max(abs(value_x), abs(value_y), float(magnitudes.max()))
-    n_reached = int(np.count_nonzero(magnitudes >= abs(value_x - value_y) - grain))
-    p = n_reached / len(magnitudes) if is_exact else (n_reached + 1) / (n_tried + 1)
-    return SwapTest(p, n_swapped, n_tried, is_exact, seed, "")
+    return ""
 
 
 def _exchanges(n: int, n_exchanges: int, *, is_exact: bool, seed: int) -> Iterator[np.ndarray]:
@@ -274,6 +379,52 @@ def holm(p: np.ndarray) -> np.ndarray:
     factor = np.arange(len(order), 0, -1)
     corrected[order] = np.minimum(np.maximum.accumulate(factor * p[order]), 1)
     return corrected
+
+
+def step_down(draws: np.ndarray, p: np.ndarray, *, n_added: int) -> np.ndarray:
+    """Corrected p of several tests made by the same draws: step-down minP of Westfall and Young.
+
+    In every draw each test's statistic has a p of its own, its rank among all draws. The smallest p
+    found is compared with the smallest p of all tests in each draw, the next smallest one with
+    that of all others, and so on. Tests that say nearly the same cost each other next to nothing.
+    The familywise level is kept however the tests depend on one another (in the strong sense, if
+    the joint distribution of some does not depend on whether the others' hypotheses hold).
+
+    Parameters
+    ----------
+    draws
+        How extreme each test's statistic is in each draw; float64, shape (n_draws, n_tests). What
+        is undefined (NaN) is not extreme.
+    p
+        Found; shape (n_tests,).
+    n_added
+        1 where the draws are random ones: what was found counts as one of them. 0: all ways.
+
+    Returns
+    -------
+    Shape (n_tests,): no smaller than `p`, at most 1.
+
+    References
+    ----------
+    Westfall and Young (1993), Resampling-based multiple testing, algorithm 2.8; Ge, Dudoit and
+    Speed (2003), Resampling-based multiple testing for microarray data analysis, TEST 12:1.
+    """
+    n_draws, n_tests = draws.shape
+    ranks = np.empty((n_draws, n_tests))
+    for column in range(n_tests):
+        values = np.nan_to_num(draws[:, column], nan=-np.inf)
+        grain = ROUNDING * np.abs(values, where=np.isfinite(values), out=np.zeros(n_draws)).max()
+        in_order = np.sort(values)
+        ranks[:, column] = n_draws - np.searchsorted(in_order, values - grain)
+    least = (ranks + n_added) / (n_draws + n_added)
+    order = np.argsort(p, kind="stable")
+    # smallest p of the tests from this one on, in every draw
+    least = np.minimum.accumulate(least[:, order][:, ::-1], axis=1)[:, ::-1]
+    n_reached = np.count_nonzero(least <= p[order] + ROUNDING, axis=0)
+    found = (n_reached + n_added) / (n_draws + n_added)
+    corrected = np.empty(n_tests)
+    corrected[order] = np.maximum(np.maximum.accumulate(found), p[order])
+    return np.minimum(corrected, 1)
 
 
 SIGNIFICANT: Final = 0.05

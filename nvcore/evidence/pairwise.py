@@ -154,8 +154,8 @@ def pairwise_table(
         rows.append(row)
         judged.append(evidence)
     table = pd.DataFrame(rows)
-    p_holm = holm(table[list(CORRECTED)].to_numpy(dtype=float).T.ravel())
-    corrected = p_holm.reshape(len(CORRECTED), -1)
+    p_corrected = holm(table[list(CORRECTED)].to_numpy(dtype=float).T.ravel())
+    corrected = p_corrected.reshape(len(CORRECTED), -1)
     for column, of_column in zip(CORRECTED, corrected, strict=True):
         table[f"{column}_holm"] = of_column
     is_small = (corrected <= SIGNIFICANT).any(axis=0) & ~table["is_unequal"].to_numpy()
@@ -165,7 +165,7 @@ def pairwise_table(
         setting = replace(params, threshold_x=thresholds.get(x), threshold_y=thresholds.get(y))
         previous = compare(dataset, setting, x=x, y=y, previous=previous)
         of_pair = pd.DataFrame([vars(one) for one in judged[number]])
-        claims = _claims(previous, of_pair.assign(p_holm=corrected[:, number]))
+        claims = _claims(previous, of_pair.assign(p_corrected=corrected[:, number]))
         table.loc[number, list(claims)] = list(claims.values())
     return table[list(COLUMNS)]
 
@@ -227,7 +227,7 @@ def _row(result: Result) -> tuple[dict[str, Any], tuple[Evidence, Evidence]]:
 
 def _claims(result: Result, evidence: pd.DataFrame) -> dict[str, str]:
     """Who is better in what, and why a difference is no claim; the columns of a pair's row."""
-    support = find_claims(result, evidence, find_companions(result, evidence))
+    support = find_claims(result, evidence, find_companions(result, evidence, primary=""))
     names = {letter: system.name for letter, system in result.sides}
     better = {CLAIMED[claim.key]: names[claim.winner] for claim in support.claims}
     reasons = [

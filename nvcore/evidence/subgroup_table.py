@@ -14,7 +14,6 @@ from nvcore.dataset import Dataset
 from nvcore.evidence.measures import COLUMNS as EVIDENCE_COLUMNS
 from nvcore.evidence.measures import (
     Evidence,
-    corrected,
     judge_encounters,
     judge_measure,
     unit_measures,
@@ -22,11 +21,11 @@ from nvcore.evidence.measures import (
     with_mean_over_recordings,
 )
 from nvcore.evidence.miss_rate import judge_miss_rate
-from nvcore.evidence.paired_tests import mcnemar
+from nvcore.evidence.paired_tests import holm, mcnemar
 from nvcore.evidence.subgroups import ALL, Subgroup, everyone, find_subgroups
 from nvcore.evidence.table import mark_undecided
 from nvcore.evidence.units import Units, find_units, units_within
-from nvcore.measures.table import evidence_keys, inference_of
+from nvcore.measures.table import evidence_keys, inference_of, repeated_by
 from nvcore.metrics.venn import count_categories
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.schema import Category
@@ -75,7 +74,7 @@ def subgroup_table(
     -------
     Columns `COLUMNS`: factor, group; both, x_only, y_only, neither: near encounters of the group
     by who detects them, or what `Inference.split_in_group` says of a measure; odds_low, odds_high:
-    95 % interval of the odds ratio; p_holm: p corrected for all groups and measures of the table
+    95 % interval of the odds ratio; p_corrected: by Holm, for all groups and measures of the table
     (the rows of all are no groups). The others are attributes of `measures.Evidence`. Groups of
     different factors overlap, and so do those of tags.
 
@@ -99,8 +98,10 @@ def subgroup_table(
         tables.append(table)
     whole = pd.concat(tables, ignore_index=True)
     is_group = (whole["factor"] != ALL).to_numpy()
-    whole["p_holm"] = np.nan
-    whole.loc[is_group, "p_holm"] = corrected(whole[is_group])
+    whole["p_corrected"] = np.nan
+    is_repeated = np.array([bool(repeated_by(key)) for key in whole["figure"]], dtype=bool)
+    is_tested = is_group & ~is_repeated
+    whole.loc[is_tested, "p_corrected"] = holm(whole.loc[is_tested, "p"].to_numpy(dtype=float))
     return mark_undecided(result, whole[list(COLUMNS)])
 
 
@@ -184,11 +185,11 @@ def _with_events_of(part: Subgroup, system: SystemResult) -> SystemResult:
 def _miss_rate(result: Result, part: Subgroup, units: Units, protocol: Protocol) -> Evidence:
     """Log-average miss rate of a group: other pedestrians are ignored."""
     if part.factor == ALL:
-        return judge_miss_rate(result, units, protocol)
+        return judge_miss_rate(result, units, protocol).evidence
     if part.has_frames:
         with_tag = replace(protocol, tags=(*protocol.tags, part.group))
-        return judge_miss_rate(result, units, with_tag)
-    return judge_miss_rate(replace(result, dataset=_only(result, part)), units, protocol)
+        return judge_miss_rate(result, units, with_tag).evidence
+    return judge_miss_rate(replace(result, dataset=_only(result, part)), units, protocol).evidence
 
 
 def _only(result: Result, part: Subgroup) -> Dataset:

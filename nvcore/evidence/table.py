@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.evidence.measures import Evidence, significance_table
+from nvcore.evidence.measures import Judged, significance_table
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.operating_points import is_undecided
 from nvcore.evidence.units import Units, find_units
@@ -19,7 +19,8 @@ def evidence_table(
     protocol: Protocol = PROTOCOLS["all"],
     *,
     units: Units | None = None,
-    miss_rate: Evidence | None = None,
+    miss_rate: Judged | None = None,
+    primary: str | None = None,
     has_intervals: bool = True,
 ) -> pd.DataFrame:
     """`nvcore.evidence.measures.significance_table` with the log-average miss rate as its last row.
@@ -32,17 +33,21 @@ def evidence_table(
         Which pedestrians count in the log-average miss rate.
     units, miss_rate
         ``find_units(result)``, ``judge_miss_rate(result, units, protocol)``, if already computed.
+    primary
+        As of `significance_table`.
     has_intervals
         Without them, p alone: much faster.
 
     Examples
     --------
-    >>> evidence_table(result)[["label", "difference", "p_holm"]]  # doctest: +SKIP
+    >>> evidence_table(result)[["label", "difference", "p_corrected"]]  # doctest: +SKIP
     """
     units = find_units(result) if units is None else units
     if miss_rate is None:
         miss_rate = judge_miss_rate(result, units, protocol, has_interval=has_intervals)
-    table = significance_table(result, [miss_rate], units=units, has_intervals=has_intervals)
+    table = significance_table(
+        result, [miss_rate], units=units, primary=primary, has_intervals=has_intervals
+    )
     return mark_undecided(result, table)
 
 

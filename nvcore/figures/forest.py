@@ -151,10 +151,10 @@ def _range(
 
 def _corrected(row: dict[Hashable, Any]) -> str:
     """The p of all encounters; of a group with the p that allows for all groups, or none."""
-    p, p_holm = float(row["p"]), float(row["p_holm"])
+    p, p_corrected = float(row["p"]), float(row["p_corrected"])
     if row["factor"] == ALL:
         return f"; p {p:.2g}" if np.isfinite(p) else ""
-    return f"; p {p:.2g} ({p_holm:.2g})" if np.isfinite(p_holm) else ""
+    return f"; p {p:.2g} ({p_corrected:.2g})" if np.isfinite(p_corrected) else ""
 
 
 def _text(row: dict[Hashable, Any]) -> str:
@@ -170,7 +170,7 @@ def _text(row: dict[Hashable, Any]) -> str:
         parts = [of, f"encounters detected by {counts}"]
     p = float(row["p"])
     if np.isfinite(p):
-        holm = float(row["p_holm"])
+        holm = float(row["p_corrected"])
         parts.append(f"p = {p:.2g}" + (f", {holm:.2g} for all groups" if np.isfinite(holm) else ""))
     if row["note"]:
         parts += [plain(note, max_length=200) for note in row["note"].split("; ")]

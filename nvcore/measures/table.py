@@ -16,6 +16,7 @@ from typing import Any, Final
 import numpy as np
 
 from nvcore.comparison import Result
+from nvcore.errors import ParameterError
 from nvcore.measures.entry import (
     Inference,
     Measure,
@@ -26,7 +27,7 @@ from nvcore.measures.of_curves import CURVE_MEASURES
 from nvcore.measures.of_encounters import DETECTED, ENCOUNTER_MEASURES
 from nvcore.measures.of_frames import FRAME_MEASURES
 from nvcore.subjects import contributed
-from nvcore.wording import difference
+from nvcore.wording import did_you_mean, difference, one_line
 
 MEASURES: Final[tuple[Measure, ...]] = (
     *FRAME_MEASURES,
@@ -43,6 +44,28 @@ _INFERENCE: Final = {
 
 EVIDENCE_KEYS: Final = tuple(sorted(_INFERENCE, key=lambda key: not key.startswith(DETECTED)))
 """Keys of the table of evidence: encounters detected first, then in the order of `MEASURES`."""
+
+
+CLAIMED: Final = {
+    key.removesuffix("_by_unit"): key for key, inference in _INFERENCE.items() if inference.noun
+}
+"""Keys of the measures whose differences the verdict may claim, by the names that users give."""
+
+
+def claimed_key(name: str) -> str:
+    """The key of a measure of `CLAIMED` that a user names, by its name or its key.
+
+    Raises
+    ------
+    ParameterError
+        If there is none.
+    """
+    if name in CLAIMED.values():
+        return name
+    if name not in CLAIMED:
+        hint = did_you_mean(name, CLAIMED, f"the measures are {', '.join(CLAIMED)}")
+        raise ParameterError(f"no verdict can rest on {one_line(name)!r}: {hint}")
+    return CLAIMED[name]
 
 
 def label_words(result: Result, units: str = "") -> dict[str, Any]:

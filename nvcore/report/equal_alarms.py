@@ -70,7 +70,7 @@ def unequal_companions(
         return None
     if evidence is None:
         evidence = evidence_table(result, protocol)
-    return find_companions(result, evidence)
+    return find_companions(result, evidence, protocol)
 
 
 def at_equal_alarms(companions: Companions | None) -> dict[str, Any] | None:
@@ -81,7 +81,7 @@ def at_equal_alarms(companions: Companions | None) -> dict[str, Any] | None:
     companions
         Of a comparison at unequal operating points; None: of another one.
     """
-    if companions is None or companions.equal is None:
+    if companions is None or companions.equal is None or companions.evidence is None:
         return None
     equal = companions.equal.result
     weights = {letter: equal.severity_of(system) for letter, system in equal.sides}
@@ -95,8 +95,8 @@ def at_equal_alarms(companions: Companions | None) -> dict[str, Any] | None:
         "evidence": {
             str(row["figure"]): {
                 name: None if np.isnan(row[name]) else row[name]
-                for name in ("x", "y", "difference", "low", "high", "p", "p_holm")
+                for name in ("x", "y", "difference", "low", "high", "p", "p_corrected")
             }
-            for row in companions.weaker_evidence.to_dict("records")
+            for row in companions.evidence.to_dict("records")
         },
     }

@@ -117,7 +117,8 @@ def export_files(
     if matches:
         files[MATCHES] = partial(matches_parquet, result)
     files["summary.json"] = lambda: _summary_text(
-        result, find_companions(result, evidence()) if are_unequal(result) else None
+        result,
+        find_companions(result, evidence(), session.protocol) if are_unequal(result) else None,
     ).encode()
     if isinstance(session, Session) and TABLE.name not in set(result.dataset.inputs["format"]):
         files[SESSION_FILE] = partial(_session_toml, result, session)
@@ -125,8 +126,13 @@ def export_files(
 
 
 def _session_toml(result: Result, session: Session) -> bytes:
-    complete = replace(stated(session, result.dataset), hashes=source_hashes(result.dataset))
-    text = write_session(complete, version=__version__, fingerprint=result.dataset.fingerprint)
+    fingerprint = result.dataset.fingerprint
+    complete = replace(
+        stated(session, result.dataset),
+        hashes=source_hashes(result.dataset),
+        primary=replace(result.dataset.primary, fingerprint=fingerprint),
+    )
+    text = write_session(complete, version=__version__, fingerprint=fingerprint)
     return text.encode()
 
 

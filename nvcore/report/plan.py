@@ -10,13 +10,11 @@ from typing import Any
 
 import pandas as pd
 
-from nvcore.arguments.plan import PlanArguments
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
-from nvcore.evidence.measures import Evidence
+from nvcore.evidence.measures import Evidence, primary_of
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.evidence.planning.pilot import plan_key
 from nvcore.evidence.planning.plan import Plan, plan_recordings
 from nvcore.evidence.planning.said import ASSUMPTIONS, QUESTION, facts_for_verdict
 from nvcore.measures.table import difference_text
@@ -31,7 +29,7 @@ def verdict_plan(
     *,
     plans: Mapping[str, Plan] | None = None,
 ) -> tuple[Fact, ...]:
-    """How many encounters and recordings more would take, where none detects more beyond chance.
+    """How many recordings would show a difference in the primary measure, where none is shown.
 
     Empty where a difference is shown, or nothing can be planned. Of systems that are set to
     different operating points, the comparison at equal false alarms is planned for.
@@ -45,20 +43,16 @@ def verdict_plan(
     plans
         Plans of the result for differences as found, by key, if already computed.
     """
-    key, basis = plan_key(PlanArguments.measure), result
-    tables: tuple[pd.DataFrame, ...] = () if evidence is None else (evidence,)
+    key, basis = primary_of(result.dataset).key, result
     if are_unequal(result):
         if companions is None or companions.equal is None:
             return ()
-        basis, tables = companions.equal.result, companions.evidence
-    rows = [row for table in tables if (row := evidence_of(table, key)) is not None]
-    # shown at one end of what may pass for equal false alarms: more recordings are not what lacks
-    if not rows or any(row.p_holm <= SIGNIFICANT for row in rows):
+        basis, evidence = companions.equal.result, companions.evidence
+    row = None if evidence is None else evidence_of(evidence, key)
+    if row is None or row.p_corrected <= SIGNIFICANT:
         return ()
-    if basis is result:
-        plan = (plans or {}).get(key) or plan_recordings(result, evidence=rows[0])
-    else:  # the companions have no intervals
-        plan = plan_recordings(basis)
+    plan = (plans or {}).get(key) if basis is result else None
+    plan = plan or plan_recordings(basis, evidence=row)
     return facts_for_verdict(plan)
 
 

@@ -20,4 +20,4 @@ def comparison_shown(
         return result, evidence
     if companions is None or companions.equal is None:
         return result, None
-    return companions.equal.result, companions.weaker_evidence
+    return companions.equal.result, companions.evidence

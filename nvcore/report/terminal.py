@@ -8,9 +8,8 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
-from nvcore.evidence.companions import Companions, find_companions
+from nvcore.evidence.companions import Companions, find_companions, judge_both
 from nvcore.evidence.operating_points import as_set_note
-from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
 from nvcore.metrics.proximity.horizon import estimate_horizons
 from nvcore.protocols import PROTOCOLS, Protocol
@@ -73,8 +72,10 @@ def render_scorecard(
     plan
         ``verdict_plan(result, evidence, companions)``, likewise.
     """
-    evidence = evidence_table(result, protocol) if evidence is None else evidence
-    companions = find_companions(result, evidence) if companions is None else companions
+    if evidence is None:
+        evidence, companions = judge_both(result, protocol)
+    elif companions is None:
+        companions = find_companions(result, evidence, protocol)
     plan = verdict_plan(result, evidence, companions) if plan is None else plan
     conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
     caveat = result.objects.say(saliency_caveat(result.params))

@@ -35,14 +35,13 @@ class Amount:
 
 @dataclass(frozen=True)
 class P:
-    """A p by itself, and corrected for several tests."""
+    """A p by itself, and corrected for what is tested together."""
 
     p: float
     corrected: float
-    n_tests: int
 
     def __str__(self) -> str:
-        return p_text(self.p, self.corrected, self.n_tests)
+        return p_text(self.p, self.corrected)
 
 
 @dataclass(frozen=True)
@@ -86,14 +85,14 @@ class Conclusion(Fact):
         ``claimed``: differences are more than chance. ``untested``: nothing is. ``pending``: not
         yet compared at equal false alarms. ``few``: fewer recordings than a p needs; ``within``:
         so few, but with differences that are clear within them. ``untestable``: no measure has a p.
-        ``impossible``: none could have a small enough one. ``withheld``: each small p fails another
-        check. ``not shown``: none is small enough.
-    n_recordings, n_measures
+        ``withheld``: each small p fails another check. ``not shown``: none is small enough;
+        ``primary not shown``: that of the primary measure is not.
+    n_recordings
         Behind the tests.
     better
         In what which system is better, the clearest difference first.
-    p
-        The least one that is possible.
+    primary
+        The primary measure.
     n_needed
         Recordings that a p needs.
     remarks
@@ -101,13 +100,12 @@ class Conclusion(Fact):
     """
 
     kind: Literal[
-        "claimed", "untested", "pending", "few", "within", "untestable", "impossible", "withheld",
-        "not shown",
+        "claimed", "untested", "pending", "few", "within", "untestable", "withheld", "not shown",
+        "primary not shown",
     ]  # fmt: skip
     n_recordings: int = 0
-    n_measures: int = 0
     better: tuple[Better, ...] = ()
-    p: P | None = None
+    primary: Named | None = None
     n_needed: int = 0
     remarks: tuple[Fact, ...] = ()
 
@@ -128,6 +126,24 @@ class Headline(Fact):
         "alike", "equal", "pending", "threshold", "scores", "same boxes", "wrong inputs"
     ]  # fmt: skip
     conclusion: Conclusion | None = None
+
+
+@dataclass(frozen=True)
+class Question(Fact):
+    """The primary measure, and how it is tested.
+
+    Attributes
+    ----------
+    kind
+        It is the ``default``, was ``chosen`` before a verdict was shown, or ``changed`` after one;
+        it is ``untested``: it has no p here.
+    when
+        When it was chosen.
+    """
+
+    kind: Literal["default", "chosen", "changed", "untested"]
+    primary: Named
+    when: str = ""
 
 
 @dataclass(frozen=True)

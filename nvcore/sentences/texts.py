@@ -19,6 +19,10 @@ AS_SET: Final = "as set: at unequal operating points"
 _ALARMS: Final = "X has {x:.3g} and Y {y:.3g} false alarms per frame"
 _NO_CLAIM: Final = "so nothing is claimed"
 
+_BY_ITSELF: Final = (
+    "it is tested by itself at 5 %, and other differences are claimed only if it shows one."
+)
+
 TEXTS: Final[Texts] = {
     facts.Named: "{key!m}",
     facts.Compared: "{key!m} ({better.number} against {other})",
@@ -32,13 +36,12 @@ TEXTS: Final[Texts] = {
         "within": "{better} within {n_recordings!n:recording}{remarks}, too few to say so of "
         "others ({n_needed} are needed)",
         "untestable": "too little data to tell X and Y apart",
-        "impossible": "too few recordings to tell X and Y apart: over {n_recordings} of them, no "
-        "difference in {n_measures!n:measure} could be shown to be more than chance, however large "
-        "(least possible {p})",
         "withheld": "no difference between X and Y is claimed: each that is more than chance fails "
         "another check",
         "not shown": "{n_recordings!n:recording} do not tell X and Y apart: no difference is shown "
         "to be more than chance",
+        "primary not shown": "{n_recordings!n:recording} do not tell X and Y apart: no difference "
+        "in {primary} is shown to be more than chance",
     },
     facts.Headline: {
         "alike": "{conclusion}.",
@@ -51,6 +54,15 @@ TEXTS: Final[Texts] = {
         "systems.",
         "wrong inputs": "nothing is claimed: the audit found errors in the inputs, and until they "
         "are mended the numbers are wrong.",
+    },
+    facts.Question: {
+        "default": f"{{primary}} is the primary measure (the default): {_BY_ITSELF}",
+        "chosen": "{primary} is the primary measure, chosen {when} before a verdict was shown: "
+        f"{_BY_ITSELF}",
+        "changed": "{primary} was made the primary measure {when}, after a verdict had been shown: "
+        "so it is one of all measures, which are corrected for one another.",
+        "untested": "{primary}, the primary measure, has no p here: the others are corrected for "
+        "one another.",
     },
     facts.AsSet: {
         "comparison": f"as set, {_ALARMS}: nothing is claimed from that comparison.",

@@ -11,7 +11,6 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from nvcore.evidence.claims import count_tests
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.stability.axes import Axis, Plane
 from nvcore.stability.flips import Flip, Interval, Winner, winners
@@ -199,7 +198,7 @@ def describe_chance(stability: StabilityMap, evidence: pd.DataFrame) -> str:
         return ""
     (row,) = rows
     no_evidence = "a verdict that holds at other settings is no evidence against chance"
-    if np.isnan(row["p_holm"]):
+    if np.isnan(row["p_corrected"]):
         why = row["note"].split("; ")[0]
         because = f" ({why})" if why else ""
         return (
@@ -207,8 +206,8 @@ def describe_chance(stability: StabilityMap, evidence: pd.DataFrame) -> str:
             f"{because}: {no_evidence}."
         )
     by = count_text(int(row["n"]), "recording")
-    p = f"by {by}, {p_text(row['p'], row['p_holm'], count_tests(evidence))}"
-    if row["p_holm"] <= SIGNIFICANT:
+    p = f"by {by}, {p_text(row['p'], row['p_corrected'])}"
+    if row["p_corrected"] <= SIGNIFICANT:
         return (
             f"This difference is unlikely to be chance ({p}); whether it may be claimed is up to "
             "the verdict."

@@ -33,10 +33,10 @@ SIGNIFICANCE_COLUMNS: Final[tuple[Column, ...]] = (
         empty=_TOO_FEW,
     ),
     Column(
-        "p_holm",
+        "p_corrected",
         _NUMBER,
         "0..1",
-        "The same, corrected for all rows.",
+        "The same, corrected for what is tested together (docs/significance.md).",
         empty=f"{_TOO_FEW}, or another row has the same hypothesis",
     ),
     Column("least_p", _NUMBER, "0..1", "The least p that so many could give.", empty=_TOO_FEW),
@@ -110,8 +110,8 @@ SUBGROUP_COLUMNS: Final[tuple[Column, ...]] = (
     *(replace(_EVIDENCE[name], empty=_NO_GROUP) for name in ("x", "y", "difference")),
     *(_EVIDENCE[name] for name in ("low", "high", "p")),
     replace(
-        _EVIDENCE["p_holm"],
-        meaning="The same, corrected for all groups and measures.",
+        _EVIDENCE["p_corrected"],
+        meaning="The same, corrected for all groups and measures (Holm).",
         empty=f"{_TOO_FEW}, `all`, or another row has the same hypothesis",
     ),
     _EVIDENCE["least_p"],

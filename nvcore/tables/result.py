@@ -90,8 +90,8 @@ def encounters_table(result: Result) -> pd.DataFrame:
             f"lag_s_{letter}": outcomes["lag_s"],
             f"gap_s_{letter}": outcomes["gap_s"],
             f"tail_s_{letter}": outcomes["tail_s"],
-            f"severity_s_{letter}": np.where(is_near, failures["severity_s"], np.nan),
-            f"peak_cost_{letter}": np.where(is_near, failures["peak_cost"], np.nan),
+            f"severity_s_{letter}": failures["severity_s"],
+            f"peak_cost_{letter}": failures["peak_cost"],
         }
     columns |= {
         "lead_time_s": result.lead_time_s,

@@ -129,11 +129,11 @@ def interval_text(low: float, high: float, form: str) -> str:
     return f"{difference(low, 0, form)} to {difference(high, 0, form)}"
 
 
-def p_text(p: float, p_corrected: float, n_tests: int) -> str:
-    """A p by itself and corrected for several tests: "p = 0.18; 1 after correction for 7 tests"."""
-    if n_tests < 2:
-        return f"p = {p_corrected:.2g}"
-    return f"p = {p:.2g}; {p_corrected:.2g} after correction for {n_tests} tests"
+def p_text(p: float, p_corrected: float) -> str:
+    """A p by itself, and corrected where that is another: "p = 0.18; 0.6 after correction"."""
+    if p == p_corrected:
+        return f"p = {p:.2g}"
+    return f"p = {p:.2g}; {p_corrected:.2g} after correction"
 
 
 def percent(share: float) -> str:

@@ -102,6 +102,11 @@ def missed(of: DetectionCurve) -> int:
     return of.n_truth - int(reached.max(initial=0))
 
 
+def first_with_all(of: DetectionCurve) -> int:
+    """Point of the highest threshold that finds as many signs as the lowest one."""
+    return int(np.argmax(of.tp))
+
+
 def area_interval(dataset: Dataset) -> tuple[float, float]:
     """95 % interval of the area under the curve, by resampling scenes."""
     outcomes = detection_outcomes(dataset, dataset.systems[0], Params())
@@ -139,7 +144,7 @@ class Measured:
     missed
         At the lowest threshold with a precision of 95 % or more.
     recall, false_positives, fppw
-        At the lowest threshold of all.
+        At the highest threshold that finds all signs that any finds (`first_with_all`).
     miss_rate
         Log-average.
     read_right
@@ -182,7 +187,7 @@ def measure(scenes: Sequence[SignScene], detector: IcfDetector) -> Measured:
     curve = detection_curve(dataset, dataset.systems[0], Params())
     low, high = area_interval(dataset)
     windows = result.n_windows / len(scenes)
-    at = int(np.argmax(curve.tp))
+    at = first_with_all(curve)
     return Measured(
         n_scenes=len(scenes),
         n_signs=curve.n_truth,

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from builders import Place, at, make_dataset, result_of
@@ -11,13 +13,22 @@ from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
 from nvcore.evidence.block_length import block_length
 from nvcore.evidence.bootstrap import bootstrap_difference, ratio, studentised_p
-from nvcore.evidence.measures import COLUMNS, UnitMeasure, judge_measure, significance_table
-from nvcore.evidence.paired_tests import holm, swap_test
+from nvcore.evidence.measures import (
+    COLUMNS,
+    Judged,
+    UnitMeasure,
+    correct_together,
+    judge_measure,
+    run_together,
+    significance_table,
+)
+from nvcore.evidence.paired_tests import swap_test
 from nvcore.evidence.units import STRETCH, find_units
 from nvcore.measures.table import measure_of
 from nvcore.params import Params
+from nvcore.primary import DEFAULT, Primary
 
-NUMBERS = ["x", "y", "difference", "low", "high", "p", "p_holm", "effect"]
+NUMBERS = ["x", "y", "difference", "low", "high", "p", "p_corrected", "effect"]
 
 
 def reordered(dataset: Dataset, order: np.ndarray) -> Dataset:
@@ -41,7 +52,7 @@ def test_the_table_has_every_measure_with_its_evidence() -> None:
     ]  # fmt: skip
     assert (table["low"] < table["difference"]).all()
     assert (table["difference"] < table["high"]).all()
-    assert table[[name for name in NUMBERS if name != "p_holm"]].notna().all().all()
+    assert table[[name for name in NUMBERS if name != "p_corrected"]].notna().all().all()
     assert table["n"].tolist() == [60, *[12] * 7]
     assert table["unit"].tolist() == ["encounters", *["recordings"] * 7]
     assert table["scope"].tolist() == ["these recordings", *["other recordings"] * 7]
@@ -66,13 +77,60 @@ def test_the_measures_are_those_of_the_scorecard() -> None:
     assert table.loc["encounters_detected", "p"] == result.exclusivity.mcnemar_p
 
 
-def test_no_hypothesis_is_in_holm_s_family_twice() -> None:
+def test_no_hypothesis_is_tested_twice_and_the_primary_measure_by_itself() -> None:
     table = by_figure(result_of(drives(12)))
     repeated = ["encounters_detected", "lost_s_per_min"]
     assert table.loc[repeated, "p"].notna().all()
-    assert table.loc[repeated, "p_holm"].isna().all()
+    assert table.loc[repeated, "p_corrected"].isna().all()
     family = table.drop(index=repeated)
-    assert family["p_holm"].tolist() == holm(family["p"].to_numpy()).tolist()
+    primary = family.loc[DEFAULT]
+    assert primary["p_corrected"] == primary["p"]
+    others = family.drop(index=DEFAULT)
+    assert (others["p_corrected"] >= np.maximum(others["p"], primary["p"])).all()
+
+
+def test_a_primary_measure_that_was_changed_is_one_of_all() -> None:
+    result = result_of(drives(12))
+    settings = replace(result.dataset.settings, primary=Primary("saliency", is_changed=True))
+    changed = replace(result, dataset=result.dataset.with_settings(settings))
+    table, plain = by_figure(changed), significance_table(result, primary="")
+    assert table["p_corrected"].tolist() == pytest.approx(
+        plain["p_corrected"].tolist(), nan_ok=True
+    )
+    assert table.loc["saliency", "p_corrected"] >= table.loc["saliency", "p"]
+
+
+def unit_measure(key: str, parts: np.ndarray) -> UnitMeasure:
+    """The mean of some parts, one a recording."""
+    ones = np.ones(len(parts))
+    x, y = np.column_stack([parts, ones]), np.column_stack([0 * parts, ones])
+    return UnitMeasure(key, key, "higher", x, y)
+
+
+def test_measures_that_say_the_same_cost_each_other_nothing() -> None:
+    parts = np.random.default_rng(4).normal(0.5, 1, 12)
+    tests = run_together(
+        [unit_measure(key, factor * parts) for key, factor in (("a", 1), ("b", 3))]
+    )
+    corrected = correct_together(tests, "")
+    assert tests["a"].p == tests["b"].p
+    assert corrected == {"a": pytest.approx(tests["a"].p), "b": pytest.approx(tests["b"].p)}
+
+
+def test_without_a_difference_one_claim_in_twenty_at_the_most() -> None:
+    rng, n_runs = np.random.default_rng(8), 400
+    primary_first = together = 0
+    for _ in range(n_runs):
+        shared = rng.normal(0, 1, (12, 1))
+        parts = shared + rng.normal(0, 1, (12, 5))
+        measures = [unit_measure(str(i), of) for i, of in enumerate(parts.T)]
+        tests = run_together(measures)
+        assert set(tests) == set("01234")
+        primary_first += min(correct_together(tests, "2").values()) <= 0.05
+        together += min(correct_together(tests, "").values()) <= 0.05
+    # of 400, more than 32 come in one of 200 runs if 5 % is what is true
+    assert primary_first <= 32
+    assert 5 <= together <= 32
 
 
 @pytest.mark.parametrize(("n", "unit", "has_p"), [(5, "blocks", False), (6, "recordings", True)])
@@ -87,7 +145,7 @@ def test_p_speaks_of_other_drives_from_six_recordings_on(n: int, unit: str, has_
 def test_p_is_the_same_without_intervals() -> None:
     result = result_of(drives(12))
     whole, brief = significance_table(result), significance_table(result, has_intervals=False)
-    assert brief["p_holm"].equals(whole["p_holm"])
+    assert brief["p_corrected"].equals(whole["p_corrected"])
     assert brief["low"].iloc[1:].isna().all()
 
 
@@ -195,7 +253,7 @@ def test_one_recording_is_judged_by_blocks_and_says_what_that_means() -> None:
 def test_a_short_recording_has_words_instead_of_measures() -> None:
     truth = [at(frame, 50, track=1) for frame in range(6)]
     table = by_figure(result_of(make_dataset(truth, truth[:2], truth[:4], n_frames=6)))
-    assert table[["low", "high", "p", "p_holm"]].isna().all().all()
+    assert table[["low", "high", "p", "p_corrected"]].isna().all().all()
     assert table["effect"].iloc[1:].isna().all()  # of a few blocks it says nothing
     assert table["note"].str.contains("too few").sum() >= 4
     assert (table["method"] == "").all()
@@ -219,7 +277,7 @@ def test_encounters_of_one_frame_are_called_frames() -> None:
     row = table.loc["encounters_detected"]
     assert "most encounters are one frame long" in row["note"]
     assert result.exclusivity.mcnemar_p == pytest.approx(2 / 2**20)
-    assert row[["low", "high", "p", "p_holm", "effect"]].isna().all()
+    assert row[["low", "high", "p", "p_corrected", "effect"]].isna().all()
     assert row["difference"] == 0.5
     assert table.loc["encounters_detected_by_unit", "difference"] == 0.5
 
@@ -238,14 +296,17 @@ def test_another_measure_from_sums_over_the_same_units_can_be_added() -> None:
         for system in (result.x, result.y)
     ]
     extra = UnitMeasure("miss_rate", "miss rate", "lower", *missed)
-    table = significance_table(result, [judge_measure(extra, units)], units=units)
+    tested = run_together([extra])["miss_rate"]
+    judged = Judged(judge_measure(extra, units, tested=tested), extra, tested)
+    table = significance_table(result, [judged], units=units, primary="")
     row = table.iloc[-1]
     assert row["figure"] == "miss_rate"
     assert row["x"] == pytest.approx(1 - result.x.matched.sum() / result.n_truth.sum())
     assert row["low"] < row["difference"] < row["high"] < 0
+    assert row["p_corrected"] >= row["p"]
     # one more p-value to correct for
-    plain, more = significance_table(result)["p_holm"], table["p_holm"].iloc[:-1]
-    assert (more.dropna() >= plain.dropna()).all()
+    plain = significance_table(result, primary="")["p_corrected"]
+    assert (table["p_corrected"].iloc[:-1].dropna() >= plain.dropna()).all()
 
 
 def test_blocks_hold_the_true_difference_and_keep_the_level_about_as_they_say() -> None:

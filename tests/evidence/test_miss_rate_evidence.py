@@ -49,7 +49,7 @@ def test_resamples_come_near_what_their_own_curve_gives():
     row = judge_row(result)
     assert row["difference"] == pytest.approx(-0.0533, abs=1e-4)
     assert row["low"] < row["difference"] < row["high"]
-    assert 0 < row["p"] < row["p_holm"] <= 1
+    assert 0 < row["p"] < row["p_corrected"] <= 1
     units = find_units(result)
     measure = log_average_miss_rate_measure(result, units)
     rng = np.random.default_rng(1)
@@ -102,7 +102,7 @@ def test_without_scores_there_is_no_measure_and_the_reason_stands_in_its_place()
     assert log_average_miss_rate_measure(nobody, find_units(nobody)) is None
     assert log_average_miss_rate_measure(result, find_units(result)) is None
     row = judge_row(result)
-    assert np.isnan([row["x"], row["y"], row["difference"], row["p"], row["p_holm"]]).all()
+    assert np.isnan([row["x"], row["y"], row["difference"], row["p"], row["p_corrected"]]).all()
     assert row["note"].endswith("needs pedestrians that count, and detections with scores")
 
 

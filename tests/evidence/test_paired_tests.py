@@ -7,7 +7,15 @@ from hypothesis import strategies as st
 from scipy.stats import permutation_test
 
 from nvcore.evidence.bootstrap import ratio
-from nvcore.evidence.paired_tests import SwapTest, holm, mcnemar, swap_test
+from nvcore.evidence.paired_tests import (
+    Paired,
+    SwapTest,
+    holm,
+    mcnemar,
+    step_down,
+    swap_test,
+    swap_tests,
+)
 from nvcore.metrics.venn import Venn
 
 
@@ -190,3 +198,46 @@ def test_holm_never_lowers_and_lies_below_bonferroni(p: list[float]) -> None:
     assert (found <= np.minimum(len(p) * values, 1) + 1e-12).all() or len(set(p)) < len(p)
     by_size = np.argsort(values, kind="stable")
     assert (np.diff(found[by_size]) >= 0).all()
+
+
+def test_step_down_by_hand() -> None:
+    # four ways; ranks of the sizes found (the first way): test a 1 of 4, test b 2 of 4
+    draws = np.array([[4.0, 3.0], [1.0, 4.0], [2.0, 1.0], [3.0, 2.0]])
+    found = step_down(draws, np.array([0.25, 0.5]), n_added=0)
+    # smallest p of both: 1/4 in the first way (a) and in the second (b); of b alone 2/4
+    assert found.tolist() == [0.5, 0.5]
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 6))
+def test_step_down_lies_between_p_and_bonferroni(seed: int, n_tests: int) -> None:
+    draws = np.abs(np.random.default_rng(seed).normal(size=(200, n_tests)))
+    p = (draws >= draws[0]).mean(axis=0)
+    found = step_down(draws, p, n_added=0)
+    assert (found >= p).all()
+    assert (found <= np.minimum(n_tests * p, 1) + 1e-12).all()
+    order = np.argsort(p)
+    assert (np.diff(found[order]) >= 0).all()
+
+
+def test_tests_made_together_are_those_made_one_by_one() -> None:
+    rng = np.random.default_rng(6)
+    size = rng.uniform(5, 50, 9)
+    pairs = [
+        Paired(*(np.column_stack([rng.uniform(0.6, 1, 9) * size, size]) for _ in "xy"), ratio)
+        for _ in range(3)
+    ]
+    curve = Paired(rng.uniform(1, 2, (9, 4)), rng.uniform(1, 2, (9, 4)), lambda s: s.max(axis=-1))
+    together = swap_tests([*pairs, curve])
+    for measure, test in zip([*pairs, curve], together, strict=True):
+        alone = swap_test(measure.x, measure.y, measure.statistic)
+        assert test.p == pytest.approx(alone.p)
+        assert len(test.sizes) == 2**8
+
+
+def test_a_shift_is_taken_off_and_changes_its_sign_with_the_exchange() -> None:
+    rng = np.random.default_rng(7)
+    difference, shift, ones = rng.normal(0.4, 1, 10), rng.normal(0, 1, 10), np.ones((10, 1))
+    x, y = np.column_stack([difference, ones]), np.column_stack([0 * difference, ones])
+    assert swap_test(x, y, ratio, shift=shift).p == flip_signs(difference - shift).p
+    general = swap_test(x, y, lambda sums: sums[..., 0] / sums[..., 1], shift=shift)
+    assert general.p == flip_signs(difference - shift).p

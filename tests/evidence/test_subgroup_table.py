@@ -80,14 +80,14 @@ def test_useful_alerts_are_split_as_they_are_compared_and_all_else_as_the_group(
 def test_the_row_of_all_is_that_of_the_whole_comparison(table: pd.DataFrame):
     whole = evidence_table(drives()).set_index("figure")
     everybody = table[table["factor"] == "all"].set_index("figure")
-    shared = [one for one in whole.columns if one != "p_holm"]
+    shared = [one for one in whole.columns if one != "p_corrected"]
     keys = list(evidence_keys(drives()))
     pd.testing.assert_frame_equal(everybody.loc[keys, shared], whole.loc[keys, shared])
 
 
 def test_a_tag_of_all_recordings_has_the_measures_of_all_by_blocks():
     table = subgroup_table(drives(n=3, night=1)).set_index(["group", "figure"])
-    same = [one for one in table.columns if one not in ("factor", "p_holm")]
+    same = [one for one in table.columns if one not in ("factor", "p_corrected")]
     tag = table.loc["all of them", same]
     pd.testing.assert_frame_equal(tag, table.loc["all", same])
     assert np.isfinite(tag["x"]).all()
@@ -99,7 +99,7 @@ def test_a_tag_has_the_measures_of_its_recordings_alone(table: pd.DataFrame):
     table["note"] = table["note"].str.removesuffix(f"; {AS_SET}")
     boxes_by_day = drives(n=NIGHT, night=0)
     alone = subgroup_table(boxes_by_day).set_index(["group", "figure"])
-    same = [one for one in table.columns if one not in ("factor", "p_holm")]
+    same = [one for one in table.columns if one not in ("factor", "p_corrected")]
     pd.testing.assert_frame_equal(table.loc["day", same], alone.loc["all", same])
 
 
@@ -127,7 +127,9 @@ def test_frames_and_false_alerts_belong_to_no_group_of_pedestrians(table: pd.Dat
     for figure, why in lacking.items():
         rows = table[is_of_some & (table["figure"] == figure)]
         assert len(rows) == 2
-        assert rows[["x", "y", "difference", "low", "high", "p", "p_holm"]].isna().all(axis=None)
+        assert (
+            rows[["x", "y", "difference", "low", "high", "p", "p_corrected"]].isna().all(axis=None)
+        )
         assert (rows["note"] == PEDESTRIAN.say(why)).all()
         assert (rows["n"] == 0).all()
     rest = table[is_of_some & ~table["figure"].isin(list(lacking))]
@@ -218,10 +220,10 @@ def test_without_scores_no_group_has_a_miss_rate_and_all_say_so():
 def test_holm_corrects_over_the_groups_of_all_measures(table: pd.DataFrame):
     repeated = ["encounters_detected", "lost_s_per_min"]
     is_counted = (table["factor"] != "all") & ~table["figure"].isin(repeated)
-    assert table.loc[~is_counted, "p_holm"].isna().all()
+    assert table.loc[~is_counted, "p_corrected"].isna().all()
     known = table.loc[is_counted, "p"].dropna()
     assert len(known) > 2
-    assert table["p_holm"].min() == pytest.approx(min(len(known) * known.min(), 1))
+    assert table["p_corrected"].min() == pytest.approx(min(len(known) * known.min(), 1))
 
 
 def test_a_tag_without_a_pedestrian_still_has_similarity_and_false_alerts():
@@ -261,7 +263,7 @@ def test_urgent_encounters_belong_to_their_groups_and_have_evidence_by_recording
     late = time_left_of(result.y)["impact_kmh"].max()
     assert whole.loc["mean_impact_kmh", ["x", "y"]].tolist() == pytest.approx([5, 0.75 * late])
     assert whole.loc["in_time_by_unit", "p"] < 0.05
-    assert np.isnan(whole.loc["in_time", "p_holm"])  # asked again by recordings
+    assert np.isnan(whole.loc["in_time", "p_corrected"])  # asked again by recordings
     for key in ("in_time", "in_time_by_unit"):
         groups = of(result, key).xs("place", level="factor")
         assert groups[["x", "y"]].to_numpy().tolist() == [[0.9, 0.5], [0.9, 0.0]]  # centre, edge

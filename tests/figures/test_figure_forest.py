@@ -93,9 +93,9 @@ def test_a_protocol_s_name_in_the_label_is_text(detected: pd.DataFrame) -> None:
 def test_p_of_a_group_stands_beside_the_corrected_one_and_not_without_it(
     detected: pd.DataFrame,
 ) -> None:
-    rows = detected.assign(p=0.02, p_holm=np.nan)
+    rows = detected.assign(p=0.02, p_corrected=np.nan)
     assert words(subgroup_forest(rows, theme="light")).count("; p 0.02") == 1  # of all
-    rows.loc[1, "p_holm"] = 0.08
+    rows.loc[1, "p_corrected"] = 0.08
     assert "; p 0.02 (0.08)" in words(subgroup_forest(rows, theme="light"))
 
 

@@ -18,6 +18,7 @@ from nvcore.inputs.session import RecordingEntry, RecordingsFile, Session, Sourc
 from nvcore.inputs.session_toml import read_session, write_session
 from nvcore.objects import PEDESTRIAN, SPEED_SIGN, Objects, objects_from
 from nvcore.params import Params
+from nvcore.primary import Primary
 from nvcore.protocols import OWN, PROTOCOLS, Protocol
 from nvcore.published import PublishedPoint
 
@@ -49,6 +50,7 @@ FULL = Session(
         OWN, height_px=(40.0, math.inf), occlusion=(0, 1), border_px=(1.0, 2.0, 3.0, 4.5),
         aspect=(0.5, 4.0), tags=("night",), expand=1.5,
     ),
+    primary=Primary("saliency", "2026-11-26T17:40:12+00:00", "ab", is_changed=True),
     published=(
         PublishedPoint(name="report", recall=0.939, precision=0.215),
         PublishedPoint(name="\"paper\"", miss_rate=0.1, fppi=1.5, fppw=1e-5),
@@ -205,6 +207,8 @@ RECORDING = '[[recording]]\nname = "a"\n'
         ("[parameters]\nalfa = 1", "[parameters]: there is no parameter 'alfa'"),
         ("[protocol]\nname = 'best'", "[protocol]: there is no protocol 'best'; there are: all"),
         ("protocol = 1  # [protocol]", "expected [protocol] to be a table"),
+        ("[primary]\nkey = 'saliency'", "[primary] has no key 'key'; its keys are changed"),
+        ("[primary]\nchanged = 1", "[primary]: changed: expected true or false, found 1"),
         ("[written]\nsha256 = {a = 1}", "[written]: sha256: expected a table of texts"),
         ("[[recording]]\nwidth = 1", "[[recording]]: expected a name"),
         (RECORDING + "wide = 1", "[[recording]] has no key 'wide'; did you mean 'width'?"),

@@ -48,7 +48,7 @@ def test_the_summary_has_every_number_of_the_verdict(unequal: Result, companions
     for letter in "xy":
         parts_s = [content["venn_severity_s"][f"{kind}_{letter}"] for kind in content["venn"]]
         assert sum(parts_s) == pytest.approx(content[letter]["severity_s"])
-    assert set(content["evidence"]) == set(companions.weaker_evidence["figure"])
+    assert set(content["evidence"]) == set(companions.evidence["figure"])
     assert content["evidence"]["log_average_miss_rate"]["p"] < 1
     severity = content["evidence"]["severity_s_per_encounter"]
     assert severity["x"] == pytest.approx(content["x"]["severity_s_per_encounter"])

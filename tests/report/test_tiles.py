@@ -36,7 +36,7 @@ def tile_of(sample: tuple[Result, pd.DataFrame, Companions], key: str, **row: ob
     changed = evidence.assign(**{
         name: np.where(is_row, value, evidence[name]) for name, value in row.items()
     })  # fmt: skip
-    companions = Companions(EqualAlarms(result, "x"), (changed,), result)
+    companions = Companions(EqualAlarms(result, "x"), changed, result)
     return next(tile for tile in tiles(result, changed, companions) if tile.key in key)
 
 
@@ -95,13 +95,13 @@ def test_without_an_interval_for_want_of_recordings_a_tile_says_so(
 @pytest.mark.parametrize(
     ("row", "chip", "winner"),
     [
-        ({"p_holm": 0.01, "difference": 0.1, "unit": "recordings"}, Chip("better", "x"), "x"),
-        ({"p_holm": 0.01, "difference": -0.1, "unit": "recordings"}, Chip("better", "y"), "y"),
-        ({"p_holm": 0.2, "unit": "recordings"}, Chip("not shown"), ""),
-        ({"p_holm": 0.01, "unit": "recordings", "doubt": "odd"},
+        ({"p_corrected": 0.01, "difference": 0.1, "unit": "recordings"}, Chip("better", "x"), "x"),
+        ({"p_corrected": 0.01, "difference": -0.1, "unit": "recordings"}, Chip("better", "y"), "y"),
+        ({"p_corrected": 0.2, "unit": "recordings"}, Chip("not shown"), ""),
+        ({"p_corrected": 0.01, "unit": "recordings", "doubt": "odd"},
          Chip("withheld", reason=Reason("doubt", doubt="odd")), ""),
-        ({"p_holm": np.nan, "unit": "blocks"}, Chip("few", n=10, n_needed=6), ""),
-        ({"x": 0.5, "y": 0.5, "p_holm": 1.0, "unit": "recordings"}, Chip("same"), ""),
+        ({"p_corrected": np.nan, "unit": "blocks"}, Chip("few", n=10, n_needed=6), ""),
+        ({"x": 0.5, "y": 0.5, "p_corrected": 1.0, "unit": "recordings"}, Chip("same"), ""),
     ],
 )  # fmt: skip
 def test_the_chip_claims_no_more_than_the_verdict(

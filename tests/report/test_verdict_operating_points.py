@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from builders import result_of
 from drives import at_thresholds, turned_by_strict_pairing
 from verdict_scenes import said, whole_verdict
 
 from nvcore.evidence.claims import Basis
-from nvcore.evidence.companions import find_companions
 from nvcore.evidence.measures import significance_table
 from nvcore.report.verdict import verdict
 from nvcore.sentences.facts import AboutAsSet, Headline, Reason, Unclaimed
@@ -50,15 +47,6 @@ def test_until_the_comparison_at_equal_false_alarms_is_known_nothing_is_claimed(
     text = verdict(result, evidence=significance_table(result))
     assert text.headline == Headline("pending")
     assert not text.claims
-
-
-def test_the_p_beside_a_comparison_at_equal_false_alarms_is_the_larger_of_both_ends():
-    result = at_thresholds()
-    companions = find_companions(result, significance_table(result))
-    first = companions.evidence[0]
-    ends = [first.assign(p_holm=p) for p in (0.2, 0.6)]
-    both = replace(companions, evidence=tuple(ends))
-    assert (both.weaker_evidence["p_holm"] == 0.6).all()
 
 
 def test_where_strict_pairing_disagrees_it_is_said_and_nothing_claimed():

@@ -118,7 +118,7 @@ def test_progress_runs_over_all_maps() -> None:
 def evidence(**p_of_figures: float) -> pd.DataFrame:
     """Corrected p by figure."""
     rows = [
-        {"figure": figure, "p": p / 2, "p_holm": p, "n": 12, "note": "too few; x"}
+        {"figure": figure, "p": p, "p_corrected": min(2 * p, 1), "n": 12, "note": "too few; x"}
         for figure, p in p_of_figures.items()
     ]
     return pd.DataFrame(rows)
@@ -128,15 +128,17 @@ def evidence(**p_of_figures: float) -> pd.DataFrame:
     ("criterion", "p_of_figures", "text"),
     [
         ("similarity", {"mean_similarity": 0.58},
-         "This difference is not shown to be more than chance (by 12 recordings, p = 0.58): a "
+         "This difference is not shown to be more than chance (by 12 recordings, p = 0.58; 1 "
+         "after correction): a "
          "verdict that holds at "
          "other settings is no evidence against chance."),
-        ("saliency", {"saliency": 0.04},
-         "This difference is unlikely to be chance (by 12 recordings, p = 0.04); "
+        ("saliency", {"saliency": 0.02},
+         "This difference is unlikely to be chance (by 12 recordings, p = 0.02; 0.04 after "
+         "correction); "
          "whether it may be claimed is up to the verdict."),
         # encounters are alike within recordings: McNemar's test of them one by one says nothing
         ("encounters", {"encounters_detected": 0.01, "encounters_detected_by_unit": 0.3},
-         "not shown to be more than chance (by 12 recordings, p = 0.15; 0.3 after"),
+         "not shown to be more than chance (by 12 recordings, p = 0.3; 0.6 after"),
         ("similarity", {"mean_similarity": np.nan},
          "Whether this difference is more than chance cannot be tested here (too few): a verdict"),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Final
 
 import pandas as pd
@@ -16,10 +17,14 @@ from nvcore.detection.operating_point import (
     score_histogram,
 )
 from nvcore.detection.operating_point import operating_point as point_at
+from nvcore.evidence.measures import primary_of
 from nvcore.figures.inputs import false_alarm_plot, score_plot
+from nvcore.measures.table import CLAIMED, inference_of
 from nvcore.params import Params
+from nvcore.primary import now_text
 from nvcore.report.words import sampling_note
 from nvcore.stages import MATCH
+from nvcore.wording import capitalised
 from ui.session import state
 from ui.shell import operating_point, systems
 from ui.widgets.charts import draw_chart
@@ -43,6 +48,7 @@ def draw() -> None:
         )
     else:
         _draw_same_point(x, y)
+        _draw_primary()
     st.caption(
         state.say(
             "False alarms here are single detections that match {nobody}, counted in every frame. "
@@ -75,6 +81,37 @@ def _draw_choice() -> None:
         key="swap_systems",
     )
     right.selectbox("System Y", names, key="choice_y", on_change=_choose, args=("y",))
+
+
+def _draw_primary() -> None:
+    """The measure by which the comparison is decided."""
+    primary = primary_of(state.opened().dataset)
+    st.session_state["choice_primary"] = primary.key
+    st.selectbox(
+        "Decide by",
+        list(CLAIMED.values()),
+        key="choice_primary",
+        format_func=lambda key: capitalised(state.say(inference_of(key).noun)),
+        on_change=_choose_primary,
+        help="The primary measure: the verdict tests it by itself, and claims other differences "
+        "only if it shows one. Choose it before you look at the verdict; if it is changed "
+        "afterwards, the verdict says so and corrects all measures for one another.",
+    )
+    if primary.is_changed:
+        st.caption(
+            f":material/warning: Changed {primary.when}, after a verdict on these data: all "
+            "measures are corrected for one another."
+        )
+
+
+def _choose_primary() -> None:
+    """Another measure was chosen; the session knows whether a verdict on the data was shown."""
+    session, fingerprint = state.opened().session, state.opened().dataset.fingerprint
+    primary = session.primary.of_data(fingerprint)
+    if state.has_shown_verdict():
+        primary = replace(primary, fingerprint=fingerprint)
+    chosen = primary.choose(st.session_state["choice_primary"], fixed_at=now_text())
+    state.compare_as(replace(session, primary=chosen))
 
 
 def _choose(letter: str) -> None:

@@ -15,13 +15,14 @@ from nvcore.comparison import Result
 from nvcore.evidence.claims import Basis
 from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.operating_points import EqualAlarms, are_unequal, find_equal_alarms
+from nvcore.evidence.units import find_units
 from nvcore.progress import Progress
 from nvcore.report.equal_alarms import equal_alarms_of
 from nvcore.sentences.facts import AtEqualAlarms
 from ui.jobs.background import Output
 from ui.jobs.computed import Computation
 from ui.session import state
-from ui.session.results.evidence import comparison_key
+from ui.session.results.evidence import comparison_key, miss_rate_kept_by
 from ui.shell.messages import draw_as_set_note
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import plain
@@ -48,7 +49,11 @@ def known_companions(result: Result) -> Companions | None:
 
 def wait_for_companions(result: Result, evidence: pd.DataFrame) -> Companions | None:
     """The companions of the comparison; None while they are computed in the background."""
-    return _wait_for(result, KIND, lambda _: find_companions(result, evidence))
+    protocol = state.protocol()  # not to be asked in the background
+    miss_rate = miss_rate_kept_by(state.cached, result, find_units(result), protocol)
+    return _wait_for(
+        result, KIND, lambda _: find_companions(result, evidence, protocol, miss_rate=miss_rate)
+    )
 
 
 class Alternative(NamedTuple):

@@ -26,7 +26,7 @@ from ui.widgets.html import MeasureRow, measures_html, with_arrow
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
 SETTING: Final = "thresholds"
-HEAD: Final = ("X", "Y", "X − Y", "95 % interval", "p", "p (Holm)", "effect")
+HEAD: Final = ("X", "Y", "X − Y", "95 % interval", "p", "p (corrected)", "effect")
 
 
 def draw(result: Result, evidence: pd.DataFrame) -> None:
@@ -46,8 +46,9 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
         state.say(
             "Both systems saw the same {many}, so differences are judged in pairs: how far "
             "they would vary with other {units} (interval), and how often they would be as large "
-            "if X and Y could be exchanged (p, from six recordings on). p (Holm) allows for all "
-            "the rows being looked at together: the verdict claims no difference with more than "
+            "if X and Y could be exchanged (p, from six recordings on). p (corrected): the primary "
+            "measure is tested by itself, the others are corrected for one another and follow it. "
+            "The verdict claims no difference with more than "
             "{significant}, nor one that does not hold at equal false alarms. Within these "
             "recordings: McNemar's test, which says nothing of others. effect: size of the "
             "difference, Cohen's d_z or the odds ratio (∞: in all encounters that only one "
@@ -129,7 +130,7 @@ def shown_evidence(
             difference(row["x"], row["y"], form),
             interval_text(row["low"], row["high"], form),
             number(row["p"], ".2g"),
-            number(row["p_holm"], ".2g"),
+            number(row["p_corrected"], ".2g"),
             effect_text(row),
         )
         if are_unequal(result):

@@ -103,12 +103,12 @@ def _ask(evidence: pd.DataFrame) -> PlanArguments | None:
         placeholder="a margin chosen beforehand" if is_margin else "as found",
         persist_state="session",
     )
-    n_tested = int(np.isfinite(evidence["p_holm"]).sum())
+    n_tested = int(np.isfinite(evidence["p_corrected"]).sum())
     is_corrected = not is_margin and st.toggle(
-        f"Corrected for {count_text(n_tested, 'measure')}, as in the table",
+        f"Corrected for {count_text(n_tested, 'measure')}",
         key="plan_corrected",
         persist_state="session",
-        help="Else p of this measure by itself, as if the study tested no other.",
+        help="Else p of this measure by itself, as the primary one is tested.",
     )
     size = amount / (100 if scale.is_share else 1) if amount else None
     if is_margin and size is None:

@@ -84,6 +84,7 @@ class Room:
         conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
         words = plain(conclusion.say(conclusion.headline))
         self._words().markdown(f"## {words}")
+        state.note_shown_verdict()
         st.session_state[LAST] = self._opening(), words
         four = tiles(result, evidence, companions, is_being_tested=True)
         self._tiles().html(tiles_html(four, self._result.objects))

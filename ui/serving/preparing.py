@@ -8,10 +8,11 @@ import threading
 from nvcore.comparison import compare
 from nvcore.errors import NvcoreError
 from nvcore.evidence.companions import find_companions
+from nvcore.evidence.units import find_units
 from ui.confined import process
 from ui.jobs import companions
 from ui.session.results.comparison import result_kept_by
-from ui.session.results.evidence import comparison_key, evidence_kept_by
+from ui.session.results.evidence import comparison_key, evidence_kept_by, miss_rate_kept_by
 from ui.session.results.findings import findings_kept_by
 from ui.session.state import shared_start
 
@@ -42,7 +43,12 @@ def prepare_start() -> None:
         cached(
             companions.KIND,
             comparison_key(result, protocol),
-            lambda: find_companions(result, evidence),
+            lambda: find_companions(
+                result,
+                evidence,
+                protocol,
+                miss_rate=miss_rate_kept_by(cached, result, find_units(result), protocol),
+            ),
             most=companions.MOST,
         )
     findings_kept_by(cached, dataset, settings, x, y)

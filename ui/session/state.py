@@ -40,6 +40,7 @@ from ui.settings.start import start_file
 ROOT: Final = Path(__file__).resolve().parents[2]
 SAMPLE: Final = ROOT / "sample_data" / "session.toml"
 SAMPLE_LABEL: Final = "Sample recordings"
+_SHOWN_VERDICT: Final = "verdict_shown_on"
 T = TypeVar("T")
 
 
@@ -272,6 +273,16 @@ def compare_as(session: Session, whole: Dataset | None = None) -> None:
     space.look_at(as_shared(Opened.of(session, whole or before.whole, before.label)))
     if opened().dataset.boxes is before.dataset.boxes:  # `compare` takes from it what still holds
         space.compared = compared
+
+
+def note_shown_verdict() -> None:
+    """Remember that a verdict on the open data was shown."""
+    st.session_state[_SHOWN_VERDICT] = opened().dataset.fingerprint
+
+
+def has_shown_verdict() -> bool:
+    """Whether a verdict on the open data was shown in this browser session."""
+    return bool(st.session_state.get(_SHOWN_VERDICT) == opened().dataset.fingerprint)
 
 
 def theme() -> Scheme:

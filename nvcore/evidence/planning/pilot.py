@@ -114,7 +114,7 @@ def judge_key(
     """The row of the table of evidence for one measure of `PLAN_KEYS`; p is not corrected."""
     units = find_units(result) if units is None else units
     if inference_of(key).test == "curve":
-        return judge_miss_rate(result, units, protocol)
+        return judge_miss_rate(result, units, protocol).evidence
     return judge_measure(_unit_measure(result, units, key), units)
 
 

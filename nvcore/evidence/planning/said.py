@@ -82,7 +82,8 @@ def facts_for_verdict(plan: Plan) -> tuple[Fact, ...]:
     extent = _extent(size)
     if plan.noninferiority is not None or extent is None:
         return ends
-    noun, apart = row.label.partition(", by ")[0], Apart(size.difference, row.figure)
+    noun = row.label.partition(", by ")[0].partition(" (")[0]
+    apart = Apart(size.difference, row.figure)
     return Needed(extent, noun, apart, SIGNIFICANT, plan.power), *ends
 
 

@@ -31,6 +31,7 @@ from nvcore.inputs.session import (
 from nvcore.objects import PEDESTRIAN, objects_from
 from nvcore.params import params_from
 from nvcore.params.traffic import parse_context
+from nvcore.primary import primary_from
 from nvcore.protocols import protocol_from
 from nvcore.published import PublishedPoint
 from nvcore.wording import did_you_mean
@@ -50,6 +51,7 @@ _TABLES: Final = frozenset(
         "truth",
         "system",
         "compare",
+        "primary",
         "parameters",
         "protocol",
         "published",
@@ -66,11 +68,13 @@ _COMPARE: Final = {
     "objects": tuple[str, ...],
     "accept": tuple[str, ...],
 }
+_PRIMARY: Final = {"measure": str, "fixed_at": str, "fingerprint": str, "changed": bool}
 _RECORDINGS: Final = {"path": str}
 _WORDS: Final = {
     str: "a text",
     int: "a whole number",
     float: "a number",
+    bool: "true or false",
     tuple[str, ...]: "a list of texts",
     tuple[float, float]: "two numbers",
     tuple[float, float, float, float]: "four numbers",
@@ -149,6 +153,7 @@ class _Decoder:
         with self.errors_in("[defaults]"):
             defaults |= {"size": parse_size(defaults["size"])} if "size" in defaults else {}
         compare = self.compare(self.table(content, "compare"))
+        primary = self.values(_PRIMARY, self.table(content, "primary"), "[primary]")
         settings, filters = self.table(content, "parameters"), self.table(content, "protocol")
         with self.errors_in("[parameters]"):
             params = params_from(settings)
@@ -174,6 +179,7 @@ class _Decoder:
                 recordings_file=self.recordings_file(content),
                 params=params,
                 protocol=protocol,
+                primary=primary_from(primary),
                 published=tuple(published),
                 hashes=hashes,
                 pipes=pipes,
@@ -272,6 +278,7 @@ def _typed(kind: Any, value: Any) -> Any:
     if origin is Mapping and isinstance(value, dict):
         return {key: _typed(parts[1], item) for key, item in value.items()}
     is_number = kind is float and isinstance(value, int | float)
-    if origin or isinstance(value, bool) or not (is_number or isinstance(value, kind)):
+    is_bool = isinstance(value, bool)
+    if origin or is_bool != (kind is bool) or not (is_number or isinstance(value, kind)):
         raise TypeError
     return kind(value)

@@ -52,6 +52,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
                 "accept": list(session.accept) or None,
             }
         ),
+        "primary": session.primary.given(),
         "parameters": _given(session.params.stated()),
         "protocol": session.protocol.given(),
         "recordings": {} if table is None else {"path": table.path},

@@ -14,10 +14,9 @@ from nvcore.arguments.plan import Side
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import detection_curve
-from nvcore.evidence.companions import find_companions
+from nvcore.evidence.companions import Companions, judge_both
 from nvcore.evidence.operating_points import is_undecided
 from nvcore.evidence.planning import PLAN_KEYS, judge_key, worse_at_most
-from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
 from nvcore.findings import Finding, Severity
 from nvcore.measures.entry import is_met
@@ -150,8 +149,8 @@ def gate_measures(
         values |= {name: math.nan for name in of_fusion if name in values}
     evidence = None
     if not needed.isdisjoint(COUNTED_CLAIMS):
-        evidence = evidence_table(result, protocol)
-        values |= _count_claims(result, findings, evidence)
+        evidence, companions = judge_both(result, protocol)
+        values |= _count_claims(result, findings, evidence, companions)
     values |= _may_be_worse(result, protocol, needed, evidence)
     values |= _of_classes(result, needed)
     for of in contributed("rules"):
@@ -216,10 +215,9 @@ def _of_curves(result: Result, protocol: Protocol) -> dict[str, float]:
 
 
 def _count_claims(
-    result: Result, findings: Sequence[Finding], evidence: pd.DataFrame
+    result: Result, findings: Sequence[Finding], evidence: pd.DataFrame, companions: Companions
 ) -> dict[str, float]:
     """How many differences the verdict claims for each system."""
-    companions = find_companions(result, evidence)
     claims = verdict(result, findings, evidence=evidence, companions=companions).claims
     return {
         name: float(sum(claim.winner == letter for claim in claims))

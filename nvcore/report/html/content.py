@@ -9,10 +9,9 @@ from itertools import chain
 from nvcore import __version__
 from nvcore.arguments.report import Inscription
 from nvcore.comparison import Result
-from nvcore.evidence.companions import find_companions
+from nvcore.evidence.companions import judge_both
 from nvcore.evidence.operating_points import as_set_note
 from nvcore.evidence.subgroup_table import subgroup_table
-from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding
 from nvcore.palette import Scheme, Theme, scheme_of
 from nvcore.pictures.recordings import RecordingPictures
@@ -109,8 +108,7 @@ def report_content(
     """Gather the report."""
     inscription = inscription.in_short()
     progress(0.0, "testing the differences")
-    evidence = evidence_table(result, protocol)
-    companions = find_companions(result, evidence)
+    evidence, companions = judge_both(result, protocol)
     subgroups = subgroup_table(result, protocol=protocol)
     progress(0.15, "detection curves")
     detection = detection_section(result, protocol)

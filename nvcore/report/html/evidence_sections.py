@@ -110,7 +110,7 @@ def significance_section(evidence: pd.DataFrame, theme: Theme) -> Section:
         rows.append((label, *values, *_evidence_of(row), effect_text(row)))
         how = row["method"] or UNDEFINED, row["note"] or UNDEFINED
         ways.append((row["label"], f"{row['n']:,} {row['unit']}", *how))
-    head = ("Measure", "X", "Y", "X − Y", "95 % interval", "p", "p (Holm)", "Effect")
+    head = ("Measure", "X", "Y", "X − Y", "95 % interval", "p", "p (corrected)", "Effect")
     note = (
         "↑ higher is better, ↓ lower is better. Effect: Cohen's d_z or the odds ratio of "
         "the encounters that only one detects."
@@ -212,8 +212,8 @@ def _evidence_of(row: Mapping[Hashable, Any]) -> tuple[str, str, str, str]:
     """Difference, interval, p and corrected p of a row."""
     form = evidence_form(row["figure"])
     span = interval_text(row["low"], row["high"], form)
-    p, p_holm = number(row["p"], ".2g"), number(row["p_holm"], ".2g")
-    return difference(row["x"], row["y"], form), span, p, p_holm
+    p, p_corrected = number(row["p"], ".2g"), number(row["p_corrected"], ".2g")
+    return difference(row["x"], row["y"], form), span, p, p_corrected
 
 
 def _notes_of(rows: pd.DataFrame) -> str:

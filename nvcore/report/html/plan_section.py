@@ -57,7 +57,7 @@ def plan_measures(
         if (row := evidence_of(evidence, key)) is not None
         and not repeated_by(key)
         and not doubt_of(result, measure_of(key))
-        and not row.p_holm <= SIGNIFICANT
+        and not row.p_corrected <= SIGNIFICANT
     ]
     n = len(not_shown)
     return {

@@ -173,6 +173,7 @@ def verdict(
     every = in_place(
         (
             Point("Operating points", points.operating_points(result, companions)),
+            Point("Question", points.question(result, of_shown)),
             Point("Encounters", points.encounters(shown, of_shown, support)),
             Point("Severity", points.weights(shown)),
             Point("Other measures", points.measures(shown, of_shown)),

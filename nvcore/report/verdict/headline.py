@@ -9,13 +9,13 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.evidence.claims import Claim, Support, count_tests, find_within, least_corrected_p
+from nvcore.evidence.claims import Claim, Support, find_within, has_primary
 from nvcore.evidence.companions import Companions
+from nvcore.evidence.measures import primary_of
 from nvcore.evidence.operating_points import are_unequal, has_scores
-from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
 from nvcore.measures.table import count_recordings, evidence_form, inference_of, measure_of
-from nvcore.sentences.facts import Amount, Better, Compared, Conclusion, Fact, Headline, Named, P
+from nvcore.sentences.facts import Amount, Better, Compared, Conclusion, Fact, Headline, Named
 from nvcore.subjects import contributed
 
 
@@ -69,15 +69,15 @@ def _conclusion(
             better=_better(within, evidence, n_with_values=len(within)),
             remarks=_remarks(result, within),
         )
-    n_measures = count_tests(evidence)
-    if not n_measures:
+    if not np.isfinite(evidence["p_corrected"]).any():
         return Conclusion("untestable")
-    n = int(evidence["n"][np.isfinite(evidence["p_holm"])].max())
-    least_p = least_corrected_p(evidence)
-    if least_p > SIGNIFICANT:
-        p = P(least_p / n_measures, least_p, n_measures)
-        return Conclusion("impossible", n_recordings=n, n_measures=n_measures, p=p)
-    return Conclusion("withheld" if support.withheld else "not shown", n_recordings=n)
+    n = int(evidence["n"][np.isfinite(evidence["p_corrected"])].max())
+    if support.withheld:
+        return Conclusion("withheld", n_recordings=n)
+    primary = primary_of(result.dataset)
+    if primary.is_changed or not has_primary(evidence, primary.key):
+        return Conclusion("not shown", n_recordings=n)
+    return Conclusion("primary not shown", n_recordings=n, primary=Named(primary.key))
 
 
 def _remarks(result: Result, claims: Sequence[Claim]) -> tuple[Fact, ...]:

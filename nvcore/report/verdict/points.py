@@ -13,17 +13,19 @@ from nvcore.evidence.claims import (
     CLAIMED,
     Claim,
     Support,
-    count_tests,
+    has_primary,
     is_turned_strictly,
     values_of,
     winner_of,
 )
 from nvcore.evidence.companions import Companions
+from nvcore.evidence.measures import primary_of
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
 from nvcore.evidence.operating_points import alarms_as_set, are_unequal, has_scores
 from nvcore.evidence.units import RECORDINGS
 from nvcore.measures.table import evidence_form, has_several_recordings, inference_of, measure_of
 from nvcore.measures.values import relevant_share
+from nvcore.primary import DEFAULT
 from nvcore.report.words import every_nth
 from nvcore.schema import Category
 from nvcore.sentences import facts
@@ -73,6 +75,21 @@ def operating_points(result: Result, companions: Companions | None) -> tuple[Fac
     return set_as, facts.AboutEqualAlarms(companions.equal.setting)
 
 
+def question(result: Result, evidence: pd.DataFrame | None) -> tuple[Fact, ...]:
+    """The primary measure and how it is tested; none where nothing has a p."""
+    if evidence is None or not np.isfinite(evidence["p_corrected"]).any():
+        return ()
+    primary = primary_of(result.dataset)
+    named = facts.Named(primary.key)
+    if primary.is_changed:
+        return (facts.Question("changed", named, primary.when),)
+    if not has_primary(evidence, primary.key):
+        return (facts.Question("untested", named),)
+    if primary.key == DEFAULT and not primary.fixed_at:
+        return (facts.Question("default", named),)
+    return (facts.Question("chosen", named, primary.when),)
+
+
 def encounters(result: Result, evidence: pd.DataFrame | None, support: Support) -> tuple[Fact, ...]:
     """Who detects more encounters, and p of that by recordings, unless it is withheld."""
     venn = result.venn
@@ -80,8 +97,8 @@ def encounters(result: Result, evidence: pd.DataFrame | None, support: Support) 
     if evidence is not None and ENCOUNTERS not in support.withheld:
         row = evidence[evidence["figure"] == ENCOUNTERS].iloc[0]
         if row["unit"] == RECORDINGS:
-            is_tested = np.isfinite(row["p_holm"])
-            p = facts.P(row["p"], row["p_holm"], count_tests(evidence)) if is_tested else None
+            is_tested = np.isfinite(row["p_corrected"])
+            p = facts.P(row["p"], row["p_corrected"]) if is_tested else None
             test = facts.Tested(int(row["n"]), p)
     return (facts.Split(venn.n_near, venn.both, venn.x_only, venn.y_only, test),)
 
@@ -170,27 +187,26 @@ def chance(result: Result, evidence: pd.DataFrame | None, support: Support) -> t
     of_key = {row["figure"]: row for row in evidence.to_dict("records")}
     said: list[Fact] = []
     if support.claims:
-        n_tests = count_tests(evidence)
-        shown = (_shown(claim, of_key[claim.key], n_tests) for claim in support.claims)
+        shown = (_shown(claim, of_key[claim.key]) for claim in support.claims)
         said.append(facts.MoreThanChance(tuple(shown)))
     for reason in dict.fromkeys(support.withheld.values()):
         withheld = (key for key in CLAIMED if support.withheld.get(key) == reason)
         said.append(facts.Unclaimed(tuple(map(facts.Named, withheld)), reason))
     settled = {*support.withheld, *(claim.key for claim in support.claims)}
     others = [row for key, row in of_key.items() if key in CLAIMED and key not in settled]
-    if settled and any(np.isfinite(row["p_holm"]) for row in others):
+    if settled and any(np.isfinite(row["p_corrected"]) for row in others):
         said.append(facts.OthersNotShown())
     if result.is_short:
         said.append(facts.ShortEncounters())
     return tuple(said)
 
 
-def _shown(claim: Claim, row: Mapping[Hashable, Any], n_tests: int) -> facts.Shown:
+def _shown(claim: Claim, row: Mapping[Hashable, Any]) -> facts.Shown:
     key, low, high = claim.key, row["low"], row["high"]
     interval = ""
     if np.isfinite(low):
         interval = interval_text(low, high, evidence_form(key)) + inference_of(key).noun_unit
-    return facts.Shown(key, claim.winner, facts.P(row["p"], claim.p, n_tests), interval)
+    return facts.Shown(key, claim.winner, facts.P(row["p"], claim.p), interval)
 
 
 def strict_pairing(result: Result, strict: Result) -> tuple[Fact, ...]:

@@ -80,7 +80,6 @@ ENCOUNTER_COLUMNS: Final[tuple[Column, ...]] = (
             "What its failures weigh: sum of cost * time step over the frames that count in which "
             "it was not matched; 1 s is one second of a full-weight miss.",
             "low",
-            _DISTANT,
         ),
         Column(
             "peak_cost",
@@ -88,7 +87,6 @@ ENCOUNTER_COLUMNS: Final[tuple[Column, ...]] = (
             _SHARE,
             "Largest cost among them: 1 is {a_one} straight ahead and near.",
             "low",
-            _DISTANT,
         ),
     ),
     Column(

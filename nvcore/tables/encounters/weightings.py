@@ -116,7 +116,7 @@ def _judge(
         facts |= {
             "n_relevant": n_relevant,
             f"missed_{letter}": n_relevant - int(outcome["matched"]),
-            f"severity_s_{letter}": float(failures["severity_s"]) if n_relevant else np.nan,
+            f"severity_s_{letter}": float(failures["severity_s"]),
             f"detected_{letter}": bool(outcome["is_detected"]) if n_relevant else None,
             f"miss_class_{letter}": outcome["miss_class"],
         }

@@ -38,8 +38,8 @@ SHARE = """(plot, [across, down]) => {
 # Faded text has too little contrast. What waits for Python fades, at any time where a page asks for
 # news by itself: that is switched off. What is new fades in: that is waited for.
 # An expander's label fades without saying that it is stale.
-NO_FADING = """[data-stale], [data-testid="stExpander"] summary, [data-testid="stExpander"] summary *
-  { opacity: 1 !important; transition: none !important; }"""
+NO_FADING = """[data-stale], [data-testid="stExpander"] summary,
+  [data-testid="stExpander"] summary * { opacity: 1 !important; transition: none !important; }"""
 IS_STILL = """() => document.getAnimations()
   .every((motion) => !(motion instanceof CSSTransition) || motion.playState !== "running")"""
 

@@ -36,7 +36,7 @@ def detecting(
 
 def row_of(
     figure: str,
-    p_holm: float,
+    p_corrected: float,
     low: float = NAN,
     high: float = NAN,
     *,
@@ -48,8 +48,8 @@ def row_of(
 ) -> dict[str, object]:
     """A row of the table of evidence."""
     return {
-        "figure": figure, "p": p_holm / 2, "p_holm": p_holm, "low": low, "high": high,
-        "x": 1.0, "y": 2.0,
+        "figure": figure, "p": p_corrected / 2, "p_corrected": p_corrected,
+        "low": low, "high": high, "x": 1.0, "y": 2.0,
         "difference": difference, "better": better, "unit": unit, "n": n, "doubt": doubt,
         "least_p": 2 / 2**n,
     }  # fmt: skip
@@ -62,7 +62,7 @@ def verdict_by(result: Result, *rows: dict[str, object], companions: bool = True
     """The verdict by this evidence, which holds at equal false alarms as well."""
     table = pd.DataFrame([row_of(BY_UNIT, NAN), *rows])
     table = table.drop_duplicates("figure", keep="last").reset_index(drop=True)
-    both = Companions(EqualAlarms(result, "x"), (table,), result) if companions else None
+    both = Companions(EqualAlarms(result, "x"), table, result) if companions else None
     return verdict(result, evidence=table, companions=both)
 
 

@@ -39,7 +39,8 @@ def test_each_difference_that_is_not_shown_has_its_size_and_what_is_excluded(sam
     assert int(n_encounters.replace(",", "")) == pytest.approx(3.8 * int(n), abs=1)
     assert " to " in span
     said = verdict_plan(sample, evidence, None)
-    assert said[0].extent.n_recordings == int(n)
+    primary = plans["severity_s_per_encounter"].sizes[0]
+    assert said[0].extent.n_recordings == primary.n_recordings
     assert verdict_plan(sample, evidence, None, plans=plans) == said
 
 
@@ -51,7 +52,7 @@ def test_blocks_of_time_and_what_is_shown_have_words_instead():
     clear = result_of(drives(30))
     evidence = evidence_table(clear)
     assert verdict_plan(clear, evidence, None) == ()
-    evidence["p_holm"] = 0.001
+    evidence["p_corrected"] = 0.001
     plans = plan_measures(clear, evidence, PROTOCOLS["all"], progress=no_progress)
     section = plan_section(clear, evidence, plans)
     assert section.blocks[0].texts == ("No p is above 0.05 after correction: nothing to plan for.",)

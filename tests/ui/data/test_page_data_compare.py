@@ -163,3 +163,16 @@ def test_recordings_sampled_differently_are_told_apart(steps: list[int], note: s
     told = sampling_note(dataset.frame_columns)
     assert told.startswith(note)
     assert bool(told) == bool(note)
+
+
+def test_the_primary_measure_is_chosen_before_the_verdict_or_said_to_be_changed():
+    page = opened_app("data")
+    checked(page.selectbox(key="choice_primary").set_value("mean_similarity").run())
+    overview = to_page(page, "overview")
+    assert "Mean similarity is the primary measure, chosen on 20" in texts(overview)
+    page = to_page(overview, "data")
+    assert page.selectbox(key="choice_primary").value == "mean_similarity"
+    assert "after a verdict" not in texts(page)
+    checked(page.selectbox(key="choice_primary").set_value("saliency").run())
+    assert "Changed on 20" in texts(page)
+    assert " was made the primary measure on 20" in texts(to_page(page, "overview"))

@@ -341,10 +341,12 @@ def test_a_heading_sorts_and_the_selection_stays_with_its_pedestrian(monkeypatch
     assert table.order() == Order("peak_height", is_descending=False)
 
 
-def test_a_distant_encounter_has_dashes():
+def test_a_distant_encounter_has_no_severity_and_else_dashes():
     page = choose(opened(), 4)
     assert "never came near enough" in texts(page)
-    assert page.table[0].value["X"].tolist() == ["–"] * 7
+    severity, peak, *others = page.table[0].value["X"].tolist()
+    assert (severity, peak) == ("0.00 s", "0.00")
+    assert others == ["–"] * 5
     # one that was chosen in other data is forgotten: the first is shown
     page.session_state[CHOSEN] = (0, "winter_frost:1")
     assert "**1** of 46" in texts(checked(page.run()))

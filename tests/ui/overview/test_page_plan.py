@@ -34,7 +34,7 @@ def test_studies_are_simulated_when_asked_for_and_the_verdict_then_says_how_many
     app = computed(app)
     said = texts(app).replace("\\", "")
     assert "would show a difference as found here (+7.9 pp) in 80 % of studies" in said
-    assert "would show a difference in the share of encounters detected as large as here" in said
+    assert "difference in the severity of missed pedestrians per encounter as large as here" in said
     plots = [plot.proto.spec for plot in app.get("plotly_chart")]
     assert any("How many recordings would show it" in spec for spec in plots)
     checked(app.slider(key="alpha").set_value(0.5).run())  # another comparison, another plan

@@ -43,7 +43,7 @@ def test_the_map_of_the_sample_is_told_for_each_choice_and_setting():
     assert not page.warning
     assert "As analysed, X has the higher mean similarity, by 0.0189." in words(page)
     assert "range: misses against false alarms (alpha) 0.5 to 1" in words(page)
-    p = "p = 0.47; 1 after correction for 7 tests"
+    p = "p = 0.47; 0.77 after correction"
     assert f"not shown to be more than chance (by 10 recordings, {p})" in words(page)
     for plane, criterion, who in (
         ("thresholds", "encounters", "X detects more encounters"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.evidence.measures import Evidence
+from nvcore.evidence.measures import Evidence, Judged
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import Units, find_units
@@ -17,7 +17,8 @@ from ui.session.results.comparison import Cached
 
 def comparison_key(result: Result, protocol: Protocol | None = None) -> tuple[object, ...]:
     """Cache key of the evidence, for the open data."""
-    return (result.params, result.x.name, result.y.name, protocol or state.protocol())
+    names = result.x.name, result.y.name
+    return (result.params, *names, protocol or state.protocol(), result.dataset.primary)
 
 
 def measure_evidence(result: Result) -> pd.DataFrame:
@@ -36,7 +37,7 @@ def evidence_kept_by(cached: Cached, result: Result, protocol: Protocol) -> pd.D
 
     def make() -> pd.DataFrame:
         units = find_units(result)
-        miss_rate = _miss_rate_kept_by(cached, result, units, protocol)
+        miss_rate = miss_rate_kept_by(cached, result, units, protocol)
         return evidence_table(result, protocol, units=units, miss_rate=miss_rate)
 
     evidence: pd.DataFrame = cached("evidence", comparison_key(result, protocol), make)
@@ -45,12 +46,10 @@ def evidence_kept_by(cached: Cached, result: Result, protocol: Protocol) -> pd.D
 
 def miss_rate_evidence(result: Result) -> Evidence:
     """Evidence for the log-average miss rate under the current protocol."""
-    return _miss_rate_kept_by(state.cached, result, find_units(result), state.protocol())
+    return miss_rate_kept_by(state.cached, result, find_units(result), state.protocol()).evidence
 
 
-def _miss_rate_kept_by(
-    cached: Cached, result: Result, units: Units, protocol: Protocol
-) -> Evidence:
+def miss_rate_kept_by(cached: Cached, result: Result, units: Units, protocol: Protocol) -> Judged:
     """Keyed by the settings of matching and the blocks of time, which alone move it."""
     key = (
         result.x.name,
@@ -59,7 +58,7 @@ def _miss_rate_kept_by(
         protocol,
         units.unit_of_frame.tobytes(),
     )
-    evidence: Evidence = cached(
+    judged: Judged = cached(
         "miss_rate_evidence", key, lambda: judge_miss_rate(result, units, protocol), most=4
     )
-    return evidence
+    return judged

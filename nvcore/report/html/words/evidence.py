@@ -16,8 +16,10 @@ SIGNIFICANCE = Intro(
     "exchanged. Where a studentised bootstrap, which allows for skew, gives a larger p, that is "
     "taken. Blocks of time have no p. The row of encounters within these recordings has the exact "
     "McNemar test of those that only one detects: it takes them as independent and says nothing "
-    "of other recordings. Holm's correction allows for several measures being tested at once; a "
-    "hypothesis counts once. Effect size: mean difference over its standard deviation (Cohen's "
+    "of other recordings. The primary measure, which is chosen before the result is seen, is "
+    "tested by itself; the p of others is corrected for one another, and is at least that of the "
+    "primary one; a hypothesis counts once. Effect size: mean difference over its standard "
+    "deviation (Cohen's "
     "d_z), or the odds ratio of the encounters that only one detects.",
     best="An interval that does not touch 0 on the side of the better system; a corrected p of "
     "0.05 or less.",
