@@ -15,6 +15,8 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+TO_VERDICT = "to the verdict"
+"""Name of the row: comparison, audit, intervals, tests, companions and verdict."""
 BUDGET_S = 30.0
 """No further repetition of one piece of work after so long."""
 

@@ -14,12 +14,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from bench.measure import measure, repeat, report, versions
+from bench.measure import TO_VERDICT, measure, repeat, report, versions
 from bench.sets import COLUMNS, FPS, HEIGHT, WIDTH, BoxSet, load_set, make_set
+from nvcore.auditing import audit
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
+from nvcore.evidence.companions import judge_both
 from nvcore.params import Params
+from nvcore.report.verdict import Verdict, verdict
 
 CHANGES = {
     "alpha": lambda i: Params(alpha=0.5 + 0.05 * i),
@@ -77,8 +80,17 @@ def main() -> None:
         dataset.derived.clear()  # nothing that the run before has found
         return compare(dataset)
 
+    def judge(_: int) -> Verdict:
+        """From the dataset to the verdict: compare, audit, intervals, tests, companions."""
+        result = analyse()
+        dataset.__dict__.pop("copies", None)  # found anew, too
+        evidence, companions = judge_both(result)
+        return verdict(result, audit(dataset), evidence=evidence, companions=companions)
+
     base, analyse_s, peak_mb = measure(analyse, options.repeat)
     seconds = {"analyse": analyse_s}
+    if not options.only_analyse:
+        seconds[TO_VERDICT] = repeat(judge, options.repeat)
     changes = {} if options.only_analyse else CHANGES
     for name, params in changes.items():
         seconds[f"change of {name}"] = repeat(

@@ -87,6 +87,7 @@ RECORDING_DTYPES: Final[dict[str, str]] = {
     "context": "float64",  # traffic: 0 urban to 1 rural; NaN: not stated
     "speed_kmh": "float64",  # speed of the car; NaN: not stated
     "tags": "object",  # words for choosing recordings, tuple of str
+    "unit": "object",  # what it is part of: a drive, a route, a car; empty: by itself
 }
 
 ATTRIBUTE_DTYPES: Final[dict[str, str]] = {

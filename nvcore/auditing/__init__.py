@@ -25,6 +25,7 @@ from nvcore.auditing.comparability import (
     audit_operating_points,
     audit_weighting,
 )
+from nvcore.auditing.copies import audit_copies, audit_pieces
 from nvcore.auditing.coverage import PART_CODE, audit_system_coverage, audit_truth_coverage
 from nvcore.auditing.layouts import audit_layouts, find_layouts
 from nvcore.auditing.no_match import audit_no_match
@@ -145,6 +146,7 @@ def audit_inputs(dataset: Dataset) -> tuple[Finding, ...]:
     findings += [*audit_truth_coverage(dataset), *_audit_boxes(truth), *audit_tracks(truth)]
     findings += [*audit_size(dataset), *audit_kitti_size(dataset), *audit_fps(dataset)]
     findings += [*audit_frame_list(dataset), *audit_frame_steps(dataset), *audit_layouts(dataset)]
+    findings += [*audit_copies(dataset), *audit_pieces(dataset)]
     for system in (system_source(dataset, name) for name in dataset.systems):
         findings += [*audit_system_coverage(system), *_audit_boxes(system), *audit_scores(system)]
         findings += audit_same_as_truth(system)

@@ -324,8 +324,8 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
             "--recordings",
             metavar="FILE",
             help="CSV file with a line for each recording: recording,width,height,fps,context,"
-            "speed_kmh,horizon,tags,title,pictures,first_picture (docs/formats.md). --size and "
-            "--fps go before it.",
+            "speed_kmh,horizon,tags,title,unit,pictures,first_picture (docs/formats.md). --size "
+            "and --fps go before it.",
         ),
         grouped_option(
             FACTS,

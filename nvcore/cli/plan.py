@@ -67,7 +67,7 @@ def plan(out: Path | None, as_json: bool, strict: bool, **options: Any) -> None:
     from nvcore.errors import InputError
     from nvcore.evidence.planning import plan_key, plan_recordings
     from nvcore.evidence.planning.pilot import MIN_PILOT
-    from nvcore.evidence.units import RECORDINGS
+    from nvcore.evidence.units import WHOLE
     from nvcore.report.plan import plan_json, render_plan
     from nvcore.report.protect_inputs import files_read, refuse_to_replace
     from nvcore.report.terminal import render_findings
@@ -88,7 +88,7 @@ def plan(out: Path | None, as_json: bool, strict: bool, **options: Any) -> None:
     protocol = result.dataset.settings.protocol
     plan = plan_recordings(result, asked, protocol=protocol)
     row = plan.evidence
-    if row.unit != RECORDINGS or row.n < MIN_PILOT:
+    if row.unit not in WHOLE or row.n < MIN_PILOT:
         raise InputError(plan.sizes[0].reason)
     if out is not None:
         write_whole(out, plan_json(plan).encode())

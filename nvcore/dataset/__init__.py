@@ -20,6 +20,7 @@ from nvcore.columns import (
     frame_gaps,
     offsets_of,
 )
+from nvcore.dataset.copies import Copy, find_copies
 from nvcore.dataset.provenance import Provenance
 from nvcore.dataset.sources import ReadAs
 from nvcore.errors import InputError
@@ -49,7 +50,7 @@ class Dataset:
     recordings
         One row per recording: name, width, height (px), fps, horizon (px, NaN unknown), context
         (0 urban to 1 rural, NaN not stated), speed_kmh (of the car, NaN not stated), tags (tuple
-        of str).
+        of str), unit (what it is part of; empty: it stands by itself).
     frames
         One row per listed frame, frames without boxes too: recording (row of `recordings`),
         frame, time_s, step_s. Sorted by recording, then frame.
@@ -126,6 +127,11 @@ class Dataset:
         }
         gap = frame_gaps(frame, first)
         return FrameColumns(recording, frame, gap, first.astype(np.int64), **numbers)
+
+    @cached_property
+    def copies(self) -> tuple[Copy, ...]:
+        """Recordings that hold the same truth."""
+        return find_copies(self)
 
     def unlisted_frames(self, recording: str) -> np.ndarray:
         """Frames of a recording with boxes of the truth, but not evaluated; int64, ascending."""

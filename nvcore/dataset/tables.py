@@ -57,7 +57,7 @@ def dataset_from_tables(
     Parameters
     ----------
     recordings
-        Columns name, width, height, fps, and optionally horizon, context, speed_kmh and tags.
+        Columns name, width, height, fps, and optionally horizon, context, speed_kmh, tags and unit.
     frames_by_recording
         Listed frame numbers of each recording, sorted, unique.
     boxes
@@ -77,6 +77,8 @@ def dataset_from_tables(
     """
     if "tags" not in recordings:
         recordings = recordings.assign(tags=pd.Series([()] * len(recordings), dtype=object).array)
+    if "unit" not in recordings:
+        recordings = recordings.assign(unit="")
     columns: dict[str, object] = {str(name): recordings[name].to_numpy() for name in recordings}
     recordings = conform(columns, RECORDING_DTYPES, n_rows=len(recordings))
     for name in ("width", "height", "fps", "speed_kmh"):
@@ -114,7 +116,7 @@ def dataset_from_tables(
 
 
 def what_is_stated(recordings: pd.DataFrame) -> pd.DataFrame:
-    """The recordings as a fingerprint includes them: without tags, context, speed if none has any.
+    """The recordings as a fingerprint includes them: without what none of them has.
 
     So data that state none of these keep the fingerprint of before there were such columns.
     """
@@ -122,6 +124,7 @@ def what_is_stated(recordings: pd.DataFrame) -> pd.DataFrame:
         "tags": not any(recordings["tags"]),
         "context": recordings["context"].isna().all(),
         "speed_kmh": recordings["speed_kmh"].isna().all(),
+        "unit": not any(recordings["unit"]),
     }
     return recordings.drop(columns=[name for name, empty in is_empty.items() if empty])
 

@@ -16,7 +16,7 @@ from nvcore.evidence.bootstrap import CONFIDENCE
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import are_unequal, count_alarms, has_scores
 from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.evidence.units import RECORDINGS
+from nvcore.evidence.units import WHOLE
 from nvcore.measures.table import EVIDENCE_KEYS, inference_of, measure_of
 from nvcore.sentences.facts import Reason
 
@@ -182,7 +182,7 @@ def _doubts(evidence: pd.DataFrame) -> dict[str, Reason]:
 
 def _significant_rows(evidence: pd.DataFrame) -> list[dict[Hashable, Any]]:
     """Rows of the measures that may be claimed, with a small enough p over recordings."""
-    is_small = (evidence["unit"] == RECORDINGS) & (evidence["p_corrected"] <= SIGNIFICANT)
+    is_small = evidence["unit"].isin(WHOLE) & (evidence["p_corrected"] <= SIGNIFICANT)
     return evidence[is_small & evidence["figure"].isin(CLAIMED)].to_dict("records")
 
 

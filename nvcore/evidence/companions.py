@@ -28,7 +28,7 @@ from nvcore.evidence.operating_points import (
 )
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.table import evidence_table
-from nvcore.evidence.units import RECORDINGS, Units, find_units
+from nvcore.evidence.units import WHOLE, Units, find_units
 from nvcore.protocols import PROTOCOLS, Protocol
 
 
@@ -92,7 +92,7 @@ def find_companions(
     else:
         extra = [miss_rate]
     shifts = {}
-    if units.kind == RECORDINGS or is_unequal:
+    if units.kind in WHOLE or is_unequal:
         shifts = shifts_at_equal_alarms(result, equal, units)
     at_equal = significance_table(
         equal.result,

@@ -35,8 +35,8 @@ from nvcore.evidence.paired_tests import (
 )
 from nvcore.evidence.units import (
     OTHER_RECORDINGS,
-    RECORDINGS,
     THESE_RECORDINGS,
+    WHOLE,
     Units,
     find_units,
     sum_units,
@@ -204,7 +204,7 @@ def significance_table(
     keys = [key for key in keys if inference_of(key).test != "curve"]
     of_units = [measure for measure in unit_measures(result, units) if measure.key in keys]
     known = {of.evidence.figure: of.tested for of in extra if of.tested is not None}
-    tests = run_together(of_units, shifts, known) if units.kind == RECORDINGS else {}
+    tests = run_together(of_units, shifts, known) if units.kind in WHOLE else {}
     rows = _judge(
         result, keys, of_units, units=units, tests=tests, shifts=shifts, has_intervals=has_intervals
     )
@@ -505,7 +505,7 @@ def judge_measure(
     interval = bootstrap_difference(
         x, y, statistic, shift=shift, n_resamples=n_resamples, units=units.kind
     )
-    if units.kind != RECORDINGS:
+    if units.kind not in WHOLE:
         tested = NOT_TESTED
     elif tested is None:
         of_key = {} if shift is None else {measure.key: shift}
@@ -540,11 +540,11 @@ def judge_measure(
 def with_mean_over_recordings(result: Result, units: Units, row: Evidence) -> Evidence:
     """The row, with values at least where blocks of time cannot share a mean over recordings."""
     inference, by_recording = inference_of(row.figure), measure_of(row.figure).by_recording
-    if inference.per != "share_of_recording" or units.kind == RECORDINGS:
+    if inference.per != "share_of_recording" or units.kind in WHOLE:
         return row
     if inference.parts is None or by_recording is None or inference.parts(result, result.x):
         return row
-    recordings = np.unique(units.recording)
+    recordings = units.of_recording >= 0
     x, y = (float(by_recording(result, system)[recordings].mean()) for _, system in result.sides)
     note = _join([inference.not_in_blocks, units.note])
     return replace(row, x=x, y=y, difference=x - y, note=note)

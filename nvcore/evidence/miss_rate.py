@@ -13,7 +13,7 @@ from nvcore.detection.filtered_truth import filter_truth
 from nvcore.detection.miss_rate import FPPI_REFERENCES, explain_few, explain_zero
 from nvcore.errors import InputError
 from nvcore.evidence.measures import Evidence, Judged, UnitMeasure, judge_measure, run_together
-from nvcore.evidence.units import RECORDINGS, Units, units_within
+from nvcore.evidence.units import WHOLE, Units, has_any_of, units_within
 from nvcore.measures.table import measure_of
 from nvcore.protocols import PROTOCOLS, Protocol
 
@@ -89,11 +89,11 @@ def judge_miss_rate(
         units = units_within(result, units, recordings)
         return undefined(result.objects.say(NEEDED))
     measure = of_all
-    is_within = recordings[units.recording]
+    is_within = has_any_of(units, recordings)
     if not is_within.all():
         units = units_within(result, units, recordings)
         measure = replace(measure, x=measure.x[is_within], y=measure.y[is_within])
-    tested = run_together([of_all])[KEY] if units.kind == RECORDINGS else None
+    tested = run_together([of_all])[KEY] if units.kind in WHOLE else None
     evidence = judge_measure(measure, units, tested=tested, has_interval=has_interval)
     sums = (measure.x.sum(axis=0), measure.y.sum(axis=0))
     evidence = replace(evidence, doubt=_doubt(evidence, *(_reach(totals) for totals in sums)))

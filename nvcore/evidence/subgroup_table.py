@@ -130,8 +130,7 @@ def _judge_part(
     """The measures of a group, in their order."""
     part_result = _narrow(result, part)
     within = units_within(result, units, part.recordings)
-    of_units = {measure.key: measure for measure in unit_measures(part_result, units)}
-    is_within = part.recordings[units.recording]
+    of_units = {measure.key: measure for measure in unit_measures(part_result, within)}
 
     def judge(key: str) -> Evidence:
         inference = inference_of(key)
@@ -146,7 +145,6 @@ def _judge_part(
             return Evidence.undefined(
                 measure.key, measure.label, measure.better, unit=units.kind, note=why
             )
-        measure = replace(measure, x=measure.x[is_within], y=measure.y[is_within])
         return with_mean_over_recordings(part_result, within, judge_measure(measure, within))
 
     return [

@@ -9,13 +9,19 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.dataset import Dataset
+from nvcore.dataset.copies import units_of
 from nvcore.evidence.block_length import block_length
 from nvcore.measures.table import EVIDENCE_KEYS, counted, inference_of, measure_of
 from nvcore.schema import Category
 from nvcore.scoring import SystemResult
 
 RECORDINGS: Final = "recordings"
+UNITS: Final = "units"
+"""Recordings, of which some are one: parts of a drive, or copies."""
 BLOCKS: Final = "blocks"
+WHOLE: Final = frozenset({RECORDINGS, UNITS})
+"""Kinds that say something of other recordings."""
 MIN_RECORDINGS: Final = 6
 """Fewest recordings that say anything of others: with 5, p is at least 2 / 2^5 = 0.0625."""
 OTHER_RECORDINGS: Final = "other recordings"
@@ -34,16 +40,20 @@ class Units:
     Attributes
     ----------
     kind
-        ``"recordings"`` or ``"blocks"`` of time.
+        ``"recordings"``, ``"units"`` of several recordings, or ``"blocks"`` of time.
     unit_of_frame
-        Unit of every listed frame; int64, shape (n_frames,). Numbered by the recordings' names,
-        then by time, so that the order of the recordings changes no number.
+        Unit of every listed frame, -1: it is in none; int64, shape (n_frames,). Numbered by the
+        recordings' names, then by time, so that the order of the recordings changes no number.
     recording
-        Recording of each unit, a row of the recordings table; int64, shape (n_units,).
+        Recording of each unit, the first of several, a row of the recordings table; int64, shape
+        (n_units,).
     n_recordings
         Recordings with frames.
     block_s
         Mean duration of a block in seconds; NaN for recordings.
+    of_recording
+        Unit of each recording, the first of several; -1: it is in none. Int64, shape
+        (n_all_recordings,).
     """
 
     kind: str
@@ -51,22 +61,38 @@ class Units:
     recording: np.ndarray
     n_recordings: int
     block_s: float
+    of_recording: np.ndarray
 
     def __len__(self) -> int:
         return len(self.recording)
+
+    def total(self, unit: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
+        """Sum of weights by unit, those of unit -1 left out; float64, shape (n_units,).
+
+        Without weights each counts 1.
+        """
+        is_in = unit >= 0
+        weights = None if weights is None else weights[is_in]
+        sums: np.ndarray = np.bincount(unit[is_in], weights, minlength=len(self))
+        return sums.astype(float)
+
+    @property
+    def noun(self) -> str:
+        """What one is: ``recording``, ``unit`` or ``block``."""
+        return self.kind.removesuffix("s")
 
     @property
     def text(self) -> str:
         """What the units are, such as ``16 recordings``."""
         n = len(self)
-        if self.kind == RECORDINGS:
-            return f"{n:,} recording{'' if n == 1 else 's'}"
+        if self.kind in WHOLE:
+            return f"{n:,} {self.noun}{'' if n == 1 else 's'}"
         return f"{n:,} block{'' if n == 1 else 's'} of {self.block_s:.3g} s"
 
     @property
     def scope(self) -> str:
         """What intervals over these units are about."""
-        return OTHER_RECORDINGS if self.kind == RECORDINGS else THESE_RECORDINGS
+        return OTHER_RECORDINGS if self.kind in WHOLE else THESE_RECORDINGS
 
     @property
     def note(self) -> str:
@@ -74,6 +100,8 @@ class Units:
         if self.kind == RECORDINGS:
             return ""
         n = self.n_recordings
+        if self.kind == UNITS:
+            return f"{n:,} recordings are {len(self):,} units, each of which counts as one"
         few = "one recording only" if n == 1 else f"{n} recordings only"
         return (
             f"{few}: intervals over blocks of time hold within these recordings, say nothing of "
@@ -84,6 +112,7 @@ class Units:
 def find_units(result: Result) -> Units:
     """Recordings where there are at least `MIN_RECORDINGS`, else blocks of time within them.
 
+    Recordings that are one (`nvcore.dataset.copies.units_of`) are one unit, and count as one.
     All blocks have about the same number of listed frames: `STRETCH` times the longest length that
     the differences X - Y need (`block_length`), of similarity, of low frames and of false
     alarms; at most `MAX_BLOCKS` in all. Every recording has at least one block.
@@ -93,27 +122,45 @@ def find_units(result: Result) -> Units:
     with_frames = np.flatnonzero(n_of)
     names = result.dataset.recordings["name"].to_numpy()[with_frames].astype(str)
     with_frames = with_frames[np.argsort(names, kind="stable")]
-    n_blocks = np.zeros(len(n_of), np.int64)
-    if len(with_frames) >= MIN_RECORDINGS or not len(with_frames):
-        kind = RECORDINGS
-        n_blocks[with_frames] = 1
-    else:
-        kind = BLOCKS
-        lengths = (STRETCH * block_length(trace, frames.first) for trace in _differences(result))
-        length = max(-(-len(frames) // MAX_BLOCKS), *lengths)
-        n_blocks[with_frames] = np.maximum(n_of[with_frames] // length, 1)
-    start = np.zeros(len(n_of), np.int64)
+    shared = units_of(result.dataset)[with_frames]
+    own = np.array([unit or row for unit, row in zip(shared, with_frames, strict=True)], object)
+    number, labels = pd.factorize(own)  # in the order of their first recordings
+    if len(labels) >= MIN_RECORDINGS or not len(with_frames):
+        of_recording = np.full(len(n_of), -1, np.int64)
+        of_recording[with_frames] = number
+        first = np.unique(number, return_index=True)[1]
+        return Units(
+            kind=RECORDINGS if len(labels) == len(with_frames) else UNITS,
+            unit_of_frame=of_recording[frames.recording],
+            recording=with_frames[first].astype(np.int64),
+            n_recordings=len(with_frames),
+            block_s=np.nan,
+            of_recording=of_recording,
+        )
+    lengths = (STRETCH * block_length(trace, frames.first) for trace in _differences(result))
+    length = max(-(-len(frames) // MAX_BLOCKS), *lengths)
+    n_blocks, start = np.zeros((2, len(n_of)), np.int64)
+    n_blocks[with_frames] = np.maximum(n_of[with_frames] // length, 1)
     start[with_frames] = np.cumsum(n_blocks[with_frames]) - n_blocks[with_frames]
     row, recording = np.arange(len(frames)), frames.recording
     place = (row - frames.first[recording]) * n_blocks[recording] // np.maximum(n_of[recording], 1)
-    n_units = int(n_blocks.sum())
     return Units(
-        kind=kind,
+        kind=BLOCKS,
         unit_of_frame=(start[recording] + place).astype(np.int64),
         recording=np.repeat(with_frames, n_blocks[with_frames]).astype(np.int64),
         n_recordings=len(with_frames),
-        block_s=result.duration_s / n_units if kind == BLOCKS else np.nan,
+        block_s=result.duration_s / n_blocks.sum(),
+        of_recording=np.where(n_blocks > 0, start, -1),
     )
+
+
+def count_whole(dataset: Dataset) -> tuple[int, str]:
+    """How many recordings with frames there are, those of a unit as one; and what each is."""
+    has_frames = np.diff(dataset.frame_columns.first) > 0
+    shared = units_of(dataset)[has_frames]
+    n_alone = int(np.count_nonzero(shared == ""))
+    n = n_alone + len(set(shared[shared != ""]))
+    return n, "recording" if n == np.count_nonzero(has_frames) else "unit"
 
 
 def _differences(result: Result) -> tuple[np.ndarray, ...]:
@@ -131,26 +178,25 @@ def sum_units(result: Result, units: Units) -> pd.DataFrame:
     Returns
     -------
     One row per unit: recording (row of the recordings), n_frames, duration_s, share_of_recording
-    (1, or a block's part of it), n_encounters (not distant), those that subjects count
-    (`nvcore.measures.table.counted`); and, for each measure that is judged by units, the sums of
-    its parts: its key with ``_x`` and ``_y`` (NaN where it cannot be shared out to blocks of time).
+    (how many recordings it is, or a block's part of one), n_encounters (not distant), those that
+    subjects count (`nvcore.measures.table.counted`); and, for each measure that is judged by units,
+    the sums of its parts: its key with ``_x`` and ``_y`` (NaN where it cannot be shared out to
+    blocks of time).
     Encounters, episodes and events belong to the unit in which they begin.
     """
-    n, unit = len(units), units.unit_of_frame
+    unit, total = units.unit_of_frame, units.total
     frames, encounters = result.dataset.frame_columns, result.encounters
     is_near = result.category != Category.DISTANT.value
-
-    def total(unit_of: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
-        sums: np.ndarray = np.bincount(unit_of, weights=weights, minlength=n).astype(float)
-        return sums
-
     begin = unit[encounters.first_row]
-    n_frames, per_recording = total(unit), np.bincount(units.recording)
+    if units.kind == BLOCKS:
+        share = 1 / np.bincount(units.recording)[units.recording]
+    else:
+        share = total(units.of_recording)
     columns: dict[str, Any] = {
         "recording": units.recording,
-        "n_frames": n_frames,
-        "duration_s": total(unit, frames.gap) / frames.fps[units.recording],
-        "share_of_recording": 1 / per_recording[units.recording],
+        "n_frames": total(unit),
+        "duration_s": total(unit, frames.gap / frames.fps[frames.recording]),
+        "share_of_recording": share,
         "n_encounters": total(begin[is_near]),
         **{name: total(begin[members(result)]) for name, members in counted().items()},
     }
@@ -166,28 +212,41 @@ def sum_units(result: Result, units: Units) -> pd.DataFrame:
 def _sum_of(key: str, result: Result, system: SystemResult, units: Units) -> np.ndarray:
     """Sum of the parts of a measure in every unit; NaN where it has none."""
     inference, by_recording = inference_of(key), measure_of(key).by_recording
-    if inference.per == "share_of_recording" and units.kind == RECORDINGS:
+    if inference.per == "share_of_recording" and units.kind in WHOLE:
         assert by_recording is not None, key
-        of_units: np.ndarray = by_recording(result, system)[units.recording]
-        return of_units
+        return units.total(units.of_recording, np.asarray(by_recording(result, system), float))
     assert inference.parts is not None, key
     parts = inference.parts(result, system)
     if parts is None:
         return np.full(len(units), np.nan)
-    unit = units.unit_of_frame[parts.frame]
-    return np.bincount(unit, weights=parts.value, minlength=len(units)).astype(float)
+    return units.total(units.unit_of_frame[parts.frame], parts.value)
 
 
 def units_within(result: Result, units: Units, recordings: np.ndarray) -> Units:
-    """The units of some recordings; frames of the others are in unit -1."""
+    """The units with some of these recordings (bool); frames of others are in unit -1."""
     frames = result.dataset.frame_columns
-    is_within = recordings[units.recording]
+    is_within = has_any_of(units, recordings)
     number = np.where(is_within, np.cumsum(is_within) - 1, -1)
-    recording = units.recording[is_within]
+    has_unit = (units.of_recording >= 0) & recordings
+    n_units, n_recordings = int(np.count_nonzero(is_within)), int(np.count_nonzero(has_unit))
+    is_here = recordings[frames.recording]
     block_s = np.nan
-    if units.kind == BLOCKS and len(recording):
-        is_here = recordings[frames.recording]
-        block_s = float(frames.step_s[is_here].sum()) / len(recording)
+    if units.kind == BLOCKS and n_units:
+        block_s = float(frames.step_s[is_here].sum()) / n_units
     return Units(
-        units.kind, number[units.unit_of_frame], recording, len(np.unique(recording)), block_s
+        kind=RECORDINGS if units.kind == UNITS and n_units == n_recordings else units.kind,
+        unit_of_frame=np.where(is_here, np.append(number, -1)[units.unit_of_frame], -1),
+        recording=units.recording[is_within],
+        n_recordings=n_recordings,
+        block_s=block_s,
+        of_recording=np.where(has_unit, np.append(number, -1)[units.of_recording], -1),
     )
+
+
+def has_any_of(units: Units, recordings: np.ndarray) -> np.ndarray:
+    """Which units have any of these recordings (bool); bool, shape (n_units,)."""
+    if units.kind == BLOCKS:
+        within: np.ndarray = recordings[units.recording]
+        return within
+    chosen = units.of_recording[recordings & (units.of_recording >= 0)]
+    return np.bincount(chosen, minlength=len(units)) > 0

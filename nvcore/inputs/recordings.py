@@ -135,7 +135,7 @@ def no_such_recording(name: str, names: Sequence[str]) -> str:
 def describe_recordings(
     session: Session, truth: Reading, is_compared: Callable[[str, Collection[str]], bool]
 ) -> pd.DataFrame:
-    """Name, width, height, fps, horizon, context, speed_kmh, tags of recordings.
+    """Name, width, height, fps, horizon, context, speed_kmh, tags, unit of recordings.
 
     Parameters
     ----------
@@ -172,11 +172,12 @@ def describe_recordings(
             own = {name for name, entry in entries.items() if getattr(entry, column) is not None}
             table.loc[~table["name"].isin(own), column] = common
     tags = [entries[name].tags if name in entries else () for name in table["name"]]
+    units = [(entries[name].unit or "") if name in entries else "" for name in table["name"]]
     compared = [is_compared(*recording) for recording in zip(table["name"], tags, strict=True)]
     _check_known(table[compared], entries)
     facts = ["width", "height", "fps"]
     table[facts] = table[facts].astype(float).fillna(1.0)
-    return table.assign(tags=pd.Series(tags, dtype=object))
+    return table.assign(tags=pd.Series(tags, dtype=object), unit=pd.Series(units, dtype=object))
 
 
 def _check_known(table: pd.DataFrame, entries: Collection[str]) -> None:

@@ -6,7 +6,7 @@
 Columns may stand in any order; all but `recording` may be missing, and their cells empty. Tags are
 separated by semicolons. Paths of pictures start from the folder of the file; first_picture is the
 number of the frame that the first of them shows. A title is what the recording is called in place
-of its name in the data. Columns are separated
+of its name in the data, a unit what it is part of (a drive, a route, a car). Columns are separated
 by commas, semicolons (with tags in quotes; a comma may then be the decimal sign) or tabs.
 """
 
@@ -63,6 +63,7 @@ COLUMNS: Final[dict[str, Callable[[str], Any]]] = {
     "pictures": str,
     "first_picture": _whole_number,
     "title": str,
+    "unit": str,
 }
 """What the file may hold, and how a cell is read."""
 

@@ -64,7 +64,8 @@ class RecordingEntry(KeysOfSubjects):
     does: a point (x, y) of it, px, lies at (sx x + dx, sy y + dy) of them; None: by the two sizes.
     `context` is that of the traffic, from 0 (urban) to 1 (rural),
     `speed_kmh` the speed of the car. `tags` are words by which recordings can be chosen, such as
-    "night". `title` is what it is called in place of its name in the data.
+    "night". `title` is what it is called in place of its name in the data. Recordings of one
+    `unit` (a drive, a route, a car) are not independent: tests and intervals take them as one.
     """
 
     name: str
@@ -79,6 +80,7 @@ class RecordingEntry(KeysOfSubjects):
     context: float | None = None
     title: str | None = None
     speed_kmh: float | None = None
+    unit: str | None = None
     visible: str | None = path_field()
     visible_map: tuple[float, float, float, float] | None = None
 
@@ -88,6 +90,8 @@ class RecordingEntry(KeysOfSubjects):
             raise SessionError("expected a name of the recording")
         if self.title is not None and not self.title.strip():
             raise SessionError("title: expected a name, found nothing")
+        if self.unit is not None and not self.unit.strip():
+            raise SessionError("unit: expected a name, found nothing")
         for name in ("width", "height", "speed_kmh"):
             check_positive(name, getattr(self, name))
         check_rate(self.fps)

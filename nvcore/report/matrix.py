@@ -15,7 +15,7 @@ from nvcore import __version__
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
 from nvcore.evidence.pairwise import systems_of
-from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
+from nvcore.evidence.units import MIN_RECORDINGS, WHOLE
 from nvcore.measures.table import evidence_form
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import refuse_other_run, write_run
@@ -123,7 +123,7 @@ def pair_text(pair: Mapping[Hashable, Any]) -> str:
             f"({' against '.join(values)}, p = {pair['similarity_p_holm']:.2g} corrected)"
         )
     text = "; ".join(claims) or NO_CLAIM
-    if not claims and pair["unit"] != RECORDINGS:
+    if not claims and pair["unit"] not in WHOLE:
         text = f"Nothing is claimed: {MIN_RECORDINGS} recordings are needed for a p"
     if pair["withheld"] and not claims:
         text = "Nothing is claimed"

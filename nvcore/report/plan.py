@@ -10,6 +10,7 @@ from typing import Any
 
 import pandas as pd
 
+from nvcore.arguments.plan import PlanArguments
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.measures import Evidence, primary_of
@@ -52,7 +53,7 @@ def verdict_plan(
     if row is None or row.p_corrected <= SIGNIFICANT:
         return ()
     plan = (plans or {}).get(key) if basis is result else None
-    plan = plan or plan_recordings(basis, evidence=row)
+    plan = plan or plan_recordings(basis, PlanArguments(measure=key), evidence=row)
     return facts_for_verdict(plan)
 
 

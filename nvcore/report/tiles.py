@@ -13,8 +13,8 @@ from nvcore.comparison import Result
 from nvcore.evidence.bootstrap import MIN_UNITS
 from nvcore.evidence.claims import Basis, Support, find_claims, values_of
 from nvcore.evidence.companions import Companions
-from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
-from nvcore.measures.table import count_recordings, doubt_of, inference_of, measure_of
+from nvcore.evidence.units import MIN_RECORDINGS, WHOLE, count_whole
+from nvcore.measures.table import doubt_of, inference_of, measure_of
 from nvcore.measures.values import duration_of_recordings
 from nvcore.report.shown import comparison_shown
 from nvcore.sentences.facts import Chip, Interval
@@ -172,9 +172,10 @@ def _tile(
 
 
 def _no_interval(row: Mapping[Hashable, Any] | None) -> Interval:
-    if row is None or row["unit"] != RECORDINGS or row["n"] >= MIN_UNITS:
+    if row is None or row["unit"] not in WHOLE or row["n"] >= MIN_UNITS:
         return Interval("none")
-    return Interval("few", n=int(row["n"]), n_needed=MIN_UNITS)
+    noun = str(row["unit"]).removesuffix("s")
+    return Interval("few", n=int(row["n"]), n_needed=MIN_UNITS, noun=noun)
 
 
 def _interval_text(low: float, high: float, form: str) -> str:
@@ -216,6 +217,7 @@ def _chip(
         return Chip("testing" if is_being_tested else "untested")
     if kind.judged in support.withheld:
         return Chip("withheld", reason=support.withheld[kind.judged])
-    if row["unit"] != RECORDINGS:
-        return Chip("few", n=count_recordings(shown), n_needed=MIN_RECORDINGS)
+    if row["unit"] not in WHOLE:
+        n, noun = count_whole(shown.dataset)
+        return Chip("few", n=n, n_needed=MIN_RECORDINGS, noun=noun)
     return Chip("same" if float(row["x"]) == float(row["y"]) else "not shown")

@@ -87,8 +87,8 @@ class Conclusion(Fact):
         so few, but with differences that are clear within them. ``untestable``: no measure has a p.
         ``withheld``: each small p fails another check. ``not shown``: none is small enough;
         ``primary not shown``: that of the primary measure is not.
-    n_recordings
-        Behind the tests.
+    n_recordings, noun
+        Behind the tests, and what they are: ``recording`` or ``unit``.
     better
         In what which system is better, the clearest difference first.
     primary
@@ -108,6 +108,7 @@ class Conclusion(Fact):
     primary: Named | None = None
     n_needed: int = 0
     remarks: tuple[Fact, ...] = ()
+    noun: str = "recording"
 
 
 @dataclass(frozen=True)
@@ -201,6 +202,7 @@ class Tested(Fact):
 
     n: int
     p: P | None
+    noun: str = "recording"
 
     @property
     def kind(self) -> str:
@@ -410,13 +412,14 @@ class Interval(Fact):
     Attributes
     ----------
     kind
-        ``ends``; ``few``: `n` recordings, and `n_needed` would be; ``none``.
+        ``ends``; ``few``: `n` recordings or units (`noun`), and `n_needed` would be; ``none``.
     """
 
     kind: Literal["ends", "few", "none"]
     ends: str = ""
     n: int = 0
     n_needed: int = 0
+    noun: str = "recording"
 
 
 @dataclass(frozen=True)
@@ -440,6 +443,7 @@ class Chip(Fact):
     reason: Reason | None = None
     n: int = 0
     n_needed: int = 0
+    noun: str = "recording"
 
 
 @dataclass(frozen=True)

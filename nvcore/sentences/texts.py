@@ -29,18 +29,18 @@ TEXTS: Final[Texts] = {
     facts.OfBoth: "{key!m} (X {x.number}, Y {y})",
     facts.Better: "{winner!u} is better on {won}",
     facts.Conclusion: {
-        "claimed": "{better}: more than chance over {n_recordings!n:recording}{remarks}",
+        "claimed": "{better}: more than chance over {n_recordings!n:{noun}}{remarks}",
         "untested": "whether X and Y differ by more than chance has not been tested",
         "pending": "nothing is claimed before X and Y are compared at equal false alarms",
-        "few": "too few recordings to tell X and Y apart ({n_recordings} of the {n_needed} needed)",
-        "within": "{better} within {n_recordings!n:recording}{remarks}, too few to say so of "
+        "few": "too few {noun}s to tell X and Y apart ({n_recordings} of the {n_needed} needed)",
+        "within": "{better} within {n_recordings!n:{noun}}{remarks}, too few to say so of "
         "others ({n_needed} are needed)",
         "untestable": "too little data to tell X and Y apart",
         "withheld": "no difference between X and Y is claimed: each that is more than chance fails "
         "another check",
-        "not shown": "{n_recordings!n:recording} do not tell X and Y apart: no difference is shown "
+        "not shown": "{n_recordings!n:{noun}} do not tell X and Y apart: no difference is shown "
         "to be more than chance",
-        "primary not shown": "{n_recordings!n:recording} do not tell X and Y apart: no difference "
+        "primary not shown": "{n_recordings!n:{noun}} do not tell X and Y apart: no difference "
         "in {primary} is shown to be more than chance",
     },
     facts.Headline: {
@@ -80,8 +80,8 @@ TEXTS: Final[Texts] = {
     facts.AboutEqualAlarms: "what follows is at equal false alarms ({setting}); nothing is claimed "
     "from the comparison as set.",
     facts.Tested: {
-        "tested": " ({n!n:recording}, {p})",
-        "untestable": " (too few recordings tell them apart for a test)",
+        "tested": " ({n!n:{noun}}, {p})",
+        "untestable": " (too few {noun}s tell them apart for a test)",
     },
     facts.Split: {
         "none": "no encounter is near enough to count.",
@@ -147,7 +147,7 @@ TEXTS: Final[Texts] = {
     facts.Unfiltered: "every detection of {letters!u} counts, however low its score.",
     facts.Interval: {
         "ends": "95 % interval {ends}",
-        "few": "no interval: {n!n:recording}, {n_needed} needed",
+        "few": "no interval: {n!n:{noun}}, {n_needed} needed",
         "none": "no interval",
     },
     facts.Chip: {
@@ -159,7 +159,7 @@ TEXTS: Final[Texts] = {
         "untested": "not tested",
         "testing": "being tested",
         "awaited": "being computed",
-        "few": "not shown: {n!n:recording}, {n_needed} needed",
+        "few": "not shown: {n!n:{noun}}, {n_needed} needed",
         "same": "the same",
         "not shown": "not shown",
     },

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.dataset.copies import units_of
 from nvcore.findings import Finding
 from nvcore.measures.entry import is_met
 from nvcore.measures.table import MEASURES
@@ -186,6 +187,7 @@ def recordings_table(result: Result) -> pd.DataFrame:
         "fps": dataset.recordings["fps"],
         "context": dataset.recordings["context"],
         "speed_kmh": dataset.recordings["speed_kmh"],
+        "unit": units_of(dataset),
         "n_frames": np.diff(frames.first),
         "duration_s": duration_of_recordings(result),
         "n_truth": per_recording(result, result.n_truth, frames.recording).astype(np.int64),

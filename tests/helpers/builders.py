@@ -67,13 +67,15 @@ def make_dataset(
     frames: Sequence[int] | None = None,
     places: Sequence[Place] | None = None,
     labels: tuple[str, ...] = (),
+    is_independent: bool = True,
     **size: float,
 ) -> Dataset:
     """A dataset of the systems "x" and "y".
 
     Frames are 0..n_frames - 1, or as listed; by default up to the last one with a box. `size`:
     width, height, fps, horizon of the only recording (100, 100, 10, unknown). `places` describes
-    several recordings instead. `labels` are what the boxes' labels count.
+    several recordings instead, which are said to be independent, though many have the same boxes.
+    `labels` are what the boxes' labels count.
     """
     sources = [[Box(*box) for box in boxes] for boxes in (truth, x, y)]
     if places is None:
@@ -96,6 +98,8 @@ def make_dataset(
         [(f"r{i}", *p[1:3], float(p.fps), p.horizon, p.context) for i, p in enumerate(places)],
         columns=["name", "width", "height", "fps", "horizon", "context"],
     )
+    if is_independent:
+        recordings["unit"] = recordings["name"]
     listed = [np.array(place.frames, dtype=np.int64) for place in places]
     return dataset_from_tables(recordings, listed, boxes, ["x", "y"], labels=labels)
 

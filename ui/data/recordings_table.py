@@ -20,9 +20,10 @@ from ui.widgets.text import plain
 RECORDINGS_LABEL: Final = "Recordings (table, one line each)"
 RECORDINGS_HELP: Final = (
     "A CSV file with the columns recording, width, height, fps, context, speed_kmh, horizon, tags, "
-    "pictures, first_picture and title; all but the first may be missing. Context: urban, rural, "
-    "or a number from 0 to 1. Speed: of the car. Horizon: its row in the picture. Tags are "
-    "separated by semicolons; pictures are names of files or folders."
+    "unit, pictures, first_picture and title; all but the first may be missing. Context: urban, "
+    "rural, or a number from 0 to 1. Speed: of the car. Horizon: its row in the picture. Tags are "
+    "separated by semicolons; a unit is what several recordings are part of; pictures are names of "
+    "files or folders."
 )
 _PARTS: Final = {
     "width": "sizes",
@@ -31,6 +32,7 @@ _PARTS: Final = {
     "speed_kmh": "speeds",
     "horizon": "horizon",
     "tags": "tags",
+    "unit": "units",
     "pictures": "pictures",
 }
 """What a table says, by a column of it."""

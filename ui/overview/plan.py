@@ -16,7 +16,7 @@ from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.planning import PLAN_KEYS, Plan, plan_recordings
 from nvcore.evidence.planning.pilot import MIN_PILOT
 from nvcore.evidence.planning.said import QUESTION
-from nvcore.evidence.units import RECORDINGS
+from nvcore.evidence.units import WHOLE
 from nvcore.figures.power import power_plot
 from nvcore.measures.table import count_recordings, inference_of
 from nvcore.progress import Progress, part_of
@@ -55,7 +55,7 @@ def known_plan(result: Result) -> tuple[Fact, ...]:
 def draw(result: Result, evidence: pd.DataFrame, companions: Companions | None) -> None:
     """The question, the button that computes the answer, and the answer."""
     with st.expander(QUESTION):
-        if not (evidence["unit"] == RECORDINGS).any():
+        if not evidence["unit"].isin(WHOLE).any():
             n = count_recordings(result)
             st.markdown(
                 f"A plan needs a pilot of {MIN_PILOT} recordings or more, here "

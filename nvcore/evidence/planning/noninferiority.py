@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from nvcore.arguments.plan import Side
 from nvcore.evidence.measures import Evidence
-from nvcore.evidence.units import RECORDINGS
+from nvcore.evidence.units import WHOLE
 from nvcore.measures.entry import Better
 from nvcore.sentences.texts import UNEQUAL_POINTS
 
@@ -48,7 +48,7 @@ def favour(candidate: Side, better: Better) -> int:
 
 def worse_at_most(evidence: Evidence, candidate: Side) -> float:
     """End of the 95 % interval over recordings against the candidate, positive is worse; or NaN."""
-    if evidence.unit != RECORDINGS:
+    if evidence.unit not in WHOLE:
         return math.nan
     sign = favour(candidate, evidence.better)
     return -sign * (evidence.low if sign > 0 else evidence.high)
@@ -81,7 +81,7 @@ def judge_noninferiority(
     reason = ""
     if is_undecided:
         reason = UNEQUAL_POINTS
-    elif evidence.unit != RECORDINGS:
+    elif evidence.unit not in WHOLE:
         reason = "stretches of time say nothing of other recordings"
     elif math.isnan(end):
         reason = evidence.note or "the difference has no interval"

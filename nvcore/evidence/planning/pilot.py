@@ -14,7 +14,7 @@ from nvcore.evidence.bootstrap import ROUNDING
 from nvcore.evidence.measures import Evidence, UnitMeasure, judge_measure, unit_measures
 from nvcore.evidence.miss_rate import NEEDED, judge_miss_rate, log_average_miss_rate_measure
 from nvcore.evidence.paired_tests import MIN_SWAPPED
-from nvcore.evidence.units import RECORDINGS, Units, find_units, sum_units, units_within
+from nvcore.evidence.units import WHOLE, Units, find_units, sum_units, units_within
 from nvcore.measures.table import EVIDENCE_KEYS, inference_of
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.wording import did_you_mean, one_line
@@ -139,7 +139,7 @@ def make_pilot(
         measure = log_average_miss_rate_measure(result, units, protocol)
     else:
         measure = _unit_measure(result, units, key)
-    if units.kind != RECORDINGS or len(units) < MIN_PILOT:
+    if units.kind not in WHOLE or len(units) < MIN_PILOT:
         n = units.n_recordings
         return None, (
             f"a plan needs a pilot of {MIN_PILOT} recordings or more, here "

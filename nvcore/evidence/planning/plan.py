@@ -204,6 +204,7 @@ def plan_recordings(
     units = find_units(result) if units is None else units
     if evidence is None:
         evidence = judge_key(result, key, protocol=protocol, units=units)
+    assert evidence.figure == key
     pilot, why_not = make_pilot(result, key, protocol=protocol, units=units)
     is_unequal = is_undecided(result, key)
     plan = Plan(

@@ -9,7 +9,7 @@ from nvcore.evidence.measures import Evidence
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.noninferiority import NonInferiority
 from nvcore.evidence.planning.pilot import MIN_PILOT
-from nvcore.evidence.units import RECORDINGS
+from nvcore.evidence.units import WHOLE
 from nvcore.measures.table import evidence_form
 from nvcore.sentences.facts import Amount, Fact
 from nvcore.sentences.planning import (
@@ -44,7 +44,7 @@ def facts_of_plan(plan: Plan) -> tuple[Fact, ...]:
     """What these recordings show, what they exclude, and how many would show more."""
     row, answer = plan.evidence, plan.noninferiority
     form = evidence_form(row.figure)
-    has_p = row.unit == RECORDINGS and not math.isnan(row.p)
+    has_p = row.unit in WHOLE and not math.isnan(row.p)
     facts: list[Fact] = [
         Found(
             label=row.label,
@@ -78,7 +78,7 @@ def facts_of_plan(plan: Plan) -> tuple[Fact, ...]:
 def facts_for_verdict(plan: Plan) -> tuple[Fact, ...]:
     """The plan for the difference as found; none if nothing can be said."""
     row, size = plan.evidence, plan.sizes[-1]
-    ends = () if row.unit != RECORDINGS or math.isnan(row.low) else (excluded(row),)
+    ends = () if row.unit not in WHOLE or math.isnan(row.low) else (excluded(row),)
     extent = _extent(size)
     if plan.noninferiority is not None or extent is None:
         return ends
@@ -89,7 +89,7 @@ def facts_for_verdict(plan: Plan) -> tuple[Fact, ...]:
 
 def excluded(row: Evidence) -> Excluded:
     """Which differences the 95 % interval excludes."""
-    if row.unit != RECORDINGS:
+    if row.unit not in WHOLE:
         return Excluded("blocks")
     if math.isnan(row.low):
         return Excluded("none", reason=row.note or "there is no interval")

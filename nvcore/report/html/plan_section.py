@@ -14,7 +14,7 @@ from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.pilot import MIN_PILOT, PLAN_KEYS
 from nvcore.evidence.planning.plan import Plan, PlanSize, plan_recordings
 from nvcore.evidence.planning.said import QUESTION
-from nvcore.evidence.units import RECORDINGS
+from nvcore.evidence.units import WHOLE
 from nvcore.measures.table import doubt_of, evidence_form, measure_of, repeated_by
 from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
@@ -73,7 +73,7 @@ def plan_measures(
 
 
 def _has_pilot(evidence: pd.DataFrame) -> bool:
-    return bool((evidence["unit"] == RECORDINGS).any())
+    return bool(evidence["unit"].isin(WHOLE).any())
 
 
 def plan_section(result: Result, evidence: pd.DataFrame, plans: Mapping[str, Plan]) -> Section:

@@ -13,8 +13,8 @@ from nvcore.evidence.claims import Claim, Support, find_within, has_primary
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.measures import primary_of
 from nvcore.evidence.operating_points import are_unequal, has_scores
-from nvcore.evidence.units import MIN_RECORDINGS, RECORDINGS
-from nvcore.measures.table import count_recordings, evidence_form, inference_of, measure_of
+from nvcore.evidence.units import MIN_RECORDINGS, WHOLE, count_whole
+from nvcore.measures.table import evidence_form, inference_of, measure_of
 from nvcore.sentences.facts import Amount, Better, Compared, Conclusion, Fact, Headline, Named
 from nvcore.subjects import contributed
 
@@ -50,21 +50,24 @@ def _conclusion(
 ) -> Conclusion:
     if evidence is None:
         return Conclusion("untested")
+    n, noun = count_whole(result.dataset)
     if support.claims:
         ranked = sorted(support.claims, key=lambda claim: claim.p)  # those alike in table's order
         return Conclusion(
             "claimed",
             n_recordings=max(claim.n for claim in support.claims),
+            noun=noun,
             better=_better(ranked, evidence, n_with_values=1),
             remarks=_remarks(result, support.claims),
         )
     if companions is None and support.withheld:
         return Conclusion("pending")
-    if (evidence["unit"] != RECORDINGS).all():
+    if not evidence["unit"].isin(WHOLE).any():
         within = find_within(result, evidence, companions)
         return Conclusion(
             "within" if within else "few",
-            n_recordings=count_recordings(result),
+            n_recordings=n,
+            noun=noun,
             n_needed=MIN_RECORDINGS,
             better=_better(within, evidence, n_with_values=len(within)),
             remarks=_remarks(result, within),
@@ -73,11 +76,11 @@ def _conclusion(
         return Conclusion("untestable")
     n = int(evidence["n"][np.isfinite(evidence["p_corrected"])].max())
     if support.withheld:
-        return Conclusion("withheld", n_recordings=n)
+        return Conclusion("withheld", n_recordings=n, noun=noun)
     primary = primary_of(result.dataset)
     if primary.is_changed or not has_primary(evidence, primary.key):
-        return Conclusion("not shown", n_recordings=n)
-    return Conclusion("primary not shown", n_recordings=n, primary=Named(primary.key))
+        return Conclusion("not shown", n_recordings=n, noun=noun)
+    return Conclusion("primary not shown", n_recordings=n, noun=noun, primary=Named(primary.key))
 
 
 def _remarks(result: Result, claims: Sequence[Claim]) -> tuple[Fact, ...]:

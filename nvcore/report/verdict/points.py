@@ -22,7 +22,7 @@ from nvcore.evidence.companions import Companions
 from nvcore.evidence.measures import primary_of
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
 from nvcore.evidence.operating_points import alarms_as_set, are_unequal, has_scores
-from nvcore.evidence.units import RECORDINGS
+from nvcore.evidence.units import WHOLE
 from nvcore.measures.table import evidence_form, has_several_recordings, inference_of, measure_of
 from nvcore.measures.values import relevant_share
 from nvcore.primary import DEFAULT
@@ -96,10 +96,10 @@ def encounters(result: Result, evidence: pd.DataFrame | None, support: Support) 
     test = None
     if evidence is not None and ENCOUNTERS not in support.withheld:
         row = evidence[evidence["figure"] == ENCOUNTERS].iloc[0]
-        if row["unit"] == RECORDINGS:
+        if row["unit"] in WHOLE:
             is_tested = np.isfinite(row["p_corrected"])
             p = facts.P(row["p"], row["p_corrected"]) if is_tested else None
-            test = facts.Tested(int(row["n"]), p)
+            test = facts.Tested(int(row["n"]), p, str(row["unit"]).removesuffix("s"))
     return (facts.Split(venn.n_near, venn.both, venn.x_only, venn.y_only, test),)
 
 

@@ -181,6 +181,14 @@ _RECORDINGS = (
         "Speed of the car.",
         empty="not stated: the parameter `speed_kmh` is assumed",
     ),
+    Column(
+        "unit",
+        _TEXT,
+        "",
+        "What it is one with in tests and intervals: what it is said to be part of, or the first "
+        "of the recordings with the same truth.",
+        empty="it stands by itself",
+    ),
     Column("n_frames", _INTEGER, "frames", "Evaluated frames."),
     Column("duration_s", _NUMBER, "s", "Sum of their time steps."),
     Column("n_truth", _INTEGER, "boxes", "Annotated {many}, ignore regions left out."),

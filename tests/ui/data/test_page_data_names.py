@@ -99,10 +99,10 @@ def test_the_table_is_saved_as_a_csv_that_fills_it_again(tmp_path: Path):
     file.write_bytes(saved(named, named.settings))
     rows = {name: row for name, (_, row) in read_recordings_file(file, "recordings.csv").items()}
     facts = {"width": 100, "height": 100, "fps": 10}
-    own = {"speed_kmh": 80, "horizon": 41.5, "tags": ("a", "b"), "title": "=1"}
+    own = {"speed_kmh": 80, "horizon": 41.5, "tags": ("a", "b"), "title": "=1", "unit": "r0"}
     assert rows == {
         "r0": RecordingEntry("r0", **facts, **own, pictures="p.mp4", first_picture=-2),
-        "r1": RecordingEntry("r1", **facts, context=1.0),
+        "r1": RecordingEntry("r1", **facts, context=1.0, unit="r1"),
     }
 
 

@@ -18,7 +18,17 @@ from ui.data.recordings.edited import blank, changes_in, filled
 from ui.data.recordings.editor import edit
 from ui.widgets.text import plain
 
-COLUMNS: Final = ("name", "width", "height", "fps", "context", "speed_kmh", "horizon", "tags")
+COLUMNS: Final = (
+    "name",
+    "width",
+    "height",
+    "fps",
+    "context",
+    "speed_kmh",
+    "horizon",
+    "tags",
+    "unit",
+)
 
 
 @dataclass(frozen=True)

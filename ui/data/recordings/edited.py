@@ -19,7 +19,7 @@ from ui.session.uploads import safe_name
 NO_PICTURES: Final = "no pictures"
 COLUMNS: Final = (
     *("name", "width", "height", "fps", "context", "speed_kmh", "horizon", "tags"),
-    *("pictures", "first_picture"),
+    *("unit", "pictures", "first_picture"),
 )
 NUMBERS: Final = ("width", "height", "fps", "speed_kmh", "horizon", "first_picture")
 MAY_BE_UNKNOWN: Final = ("speed_kmh", "horizon")
@@ -51,6 +51,7 @@ def editable(dataset: Dataset, session: Session, labels: Mapping[str, str]) -> p
             "speed_kmh": table["speed_kmh"].astype(float),
             "horizon": table["horizon"].astype(float),
             "tags": ["; ".join(tags) for tags in table["tags"]],
+            "unit": table["unit"].astype(object),
             "pictures": [labels.get(name, NO_PICTURES) for name in names],
             "first_picture": np.array(first, dtype=float),
         }
@@ -60,7 +61,7 @@ def editable(dataset: Dataset, session: Session, labels: Mapping[str, str]) -> p
 def blank(names: Iterable[str]) -> pd.DataFrame:
     """The table of recordings of which nothing is known but their names."""
     name = pd.Series([*names], dtype=object)
-    texts = dict.fromkeys(("context", "tags"), "")
+    texts = dict.fromkeys(("context", "tags", "unit"), "")
     numbers = dict.fromkeys(NUMBERS, np.nan)
     table = pd.DataFrame({"name": name}).assign(**numbers, **texts, pictures=NO_PICTURES)
     return table[[*COLUMNS]]
@@ -92,6 +93,7 @@ def filled(
             "speed_kmh": entry.speed_kmh,
             "horizon": entry.horizon,
             "tags": "; ".join(entry.tags) or None,
+            "unit": entry.unit,
             "first_picture": entry.first_picture,
             "name": entry.title,
         }
@@ -179,6 +181,8 @@ def _field(column: str, value: Any, pictures: Mapping[str, str | None]) -> dict[
     if column == "tags":
         tags = [tag.strip() for tag in text.replace(",", ";").split(";")]
         return {"tags": tuple(dict.fromkeys(tag for tag in tags if tag))}
+    if column == "unit":
+        return {"unit": text or None}
     if column == "context":
         return {"context": parse_context(text) if text else None}
     if column == "pictures":

@@ -77,6 +77,11 @@ CONFIG: Final = {
     "tags": st.column_config.TextColumn(
         "Tags", help="Words such as night; rain, separated by semicolons."
     ),
+    "unit": st.column_config.TextColumn(
+        "Part of",
+        help="A drive, a route or a car that several recordings are of: they are not independent, "
+        "so tests and intervals take them as one. Empty: it stands by itself.",
+    ),
     "first_picture": st.column_config.NumberColumn(
         "First picture",
         step=1,

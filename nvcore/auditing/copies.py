@@ -1,0 +1,74 @@
+"""Whether recordings are independent: copies of one another, or pieces of one drive."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Iterator
+from typing import Final
+
+from nvcore.dataset import Dataset
+from nvcore.dataset.copies import open_copies
+from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
+from nvcore.wording import count_text, listed
+
+MOST_NAMED: Final = 3
+"""Pairs or recordings that a message spells out."""
+_PIECE: Final = re.compile(
+    r"(.+?)[ _.-]*(?:part|seq|clip|chunk|split|segment)?[ _.-]*\d{1,4}", re.IGNORECASE
+)
+LEAST_PIECES: Final = 2
+
+
+def audit_copies(dataset: Dataset) -> Iterator[Finding]:
+    """Recordings that hold the same truth."""
+    copies = open_copies(dataset)
+    if not copies:
+        return
+    names = dataset.recordings["name"].to_numpy()
+    pairs = []
+    for copy in copies[:MOST_NAMED]:
+        shift = f", {copy.shift_frames:+,} frames apart" if copy.shift_frames else ""
+        extent = f"{count_text(copy.n_shared, 'box', 'boxes')}, {copy.share:.0%} of the smaller"
+        pairs.append(f"{names[copy.first]} and {names[copy.second]} ({extent}{shift})")
+    more = len(copies) - len(pairs)
+    if more:
+        pairs.append(count_text(more, "other pair"))
+    yield Finding(
+        Severity.ERROR,
+        "copied-recording",
+        TRUTH_NAME,
+        len(copies),
+        f"Recordings hold the same boxes of the truth: {listed(pairs)}.",
+        "One drive counted twice is no evidence of two: leave one out. If both are meant, say by "
+        "their unit what each is part of: the same for two cameras of one drive. Until then they "
+        "are one in every test.",
+        example=f"recording {names[copies[0].second]}",
+        steps=(Step(Remedy.ACCEPT, "copied-recording", TRUTH_NAME),),
+    )
+
+
+def audit_pieces(dataset: Dataset) -> Iterator[Finding]:
+    """Recordings whose names look like pieces of one drive, and of which no unit is known."""
+    names = dataset.recordings["name"].to_numpy()
+    has_unit = dataset.recordings["unit"].to_numpy() != ""
+    pieces: dict[str, list[str]] = defaultdict(list)
+    for name in names[~has_unit].tolist():  # a loop over recordings: at most thousands
+        if found := _PIECE.fullmatch(name):
+            pieces[found[1]].append(name)
+    drives = {stem: parts for stem, parts in pieces.items() if len(parts) >= LEAST_PIECES}
+    n = sum(map(len, drives.values()))
+    if not drives or (len(drives) == 1 and n == len(names)):
+        return  # a set that is numbered through says nothing of drives
+    first = next(iter(drives.values()))
+    yield Finding(
+        Severity.NOTE,
+        "pieces-of-a-drive",
+        TRUTH_NAME,
+        n,
+        f"{count_text(n, 'recording')} may be pieces of {count_text(len(drives), 'drive')}, by "
+        f"their names, such as {listed(first, most=MOST_NAMED)}.",
+        "Pieces of one drive are not independent. If they are, give them one unit each drive; if "
+        "not, there is nothing to do.",
+        example=f"recording {first[0]}",
+    )

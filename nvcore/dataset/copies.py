@@ -1,0 +1,125 @@
+"""Recordings that hold the same truth: copied, cut or shifted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from nvcore.dataset import Dataset
+
+LEAST_BOXES: Final = 20
+"""Fewest boxes that two recordings share to be called one: neighbours in place and time by chance
+share single ones."""
+LEAST_SHARE: Final = 0.5
+"""Share of the boxes of the one that has fewer that are the other's, too."""
+GRAIN_PX: Final = 0.01
+"""Boxes that differ by less are the same: files are written with few decimals."""
+
+
+@dataclass(frozen=True)
+class Copy:
+    """Two recordings with the same boxes of the truth.
+
+    Attributes
+    ----------
+    first, second
+        Rows of the recordings table, ``first < second``.
+    n_shared
+        Boxes of the same place and size in frames that are `shift_frames` apart.
+    share
+        Of the boxes of the recording that has fewer.
+    shift_frames
+        Frame number in the second less that in the first.
+    """
+
+    first: int
+    second: int
+    n_shared: int
+    share: float
+    shift_frames: int
+
+
+def find_copies(dataset: Dataset) -> tuple[Copy, ...]:
+    """Recordings whose truth is that of another one, or a part of it.
+
+    Each with one that holds the same boxes, so that all copies of one recording are linked. Boxes
+    are compared by place and size, to `GRAIN_PX`, and by the number of their frame, up to a shift.
+    """
+    truth, frames = dataset.truth, dataset.frames
+    if len(dataset.recordings) < 2 or len(truth) < LEAST_BOXES:
+        return ()
+    recording = frames["recording"].to_numpy()[truth.frame_index].astype(np.int64)
+    frame = frames["frame"].to_numpy()[truth.frame_index]
+    sides = np.column_stack([truth.x, truth.y, truth.w, truth.h])
+    key = _hashed(np.round(sides / GRAIN_PX).astype(np.int64))
+    order = np.lexsort((frame, recording, key))
+    key, recording, frame = key[order], recording[order], frame[order]
+    is_pair = (key[1:] == key[:-1]) & (recording[1:] != recording[:-1])
+    at = np.flatnonzero(is_pair)
+    if len(at) < LEAST_BOXES:
+        return ()
+    links = np.column_stack([recording[at], recording[at + 1], frame[at + 1] - frame[at]])
+    unique, counts = np.unique(links, axis=0, return_counts=True)
+    n_boxes = np.bincount(recording, minlength=len(dataset.recordings))
+    copies: dict[tuple[int, int], Copy] = {}
+    for (first, second, shift), n_shared in zip(unique.tolist(), counts.tolist(), strict=True):
+        share = n_shared / min(n_boxes[first], n_boxes[second])
+        known = copies.get((first, second))
+        if n_shared < LEAST_BOXES or share < LEAST_SHARE:
+            continue
+        if known is None or known.n_shared < n_shared:
+            copies[first, second] = Copy(first, second, n_shared, float(share), shift)
+    return tuple(copies.values())
+
+
+def _hashed(values: np.ndarray) -> np.ndarray:
+    """A number for each row of whole numbers; equal rows have equal ones. Uint64, shape (n,)."""
+    key = np.zeros(len(values), np.uint64)
+    for column in values.T:
+        key = (key ^ column.astype(np.uint64)) * np.uint64(0x9E3779B97F4A7C15)
+        key ^= key >> np.uint64(29)
+    return key
+
+
+def open_copies(dataset: Dataset) -> tuple[Copy, ...]:
+    """The copies of which nobody has said, by units of both, whether they are one."""
+    has_unit = dataset.recordings["unit"].to_numpy() != ""
+    return tuple(
+        copy for copy in dataset.copies if not (has_unit[copy.first] and has_unit[copy.second])
+    )
+
+
+def units_of(dataset: Dataset) -> np.ndarray:
+    """Name of the unit of each recording, object, shape (n_recordings,); empty: it is one itself.
+
+    Recordings of one unit are not independent: those that are said to be part of one, and those
+    that hold the same truth, unless both are said to be part of something.
+    """
+    own = dataset.recordings["unit"].to_numpy(dtype=object)
+    names = dataset.recordings["name"].to_numpy(dtype=object)
+    linked = list(range(len(own)))
+    stated: dict[str, int] = {}
+
+    def top(row: int) -> int:
+        while linked[row] != row:
+            row = linked[row]
+        return row
+
+    for row, unit in enumerate(own):  # loops over recordings: at most thousands
+        if unit:
+            linked[top(row)] = top(stated.setdefault(unit, row))
+    for copy in open_copies(dataset):
+        ends = top(copy.first), top(copy.second)
+        linked[max(ends)] = min(ends)
+    tops = np.array([top(row) for row in range(len(own))], dtype=np.int64)
+    is_shared = np.bincount(tops, minlength=len(own))[tops] > 1
+    units = np.full(len(own), "", dtype=object)
+    called: dict[int, str] = {}
+    for row, unit in enumerate(own):
+        called[tops[row]] = called.get(tops[row]) or unit
+    for row in np.flatnonzero(is_shared | (own != "")).tolist():
+        units[row] = called[tops[row]] or names[tops[row]]
+    return units
