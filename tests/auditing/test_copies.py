@@ -39,7 +39,7 @@ def dataset_of(*drives: Sequence[Box], shares: tuple[float, float] = (0.75, 0.5)
             for box in truth
             if (7 * box.frame) % 40 < 40 * share
         ]
-        for share, aside in zip(shares, (2, 3), strict=True)
+        for share, aside in zip(shares, (0.2, 0.3), strict=True)
     )
     places = [Place(range(60))] * len(drives)
     return make_dataset(truth, x, y, places=places, is_independent=False)
