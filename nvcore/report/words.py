@@ -10,9 +10,11 @@ import pandas as pd
 
 from nvcore.columns import FrameColumns
 from nvcore.comparison import Result
+from nvcore.dataset import Dataset
 from nvcore.evidence.measures import ODDS_RATIO
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
+from nvcore.evidence.units import MIN_RECORDINGS, count_whole
 from nvcore.inputs.evaluated_frames import nth
 from nvcore.measures.entry import MeasureTable
 from nvcore.measures.table import has_several_recordings
@@ -31,7 +33,7 @@ from nvcore.sentences.encounters import (
     Parted,
     Rate,
 )
-from nvcore.sentences.facts import Fact
+from nvcore.sentences.facts import AtBest, Fact
 from nvcore.sentences.saliency import End, Event, OnAverage, Relevance, SaliencyOf, Sum, Weight
 from nvcore.tables.classes import names_classes, read_share
 from nvcore.tables.scorecard import ScoreRow, score_rows
@@ -119,6 +121,14 @@ def sampling_note(frames: FrameColumns) -> str:
         f"Only {every} is evaluated: per minute and per hour count those frames alone, over all "
         "the time between them."
     )
+
+
+def at_best(dataset: Dataset) -> tuple[AtBest, ...]:
+    """What the recordings could show at best; none where that depends on them."""
+    n, noun = count_whole(dataset)
+    if n > MIN_RECORDINGS:
+        return ()
+    return (AtBest("all" if n == MIN_RECORDINGS else "none", n, noun, MIN_RECORDINGS),)
 
 
 def missed(result: Result) -> Missed:

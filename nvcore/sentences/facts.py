@@ -148,6 +148,23 @@ class Question(Fact):
 
 
 @dataclass(frozen=True)
+class AtBest(Fact):
+    """What so many recordings or units (`noun`) could show at best, before they are looked at.
+
+    Attributes
+    ----------
+    kind
+        Nothing of others (``none``), for `n_needed` are; or only a difference for one system in
+        ``all`` of them.
+    """
+
+    kind: Literal["none", "all"]
+    n: int
+    noun: str
+    n_needed: int
+
+
+@dataclass(frozen=True)
 class AsSet(Fact):
     """False alarms per frame of X and Y as set, where these are unequal.
 

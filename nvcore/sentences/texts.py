@@ -64,6 +64,12 @@ TEXTS: Final[Texts] = {
         "untested": "{primary}, the primary measure, has no p here: the others are corrected for "
         "one another.",
     },
+    facts.AtBest: {
+        "none": "with {n!n:{noun}} no difference can be claimed, whatever they show: {n_needed} "
+        "are needed.",
+        "all": "with {n!n:{noun}} a difference can be claimed only if all of them favour the same "
+        "system.",
+    },
     facts.AsSet: {
         "comparison": f"as set, {_ALARMS}: nothing is claimed from that comparison.",
         "above": f"{AS_SET} ({_ALARMS}). Nothing is claimed from these.",

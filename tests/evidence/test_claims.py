@@ -18,6 +18,7 @@ from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.evidence.claims import Basis, Support, find_claims, values_of
 from nvcore.evidence.companions import (
     find_companions,
+    judge_both,
     least_of,
     shifts_at_equal_alarms,
 )
@@ -153,6 +154,30 @@ def test_a_shift_is_the_part_of_a_recording_in_the_ratio_of_alarms_times_a_slope
     slope = shift[x != y] / (x - y)[x != y]
     assert slope == pytest.approx(slope[0])
     assert slope[0] > 0  # more alarms of X, at a lower threshold: X has more matches
+
+
+@pytest.mark.parametrize("cut", [0.0, 0.3])
+def test_exchanging_x_and_y_mirrors_claims_p_and_intervals(cut: float):
+    good, bad = detector(1, share=0.95, cut=cut), detector(2, share=0.6)
+    there, back = (scene(good, bad), scene(bad, good))
+    (evidence, companions), (mirrored, others) = (judge_both(result) for result in (there, back))
+    tables = [(evidence, mirrored), (companions.evidence, others.evidence)]
+    for table, other in tables:
+        for column in ("p", "p_corrected"):
+            assert other[column].tolist() == pytest.approx(
+                table[column].tolist(), rel=1e-9, nan_ok=True
+            )
+        for column, end in (("difference", "difference"), ("low", "high"), ("high", "low")):
+            by_unit = slice(1, None)  # McNemar's interval of shares is not an exact mirror
+            assert other[column][by_unit].tolist() == pytest.approx(
+                (-table[end][by_unit]).tolist(), rel=1e-9, nan_ok=True
+            )
+    claims = find_claims(there, evidence, companions).claims
+    of_others = find_claims(back, mirrored, others).claims
+    assert claims
+    assert {claim.key: claim.winner for claim in of_others} == dict.fromkeys(
+        (claim.key for claim in claims), "y"
+    )
 
 
 def test_thresholds_with_as_many_alarms_have_to_agree_on_the_better_system():

@@ -15,6 +15,7 @@ from nvcore.metrics.venn import Venn, measure_exclusivity
 from nvcore.objects import PEDESTRIAN
 from nvcore.params import Params
 from nvcore.report.words import (
+    at_best,
     fusion_gains,
     lead,
     misses,
@@ -23,6 +24,7 @@ from nvcore.report.words import (
 )
 from nvcore.sentences import say
 from nvcore.sentences.encounters import Gain, MoreEpisodes, NoFusion
+from nvcore.sentences.facts import AtBest
 from nvcore.sentences.saliency import End, Relevance, Weight
 from nvcore.tables.encounters.miss_classes import fusion_table
 from nvcore.time_left.facts import Among, Confirmed, Kind, Others, Reason, Speed, Unknown, Urgent
@@ -264,3 +266,23 @@ def test_speeds_of_recordings_are_told_from_the_assumed_one():
     ):
         stated = replace(dataset, recordings=dataset.recordings.assign(speed_kmh=speeds))
         assert urgent(result_of(stated)).speed == speed
+
+
+@pytest.mark.parametrize(
+    ("n", "units", "expected"),
+    [
+        (5, (), AtBest("none", 5, "recording", 6)),
+        (6, (), AtBest("all", 6, "recording", 6)),
+        (7, (), None),
+        (7, ("a", "a", *"bcdef"), AtBest("all", 6, "unit", 6)),
+        (10, ("a",) * 10, AtBest("none", 1, "unit", 6)),
+    ],
+)
+def test_what_so_many_recordings_could_show_at_best(
+    n: int, units: tuple[str, ...], expected: AtBest | None
+):
+    dataset = make_dataset(places=[Place(range(3))] * n)
+    if units:
+        recordings = dataset.recordings.assign(unit=pd.Series(units).array)
+        dataset = replace(dataset, recordings=recordings)
+    assert at_best(dataset) == (() if expected is None else (expected,))

@@ -22,7 +22,7 @@ from nvcore.figures.inputs import false_alarm_plot, score_plot
 from nvcore.measures.table import CLAIMED, inference_of
 from nvcore.params import Params
 from nvcore.primary import now_text
-from nvcore.report.words import sampling_note
+from nvcore.report.words import at_best, sampling_note
 from nvcore.stages import MATCH
 from nvcore.wording import capitalised
 from ui.session import state
@@ -97,6 +97,8 @@ def _draw_primary() -> None:
         "only if it shows one. Choose it before you look at the verdict; if it is changed "
         "afterwards, the verdict says so and corrects all measures for one another.",
     )
+    for fact in at_best(state.opened().dataset):
+        st.caption(state.say(fact))
     if primary.is_changed:
         st.caption(
             f":material/warning: Changed {primary.when}, after a verdict on these data: all "
