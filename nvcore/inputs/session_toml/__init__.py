@@ -13,6 +13,7 @@
     first_picture = 0        number of the frame that the first picture shows
     tags = ["night", "rain"] words by which recordings can be chosen
     title = "Night drive 1"  what it is called, in place of its name in the data
+    unit = "drive 7"         what it is part of: recordings of one unit are one in tests
     visible = "visible.mp4"  pictures of visible light: a video, a folder, or an archive
     visible_map = [1.5, 1.5, 8, -12]  x_visible = 1.5 x + 8, y_visible = 1.5 y - 12
 
@@ -49,6 +50,9 @@
     objects = "speed sign"   what the boxes are of, if not pedestrians; of kinds that the program
                              does not know singular and plural: ["child", "children"]
     accept = ["no-match"]    errors of the audit that are meant, by their codes: warnings
+
+    [primary]                the measure by which to decide (nvcore.primary)
+    measure = "mean_similarity"
 
     [parameters]             any of nvcore.params.Params
 
