@@ -174,6 +174,12 @@ def judge_both(
     return evidence, find_companions(result, evidence, protocol, miss_rate=miss_rate)
 
 
+def shifts_of(result: Result, units: Units) -> dict[str, np.ndarray]:
+    """`shifts_at_equal_alarms` of a comparison; empty where no threshold gives these."""
+    alike = find_equal_alarms(result)
+    return {} if alike is None else shifts_at_equal_alarms(result, alike, units)
+
+
 def shifts_at_equal_alarms(
     result: Result, alike: EqualAlarms, units: Units
 ) -> dict[str, np.ndarray]:

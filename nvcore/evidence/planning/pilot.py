@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -75,6 +75,17 @@ class Pilot:
         """Whether recordings do not vary: nothing can be planned from them."""
         size = float(np.abs(self.parts).max(initial=0.0))
         return float(np.abs(self.residuals).max(initial=0.0)) <= 1e3 * ROUNDING * size
+
+    def with_shift(self, shift: np.ndarray) -> Pilot:
+        """The same difference, which varies as one at equal false alarms does.
+
+        Parameters
+        ----------
+        shift
+            Of `nvcore.evidence.companions.shifts_at_equal_alarms`; float64, shape (n_recordings,).
+        """
+        apart = (shift - shift.mean()) * float(self.weights.sum()) / max(len(self), 1)
+        return replace(self, parts=self.parts - apart, differs=self.differs | (shift != 0))
 
     def parts_for(self, difference: float) -> np.ndarray:
         """Parts of recordings that vary as here, but by another difference on the whole.

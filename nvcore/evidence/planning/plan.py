@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Final, Literal, get_args
@@ -16,6 +16,7 @@ from nvcore.arguments.plan import PlanArguments, Side
 from nvcore.comparison import Result
 from nvcore.errors import ParameterError
 from nvcore.evidence.bootstrap import MIN_UNITS
+from nvcore.evidence.companions import shifts_of
 from nvcore.evidence.measures import Evidence
 from nvcore.evidence.operating_points import is_undecided
 from nvcore.evidence.paired_tests import MIN_SWAPPED, SIGNIFICANT
@@ -174,6 +175,7 @@ def plan_recordings(
     protocol: Protocol = PROTOCOLS["all"],
     units: Units | None = None,
     evidence: Evidence | None = None,
+    shifts: Mapping[str, np.ndarray] | None = None,
     progress: Progress = no_progress,
 ) -> Plan:
     """How many recordings like these would show a difference, or non-inferiority.
@@ -184,8 +186,9 @@ def plan_recordings(
         Measure and question.
     protocol
         Which pedestrians count in the log-average miss rate.
-    units, evidence
-        ``find_units(result)``, ``judge_key(result, key)``, if already computed.
+    units, evidence, shifts
+        ``find_units(result)``, ``judge_key(result, key)``, ``shifts_of(result, units)``, if already
+        computed: a difference has to be shown at equal false alarms, too, where it varies more.
 
     Raises
     ------
@@ -206,6 +209,9 @@ def plan_recordings(
         evidence = judge_key(result, key, protocol=protocol, units=units)
     assert evidence.figure == key
     pilot, why_not = make_pilot(result, key, protocol=protocol, units=units)
+    if pilot is not None and margin is None:
+        shifts = shifts_of(result, units) if shifts is None else shifts
+        pilot = pilot.with_shift(shifts[key]) if key in shifts else pilot
     is_unequal = is_undecided(result, key)
     plan = Plan(
         evidence=evidence,

@@ -9,12 +9,13 @@ import pandas as pd
 
 from nvcore.arguments.plan import PlanArguments
 from nvcore.comparison import Result
+from nvcore.evidence.companions import shifts_of
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.pilot import MIN_PILOT, PLAN_KEYS
 from nvcore.evidence.planning.plan import Plan, PlanSize, plan_recordings
 from nvcore.evidence.planning.said import QUESTION
-from nvcore.evidence.units import WHOLE
+from nvcore.evidence.units import WHOLE, find_units
 from nvcore.measures.table import doubt_of, evidence_form, measure_of, repeated_by
 from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
@@ -59,13 +60,16 @@ def plan_measures(
         and not doubt_of(result, measure_of(key))
         and not row.p_corrected <= SIGNIFICANT
     ]
-    n = len(not_shown)
+    n, units = len(not_shown), find_units(result)
+    shifts = shifts_of(result, units) if not_shown else {}
     return {
         key: plan_recordings(
             result,
             PlanArguments(name),
             protocol=protocol,
+            units=units,
             evidence=row,
+            shifts=shifts,
             progress=part_of(progress, index / n, (index + 1) / n),
         )
         for index, (name, key, row) in enumerate(not_shown)

@@ -35,7 +35,7 @@ def test_each_difference_that_is_not_shown_has_its_size_and_what_is_excluded(sam
         "share of encounters detected, by recordings"
     ]
     assert (difference, below, above) == ("+7.9 pp", "−29.7 pp", "+29.3 pp")
-    assert 150 < int(n) < 300
+    assert 250 < int(n) < 500
     assert int(n_encounters.replace(",", "")) == pytest.approx(3.8 * int(n), abs=1)
     assert " to " in span
     said = verdict_plan(sample, evidence, None)
