@@ -103,8 +103,14 @@ def record(page: sync_api.Page, low: int, high: int | None = None) -> list[dict[
 
 
 def choose(page: sync_api.Page, recording: str) -> None:
+    """Choose a recording, and wait until its viewer has taken the place of the one before."""
     page.get_by_role("combobox", name="recording").click()
     page.get_by_role("option", name=recording, exact=True).click()
+    sync_api.expect(page.get_by_text(f" kind {recording} run ")).to_be_visible()
+    page.wait_for_function(
+        """() => document.querySelector('[data-testid="stApp"]')
+          ?.dataset.testScriptState === "notRunning\""""
+    )
 
 
 def read(page: sync_api.Page) -> dict[str, float]:
