@@ -13,7 +13,7 @@ from nvcore.comparison import compare
 from nvcore.errors import ParameterError
 from nvcore.evidence.claims import CLAIMED as CLAIMED_KEYS
 from nvcore.evidence.companions import judge_both
-from nvcore.measures.table import CLAIMED, claimed_key
+from nvcore.measures.table import CLAIMABLE, claimable_key
 from nvcore.primary import DEFAULT, Primary, primary_from
 from nvcore.report.verdict import Verdict, verdict
 from nvcore.sentences.facts import Conclusion, Named, Question
@@ -22,12 +22,12 @@ AT = "2026-11-26T17:40:12+00:00"
 
 
 def test_names_and_keys_mean_the_measures_that_may_be_claimed():
-    assert set(CLAIMED.values()) == set(CLAIMED_KEYS)
+    assert set(CLAIMABLE.values()) == set(CLAIMED_KEYS)
     assert DEFAULT in CLAIMED_KEYS
-    assert claimed_key("encounters_detected") == "encounters_detected_by_unit"
-    assert claimed_key("encounters_detected_by_unit") == "encounters_detected_by_unit"
+    assert claimable_key("encounters_detected") == "encounters_detected_by_unit"
+    assert claimable_key("encounters_detected_by_unit") == "encounters_detected_by_unit"
     with pytest.raises(ParameterError, match="no verdict can rest on 'recal': the measures are "):
-        claimed_key("recal")
+        claimable_key("recal")
 
 
 def test_it_is_changed_once_there_was_a_verdict_and_not_on_other_data():
@@ -70,7 +70,7 @@ def verdict_with(primary: Primary) -> Verdict:
 def test_the_verdict_says_which_it_is(primary: Primary, kind: str):
     (question,) = verdict_with(primary).points[0].facts
     assert isinstance(question, Question)
-    assert (question.kind, question.primary) == (kind, Named(claimed_key(primary.key)))
+    assert (question.kind, question.primary) == (kind, Named(claimable_key(primary.key)))
 
 
 def test_where_it_shows_nothing_nothing_is_claimed():

@@ -59,9 +59,9 @@ def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
 
 def _with_primary(session: Session, name: str | None) -> Session:
     """The session with the primary measure of the flag, or its own checked."""
-    from nvcore.measures.table import claimed_key
+    from nvcore.measures.table import claimable_key
 
-    key, fixed_at = claimed_key(name or session.primary.key), now_text()
+    key, fixed_at = claimable_key(name or session.primary.key), now_text()
     return replace(session, primary=session.primary.choose(key, fixed_at=fixed_at))
 
 

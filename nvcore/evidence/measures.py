@@ -44,7 +44,7 @@ from nvcore.evidence.units import (
 from nvcore.measures.entry import Better
 from nvcore.measures.table import (
     EVIDENCE_KEYS,
-    claimed_key,
+    claimable_key,
     doubt_of,
     evidence_keys,
     evidence_label,
@@ -225,7 +225,7 @@ def primary_of(dataset: Dataset) -> Primary:
     ParameterError
         If the session names no measure on which a verdict can rest.
     """
-    return replace(dataset.primary, key=claimed_key(dataset.primary.key))
+    return replace(dataset.primary, key=claimable_key(dataset.primary.key))
 
 
 def _counts(result: Result, key: str) -> bool:
@@ -384,12 +384,11 @@ class Judged:
     ----------
     evidence
         What the data say of it.
-    measure, tested
-        By which it was tested, over all units; None: it was not.
+    tested
+        Its tests over all units; None: it was not tested.
     """
 
     evidence: Evidence
-    measure: UnitMeasure | None = None
     tested: Tested | None = None
 
 

@@ -107,7 +107,7 @@ def judge_miss_rate(
         why_zero = explain_zero(_rates(system_sums))
         notes.append(f"log-average miss rate of {letter}: {why_zero}" if why_zero else "")
     evidence = replace(evidence, note="; ".join(filter(None, notes)))
-    return Judged(evidence, of_all, tested)
+    return Judged(evidence, tested)
 
 
 def _label(protocol: Protocol) -> str:

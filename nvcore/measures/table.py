@@ -46,26 +46,26 @@ EVIDENCE_KEYS: Final = tuple(sorted(_INFERENCE, key=lambda key: not key.startswi
 """Keys of the table of evidence: encounters detected first, then in the order of `MEASURES`."""
 
 
-CLAIMED: Final = {
+CLAIMABLE: Final = {
     key.removesuffix("_by_unit"): key for key, inference in _INFERENCE.items() if inference.noun
 }
 """Keys of the measures whose differences the verdict may claim, by the names that users give."""
 
 
-def claimed_key(name: str) -> str:
-    """The key of a measure of `CLAIMED` that a user names, by its name or its key.
+def claimable_key(name: str) -> str:
+    """The key of a measure of `CLAIMABLE` that a user names, by its name or its key.
 
     Raises
     ------
     ParameterError
         If there is none.
     """
-    if name in CLAIMED.values():
+    if name in CLAIMABLE.values():
         return name
-    if name not in CLAIMED:
-        hint = did_you_mean(name, CLAIMED, f"the measures are {', '.join(CLAIMED)}")
+    if name not in CLAIMABLE:
+        hint = did_you_mean(name, CLAIMABLE, f"the measures are {', '.join(CLAIMABLE)}")
         raise ParameterError(f"no verdict can rest on {one_line(name)!r}: {hint}")
-    return CLAIMED[name]
+    return CLAIMABLE[name]
 
 
 def label_words(result: Result, units: str = "") -> dict[str, Any]:

@@ -297,7 +297,7 @@ def test_another_measure_from_sums_over_the_same_units_can_be_added() -> None:
     ]
     extra = UnitMeasure("miss_rate", "miss rate", "lower", *missed)
     tested = run_together([extra])["miss_rate"]
-    judged = Judged(judge_measure(extra, units, tested=tested), extra, tested)
+    judged = Judged(judge_measure(extra, units, tested=tested), tested)
     table = significance_table(result, [judged], units=units, primary="")
     row = table.iloc[-1]
     assert row["figure"] == "miss_rate"

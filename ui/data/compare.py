@@ -19,7 +19,7 @@ from nvcore.detection.operating_point import (
 from nvcore.detection.operating_point import operating_point as point_at
 from nvcore.evidence.measures import primary_of
 from nvcore.figures.inputs import false_alarm_plot, score_plot
-from nvcore.measures.table import CLAIMED, inference_of
+from nvcore.measures.table import CLAIMABLE, inference_of
 from nvcore.params import Params
 from nvcore.primary import now_text
 from nvcore.report.words import at_best, sampling_note
@@ -89,7 +89,7 @@ def _draw_primary() -> None:
     st.session_state["choice_primary"] = primary.key
     st.selectbox(
         "Decide by",
-        list(CLAIMED.values()),
+        list(CLAIMABLE.values()),
         key="choice_primary",
         format_func=lambda key: capitalised(state.say(inference_of(key).noun)),
         on_change=_choose_primary,
