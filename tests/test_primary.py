@@ -13,7 +13,7 @@ from nvcore.comparison import compare
 from nvcore.errors import ParameterError
 from nvcore.evidence.claims import CLAIMED as CLAIMED_KEYS
 from nvcore.evidence.companions import judge_both
-from nvcore.measures.table import CLAIMABLE, claimable_key
+from nvcore.measures.table import CLAIMABLE, choose_primary, claimable_key
 from nvcore.primary import DEFAULT, Primary, primary_from
 from nvcore.report.verdict import Verdict, verdict
 from nvcore.sentences.facts import Conclusion, Named, Question
@@ -40,6 +40,14 @@ def test_it_is_changed_once_there_was_a_verdict_and_not_on_other_data():
     assert changed.choose("saliency", fixed_at=AT).is_changed  # back again is no way back
     assert changed.of_data("data") is changed
     assert changed.of_data("other") == Primary("mean_similarity", AT)
+
+
+def test_a_name_and_its_key_are_the_same_measure():
+    named = Primary("encounters_detected", AT, "data")
+    assert choose_primary(named, "encounters_detected_by_unit") == replace(
+        named, key="encounters_detected_by_unit"
+    )
+    assert choose_primary(named, None).key == "encounters_detected_by_unit"
 
 
 def test_a_session_file_names_it_as_it_is():
@@ -89,4 +97,9 @@ def test_a_report_keeps_it_with_the_data_and_a_later_flag_changes_it(tmp_path: P
     session = nv.load(tmp_path / "session.toml")
     assert session.settings.primary.fingerprint == session.fingerprint
     assert not session.primary.is_changed
-    assert session.primary.choose("saliency", fixed_at=AT).is_changed
+    assert nv.load(tmp_path / "session.toml", primary="saliency").primary.is_changed
+    chosen = nv.load(sample, primary="encounters_detected").primary
+    assert (chosen.key, chosen.is_changed) == ("encounters_detected_by_unit", False)
+    assert chosen.fixed_at
+    with pytest.raises(ParameterError, match="no verdict can rest on 'recal'"):
+        nv.load(sample, primary="recal")

@@ -30,7 +30,8 @@ def compare(dataset: Dataset) -> Comparison:
 
     Parameters
     ----------
-    source, truth, x, y, size, fps, frames, recordings, name_x, name_y, protocol, objects, params
+    source, truth, x, y, size, fps, frames, recordings, name_x, name_y, protocol, objects, primary,
+    params
         See `load`.
 
     Raises
@@ -55,7 +56,8 @@ def audit(dataset: Dataset) -> tuple[Finding, ...]:
 
     Parameters
     ----------
-    source, truth, x, y, size, fps, frames, recordings, name_x, name_y, protocol, objects, params
+    source, truth, x, y, size, fps, frames, recordings, name_x, name_y, protocol, objects, primary,
+    params
         See `load`. One system is enough.
 
     Raises

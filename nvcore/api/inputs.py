@@ -25,6 +25,7 @@ from nvcore.inputs.session import (
     SystemSource,
 )
 from nvcore.inputs.session_toml import read_session
+from nvcore.measures.table import choose_primary
 from nvcore.params import params_from
 from nvcore.progress import Progress, no_progress
 from nvcore.protocols import Protocol, protocol_from
@@ -59,6 +60,7 @@ def load(
     name_y: str | None = None,
     protocol: str | Protocol | None = None,
     objects: str | Sequence[str] | None = None,
+    primary: str | None = None,
     **params: float | str | None,
 ) -> Dataset:
     """Read the inputs of a comparison.
@@ -91,6 +93,9 @@ def load(
     objects
         What the boxes are of, such as ``"speed sign"``; of kinds that the program does not know
         the singular, or (singular, plural). None: as the session says, else pedestrians.
+    primary
+        The measure by which to decide, to be chosen before a verdict is seen, such as
+        ``"mean_similarity"``; None: the session's, or severity per encounter.
     params
         Settings by name, such as ``alpha=0.8`` or ``threshold_x=0.5``: see `nvcore.Params`. A
         threshold of None counts every detection.
@@ -121,7 +126,7 @@ def load(
         facts = {"size": size, "fps": fps, "frames": frames, "recordings": recordings}
         given = {**inputs, **facts, "objects": objects}
         refuse_for_loaded([name for name, value in given.items() if value is not None])
-        settings = with_choices(source.settings, name_x, name_y, protocol)
+        settings = with_choices(source.settings, name_x, name_y, protocol, primary)
         return with_params(source.with_settings(settings), params)
     if (source is None) == all(value is None for value in inputs.values()):
         raise InputError("expected a session file, or truth=, x= and y=; give one of the two")
@@ -138,7 +143,7 @@ def load(
     session = override_recordings(
         session, size=size_from(size), fps=fps, frames=frames_from(frames)
     )
-    session = with_choices(session, name_x, name_y, protocol)
+    session = with_choices(session, name_x, name_y, protocol, primary)
     session = replace(session, objects=objects_named(objects) or session.objects)
     with keywords_named():
         return with_params(load_session(session, tables=tables), params)
@@ -205,16 +210,26 @@ def refuse_for_loaded(names: Sequence[str]) -> None:
 
 
 def with_choices(
-    settings: AnySettings, x: str | None, y: str | None, protocol: str | Protocol | None
+    settings: AnySettings,
+    x: str | None,
+    y: str | None,
+    protocol: str | Protocol | None,
+    primary: str | None,
 ) -> AnySettings:
-    """The settings with these names of X and Y and this protocol; None: as they are.
+    """The settings with these names of X and Y, protocol, primary measure; None: as they are.
 
     A name that was that of the other system leaves the other to be the first that is left.
     """
     if isinstance(protocol, str):
         protocol = protocol_from({"name": protocol})
     x, y = settings.names(x, y)
-    return replace(settings, x=x, y=y, protocol=protocol or settings.protocol)
+    return replace(
+        settings,
+        x=x,
+        y=y,
+        protocol=protocol or settings.protocol,
+        primary=choose_primary(settings.primary, primary),
+    )
 
 
 def with_params(dataset: Dataset, changes: Mapping[str, Any]) -> Dataset:

@@ -21,7 +21,6 @@ from nvcore.inputs.session import (
 from nvcore.inputs.session_toml import read_session
 from nvcore.objects import Objects, objects_from
 from nvcore.params import SETTINGS, Params, params_from
-from nvcore.primary import now_text
 from nvcore.protocols import PROTOCOLS
 from nvcore.wording import one_line
 
@@ -59,10 +58,9 @@ def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
 
 def _with_primary(session: Session, name: str | None) -> Session:
     """The session with the primary measure of the flag, or its own checked."""
-    from nvcore.measures.table import claimable_key
+    from nvcore.measures.table import choose_primary
 
-    key, fixed_at = claimable_key(name or session.primary.key), now_text()
-    return replace(session, primary=session.primary.choose(key, fixed_at=fixed_at))
+    return replace(session, primary=choose_primary(session.primary, name))
 
 
 def _without_effect(name: str, params: Params) -> str:

@@ -44,7 +44,7 @@ from nvcore.evidence.units import (
 from nvcore.measures.entry import Better
 from nvcore.measures.table import (
     EVIDENCE_KEYS,
-    claimable_key,
+    choose_primary,
     doubt_of,
     evidence_keys,
     evidence_label,
@@ -225,7 +225,7 @@ def primary_of(dataset: Dataset) -> Primary:
     ParameterError
         If the session names no measure on which a verdict can rest.
     """
-    return replace(dataset.primary, key=claimable_key(dataset.primary.key))
+    return choose_primary(dataset.primary, None)
 
 
 def _counts(result: Result, key: str) -> bool:

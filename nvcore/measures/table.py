@@ -10,6 +10,7 @@ difference; the entry only says which sums over frames make the measure.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import chain
 from typing import Any, Final
 
@@ -26,6 +27,7 @@ from nvcore.measures.of_alarms import ALARM_MEASURES
 from nvcore.measures.of_curves import CURVE_MEASURES
 from nvcore.measures.of_encounters import DETECTED, ENCOUNTER_MEASURES
 from nvcore.measures.of_frames import FRAME_MEASURES
+from nvcore.primary import Primary, now_text
 from nvcore.subjects import contributed
 from nvcore.wording import did_you_mean, difference, one_line
 
@@ -66,6 +68,18 @@ def claimable_key(name: str) -> str:
         hint = did_you_mean(name, CLAIMABLE, f"the measures are {', '.join(CLAIMABLE)}")
         raise ParameterError(f"no verdict can rest on {one_line(name)!r}: {hint}")
     return CLAIMABLE[name]
+
+
+def choose_primary(primary: Primary, name: str | None) -> Primary:
+    """The primary measure by its key: of that name, chosen now; None: as it is.
+
+    Raises
+    ------
+    ParameterError
+        If no verdict can rest on it.
+    """
+    own = replace(primary, key=claimable_key(primary.key))
+    return own if name is None else own.choose(claimable_key(name), fixed_at=now_text())
 
 
 def label_words(result: Result, units: str = "") -> dict[str, Any]:

@@ -19,9 +19,8 @@ from nvcore.detection.operating_point import (
 from nvcore.detection.operating_point import operating_point as point_at
 from nvcore.evidence.measures import primary_of
 from nvcore.figures.inputs import false_alarm_plot, score_plot
-from nvcore.measures.table import CLAIMABLE, inference_of
+from nvcore.measures.table import CLAIMABLE, choose_primary, inference_of
 from nvcore.params import Params
-from nvcore.primary import now_text
 from nvcore.report.words import at_best, sampling_note
 from nvcore.stages import MATCH
 from nvcore.wording import capitalised
@@ -112,7 +111,7 @@ def _choose_primary() -> None:
     primary = session.primary.of_data(fingerprint)
     if state.has_shown_verdict():
         primary = replace(primary, fingerprint=fingerprint)
-    chosen = primary.choose(st.session_state["choice_primary"], fixed_at=now_text())
+    chosen = choose_primary(primary, st.session_state["choice_primary"])
     state.compare_as(replace(session, primary=chosen))
 
 
