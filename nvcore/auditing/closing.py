@@ -55,9 +55,10 @@ def audit_closing_speed(dataset: Dataset, params: Params) -> list[Finding]:
             ),
             advice=(
                 "Read last chances to stop and impact speeds as those of a car at the assumed or "
-                "stated speed; for the car that made the recording, give its speed."
+                "stated speed; for the car that made a recording, give its speed."
             ),
-            steps=(Step(Remedy.OPTION, "", "speed_kmh"),),
+            # one speed for all would be wrong for others
+            steps=(Step(Remedy.OPTION, "", "speed_kmh" if len(names) == 1 else "recordings"),),
             example=f"recording {names.iloc[odd[0]]}",
             cases=Cases("frames", dataset.frame_columns.first[odd]),
         )

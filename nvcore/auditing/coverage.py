@@ -89,6 +89,7 @@ def audit_system_coverage(source: BoxSource) -> list[Finding]:
                 count=len(box_in),
                 message="There is no detection in any evaluated frame: nothing can be compared.",
                 advice="Check its files, and that they count frames as the ground truth does.",
+                steps=(Step(Remedy.ACCEPT, "no-detections"),),
             )
         ]
     steps = regular_steps(has_box, frames.first)

@@ -61,7 +61,7 @@ def parse_frames(text: str, folder: Path, own: np.ndarray | None = None) -> np.n
         reason = error.message if isinstance(error, InputError) else "not UTF-8 text"
         raise InputError(
             f"cannot be read as a frame list; expected {FRAME_RANGE}, or a text file with "
-            f"one frame number a line ({reason})",
+            f"one frame number a line ({reason}){_meant(text)}",
             file=text,
         ) from error
     numbers = []
@@ -74,6 +74,12 @@ def parse_frames(text: str, folder: Path, own: np.ndarray | None = None) -> np.n
     if not numbers:
         raise InputError("holds no frame number", file=text)
     return np.unique(np.array(numbers, dtype=np.int64))
+
+
+def _meant(text: str) -> str:
+    """What a range that is written otherwise may mean."""
+    found = re.fullmatch(r"(\d{1,15})\s*(?:-|\.\.+|to)\s*(\d{1,15})", text.rpartition("/")[2])
+    return "" if found is None else f"; did you mean {found[1]}:{found[2]}?"
 
 
 def _frames_in(text: str, own: np.ndarray | None) -> np.ndarray:

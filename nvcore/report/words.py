@@ -73,7 +73,7 @@ def scorecard_cells(result: Result, *, indent: str, mark: str = "") -> list[tupl
     """The scorecard, then how the encounters went, as `score_cells`."""
     return [
         *score_cells(score_rows(result), indent=indent, mark=mark),
-        (f"how the {result.venn.n_near} encounters went:", "", "", "", ""),
+        (f"how the {count_text(result.venn.n_near, 'encounter')} went:", "", "", "", ""),
         *score_cells(score_rows(result, MeasureTable.MISS_CLASSES), indent=indent, mark=mark),
     ]
 
