@@ -131,7 +131,7 @@ def _extent(result: Result) -> str:
         "system detects it by matching it in at least {coverage:.0%} of the frames in which it is "
         "near. Severity: what failures weigh, 1 s for each second that {a_one} straight ahead and "
         "near is missed. p, where given: how often recordings in which X and Y could be exchanged "
-        "would differ as much, by itself and corrected for all measures ({link}).",
+        "would differ as much, by itself and corrected for what is tested together ({link}).",
         recordings=count_text(len(result.dataset.recordings), "recording"),
         frames=count_text(len(result.dataset.frames), "frame"),
         duration_s=result.duration_s,

@@ -46,9 +46,9 @@ VERDICT = Intro(
     what="What the measures of this report support, in sentences that go no further than they do.",
     how="The first sentence says what is claimed. If X and Y are set to different operating "
     "points, it says so, and they are compared at equal false alarms. More than chance is what "
-    "other recordings like these would show: by six recordings or more, corrected for all "
-    "measures, at equal false alarms as well, and not turned round by strict pairing. Below it, "
-    "topic by topic, is what that rests on.",
+    "other recordings like these would show: by six recordings or more, in the primary measure, "
+    "or in others corrected for one another where that is shown; at equal false alarms as well, "
+    "and not turned round by strict pairing. Below it, topic by topic, is what that rests on.",
     limits="It says nothing about conditions that were not recorded and is no proof of safety.",
 )
 
