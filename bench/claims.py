@@ -29,7 +29,7 @@ import pandas as pd
 from nvcore.comparison import compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
-from nvcore.evidence.companions import judge_both
+from nvcore.evidence.table import judge_both
 from nvcore.metrics.shares import share_of
 from nvcore.params import Params
 from nvcore.report.verdict import Verdict, verdict

@@ -20,7 +20,7 @@ from nvcore.auditing import audit
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
-from nvcore.evidence.companions import judge_both
+from nvcore.evidence.table import judge_both
 from nvcore.params import Params
 from nvcore.report.verdict import Verdict, verdict
 

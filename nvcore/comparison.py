@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import numpy as np
 
@@ -54,6 +54,7 @@ from nvcore.scoring import (
 from nvcore.stages import COST, ENCOUNTERS, MATCH, MISS_WEIGHTS, PROXIMITY
 from nvcore.subjects import resolve, subjects
 
+T = TypeVar("T")
 LEAST_FOR_THREADS: Final = 5_000
 """With fewer boxes, starting threads takes longer than scoring the systems one after the other."""
 
@@ -145,6 +146,9 @@ class Result:
         step's name; those about a system are its own (`SystemResult.made`).
     stages
         What `compare` can reuse when only some settings change.
+    as_set
+        The comparison as X and Y are set, where this is the one at equal false alarms that takes
+        its place (`nvcore.evidence.operating_points.find_equal_alarms`); else None.
     """
 
     dataset: Dataset
@@ -164,17 +168,23 @@ class Result:
     duration_s: float
     made: Mapping[str, Any] = field(repr=False)
     stages: Mapping[tuple[Any, ...], Any] = field(repr=False)
-    _views: dict[str, Any] = field(init=False, repr=False, default_factory=dict)
+    as_set: Result | None = field(default=None, repr=False)
+    _kept: dict[str, Any] = field(init=False, repr=False, default_factory=dict)
 
     def of(self, subject: str) -> Any:
         """What a subject makes of the comparison, such as ``result.of("time_left")``.
 
         Its type is the subject's `view`; each subject has a function that says so to type checkers.
         """
-        if subject not in self._views:
-            package, known = subjects()[subject]
-            self._views[subject] = resolve(package, known.view)(self)
-        return self._views[subject]
+        package, known = subjects()[subject]
+        return self.keep(subject, lambda: resolve(package, known.view)(self))
+
+    def keep(self, name: str, make: Callable[[], T]) -> T:
+        """What is made of this comparison alone, made once."""
+        if name not in self._kept:
+            self._kept[name] = make()
+        value: T = self._kept[name]
+        return value
 
     @property
     def sides(self) -> tuple[tuple[str, SystemResult], tuple[str, SystemResult]]:

@@ -4,13 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final, Self
+from typing import Final, Literal, Self, get_args
 
+from nvcore.errors import ParameterError
 from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.params import Params
 from nvcore.primary import Primary
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.published import PublishedPoint
+
+OperatingPoint = Literal["equal-alarms", "as-set"]
+
+
+def operating_point(name: str | None) -> OperatingPoint | None:
+    """The operating point of that name.
+
+    Raises
+    ------
+    ParameterError
+        If there is none.
+    """
+    for known in get_args(OperatingPoint):
+        if name == known:
+            return known
+    if name is None:
+        return None
+    expected = " or ".join(get_args(OperatingPoint))
+    raise ParameterError(f"operating_point: expected {expected}, got {name!r}")
+
 
 MIN_FPS: Final = 0.001
 MAX_FPS: Final = 10_000.0
@@ -41,6 +62,10 @@ class Settings:
         Codes of errors of the audit that are meant: they are warnings.
     primary
         The measure by which the comparison is decided.
+    operating_point
+        Where X and Y are set to unequally many false alarms: whether their numbers are with one
+        threshold moved, so that both have equally many, or as they are set. None: as set in files
+        and for programs, equal in dashboard and report. Claims are about equal ones either way.
     """
 
     x: str | None = None
@@ -53,6 +78,7 @@ class Settings:
     published: tuple[PublishedPoint, ...] = ()
     accept: tuple[str, ...] = ()
     primary: Primary = Primary()
+    operating_point: OperatingPoint | None = None
 
     def renamed(
         self,

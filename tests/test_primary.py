@@ -12,7 +12,7 @@ import nvcore as nv
 from nvcore.comparison import compare
 from nvcore.errors import ParameterError
 from nvcore.evidence.claims import CLAIMED as CLAIMED_KEYS
-from nvcore.evidence.companions import judge_both
+from nvcore.evidence.table import judge_both
 from nvcore.measures.table import CLAIMABLE, choose_primary, claimable_key
 from nvcore.primary import DEFAULT, Primary, primary_from
 from nvcore.report.verdict import Verdict, verdict

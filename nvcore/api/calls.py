@@ -13,6 +13,7 @@ from nvcore.auditing import audit as audit_dataset
 from nvcore.auditing import picture_findings
 from nvcore.dataset import Dataset
 from nvcore.errors import ParameterError
+from nvcore.evidence.operating_points import as_asked
 from nvcore.findings import Finding, worst_first
 from nvcore.report.gate import run_gate
 from nvcore.report.gate.measures import measure_names
@@ -31,7 +32,7 @@ def compare(dataset: Dataset) -> Comparison:
     Parameters
     ----------
     source, truth, x, y, size, fps, frames, recordings, name_x, name_y, protocol, objects, primary,
-    params
+    operating_point, params
         See `load`.
 
     Raises
@@ -47,7 +48,7 @@ def compare(dataset: Dataset) -> Comparison:
     >>> print(result)  # doctest: +SKIP
     >>> result = compare(truth=truth, x=x, y=y, size=(1280, 720), fps=30)  # doctest: +SKIP
     """
-    return Comparison(comparison.compare(dataset))
+    return Comparison(as_asked(comparison.compare(dataset), "as-set"))
 
 
 @called_with(load)
@@ -57,7 +58,7 @@ def audit(dataset: Dataset) -> tuple[Finding, ...]:
     Parameters
     ----------
     source, truth, x, y, size, fps, frames, recordings, name_x, name_y, protocol, objects, primary,
-    params
+    operating_point, params
         See `load`. One system is enough.
 
     Raises

@@ -24,7 +24,6 @@ from nvcore.evidence.claims import Claim
 from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.measures import Judged
 from nvcore.evidence.miss_rate import judge_miss_rate
-from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.planning import Plan, plan_recordings
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
@@ -35,7 +34,6 @@ from nvcore.measures.entry import MeasureTable
 from nvcore.metrics.venn import BoxVenn, Exclusivity, Venn
 from nvcore.params import Params
 from nvcore.protocols import Protocol
-from nvcore.report.equal_alarms import at_equal_alarms
 from nvcore.report.files import (
     REPORT_FILES,
     SESSION_FILE,
@@ -172,8 +170,7 @@ class Comparison:
     @cached_property
     def summary(self) -> dict[str, Any]:
         """All aggregates, as in ``summary.json``; None is undefined."""
-        companions = self._companions if are_unequal(self.result) else None
-        return summary(self.result, at_equal_alarms(companions))
+        return summary(self.result)
 
     @cached_property
     def findings(self) -> tuple[Finding, ...]:

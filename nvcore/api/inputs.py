@@ -29,7 +29,7 @@ from nvcore.measures.table import choose_primary
 from nvcore.params import params_from
 from nvcore.progress import Progress, no_progress
 from nvcore.protocols import Protocol, protocol_from
-from nvcore.settings import Settings, as_names
+from nvcore.settings import OperatingPoint, Settings, as_names, operating_point
 
 Input = PathLike | Sequence[PathLike] | Source | pd.DataFrame
 """Ground truth or detections: files, folders or globs, the same with settings, or a table."""
@@ -61,6 +61,7 @@ def load(
     protocol: str | Protocol | None = None,
     objects: str | Sequence[str] | None = None,
     primary: str | None = None,
+    operating_point: OperatingPoint | None = None,
     **params: float | str | None,
 ) -> Dataset:
     """Read the inputs of a comparison.
@@ -96,6 +97,10 @@ def load(
     primary
         The measure by which to decide, to be chosen before a verdict is seen, such as
         ``"mean_similarity"``; None: the session's, or severity per encounter.
+    operating_point
+        Where X and Y are set to unequally many false alarms: their numbers ``"as-set"``, or with
+        one threshold moved to ``"equal-alarms"``; None: the session's, or as set. Claims are about
+        equal ones either way.
     params
         Settings by name, such as ``alpha=0.8`` or ``threshold_x=0.5``: see `nvcore.Params`. A
         threshold of None counts every detection.
@@ -126,7 +131,7 @@ def load(
         facts = {"size": size, "fps": fps, "frames": frames, "recordings": recordings}
         given = {**inputs, **facts, "objects": objects}
         refuse_for_loaded([name for name, value in given.items() if value is not None])
-        settings = with_choices(source.settings, name_x, name_y, protocol, primary)
+        settings = with_choices(source.settings, name_x, name_y, protocol, primary, operating_point)
         return with_params(source.with_settings(settings), params)
     if (source is None) == all(value is None for value in inputs.values()):
         raise InputError("expected a session file, or truth=, x= and y=; give one of the two")
@@ -143,7 +148,7 @@ def load(
     session = override_recordings(
         session, size=size_from(size), fps=fps, frames=frames_from(frames)
     )
-    session = with_choices(session, name_x, name_y, protocol, primary)
+    session = with_choices(session, name_x, name_y, protocol, primary, operating_point)
     session = replace(session, objects=objects_named(objects) or session.objects)
     with keywords_named():
         return with_params(load_session(session, tables=tables), params)
@@ -215,8 +220,9 @@ def with_choices(
     y: str | None,
     protocol: str | Protocol | None,
     primary: str | None,
+    point: OperatingPoint | None,
 ) -> AnySettings:
-    """The settings with these names of X and Y, protocol, primary measure; None: as they are.
+    """The settings with these choices; None: as they are.
 
     A name that was that of the other system leaves the other to be the first that is left.
     """
@@ -229,6 +235,7 @@ def with_choices(
         y=y,
         protocol=protocol or settings.protocol,
         primary=choose_primary(settings.primary, primary),
+        operating_point=operating_point(point) or settings.operating_point,
     )
 
 

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from nvcore.dataset import Dataset
     from nvcore.report.files import TableFormat
 
+AT_EQUAL_ALARMS = "all numbers at equal false alarms: --operating-point equal-alarms"
 MAX_CONVERSION = 160
 """Letters of a conversion's text that `compare` shows: some two lines with the path."""
 
@@ -92,6 +93,7 @@ def compare(
     """
     from nvcore.auditing import audit, picture_findings
     from nvcore.comparison import compare
+    from nvcore.evidence.operating_points import are_unequal, as_asked
     from nvcore.findings import worst_first
     from nvcore.inputs.load import load
     from nvcore.report.files import REPORT_FILES, summary_json, write_report
@@ -111,10 +113,10 @@ def compare(
         steps.begin("looking at the pictures")
         findings = worst_first([*findings, *picture_findings(dataset)])
         steps.begin("analysing")
-        result = compare(dataset)
+        result = as_asked(compare(dataset), "as-set")
         steps.begin("what fusion would do")
         text = (
-            summary_json(result, session.protocol)
+            summary_json(result)
             if as_json
             else render_scorecard(result, findings, session.protocol)
         )
@@ -127,6 +129,8 @@ def compare(
     shown = findings_shown(findings, path, dataset.compared())
     click.echo("\n" + render_findings(shown) + "\n", err=as_json)
     click.echo(text, nl=not as_json)
+    if are_unequal(result):
+        click.echo(f"\n{AT_EQUAL_ALARMS}", err=True)
     if out is not None:
         click.echo(one_line(f"written to {out}"), err=True)
     exit_on_findings(findings, strict)

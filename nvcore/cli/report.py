@@ -76,7 +76,7 @@ def report(out: Path, strict: bool, **options: Any) -> None:
     refuse_to_replace([out], files_read(session))
     progress = step_lines()
     with errors_of(session):
-        result, findings = compare_session(session, progress=progress)
+        result, findings = compare_session(session, "equal-alarms", progress=progress)
         with opened_pictures(result.dataset) as (pictures, of_pictures):
             findings = worst_first([*findings, *of_pictures])
             write_html_report(

@@ -51,6 +51,8 @@ def session_from(options: dict[str, Any], *, needs_y: bool) -> Session:
     make = _from_flags if options["session_file"] is None else _from_file
     session = make(options, given, needs_y=needs_y)
     session = _with_primary(session, options.get("primary"))
+    point = options.get("operating_point") or session.operating_point
+    session = replace(session, operating_point=point)
     for name in session.params.without_effect:
         click.echo(_without_effect(name, session.params), err=True)
     return session

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from nvcore.findings import Finding
     from nvcore.inputs.proposals import UsualInputs
     from nvcore.inputs.readers.base import Role
+    from nvcore.settings import OperatingPoint
 
 # Nothing here imports numpy, pandas or numba before it is called.
 
@@ -28,22 +29,28 @@ EXIT_FINDINGS = 1
 
 
 def compare_session(
-    session: Session, *, progress: Progress = no_progress
+    session: Session,
+    otherwise: OperatingPoint = "as-set",
+    *,
+    progress: Progress = no_progress,
 ) -> tuple[Result, tuple[Finding, ...]]:
     """The comparison that a session asks for, and what the audit found.
 
     Parameters
     ----------
+    otherwise
+        The operating point, where the session asks for none.
     progress
         Of the reading.
     """
     from nvcore.auditing import audit
     from nvcore.comparison import compare
+    from nvcore.evidence.operating_points import as_asked
     from nvcore.inputs.load import load
 
     dataset = load(session, progress=progress)
     findings = audit(dataset)
-    return compare(dataset), findings
+    return as_asked(compare(dataset), otherwise), findings
 
 
 def exit_on_findings(findings: Iterable[Finding], strict: bool) -> None:

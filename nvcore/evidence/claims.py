@@ -91,29 +91,37 @@ def find_claims(
     companions
         `nvcore.evidence.companions.find_companions` of the result; None: not yet known.
     """
-    is_unequal = are_unequal(result)
-    if is_unequal and (companions is None or companions.equal is None):
+    about, tested = decided_on(result, evidence, companions)
+    if are_unequal(about):
         return Support(Basis.NONE)
-    basis = Basis.EQUAL_ALARMS if is_unequal else Basis.AS_SET
-    if evidence is None:
+    is_as_set = about is result and result.as_set is None
+    basis = Basis.AS_SET if is_as_set else Basis.EQUAL_ALARMS
+    if tested is None:
         return Support(basis)
-    doubts = _doubts(evidence)
+    doubts, candidates = _doubts(tested), _candidates(about, tested)
     if companions is None:
-        withheld = dict.fromkeys(_candidates(result, evidence), Reason("pending"))
+        withheld = dict.fromkeys(candidates, Reason("pending"))
         return Support(basis, withheld=withheld | doubts)
-    if is_unequal:
-        assert companions.equal is not None
-        assert companions.evidence is not None
-        basis_result, candidates = companions.equal.result, _candidates(result, companions.evidence)
-        withheld = {}
-    else:
-        basis_result, candidates = result, _candidates(result, evidence)
-        withheld = _not_confirmed(result, candidates, companions)
+    withheld = _not_confirmed(result, candidates, companions) if is_as_set else {}
     for key in candidates:
-        if is_turned_strictly(key, basis_result, companions.strict):
+        if is_turned_strictly(key, about, companions.strict):
             withheld[key] = Reason("strict")
     claims = tuple(claim for key, claim in candidates.items() if key not in withheld)
     return Support(basis, claims, withheld | doubts)
+
+
+def decided_on(
+    result: Result, evidence: pd.DataFrame | None, companions: Companions | None
+) -> tuple[Result, pd.DataFrame | None]:
+    """The comparison that claims are about, and its evidence; None: it supports nothing.
+
+    Where X and Y are at unequal operating points that is the one at equal false alarms.
+    """
+    if not are_unequal(result):
+        return result, evidence
+    if companions is None or companions.equal is None:
+        return result, None
+    return companions.equal, companions.evidence
 
 
 def find_within(
@@ -125,7 +133,7 @@ def find_within(
     all claims, they need the companions and must survive equal false alarms and strict pairing;
     if nothing gives equal false alarms, the better system must not be the one with more of them.
     """
-    if companions is None or are_unequal(result):
+    if companions is None or result.as_set is not None or are_unequal(result):
         return ()
     rows = evidence[
         evidence["figure"].isin(CLAIMED)
@@ -145,9 +153,7 @@ def find_within(
     equal, strict = companions.equal, companions.strict
     withheld = set(_not_dominant(result, claims)) if equal is None else set()
     if equal is not None:
-        withheld |= {
-            key for key in claims if measure_of(key).of and is_turned(key, result, equal.result)
-        }
+        withheld |= {key for key in claims if measure_of(key).of and is_turned(key, result, equal)}
     withheld |= {key for key in claims if is_turned_strictly(key, result, strict)}
     ranked = sorted(claims.values(), key=lambda claim: -clearness[claim.key])
     return tuple(claim for claim in ranked if claim.key not in withheld)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -18,16 +19,15 @@ from nvcore.evidence.measures import Judged, significance_table, unit_measures
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.operating_points import (
-    EqualAlarms,
     are_unequal,
     count_alarms,
     find_equal_alarms,
     has_scores,
+    moved_of,
     threshold_for,
     with_thresholds,
 )
 from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import WHOLE, Units, find_units
 from nvcore.protocols import PROTOCOLS, Protocol
 
@@ -39,18 +39,16 @@ class Companions:
     Attributes
     ----------
     equal
-        Both at equal false alarms; None: no threshold gives them, or they are not needed since X
-        and Y are set alike and no difference could be claimed.
+        Both at equal false alarms; None: no threshold gives them, or they are not needed, since X
+        and Y are set alike and no difference could be claimed, or are at equal false alarms.
     evidence
-        Evidence of `equal`, with intervals if X and Y are set to different operating points.
-        Numbers of false alarms that are equal in these recordings would not be in others: p and
-        intervals allow for that (`shifts_at_equal_alarms`). None without `equal`.
+        Evidence of `equal`, without intervals (`judge_equal_alarms`). None without `equal`.
     strict
-        The comparison that the verdict is about (`equal` if X and Y are set unequally), with
-        ``pairing="matched"``.
+        The comparison that the verdict decides (`equal` if X and Y are at unequal operating
+        points), with ``pairing="matched"``.
     """
 
-    equal: EqualAlarms | None
+    equal: Result | None
     evidence: pd.DataFrame | None
     strict: Result
 
@@ -76,64 +74,76 @@ def find_companions(
     """
     is_unequal = are_unequal(result)
     has_candidates = bool((evidence["p_corrected"] <= SIGNIFICANT).any())
-    equal = find_equal_alarms(result) if is_unequal or has_candidates else None
-    basis = equal.result if equal is not None and is_unequal else result
+    is_needed = result.as_set is None and (is_unequal or has_candidates)
+    equal = find_equal_alarms(result) if is_needed else None
+    basis = equal if equal is not None and is_unequal else result
     strict = basis
     if result.params.pairing != "matched":
         params = replace(basis.params, pairing="matched")
         strict = compare(result.dataset, params, x=result.x.name, y=result.y.name, previous=basis)
     if equal is None:
         return Companions(None, None, strict)
-    units = find_units(equal.result)
-    if (evidence["figure"] != MISS_RATE).all():  # not asked for
-        extra = []
-    elif miss_rate is None:
-        extra = [judge_miss_rate(result, units, protocol, has_interval=is_unequal)]
-    else:
-        extra = [miss_rate]
-    shifts = {}
-    if units.kind in WHOLE or is_unequal:
-        shifts = shifts_at_equal_alarms(result, equal, units)
-    at_equal = significance_table(
-        equal.result,
-        extra,
-        keys=evidence["figure"].tolist(),
+    extra = []
+    if (evidence["figure"] == MISS_RATE).any():  # asked for
+        units = find_units(equal)
+        extra = [miss_rate or judge_miss_rate(result, units, protocol, has_interval=False)]
+    keys = evidence["figure"].tolist()
+    at_equal = judge_equal_alarms(equal, extra, keys=keys, primary=primary, has_intervals=False)
+    return Companions(equal, at_equal, strict)
+
+
+def judge_equal_alarms(
+    equal: Result,
+    extra: Sequence[Judged] = (),
+    *,
+    keys: Sequence[str] | None = None,
+    units: Units | None = None,
+    primary: str | None = None,
+    has_intervals: bool = True,
+) -> pd.DataFrame:
+    """`nvcore.evidence.measures.significance_table` of a comparison at equal false alarms.
+
+    Numbers of false alarms that are equal in these recordings would not be in others: p and
+    intervals allow for that (`shifts_at_equal_alarms`). And the difference has to hold at both ends
+    of the thresholds that give them (`least_of`).
+
+    Parameters
+    ----------
+    equal
+        Of `nvcore.evidence.operating_points.find_equal_alarms`.
+    extra, keys, units, primary, has_intervals
+        As of `significance_table`.
+    """
+    units = find_units(equal) if units is None else units
+    is_shifted = units.kind in WHOLE or has_intervals
+    judge = partial(
+        significance_table,
+        extra=extra,
+        keys=keys,
         units=units,
-        shifts=shifts,
+        shifts=shifts_at_equal_alarms(equal, units) if is_shifted else {},
         primary=primary,
-        has_intervals=is_unequal,
     )
-    ends = [
-        significance_table(
-            end,
-            extra,
-            keys=evidence["figure"].tolist(),
-            units=units,
-            shifts=shifts,
-            primary=primary,
-            has_intervals=False,
-        )
-        for end in _ends_of_plateau(result, equal)
-    ]
-    return Companions(equal, least_of(at_equal, ends), strict)
+    ends = [judge(end, has_intervals=False) for end in _ends_of_plateau(equal)]
+    return least_of(judge(equal, has_intervals=has_intervals), ends)
 
 
-def _ends_of_plateau(result: Result, alike: EqualAlarms) -> list[Result]:
+def _ends_of_plateau(equal: Result) -> list[Result]:
     """The comparisons at the lowest and the highest threshold that give as many false alarms.
 
     Empty where no detection lies between the two.
     """
-    moved, equal = alike.moved, alike.result
+    moved = moved_of(equal)
     n_target = count_alarms(equal.system(moved))
     thresholds = [
-        threshold_for(result, moved, n_target, "lowest"),
-        threshold_for(result, moved, n_target, "highest"),
+        threshold_for(equal, moved, n_target, "lowest"),
+        threshold_for(equal, moved, n_target, "highest"),
     ]
     low, high = (-np.inf if threshold is None else threshold for threshold in thresholds)
-    score = result.dataset.system(result.system(moved).name).score
+    score = equal.dataset.system(equal.system(moved).name).score
     if not ((score >= low) & (score < high)).any():
         return []
-    return [with_thresholds(result, {f"threshold_{moved}": threshold}) for threshold in thresholds]
+    return [with_thresholds(equal, {f"threshold_{moved}": threshold}) for threshold in thresholds]
 
 
 def least_of(evidence: pd.DataFrame, ends: Sequence[pd.DataFrame]) -> pd.DataFrame:
@@ -162,27 +172,13 @@ def least_of(evidence: pd.DataFrame, ends: Sequence[pd.DataFrame]) -> pd.DataFra
     )
 
 
-def judge_both(
-    result: Result, protocol: Protocol = PROTOCOLS["all"], *, has_intervals: bool = True
-) -> tuple[pd.DataFrame, Companions]:
-    """`evidence_table` and `find_companions` of a comparison."""
-    units = find_units(result)
-    miss_rate = judge_miss_rate(result, units, protocol, has_interval=has_intervals)
-    evidence = evidence_table(
-        result, protocol, units=units, miss_rate=miss_rate, has_intervals=has_intervals
-    )
-    return evidence, find_companions(result, evidence, protocol, miss_rate=miss_rate)
-
-
 def shifts_of(result: Result, units: Units) -> dict[str, np.ndarray]:
     """`shifts_at_equal_alarms` of a comparison; empty where no threshold gives these."""
-    alike = find_equal_alarms(result)
-    return {} if alike is None else shifts_at_equal_alarms(result, alike, units)
+    equal = result if result.as_set is not None else find_equal_alarms(result)
+    return {} if equal is None else shifts_at_equal_alarms(equal, units)
 
 
-def shifts_at_equal_alarms(
-    result: Result, alike: EqualAlarms, units: Units
-) -> dict[str, np.ndarray]:
+def shifts_at_equal_alarms(equal: Result, units: Units) -> dict[str, np.ndarray]:
     """What to take off each unit's part in a difference at equal false alarms, by measure.
 
     How far a measure moves with the logarithm of the ratio of false alarms, X to Y, times the
@@ -197,7 +193,7 @@ def shifts_at_equal_alarms(
     -------
     Float64, shape (n_units,), of each measure that is judged by units and moves.
     """
-    equal, moved = alike.result, alike.moved
+    moved = moved_of(equal)
     other = "y" if moved == "x" else "x"
     alarms = {
         letter: np.bincount(units.unit_of_frame, system.false_alarms, len(units))
@@ -209,14 +205,14 @@ def shifts_at_equal_alarms(
         return {}
     error = float(np.sqrt((apart**2).sum())) / n_target  # standard error of the logarithm
     n_fewer = min(max(1, int(n_target * np.exp(-error))), n_target - 1)
-    fewer = {f"threshold_{moved}": threshold_for(result, moved, n_fewer, "round")}
+    fewer = {f"threshold_{moved}": threshold_for(equal, moved, n_fewer, "round")}
     at_equal = {f"threshold_{moved}": equal.system(moved).threshold}
-    if has_scores(result, other):
-        against = at_equal | {f"threshold_{other}": threshold_for(result, other, n_fewer, "round")}
+    if has_scores(equal, other):
+        against = at_equal | {f"threshold_{other}": threshold_for(equal, other, n_fewer, "round")}
     else:
         n_more = max(int(np.ceil(n_target * np.exp(error))), n_target + 1)
-        against = {f"threshold_{moved}": threshold_for(result, moved, n_more, "round")}
-    ends = [with_thresholds(result, changed) for changed in (fewer, against)]
+        against = {f"threshold_{moved}": threshold_for(equal, moved, n_more, "round")}
+    ends = [with_thresholds(equal, changed) for changed in (fewer, against)]
     ratios = [np.log((count_alarms(end.x) + 0.5) / (count_alarms(end.y) + 0.5)) for end in ends]
     if ratios[0] == ratios[1]:
         return {}

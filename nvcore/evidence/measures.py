@@ -217,6 +217,12 @@ def significance_table(
     return table.assign(p_corrected=[corrected.get(key, np.nan) for key in table["figure"]])
 
 
+def evidence_of(table: pd.DataFrame, key: str) -> Evidence | None:
+    """A row of such a table, by the measure's key; None: it has none."""
+    rows = table[table["figure"] == key]
+    return None if rows.empty else Evidence(**{name: rows[name].iloc[0] for name in COLUMNS})
+
+
 def primary_of(dataset: Dataset) -> Primary:
     """The primary measure of a comparison of these data, by its key.
 

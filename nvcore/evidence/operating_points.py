@@ -7,7 +7,7 @@ comparison at unequal operating points; the one at equal false alarms takes its 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
@@ -20,29 +20,8 @@ from nvcore.detection.operating_point import (
 )
 from nvcore.measures.table import inference_of
 from nvcore.scoring import SystemResult
-from nvcore.sentences.facts import AsSet, Setting
-
-
-@dataclass(frozen=True, eq=False)
-class EqualAlarms:
-    """X and Y at equal false alarms, with the lowest round threshold that gives them.
-
-    Attributes
-    ----------
-    result
-        The comparison.
-    moved
-        The system whose threshold was moved, ``x`` or ``y``.
-    """
-
-    result: Result
-    moved: str
-
-    @property
-    def setting(self) -> Setting:
-        """How X and Y are set alike."""
-        per_frame = count_alarms(self.result.x) / max(len(self.result.dataset.frames), 1)
-        return Setting(self.moved, self.result.system(self.moved).threshold, per_frame)
+from nvcore.sentences.facts import AsSet, AtEqualAlarms, Setting
+from nvcore.settings import OperatingPoint
 
 
 def count_alarms(system: SystemResult) -> int:
@@ -56,14 +35,16 @@ def are_unequal(result: Result) -> bool:
     return are_unequal_alarms(n_x, n_y)
 
 
-def alarms_as_set(result: Result, kind: Literal["comparison", "above", "equal", "rule"]) -> AsSet:
+def alarms_as_set(result: Result, kind: Literal["comparison", "numbers", "above", "rule"]) -> AsSet:
     """False alarms of both, to be said where these are unequal."""
     n_frames = max(len(result.dataset.frames), 1)
     return AsSet(kind, *(count_alarms(system) / n_frames for _, system in result.sides))
 
 
-def as_set_note(result: Result) -> AsSet | None:
-    """Heading for numbers of X and Y at unequal operating points; None: they are equal."""
+def point_note(result: Result) -> AsSet | AtEqualAlarms | None:
+    """Heading for numbers of X and Y that are, or were, set unequally; None: they are set alike."""
+    if result.as_set is not None:
+        return AtEqualAlarms("above", equal_setting(result))
     return alarms_as_set(result, "above") if are_unequal(result) else None
 
 
@@ -80,15 +61,71 @@ def has_scores(result: Result, letter: str) -> bool:
     return bool(np.isfinite(result.dataset.system(result.system(letter).name).score).any())
 
 
-def find_equal_alarms(result: Result) -> EqualAlarms | None:
-    """The comparison with one threshold moved; None: no threshold gives equal false alarms."""
+def find_equal_alarms(result: Result, previous: Result | None = None) -> Result | None:
+    """The comparison with one threshold moved; None: no threshold gives equal false alarms.
+
+    It is the lowest round threshold that gives them; `Result.as_set` is the comparison given.
+
+    Parameters
+    ----------
+    previous
+        What this gave for other settings, to take stages from.
+    """
+    return result.keep("equal_alarms", lambda: _find_equal_alarms(result, previous))
+
+
+def _find_equal_alarms(result: Result, previous: Result | None) -> Result | None:
     moved = which_moves(result)
     if not moved:
         return None
-    n_target = count_alarms(result.y if moved == "x" else result.x)
-    threshold = threshold_for(result, moved, n_target, "round")
-    equal = with_thresholds(result, {f"threshold_{moved}": threshold})
-    return None if are_unequal(equal) else EqualAlarms(equal, moved)
+    before = None if previous is None else previous.as_set
+    if (
+        previous is not None
+        and before is not None
+        and all(result.system(of).matches is before.system(of).matches for of in "xy")
+    ):
+        threshold = previous.system(moved).threshold
+    else:
+        n_target = count_alarms(result.y if moved == "x" else result.x)
+        threshold = threshold_for(result, moved, n_target, "round")
+    source = result
+    if previous is not None:
+        source = replace(result, stages={**previous.stages, **result.stages})
+    equal = with_thresholds(source, {f"threshold_{moved}": threshold})
+    if are_unequal(equal):
+        return None
+    return replace(equal, as_set=result, stages={**result.stages, **equal.stages})
+
+
+def as_asked(result: Result, otherwise: OperatingPoint, previous: Result | None = None) -> Result:
+    """The comparison at the operating point that its dataset's settings ask for.
+
+    It is the one given where X and Y are set alike, and where no threshold sets them alike.
+
+    Parameters
+    ----------
+    otherwise
+        Where the settings ask for neither.
+    previous
+        As of `find_equal_alarms`.
+    """
+    asked = result.dataset.settings.operating_point or otherwise
+    if asked == "as-set" or not are_unequal(result):
+        return result
+    return find_equal_alarms(result, previous) or result
+
+
+def moved_of(equal: Result) -> str:
+    """The system, ``x`` or ``y``, whose threshold `find_equal_alarms` moved."""
+    assert equal.as_set is not None
+    return which_moves(equal.as_set)
+
+
+def equal_setting(equal: Result) -> Setting:
+    """How `find_equal_alarms` set X and Y alike."""
+    moved = moved_of(equal)
+    per_frame = count_alarms(equal.x) / max(len(equal.dataset.frames), 1)
+    return Setting(moved, equal.system(moved).threshold, per_frame)
 
 
 def which_moves(result: Result) -> str:

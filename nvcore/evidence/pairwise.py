@@ -124,10 +124,12 @@ def pairwise_table(
     All differences are X - Y. NaN: undefined; `mcnemar_note`, `detected_by_unit_note` and
     `similarity_note` say why.
 
+    Where `is_unequal`, at unequal operating points, p is that of the pair at equal false alarms,
+    and NaN where no threshold gives these; all other numbers are as set.
+
     `detects_more` and `higher_similarity` name the system of which that may be claimed, by the
     rules of `nvcore.evidence.claims.find_claims` with p corrected over the pairs; empty: neither.
-    `withheld` says why a p that is small enough is no claim. Nothing is claimed where
-    `is_unequal`: at unequal operating points.
+    `withheld` says why a p that is small enough is no claim.
 
     Raises
     ------
@@ -158,14 +160,13 @@ def pairwise_table(
     corrected = p_corrected.reshape(len(CORRECTED), -1)
     for column, of_column in zip(CORRECTED, corrected, strict=True):
         table[f"{column}_holm"] = of_column
-    is_small = (corrected <= SIGNIFICANT).any(axis=0) & ~table["is_unequal"].to_numpy()
+    is_small = (corrected <= SIGNIFICANT).any(axis=0)
     for number in map(int, np.flatnonzero(is_small)):
         progress(0.6 + 0.4 * number / len(pairs), "comparing at equal false alarms")
         x, y = pairs[number]
         setting = replace(params, threshold_x=thresholds.get(x), threshold_y=thresholds.get(y))
         previous = compare(dataset, setting, x=x, y=y, previous=previous)
-        of_pair = pd.DataFrame([vars(one) for one in judged[number]])
-        claims = _claims(previous, of_pair.assign(p_corrected=corrected[:, number]))
+        claims = _claims(previous, _evidence(judged[number], corrected[:, number]))
         table.loc[number, list(claims)] = list(claims.values())
     return table[list(COLUMNS)]
 
@@ -188,6 +189,10 @@ def _row(result: Result) -> tuple[dict[str, Any], tuple[Evidence, Evidence]]:
     split = split.values_only() if result.is_short else split
     by_unit, similarity = judge(result, tuple(CLAIMED), units=units)
     alarms = values_of("false_alarms_per_frame", result)
+    p_by_unit, p_similarity = by_unit.p, similarity.p
+    if are_unequal(result):
+        at_equal = find_companions(result, _evidence((by_unit, similarity)), primary="").evidence
+        p_by_unit, p_similarity = (np.nan, np.nan) if at_equal is None else at_equal["p"]
     row = {
         "x": result.x.name,
         "y": result.y.name,
@@ -211,14 +216,14 @@ def _row(result: Result) -> tuple[dict[str, Any], tuple[Evidence, Evidence]]:
         "unit": units.kind,
         "detected_by_unit_low": by_unit.low,
         "detected_by_unit_high": by_unit.high,
-        "detected_by_unit_p": by_unit.p,
+        "detected_by_unit_p": p_by_unit,
         "detected_by_unit_note": _note(by_unit),
         "similarity_x": similarity.x,
         "similarity_y": similarity.y,
         "similarity_difference": similarity.difference,
         "similarity_low": similarity.low,
         "similarity_high": similarity.high,
-        "similarity_p": similarity.p,
+        "similarity_p": p_similarity,
         "similarity_note": _note(similarity),
         **dict.fromkeys((*CLAIMED.values(), "withheld"), ""),
     }
@@ -226,8 +231,19 @@ def _row(result: Result) -> tuple[dict[str, Any], tuple[Evidence, Evidence]]:
 
 
 def _claims(result: Result, evidence: pd.DataFrame) -> dict[str, str]:
-    """Who is better in what, and why a difference is no claim; the columns of a pair's row."""
-    support = find_claims(result, evidence, find_companions(result, evidence, primary=""))
+    """Who is better in what, and why a difference is no claim; the columns of a pair's row.
+
+    Parameters
+    ----------
+    evidence
+        With p corrected over the pairs, at unequal operating points of the pair at equal false
+        alarms.
+    """
+    companions = find_companions(result, evidence, primary="")
+    if are_unequal(result) and companions.evidence is not None:
+        decisive = companions.evidence.assign(p_corrected=evidence["p_corrected"].to_numpy())
+        companions = replace(companions, evidence=decisive)
+    support = find_claims(result, evidence, companions)
     names = {letter: system.name for letter, system in result.sides}
     better = {CLAIMED[claim.key]: names[claim.winner] for claim in support.claims}
     reasons = [
@@ -235,6 +251,10 @@ def _claims(result: Result, evidence: pd.DataFrame) -> dict[str, str]:
         for key, why in support.withheld.items()
     ]
     return {**better, "withheld": "; ".join(reasons)}
+
+
+def _evidence(rows: Sequence[Evidence], p_corrected: object = np.nan) -> pd.DataFrame:
+    return pd.DataFrame([vars(row) for row in rows]).assign(p_corrected=p_corrected)
 
 
 def _number(threshold: float | None) -> float:

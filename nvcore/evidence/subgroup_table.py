@@ -11,9 +11,11 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
+from nvcore.evidence.companions import judge_equal_alarms
 from nvcore.evidence.measures import COLUMNS as EVIDENCE_COLUMNS
 from nvcore.evidence.measures import (
     Evidence,
+    evidence_of,
     judge_encounters,
     judge_measure,
     unit_measures,
@@ -32,6 +34,8 @@ from nvcore.schema import Category
 from nvcore.scoring import SystemResult
 from nvcore.subjects import contributed
 
+GIVEN_THRESHOLD: Final = "takes the threshold for equal false alarms as given"
+"""Note of groups: interval and p of all encounters alone allow for other recordings' threshold."""
 _COUNTS: Final = ("n", "unit", "both", "x_only", "y_only", "neither")
 _FIRST: Final = ("factor", "group", "figure", "label", "better", *_COUNTS)
 _OTHERS: Final = [name for name in EVIDENCE_COLUMNS if name not in _FIRST]
@@ -130,9 +134,15 @@ def _judge_part(
     """The measures of a group, in their order."""
     part_result = _narrow(result, part)
     within = units_within(result, units, part.recordings)
+    known: dict[str, Evidence | None] = {}
+    if part.factor == ALL and result.as_set is not None:
+        at_equal = judge_equal_alarms(result, keys=keys, units=units)
+        known = {key: evidence_of(at_equal, key) for key in at_equal["figure"]}
     of_units = {measure.key: measure for measure in unit_measures(part_result, within)}
 
     def judge(key: str) -> Evidence:
+        if (row := known.get(key)) is not None:
+            return row
         inference = inference_of(key)
         if inference.test == "encounters":
             split = judge_encounters(part_result, key)
@@ -145,7 +155,10 @@ def _judge_part(
             return Evidence.undefined(
                 measure.key, measure.label, measure.better, unit=units.kind, note=why
             )
-        return with_mean_over_recordings(part_result, within, judge_measure(measure, within))
+        row = with_mean_over_recordings(part_result, within, judge_measure(measure, within))
+        if result.as_set is None:
+            return row
+        return replace(row, note="; ".join(filter(None, (row.note, GIVEN_THRESHOLD))))
 
     return [
         row if inference_of(row.figure).test == "curve" else with_doubt(result, row)

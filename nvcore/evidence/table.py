@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
+from nvcore.evidence.companions import Companions, find_companions, judge_equal_alarms
 from nvcore.evidence.measures import Judged, significance_table
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.operating_points import is_undecided
@@ -25,7 +26,8 @@ def evidence_table(
 ) -> pd.DataFrame:
     """`nvcore.evidence.measures.significance_table` with the log-average miss rate as its last row.
 
-    The note of each measure that depends on unequal operating points says so.
+    At equal false alarms `nvcore.evidence.companions.judge_equal_alarms`; at unequal operating
+    points the note of each measure that depends on them says so.
 
     Parameters
     ----------
@@ -45,10 +47,21 @@ def evidence_table(
     units = find_units(result) if units is None else units
     if miss_rate is None:
         miss_rate = judge_miss_rate(result, units, protocol, has_interval=has_intervals)
-    table = significance_table(
-        result, [miss_rate], units=units, primary=primary, has_intervals=has_intervals
-    )
+    judge = significance_table if result.as_set is None else judge_equal_alarms
+    table = judge(result, [miss_rate], units=units, primary=primary, has_intervals=has_intervals)
     return mark_undecided(result, table)
+
+
+def judge_both(
+    result: Result, protocol: Protocol = PROTOCOLS["all"], *, has_intervals: bool = True
+) -> tuple[pd.DataFrame, Companions]:
+    """`evidence_table` and `nvcore.evidence.companions.find_companions` of a comparison."""
+    units = find_units(result)
+    miss_rate = judge_miss_rate(result, units, protocol, has_interval=has_intervals)
+    evidence = evidence_table(
+        result, protocol, units=units, miss_rate=miss_rate, has_intervals=has_intervals
+    )
+    return evidence, find_companions(result, evidence, protocol, miss_rate=miss_rate)
 
 
 def mark_undecided(result: Result, table: pd.DataFrame) -> pd.DataFrame:

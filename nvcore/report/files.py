@@ -7,7 +7,7 @@ import json
 import zipfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 from pathlib import Path, PurePath
 from types import MappingProxyType
 from typing import Final, Literal, get_args
@@ -19,8 +19,6 @@ from nvcore import __version__
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
-from nvcore.evidence.companions import Companions, find_companions
-from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding
@@ -33,8 +31,6 @@ from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import MANIFEST, manifest, refuse_other_run, write_run
 from nvcore.output.parquet import to_parquet_bytes
 from nvcore.progress import Progress, no_progress
-from nvcore.protocols import PROTOCOLS, Protocol
-from nvcore.report.equal_alarms import at_equal_alarms, unequal_companions
 from nvcore.settings import Settings
 from nvcore.tables.boxes.matches import MATCHES, matches_parquet
 from nvcore.tables.classes import classes_table, has_classes
@@ -93,18 +89,13 @@ def export_files(
     matches
         Whether ``matches.parquet`` is one of them, with a row for each box.
     """
-
-    @cache
-    def evidence() -> pd.DataFrame:
-        return evidence_table(result, session.protocol)
-
     made: dict[str, Callable[[], pd.DataFrame]] = {
         "frames": lambda: frames_table(result),
         "encounters": lambda: encounters_table(result),
         "events": lambda: events_table(result),
         "intervals": lambda: intervals_table(result),
         "recordings": lambda: recordings_table(result),
-        "significance": evidence,
+        "significance": lambda: evidence_table(result, session.protocol),
         "subgroups": lambda: subgroup_table(result, protocol=session.protocol),
         "findings": lambda: findings_table(findings),
         "finding_entries": lambda: finding_entries(result.dataset, findings),
@@ -116,10 +107,7 @@ def export_files(
     }
     if matches:
         files[MATCHES] = partial(matches_parquet, result)
-    files["summary.json"] = lambda: _summary_text(
-        result,
-        find_companions(result, evidence(), session.protocol) if are_unequal(result) else None,
-    ).encode()
+    files["summary.json"] = lambda: summary_json(result).encode()
     if isinstance(session, Session) and TABLE.name not in set(result.dataset.inputs["format"]):
         files[SESSION_FILE] = partial(_session_toml, result, session)
     return files
@@ -131,6 +119,7 @@ def _session_toml(result: Result, session: Session) -> bytes:
         stated(session, result.dataset),
         hashes=source_hashes(result.dataset),
         primary=replace(result.dataset.primary, fingerprint=fingerprint),
+        operating_point=session.operating_point if result.as_set is None else "equal-alarms",
     )
     text = write_session(complete, version=__version__, fingerprint=fingerprint)
     return text.encode()
@@ -145,20 +134,9 @@ def _bytes_of(make: Callable[[], pd.DataFrame], tables: TableFormat) -> bytes:
     return to_csv_bytes(table)
 
 
-def summary_json(result: Result, protocol: Protocol = PROTOCOLS["all"]) -> str:
-    """The summary as JSON text.
-
-    Parameters
-    ----------
-    protocol
-        Which pedestrians count in the log-average miss rate.
-    """
-    return _summary_text(result, unequal_companions(result, protocol))
-
-
-def _summary_text(result: Result, companions: Companions | None) -> str:
-    content = summary(result, at_equal_alarms(companions))
-    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+def summary_json(result: Result) -> str:
+    """The summary as JSON text."""
+    return json.dumps(summary(result), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def _file_contents(

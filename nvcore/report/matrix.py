@@ -20,16 +20,13 @@ from nvcore.measures.table import evidence_form
 from nvcore.output.csv_text import to_csv_bytes
 from nvcore.output.files import refuse_other_run, write_run
 from nvcore.params import Params
-from nvcore.sentences.texts import AS_SET
 from nvcore.wording import (
     Footnotes,
-    capitalised,
     count_text,
     difference,
     interval_text,
     number,
     one_line,
-    percent,
 )
 
 MATRIX_FILES: Final = ("matrix.csv", "matrix.json")
@@ -44,10 +41,11 @@ NO_CLAIM: Final = "No difference is shown to be more than chance"
 
 
 class PairMeasure(NamedTuple):
-    """A measure of every pair: its title, and the columns of the table that hold it."""
+    """A measure of every pair: its title, what is claimed, and the columns that hold it."""
 
     key: str
     title: str
+    claim: str
     value: str
     evidence: str
     winner: str
@@ -57,10 +55,14 @@ PAIR_MEASURES: Final = (
     PairMeasure(
         "encounters_detected_by_unit",
         "encounters detected",
+        "detects more encounters",
         *("detected", "detected_by_unit", "detects_more"),
     ),
     PairMeasure(
-        "mean_similarity", "mean similarity", *("similarity", "similarity", "higher_similarity")
+        "mean_similarity",
+        "mean similarity",
+        "has the higher mean similarity",
+        *("similarity", "similarity", "higher_similarity"),
     ),
 )
 
@@ -103,37 +105,26 @@ def system_cells(system: Mapping[Hashable, Any]) -> tuple[str, ...]:
 
 def pair_text(pair: Mapping[Hashable, Any]) -> str:
     """Who is better in what, in a sentence or two that claim no more than the data support."""
-    if pair["is_unequal"]:
-        alarms = [f"{pair[f'false_alarms_per_frame_{letter}']:.3g}" for letter in "xy"]
-        return (
-            f"{capitalised(AS_SET)} ({' and '.join(alarms)} false alarms per frame). Nothing is "
-            "claimed."
-        )
     claims = []
-    if pair["detects_more"]:
-        shares = (percent(pair[f"detected_{letter}"]) for letter in _order(pair, "detects_more"))
-        claims.append(f"{pair['detects_more']} detects more encounters ({' against '.join(shares)}")
-        claims[-1] += f", p = {pair['detected_by_unit_p_holm']:.2g} corrected)"
-    if pair["higher_similarity"]:
-        values = (
-            f"{pair[f'similarity_{letter}']:.3f}" for letter in _order(pair, "higher_similarity")
-        )
-        claims.append(
-            f"{pair['higher_similarity']} has the higher mean similarity "
-            f"({' against '.join(values)}, p = {pair['similarity_p_holm']:.2g} corrected)"
-        )
+    for measure in PAIR_MEASURES:
+        if winner := pair[measure.winner]:
+            p = f"p = {pair[f'{measure.evidence}_p_holm']:.2g} corrected"
+            if not pair["is_unequal"]:  # whose values are as set, and not what the claim is about
+                form = evidence_form(measure.key)
+                order = "xy" if winner == pair["x"] else "yx"
+                values = (number(pair[f"{measure.value}_{letter}"], form) for letter in order)
+                p = f"{' against '.join(values)}, {p}"
+            claims.append(f"{winner} {measure.claim} ({p})")
     text = "; ".join(claims) or NO_CLAIM
     if not claims and pair["unit"] not in WHOLE:
         text = f"Nothing is claimed: {MIN_RECORDINGS} recordings are needed for a p"
+    elif pair["is_unequal"]:
+        is_tested = any(math.isfinite(pair[f"{of.evidence}_p"]) for of in PAIR_MEASURES)
+        text = f"At equal false alarms: {text}" if is_tested else "No threshold sets them alike"
     if pair["withheld"] and not claims:
         text = "Nothing is claimed"
-    reasons = f" At the thresholds as set more than chance, but no claim: {pair['withheld']}."
+    reasons = f" More than chance by p, but no claim: {pair['withheld']}."
     return f"{text}.{reasons if pair['withheld'] else ''}"
-
-
-def _order(pair: Mapping[Hashable, Any], winner: str) -> str:
-    """The letters of a pair, that of the better system first."""
-    return "xy" if pair[winner] == pair["x"] else "yx"
 
 
 def pair_notes(table: pd.DataFrame, measure: PairMeasure) -> tuple[list[str], dict[str, str]]:
@@ -169,7 +160,7 @@ def render_matrix(table: pd.DataFrame) -> str:
             (
                 pair_name(pair),
                 *pair_cells(pair, measure),
-                "as set" if pair["is_unequal"] else "",
+                "p: at equal false alarms" if pair["is_unequal"] else "",
                 marks,
             )
             for pair, marks in zip(pairs, of_pairs, strict=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from typing import Any
 
 import pandas as pd
@@ -13,7 +13,7 @@ import pandas as pd
 from nvcore.arguments.plan import PlanArguments
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
-from nvcore.evidence.measures import Evidence, primary_of
+from nvcore.evidence.measures import evidence_of, primary_of
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.plan import Plan, plan_recordings
@@ -48,21 +48,13 @@ def verdict_plan(
     if are_unequal(result):
         if companions is None or companions.equal is None:
             return ()
-        basis, evidence = companions.equal.result, companions.evidence
+        basis, evidence = companions.equal, companions.evidence
     row = None if evidence is None else evidence_of(evidence, key)
     if row is None or row.p_corrected <= SIGNIFICANT:
         return ()
     plan = (plans or {}).get(key) if basis is result else None
     plan = plan or plan_recordings(basis, PlanArguments(measure=key), evidence=row)
     return facts_for_verdict(plan)
-
-
-def evidence_of(evidence: pd.DataFrame, key: str) -> Evidence | None:
-    """A row of the table of evidence; None if the table lacks it."""
-    rows = evidence[evidence["figure"] == key]
-    if rows.empty:
-        return None
-    return Evidence(**{field.name: rows[field.name].iloc[0] for field in fields(Evidence)})
 
 
 def render_plan(plan: Plan) -> str:

@@ -8,17 +8,12 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
-from nvcore.evidence.companions import Companions, find_companions, judge_both
-from nvcore.evidence.operating_points import as_set_note
+from nvcore.evidence.companions import Companions, find_companions
+from nvcore.evidence.operating_points import point_note
+from nvcore.evidence.table import judge_both
 from nvcore.findings import Finding, Severity
 from nvcore.metrics.proximity.horizon import estimate_horizons
 from nvcore.protocols import PROTOCOLS, Protocol
-from nvcore.report.equal_alarms import (
-    detected_text,
-    equal_alarms_of,
-    short_rows,
-    weights_text,
-)
 from nvcore.report.plan import verdict_plan
 from nvcore.report.verdict import Verdict, verdict
 from nvcore.report.words import (
@@ -29,13 +24,13 @@ from nvcore.report.words import (
     parted,
     saliency_caveat,
     sampling_note,
-    score_cells,
     scorecard_cells,
 )
+from nvcore.schema import Category
 from nvcore.scoring import SystemResult
 from nvcore.sentences import phrase, say
 from nvcore.sentences.encounters import TERMINAL
-from nvcore.sentences.facts import AtEqualAlarms, Fact
+from nvcore.sentences.facts import Fact
 from nvcore.subjects import contributed
 from nvcore.tables.inputs import inputs_table
 from nvcore.tables.result import worst_intervals
@@ -45,6 +40,12 @@ SHORT_ROWS = "* means little here: most encounters are one frame long"
 """What the mark in the scorecard says."""
 MOST_RECORDINGS = 40
 """Recordings whose pictures or estimated horizons are printed."""
+COUNTED = {
+    Category.BOTH: "both",
+    Category.X_ONLY: "only X",
+    Category.Y_ONLY: "only Y",
+    Category.NEITHER: "neither",
+}
 NAME_WIDTH = 16
 """Longest name of a system in the head of a column; the full name is above the table."""
 
@@ -81,10 +82,9 @@ def render_scorecard(
     caveat = result.objects.say(saliency_caveat(result.params))
     parts = [
         _heading(result),
-        _marked(result, _table(result)),
-        *_at_equal_alarms(result, companions),
-        _marked(result, _venn(result)),
-        _marked(result, _fusion(result)),
+        _table(result),
+        _venn(result),
+        _fusion(result),
         *([f"saliency: {caveat[0].lower()}{caveat[1:-1]}"] if caveat else []),
         *(_worst(result, letter, system) for letter, system in result.sides),
         render_verdict(conclusion),
@@ -210,33 +210,14 @@ def _heading(result: Result) -> str:
         f"encounter{'s' if result.venn.n_near != 1 else ''} "
         f"(and {result.venn.distant:,} distant, not counted)"
     )
-    return _text(lines)
+    note = point_note(result)
+    return _text([*lines, *([say(note, result.objects)] if note else [])])
 
 
-def _marked(result: Result, block: str) -> str:
-    """The block, below a line that says so if nothing is claimed from its numbers."""
-    note = as_set_note(result)
-    return f"{say(note, result.objects)}\n{block}" if note else block
-
-
-def _at_equal_alarms(result: Result, companions: Companions) -> list[str]:
-    """The comparison that the verdict is about instead, in short; empty: there is none."""
-    equal = equal_alarms_of(result, companions)
-    if equal is None:
-        return []
-    lines = [
-        f"{say(AtEqualAlarms(equal.setting), result.objects)}, as in the verdict:",
-        _table(equal.result, score_cells(short_rows(equal.result), indent="  ")),
-        f"encounters detected by: {detected_text(equal.result)}",
-        f"severity, of encounters detected by {weights_text(equal.result)}",
-    ]
-    return ["\n".join(lines)]
-
-
-def _table(result: Result, cells: Sequence[tuple[str, ...]] | None = None) -> str:
+def _table(result: Result) -> str:
     heads = [_head(letter, system) for letter, system in result.sides]
     mark = " *" if result.is_short else ""
-    cells = scorecard_cells(result, indent="  ", mark=mark) if cells is None else cells
+    cells = scorecard_cells(result, indent="  ", mark=mark)
     rows = [("", *heads, "X - Y", "better"), *cells]
     widths = [max(len(row[i]) for row in rows) for i in range(4)]
     lines = [
@@ -265,11 +246,17 @@ def _head(letter: str, system: SystemResult) -> str:
 
 
 def _venn(result: Result) -> str:
+    counts = result.venn.counts()
+    detected = ", ".join(f"{words} {counts[kind]}" for kind, words in COUNTED.items())
+    x, y = (result.severity_of(system) for _, system in result.sides)
+    weights = "; ".join(
+        f"{words}: X misses {x[kind]:.2f} s and Y {y[kind]:.2f} s"
+        for kind, words in COUNTED.items()
+    )
     lines = [
-        f"encounters detected by: {detected_text(result)} "
-        f"({result.venn.distant:,} distant, not counted)",
+        f"encounters detected by: {detected} ({result.venn.distant:,} distant, not counted)",
         f"severity (1 s: {result.objects.say('{a_one}')} straight ahead and near is missed for "
-        f"1 s), of encounters detected by {weights_text(result)}",
+        f"1 s), of encounters detected by {weights}",
     ]
     said = missed(result), parted(result)
     lines.append("".join(phrase(fact, result.objects, TERMINAL) for fact in said))

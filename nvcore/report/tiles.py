@@ -13,10 +13,10 @@ from nvcore.comparison import Result
 from nvcore.evidence.bootstrap import MIN_UNITS
 from nvcore.evidence.claims import Basis, Support, find_claims, values_of
 from nvcore.evidence.companions import Companions
+from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.units import MIN_RECORDINGS, WHOLE, count_whole
 from nvcore.measures.table import doubt_of, inference_of, measure_of
 from nvcore.measures.values import duration_of_recordings
-from nvcore.report.shown import comparison_shown
 from nvcore.sentences.facts import Chip, Interval
 from nvcore.wording import difference, duration_text, minus, number
 
@@ -106,7 +106,7 @@ def tiles(
     *,
     is_being_tested: bool = False,
 ) -> tuple[Tile, ...]:
-    """The four tiles of the comparison that the verdict is about.
+    """The four tiles: what the comparison shows at a glance.
 
     Parameters
     ----------
@@ -115,11 +115,13 @@ def tiles(
     is_being_tested
         Whether a measure without evidence will have some.
     """
-    shown, of_shown = comparison_shown(result, evidence, companions)
-    support = find_claims(result, evidence, companions)
-    rows = {} if of_shown is None else {row["figure"]: row for row in of_shown.to_dict("records")}
+    support, rows = Support(Basis.NONE), {}
+    if not are_unequal(result):
+        support = find_claims(result, evidence, companions)
+        of_evidence = [] if evidence is None else evidence.to_dict("records")
+        rows = {row["figure"]: row for row in of_evidence}
     return tuple(
-        _tile(kind, shown, rows.get(kind.judged), support, is_being_tested=is_being_tested)
+        _tile(kind, result, rows.get(kind.judged), support, is_being_tested=is_being_tested)
         for kind in KINDS
     )
 

@@ -171,11 +171,11 @@ class AsSet(Fact):
     Attributes
     ----------
     kind
-        Said of a ``comparison``, from which nothing is claimed; ``above`` its numbers; beside those
-        at ``equal`` false alarms; or of a ``rule`` about it.
+        Said of a ``comparison``, from which nothing is claimed; of the ``numbers`` of the verdict,
+        or ``above`` others; or of a ``rule`` about it.
     """
 
-    kind: Literal["comparison", "above", "equal", "rule"]
+    kind: Literal["comparison", "numbers", "above", "rule"]
     x: float
     y: float
 
@@ -195,21 +195,16 @@ class Setting(Fact):
 
 
 @dataclass(frozen=True)
-class AboutAsSet(Fact):
-    """That the points of the verdict are about X and Y as set."""
-
-
-@dataclass(frozen=True)
-class AboutEqualAlarms(Fact):
-    """That they are about X and Y at equal false alarms, and how they are set."""
-
-    setting: Setting
-
-
-@dataclass(frozen=True)
 class AtEqualAlarms(Fact):
-    """How X and Y are set in a comparison at equal false alarms; a heading."""
+    """How X and Y are set in a comparison at equal false alarms.
 
+    Attributes
+    ----------
+    kind
+        Said ``above`` its numbers; of the ``numbers`` of the verdict; or of its ``claims`` alone.
+    """
+
+    kind: Literal["above", "numbers", "claims"]
     setting: Setting
 
 

@@ -72,19 +72,21 @@ TEXTS: Final[Texts] = {
     },
     facts.AsSet: {
         "comparison": f"as set, {_ALARMS}: nothing is claimed from that comparison.",
+        "numbers": f"the numbers are as set, {_ALARMS}.",
         "above": f"{AS_SET} ({_ALARMS}). Nothing is claimed from these.",
-        "equal": f"as set, {_ALARMS}.",
         "rule": f"{UNEQUAL_POINTS} ({_ALARMS}), from which nothing is claimed: set thresholds that "
         "give equally many",
     },
-    facts.AtEqualAlarms: "at equal false alarms ({setting})",
+    facts.AtEqualAlarms: {
+        "above": "at equal false alarms ({setting}).",
+        "numbers": "the numbers are at equal false alarms ({setting}); nothing is claimed from X "
+        "and Y as set.",
+        "claims": "claims are about X and Y at equal false alarms ({setting}).",
+    },
     facts.Setting: {
         "all": "{moved!u} with all detections, {per_frame:.3g} per frame",
         "some": "{moved!u} with scores of {threshold:g} or more, {per_frame:.3g} per frame",
     },
-    facts.AboutAsSet: "what follows is as set.",
-    facts.AboutEqualAlarms: "what follows is at equal false alarms ({setting}); nothing is claimed "
-    "from the comparison as set.",
     facts.Tested: {
         "tested": " ({n!n:{noun}}, {p})",
         "untestable": " (too few {noun}s tell them apart for a test)",

@@ -122,6 +122,29 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
         lambda result: result.params.stated(result.dataset),
     ),
     Entry(
+        Column(
+            "operating_point",
+            _TEXT,
+            "",
+            "`as-set`; or `equal-alarms`: one threshold was moved, so that X and Y have equally "
+            "many false alarms.",
+        ),
+        lambda result: "as-set" if result.as_set is None else "equal-alarms",
+    ),
+    *(
+        Entry(
+            Column(
+                f"as_set.threshold_{letter}",
+                _NUMBER,
+                "score",
+                f"Threshold of {letter.upper()} as set; `{letter}.threshold` is the one in use.",
+                empty="without a threshold",
+            ),
+            lambda result, letter=letter: (result.as_set or result).system(letter).threshold,
+        )
+        for letter in "xy"
+    ),
+    Entry(
         Column("recordings", _INTEGER, "recordings", "Recordings compared."),
         lambda result: len(result.dataset.recordings),
     ),
@@ -280,17 +303,6 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
         Column("fusion.x_and_y", Kind.TABLE, "", "What `X and Y` would do; the same keys."),
         lambda result: system_summary(result.fusion, result.fusion.y),
     ),
-    Entry(
-        Column(
-            "at_equal_false_alarms",
-            Kind.TABLE,
-            "",
-            "The comparison that the verdict is about where X and Y are set to different operating "
-            "points, below.",
-            empty="the operating points are equal, or no threshold makes them so",
-        ),
-        lambda _: None,
-    ),
 )
 
 
@@ -308,14 +320,8 @@ def summary_keys() -> tuple[Column, ...]:
     return tuple(entry.column for entry in entries())
 
 
-def summary(result: Result, at_equal: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """All aggregates, ready for JSON; None is undefined, and keys are left out by `Column.only_if`.
-
-    Parameters
-    ----------
-    at_equal
-        `nvcore.report.equal_alarms.at_equal_alarms`; None: not known, or there is none.
-    """
+def summary(result: Result) -> dict[str, Any]:
+    """All aggregates, ready for JSON; None is undefined, and keys are left out by `Column.only_if`."""
     content = _nest(
         {
             entry.column.name: entry.value(result)
@@ -323,7 +329,6 @@ def summary(result: Result, at_equal: Mapping[str, Any] | None = None) -> dict[s
             if is_met(entry.column.only_if, result)
         }
     )
-    content["at_equal_false_alarms"] = None if at_equal is None else dict(at_equal)
     aggregates: dict[str, Any] = _without_nan(content)
     return aggregates
 

@@ -15,7 +15,7 @@ from nvcore.auditing.copies import audit_copies, audit_pieces
 from nvcore.comparison import compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.copies import Copy, units_of
-from nvcore.evidence.companions import judge_both
+from nvcore.evidence.table import judge_both
 from nvcore.evidence.units import BLOCKS, RECORDINGS, UNITS, count_whole, find_units, sum_units
 from nvcore.findings import Severity
 from nvcore.report.verdict import verdict

@@ -50,6 +50,7 @@
     objects = "speed sign"   what the boxes are of, if not pedestrians; of kinds that the program
                              does not know singular and plural: ["child", "children"]
     accept = ["no-match"]    errors of the audit that are meant, by their codes: warnings
+    operating_point = "as-set"  or "equal-alarms": see nvcore.settings.Settings
 
     [primary]                the measure by which to decide (nvcore.primary)
     measure = "mean_similarity"

@@ -34,6 +34,7 @@ from nvcore.params.traffic import parse_context
 from nvcore.primary import primary_from
 from nvcore.protocols import protocol_from
 from nvcore.published import PublishedPoint
+from nvcore.settings import operating_point
 from nvcore.wording import did_you_mean
 
 _T = TypeVar("_T")
@@ -67,6 +68,7 @@ _COMPARE: Final = {
     "recordings": tuple[str, ...],
     "objects": tuple[str, ...],
     "accept": tuple[str, ...],
+    "operating_point": str,
 }
 _PRIMARY: Final = {"measure": str, "fixed_at": str, "fingerprint": str, "changed": bool}
 _RECORDINGS: Final = {"path": str}
@@ -195,6 +197,8 @@ class _Decoder:
         values = self.values(_COMPARE, table, "[compare]")
         with self.errors_in("[compare]: objects"):
             objects = objects_from(values.pop("objects", PEDESTRIAN.singular))
+        with self.errors_in("[compare]"):
+            values |= {"operating_point": operating_point(values.get("operating_point"))}
         only_tags, only = values.pop("tags", ()), values.pop("recordings", ())
         return {**values, "only_tags": only_tags, "only": only, "objects": objects}
 

@@ -50,6 +50,7 @@ def write_session(session: Session, *, version: str, fingerprint: str) -> str:
                 "recordings": list(session.only) or None,
                 "objects": session.objects.given(),
                 "accept": list(session.accept) or None,
+                "operating_point": session.operating_point,
             }
         ),
         "primary": session.primary.given(),

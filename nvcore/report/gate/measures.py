@@ -14,9 +14,11 @@ from nvcore.arguments.plan import Side
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import summarise_curve
 from nvcore.detection.curves import detection_curve
-from nvcore.evidence.companions import Companions, judge_both
+from nvcore.evidence.companions import Companions
+from nvcore.evidence.measures import evidence_of
 from nvcore.evidence.operating_points import is_undecided
 from nvcore.evidence.planning import PLAN_KEYS, judge_key, worse_at_most
+from nvcore.evidence.table import judge_both
 from nvcore.evidence.units import find_units
 from nvcore.findings import Finding, Severity
 from nvcore.measures.entry import is_met
@@ -25,7 +27,6 @@ from nvcore.metrics.encounter_classes import classes_of
 from nvcore.metrics.venn import Venn, count_categories
 from nvcore.protocols import Protocol
 from nvcore.report.gate.rules import OF_CLASSES, class_in
-from nvcore.report.plan import evidence_of
 from nvcore.report.verdict import verdict
 from nvcore.schema import Category
 from nvcore.subjects import contributed

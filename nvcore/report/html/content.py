@@ -9,9 +9,9 @@ from itertools import chain
 from nvcore import __version__
 from nvcore.arguments.report import Inscription
 from nvcore.comparison import Result
-from nvcore.evidence.companions import judge_both
-from nvcore.evidence.operating_points import as_set_note
+from nvcore.evidence.operating_points import alarms_as_set, are_unequal
 from nvcore.evidence.subgroup_table import subgroup_table
+from nvcore.evidence.table import judge_both
 from nvcore.findings import Finding
 from nvcore.palette import Scheme, Theme, scheme_of
 from nvcore.pictures.recordings import RecordingPictures
@@ -118,7 +118,7 @@ def report_content(
     conclusion = planned_verdict(result, findings, evidence, companions, plans)
     sections = [
         verdict_section(conclusion),
-        scorecard_section(result, companions),
+        scorecard_section(result),
         encounters_section(result),
         *(of.make(result) for of in chain(*contributed("sections")) if of.applies(result)),
         similarity_section(result),
@@ -192,7 +192,7 @@ def _with_caution(sections: Sequence[Section], result: Result) -> list[Section]:
 
 def _as_set(sections: Sequence[Section], result: Result) -> list[Section]:
     """The sections, those marked that compare X and Y as set, if nothing is claimed from that."""
-    note = as_set_note(result)
+    note = alarms_as_set(result, "above") if are_unequal(result) else None
     as_set = {*AS_SET_SECTIONS, *(of.anchor for of in chain(*contributed("sections")))}
     return [
         replace(section, blocks=(Sentences((say(note, result.objects),)), *section.blocks))

@@ -11,18 +11,17 @@ import pandas as pd
 from nvcore.arguments.report import Inscription
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
-from nvcore.evidence.operating_points import alarms_as_set, are_unequal
+from nvcore.evidence.operating_points import alarms_as_set, are_unequal, point_note
 from nvcore.evidence.units import MIN_RECORDINGS
 from nvcore.measures.table import count_recordings
 from nvcore.objects import Objects
-from nvcore.report.equal_alarms import equal_alarms_of
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Photo
 from nvcore.report.tiles import Tile, tiles
 from nvcore.report.verdict import Verdict
 from nvcore.report.words import n_frames_text, sampling_note
 from nvcore.sentences import phrase
-from nvcore.sentences.facts import AtEqualAlarms, Fact
+from nvcore.sentences.facts import Fact
 from nvcore.subjects import contributed
 from nvcore.wording import count_text, duration_text
 
@@ -93,16 +92,13 @@ def cover_of(
         f"{n_frames_text(result)}, "
         f"{duration_text(result.duration_s)}"
     )
-    equal = equal_alarms_of(result, companions)
     return Cover(
         subtitle=names if inscription.title else "",
         byline=", ".join(filter(None, (inscription.author, inscription.date))),
         question=inscription.question,
         headline=conclusion.say(conclusion.headline),
         tiles=tiles(result, evidence, companions),
-        basis=f"{extent}."
-        if equal is None
-        else f"{conclusion.say(AtEqualAlarms(equal.setting))}; {extent}.",
+        basis=f"{extent}. {conclusion.say(point_note(result))}".strip(),
         photos=_two_kinds(photos),
         limits=_limits(result, conclusion),
         objects=result.objects,

@@ -10,6 +10,7 @@ import pandas as pd
 from nvcore.arguments.plan import PlanArguments
 from nvcore.comparison import Result
 from nvcore.evidence.companions import shifts_of
+from nvcore.evidence.measures import evidence_of
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.pilot import MIN_PILOT, PLAN_KEYS
@@ -21,7 +22,6 @@ from nvcore.progress import Progress, part_of
 from nvcore.protocols import Protocol
 from nvcore.report.html import words
 from nvcore.report.html.blocks import Block, Section, Sentences, table
-from nvcore.report.plan import evidence_of
 from nvcore.sentences import say
 from nvcore.sentences.planning import Advice
 from nvcore.wording import UNDEFINED, capitalised, difference, duration_text, percent

@@ -7,16 +7,10 @@ from typing import Any
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.evidence.companions import Companions
 from nvcore.figures.over_time.strip import loss_strip_plot
 from nvcore.figures.paired import recordings_plot
 from nvcore.figures.saliency import plane_plot
 from nvcore.measures.entry import MeasureTable
-from nvcore.report.equal_alarms import (
-    detected_text,
-    equal_alarms_of,
-    weights_text,
-)
 from nvcore.report.html import words
 from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table, table
 from nvcore.report.html.input_sections import span_in_use
@@ -27,7 +21,6 @@ from nvcore.report.words import (
     scorecard_cells,
 )
 from nvcore.sentences import say
-from nvcore.sentences.facts import AtEqualAlarms
 from nvcore.subjects import contributed
 from nvcore.tables.influence import lead_text
 from nvcore.tables.loss_strip import loss_strip
@@ -52,35 +45,18 @@ def names_of(result: Result) -> tuple[str, str]:
     return result.x.name, result.y.name
 
 
-def scorecard_section(result: Result, companions: Companions) -> Section:
-    """All measures side by side, and those at equal false alarms if the verdict is about these."""
+def scorecard_section(result: Result) -> Section:
+    """All measures side by side."""
     rows = scorecard_cells(result, indent=PART, mark=_mark(result))
     little = f"{SHORT_ROWS}." if result.is_short else ""
-    blocks = [table("Measures of X and Y", MEASURES_HEAD, rows, right=(1, 2, 3), note=little)]
-    alike = equal_alarms_of(result, companions)
-    if alike is not None:
-        equal = alike.result
-        note = (
-            f"As in the verdict. Encounters detected by: {detected_text(equal)}. Severity, of "
-            f"encounters detected by {weights_text(equal)}. {little}"
-        ).strip()
-        rows = scorecard_cells(equal, indent=PART, mark=_mark(equal))
-        blocks.append(
-            table(
-                say(AtEqualAlarms(alike.setting), result.objects),
-                MEASURES_HEAD,
-                rows,
-                right=(1, 2, 3),
-                note=note,
-            )
-        )
+    measures = table("Measures of X and Y", MEASURES_HEAD, rows, right=(1, 2, 3), note=little)
     notes = tuple(
         say(fact, result.objects)
         for remarks in contributed("remarks")
         for fact in remarks.note(result)
     )
     remarked = [Sentences(notes)] if notes else []
-    return Section("scorecard", "Scorecard", words.scorecard(result.params), (*remarked, *blocks))
+    return Section("scorecard", "Scorecard", words.scorecard(result.params), (*remarked, measures))
 
 
 def _mark(result: Result) -> str:

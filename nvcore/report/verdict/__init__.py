@@ -10,11 +10,10 @@ from typing import Final
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.evidence.claims import Basis, Claim, find_claims
+from nvcore.evidence.claims import Basis, Claim, decided_on, find_claims
 from nvcore.evidence.companions import Companions
 from nvcore.findings import Finding, Severity
 from nvcore.objects import Objects
-from nvcore.report.shown import comparison_shown
 from nvcore.report.verdict import points
 from nvcore.report.verdict.headline import headline
 from nvcore.sentences import say
@@ -129,8 +128,8 @@ def verdict(
 ) -> Verdict:
     """Which differences between X and Y may be claimed, and what the measures say.
 
-    Where X and Y are set to different operating points the headline says so, and the points are
-    about both at equal false alarms, if a threshold gives these. They tell who detects more
+    Where X and Y are set to different operating points the headline says so, and claims are about
+    both at equal false alarms, if a threshold gives these. The points tell who detects more
     encounters, what the failures weigh, what subjects add, who is better in the other measures,
     which of the differences are more than chance, where strict pairing disagrees, and how many
     recordings would show more. X and Y are called
@@ -169,29 +168,33 @@ def verdict(
     if any(finding.severity is Severity.ERROR for finding in serious):
         return Verdict(Headline("wrong inputs"), (), (), Basis.NONE, doubt, result.objects)
     support = find_claims(result, evidence, companions)
-    shown, of_shown = comparison_shown(result, evidence, companions)
+    about, decisive = decided_on(result, evidence, companions)
+    tested = decisive if about is result else None
     every = in_place(
         (
             Point("Operating points", points.operating_points(result, companions)),
-            Point("Question", points.question(result, of_shown)),
-            Point("Encounters", points.encounters(shown, of_shown, support)),
-            Point("Severity", points.weights(shown)),
-            Point("Other measures", points.measures(shown, of_shown)),
-            Point("Chance", points.chance(result, of_shown, support)),
+            Point("Question", points.question(result, decisive)),
+            Point("Encounters", points.encounters(result, tested, support)),
+            Point("Severity", points.weights(result)),
+            Point("Other measures", points.measures(result, evidence)),
+            Point("Chance", points.chance(result, decisive, support)),
             Point(
                 "Strict pairing",
-                () if companions is None else points.strict_pairing(shown, companions.strict),
+                () if companions is None else points.strict_pairing(about, companions.strict),
             ),
             Point("More recordings", plan),
-            Point("Thresholds", points.thresholds(result) if shown is result else ()),
+            Point(
+                "Thresholds",
+                () if support.basis is Basis.EQUAL_ALARMS else points.thresholds(result),
+            ),
         ),
         (
-            Point(of.topic, of.find(shown), of.after, of.is_warning)
+            Point(of.topic, of.find(result), of.after, of.is_warning)
             for of in chain(*contributed("points"))
         ),
     )
     return Verdict(
-        headline(result, of_shown, companions, support),
+        headline(result, decisive, companions, support),
         tuple(point for point in every if point.facts),
         support.claims,
         support.basis,

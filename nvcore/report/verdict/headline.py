@@ -33,6 +33,8 @@ def headline(
         Of the comparison that claims are about; None where it supports none.
     """
     conclusion = _conclusion(result, evidence, companions, support)
+    if result.as_set is not None:
+        return Headline("equal", conclusion)
     if not are_unequal(result):
         return Headline("alike", conclusion)
     if companions is None:
@@ -57,7 +59,7 @@ def _conclusion(
             "claimed",
             n_recordings=max(claim.n for claim in support.claims),
             noun=noun,
-            better=_better(ranked, evidence, n_with_values=1),
+            better=_better(ranked, evidence, n_with_values=0 if are_unequal(result) else 1),
             remarks=_remarks(result, support.claims),
         )
     if companions is None and support.withheld:

@@ -21,7 +21,12 @@ from nvcore.evidence.claims import (
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.measures import primary_of
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
-from nvcore.evidence.operating_points import alarms_as_set, are_unequal, has_scores
+from nvcore.evidence.operating_points import (
+    alarms_as_set,
+    are_unequal,
+    equal_setting,
+    has_scores,
+)
 from nvcore.evidence.units import WHOLE
 from nvcore.measures.table import evidence_form, has_several_recordings, inference_of, measure_of
 from nvcore.measures.values import relevant_share
@@ -66,13 +71,15 @@ QUALITIES: Final = (
 
 
 def operating_points(result: Result, companions: Companions | None) -> tuple[Fact, ...]:
-    """How X and Y are set, where that is unequal, and what the verdict compares instead."""
+    """How X and Y are set, where that is unequal, or was; none where they are set alike."""
+    if result.as_set is not None:
+        return (facts.AtEqualAlarms("numbers", equal_setting(result)),)
     if not are_unequal(result):
         return ()
-    set_as = alarms_as_set(result, "equal")
     if companions is None or companions.equal is None:
-        return set_as, facts.AboutAsSet()
-    return set_as, facts.AboutEqualAlarms(companions.equal.setting)
+        return (alarms_as_set(result, "comparison"),)
+    as_set = alarms_as_set(result, "numbers")
+    return as_set, facts.AtEqualAlarms("claims", equal_setting(companions.equal))
 
 
 def question(result: Result, evidence: pd.DataFrame | None) -> tuple[Fact, ...]:
