@@ -13,7 +13,8 @@ from nvcore.primary import Primary
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.published import PublishedPoint
 
-OperatingPoint = Literal["equal-alarms", "as-set"]
+OperatingPoint = Literal["as-set", "equal-alarms"]
+POINTS: Final[tuple[OperatingPoint, ...]] = get_args(OperatingPoint)
 
 
 def operating_point(name: str | None) -> OperatingPoint | None:
@@ -24,13 +25,10 @@ def operating_point(name: str | None) -> OperatingPoint | None:
     ParameterError
         If there is none.
     """
-    for known in get_args(OperatingPoint):
-        if name == known:
-            return known
-    if name is None:
-        return None
-    expected = " or ".join(get_args(OperatingPoint))
-    raise ParameterError(f"operating_point: expected {expected}, got {name!r}")
+    for known in POINTS:
+        if name in (None, known):
+            return None if name is None else known
+    raise ParameterError(f"operating_point: expected {' or '.join(POINTS)}, got {name!r}")
 
 
 MIN_FPS: Final = 0.001

@@ -6,9 +6,8 @@ from nvcore.comparison import Result
 from nvcore.driver.comparison.said import counts, no_claim, view_facts
 from nvcore.driver.comparison.steps import driver_in
 from ui.driver import course, listed, missing, regions, run, threshold
-from ui.jobs.companions import choose_comparison, wait_for_equal_alarms
 from ui.session import state
-from ui.shell.messages import draw_warnings, needs_comparison
+from ui.shell.messages import draw_operating_point, draw_warnings, needs_comparison
 from ui.widgets.text import docs_link, plain
 
 
@@ -30,18 +29,16 @@ def draw(result: Result) -> None:
         return
     run.draw(is_known=True)
     draw_warnings(result)
-    shown = choose_comparison(result, wait_for_equal_alarms(result), "driver")
-    if shown is None:
-        return
-    for doubt in no_claim(shown):
+    draw_operating_point(result)
+    for doubt in no_claim(result):
         st.warning(plain(state.say(doubt)), icon=":material/warning:")
-    st.markdown("\n\n".join(plain(state.say(fact)) for fact in view_facts(shown)))
-    st.caption(state.say(counts(shown)))
-    region = regions.draw(shown)
-    threshold.draw(shown)
-    encounter = listed.draw(shown, region)
+    st.markdown("\n\n".join(plain(state.say(fact)) for fact in view_facts(result)))
+    st.caption(state.say(counts(result)))
+    region = regions.draw(result)
+    threshold.draw(result)
+    encounter = listed.draw(result, region)
     if encounter is not None:
-        course.draw(result, encounter, is_as_shown=shown is result)
+        course.draw(result, encounter)
 
 
 st.title("Driver")

@@ -11,7 +11,7 @@ from ui.encounters import address, classes, details, figures, filters, selection
 from ui.encounters.order import Order
 from ui.session import state
 from ui.session.chosen import choose_named, encounter_of, name_of
-from ui.shell.messages import draw_as_set_note, draw_warnings, needs_comparison
+from ui.shell.messages import draw_operating_point, draw_warnings, needs_comparison
 from ui.shell.tab import back
 from ui.widgets.text import docs_link, plain
 
@@ -104,7 +104,7 @@ def draw(result: Result) -> None:
         )
     )
     draw_warnings(result)
-    draw_as_set_note(result)
+    draw_operating_point(result)
     draw_filtered()
     classes.draw(result)
     figures.draw_exclusivity(result)

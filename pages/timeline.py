@@ -4,7 +4,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from ui.session import state
-from ui.shell.messages import draw_as_set_note, needs_comparison
+from ui.shell.messages import draw_operating_point, needs_comparison
 from ui.timeline import plots
 from ui.widgets.recording import recording_choice
 
@@ -16,7 +16,7 @@ def draw(result: Result) -> None:
         st.info("There is no evaluated frame. Check the frame list on the Data page.")
         return
     recording_choice()
-    draw_as_set_note(result)
+    draw_operating_point(result)
     plots.draw_all(result, state.recording())
 
 

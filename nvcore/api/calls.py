@@ -13,7 +13,7 @@ from nvcore.auditing import audit as audit_dataset
 from nvcore.auditing import picture_findings
 from nvcore.dataset import Dataset
 from nvcore.errors import ParameterError
-from nvcore.evidence.operating_points import as_asked
+from nvcore.evidence.operating_points import at_operating_point
 from nvcore.findings import Finding, worst_first
 from nvcore.report.gate import run_gate
 from nvcore.report.gate.measures import measure_names
@@ -48,7 +48,8 @@ def compare(dataset: Dataset) -> Comparison:
     >>> print(result)  # doctest: +SKIP
     >>> result = compare(truth=truth, x=x, y=y, size=(1280, 720), fps=30)  # doctest: +SKIP
     """
-    return Comparison(as_asked(comparison.compare(dataset), "as-set"))
+    point = dataset.settings.operating_point or "as-set"
+    return Comparison(at_operating_point(comparison.compare(dataset), point))
 
 
 @called_with(load)

@@ -93,7 +93,7 @@ def compare(
     """
     from nvcore.auditing import audit, picture_findings
     from nvcore.comparison import compare
-    from nvcore.evidence.operating_points import are_unequal, as_asked
+    from nvcore.evidence.operating_points import are_unequal, at_operating_point
     from nvcore.findings import worst_first
     from nvcore.inputs.load import load
     from nvcore.report.files import REPORT_FILES, summary_json, write_report
@@ -113,7 +113,7 @@ def compare(
         steps.begin("looking at the pictures")
         findings = worst_first([*findings, *picture_findings(dataset)])
         steps.begin("analysing")
-        result = as_asked(compare(dataset), "as-set")
+        result = at_operating_point(compare(dataset), session.operating_point or "as-set")
         steps.begin("what fusion would do")
         text = (
             summary_json(result)

@@ -56,8 +56,8 @@ def matrix(out: Path | None, as_json: bool, strict: bool, **options: Any) -> Non
 
     Inputs as for compare; a session file may name any number of systems. Each is compared at its
     own threshold; --threshold-x and --threshold-y are for X and Y. p is corrected for all pairs.
-    Pairs at unequal operating points are tested at equal false alarms. Exit code 0: fine, 1: the audit found
-    errors (with --strict: or warnings), 2: bad input.
+    Pairs at unequal operating points are tested at equal false alarms. Exit code 0: fine, 1: the
+    audit found errors (with --strict: or warnings), 2: bad input.
     """
     from nvcore.auditing import audit
     from nvcore.evidence.pairwise import pairwise_table, thresholds_in_use

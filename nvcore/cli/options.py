@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, fields
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import click
 
@@ -25,7 +25,7 @@ from nvcore.objects import PEDESTRIAN
 from nvcore.params import AUDIT_SETTINGS, SETTINGS
 from nvcore.primary import DEFAULT
 from nvcore.protocols import PROTOCOLS
-from nvcore.settings import OperatingPoint
+from nvcore.settings import POINTS
 from nvcore.wording import listed, one_line
 
 # Nothing here imports numpy, pandas or numba: `nvcore --help` need not wait for them.
@@ -362,7 +362,7 @@ def input_options(command: Callable[..., Any]) -> Callable[..., Any]:
         grouped_option(
             INPUTS,
             "--operating-point",
-            type=click.Choice(get_args(OperatingPoint)),
+            type=click.Choice(POINTS),
             help="Where X and Y are set to unequally many false alarms: their numbers as set, or "
             "with one threshold moved, so that both have equally many. Claims are about these "
             "either way. Default: the session's, or as-set (of a report: equal-alarms).",

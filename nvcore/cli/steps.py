@@ -45,12 +45,13 @@ def compare_session(
     """
     from nvcore.auditing import audit
     from nvcore.comparison import compare
-    from nvcore.evidence.operating_points import as_asked
+    from nvcore.evidence.operating_points import at_operating_point
     from nvcore.inputs.load import load
 
     dataset = load(session, progress=progress)
     findings = audit(dataset)
-    return as_asked(compare(dataset), otherwise), findings
+    point = session.operating_point or otherwise
+    return at_operating_point(compare(dataset), point), findings
 
 
 def exit_on_findings(findings: Iterable[Finding], strict: bool) -> None:

@@ -97,20 +97,19 @@ def _find_equal_alarms(result: Result, previous: Result | None) -> Result | None
     return replace(equal, as_set=result, stages={**result.stages, **equal.stages})
 
 
-def as_asked(result: Result, otherwise: OperatingPoint, previous: Result | None = None) -> Result:
-    """The comparison at the operating point that its dataset's settings ask for.
+def at_operating_point(
+    result: Result, point: OperatingPoint, previous: Result | None = None
+) -> Result:
+    """The comparison as set, or at equal false alarms.
 
-    It is the one given where X and Y are set alike, and where no threshold sets them alike.
+    As set where X and Y are set alike, and where no threshold sets them alike.
 
     Parameters
     ----------
-    otherwise
-        Where the settings ask for neither.
     previous
         As of `find_equal_alarms`.
     """
-    asked = result.dataset.settings.operating_point or otherwise
-    if asked == "as-set" or not are_unequal(result):
+    if point == "as-set" or not are_unequal(result):
         return result
     return find_equal_alarms(result, previous) or result
 

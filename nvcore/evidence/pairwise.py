@@ -253,7 +253,7 @@ def _claims(result: Result, evidence: pd.DataFrame) -> dict[str, str]:
     return {**better, "withheld": "; ".join(reasons)}
 
 
-def _evidence(rows: Sequence[Evidence], p_corrected: object = np.nan) -> pd.DataFrame:
+def _evidence(rows: Sequence[Evidence], p_corrected: np.ndarray | float = np.nan) -> pd.DataFrame:
     return pd.DataFrame([vars(row) for row in rows]).assign(p_corrected=p_corrected)
 
 

@@ -99,6 +99,11 @@ _BORROWED: Final = (
     ),
 )
 
+
+def _threshold_as_set(result: Result, letter: str) -> float | None:
+    return (result.as_set or result).system(letter).threshold
+
+
 _ENTRIES: Final[tuple[Entry, ...]] = (
     Entry(Column("version", _TEXT, "", "Version of nvcore."), lambda _: __version__),
     Entry(
@@ -140,7 +145,7 @@ _ENTRIES: Final[tuple[Entry, ...]] = (
                 f"Threshold of {letter.upper()} as set; `{letter}.threshold` is the one in use.",
                 empty="without a threshold",
             ),
-            lambda result, letter=letter: (result.as_set or result).system(letter).threshold,
+            partial(_threshold_as_set, letter=letter),
         )
         for letter in "xy"
     ),
@@ -321,7 +326,7 @@ def summary_keys() -> tuple[Column, ...]:
 
 
 def summary(result: Result) -> dict[str, Any]:
-    """All aggregates, ready for JSON; None is undefined, and keys are left out by `Column.only_if`."""
+    """All aggregates for JSON; None is undefined, and keys are left out by `Column.only_if`."""
     content = _nest(
         {
             entry.column.name: entry.value(result)

@@ -41,24 +41,12 @@ BAND: Final = (
     "on, one number for each adaptation period. Estimates and band are cut to 0 to 1."
 )
 NOT_KNOWN: Final = "In no frame is it known how detectable this {one} is"
-BOXES_AS_SET: Final = (
-    "The picture shows X and Y as set, not at equal false alarms. How detectable the {one} is "
-    "does not depend on them."
-)
 SHOWN: Final = "driver_shown"
 """Whom the page showed last, and who was chosen then."""
 
 
-def draw(result: Result, encounter: int, *, is_as_shown: bool = True) -> None:
-    """The pedestrian, beginning at the frame by which the driver has to see him.
-
-    Parameters
-    ----------
-    result
-        Of X and Y as set, as all pages draw them.
-    is_as_shown
-        Whether the numbers above are of that.
-    """
+def draw(result: Result, encounter: int) -> None:
+    """The pedestrian, beginning at the frame by which the driver has to see him."""
     course = detectability_course(result, encounter)
     name = state.workspace().n_opened, name_of(result, encounter)
     is_new = st.session_state.get(SHOWN, (None,))[0] != name
@@ -73,8 +61,6 @@ def draw(result: Result, encounter: int, *, is_as_shown: bool = True) -> None:
         state.go_to(*state.place_of(first_shown(course)))
     recording_name, _, track = name[1].rpartition(":")
     st.header(f"{state.say('{One}')} {track} of {plain(recording_name)}")
-    if not is_as_shown:
-        st.caption(state.say(BOXES_AS_SET))
     _draw_moving(result, encounter, course)
 
 

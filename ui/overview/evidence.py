@@ -20,7 +20,7 @@ from nvcore.report.words import effect_text
 from nvcore.sentences.texts import AS_SET
 from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number
 from ui.session import state
-from ui.shell.messages import draw_as_set_note
+from ui.session.results.evidence import comparison_key
 from ui.widgets.charts import draw_chart, kept_figure
 from ui.widgets.html import MeasureRow, measures_html, with_arrow
 from ui.widgets.text import UNDEFINED, docs_link, plain
@@ -32,7 +32,6 @@ HEAD: Final = ("X", "Y", "X − Y", "95 % interval", "p", "p (corrected)", "effe
 def draw(result: Result, evidence: pd.DataFrame) -> None:
     """The table of evidence, and the same by groups of encounters."""
     st.header("Is the difference real?")
-    draw_as_set_note(result)
     rows, notes = shown_evidence(result, evidence)
     head = (*HEAD, SETTING) if are_unequal(result) else HEAD
     st.html(measures_html(rows, key="evidence", head=head))
@@ -70,7 +69,6 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
 @st.fragment
 def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
     """One measure for groups of encounters; which one is chosen here."""
-    draw_as_set_note(result)
     labels = dict(zip(evidence["figure"], evidence["label"], strict=True))
     keys = [key for key in EVIDENCE_KEYS if key in labels]
     # where encounters are single frames, a test of single encounters says nothing
@@ -90,7 +88,7 @@ def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
         with st.spinner("Comparing the groups"):
             return subgroup_table(result, [measure], protocol=protocol)
 
-    key = (result.params, result.x.name, result.y.name, protocol, measure)
+    key = (*comparison_key(result), measure)
     table = state.cached("subgroups", key, make, most=len(EVIDENCE_KEYS))
     if nothing := forest_in_words(table):
         st.markdown(plain(nothing))

@@ -16,7 +16,6 @@ from nvcore.pictures import jpeg, picture_address
 from nvcore.tables.moments import encounter_box, worst_moments
 from nvcore.tables.windows import windows_table, worst_windows_text
 from ui.session import drawing, state
-from ui.shell.messages import draw_as_set_note
 from ui.shell.navigate import open_row
 from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side
@@ -62,7 +61,6 @@ N_MOMENTS: Final = 4
 def draw(result: Result) -> None:
     """A row of moments for each kind; a button opens the frame."""
     st.header("Moments to look at")
-    draw_as_set_note(result)
     theme = state.theme()
     st.caption(
         state.say(

@@ -11,14 +11,11 @@ from nvcore.comparison import Result
 from nvcore.figures.paired import recordings_plot
 from nvcore.measures.entry import MeasureTable
 from nvcore.measures.table import count_recordings
-from nvcore.report.equal_alarms import detected_text, weights_text
 from nvcore.report.terminal import SHORT_ROWS
 from nvcore.tables.influence import lead_text
 from nvcore.tables.result import recordings_table
 from nvcore.tables.scorecard import score_rows
-from ui.jobs.companions import Alternative, choose_comparison
 from ui.session import state
-from ui.shell.messages import draw_as_set_note
 from ui.shell.navigate import open_frame
 from ui.widgets.charts import clicked_chart, kept_figure
 from ui.widgets.html import measures_html, score_row
@@ -49,41 +46,15 @@ def _widths(evidence: pd.DataFrame) -> dict[str, float]:
     return dict(zip(evidence["figure"], widths, strict=True))
 
 
-def scorecard(
-    result: Result, evidence: pd.DataFrame | None, other: Alternative
-) -> Scorecard | None:
+def scorecard(result: Result, evidence: pd.DataFrame | None) -> Scorecard:
     """Every measure of X beside that of Y, the difference, and which way is better.
-
-    At unequal operating points as set, and where the verdict is about another comparison, of that.
 
     Parameters
     ----------
     evidence
-        Of the comparison; None: not known yet, or not needed.
-    other
-        Of `ui.jobs.companions.wait_for_equal_alarms`.
-
-    Returns
-    -------
-    The table of the comparison as set, which the evidence is about; None: another is drawn.
+        Of the comparison; None: not known yet.
     """
     st.header("Scorecard")
-    shown = choose_comparison(result, other, "scorecard")
-    if shown is None:
-        return None
-    if shown is result:
-        return _draw_scorecard(result, evidence)
-    _draw_scorecard(shown, None)
-    st.caption(
-        plain(
-            f"Encounters detected by: {detected_text(shown)}. Severity, of encounters detected by "
-            f"{weights_text(shown)}."
-        )
-    )
-    return None
-
-
-def _draw_scorecard(result: Result, evidence: pd.DataFrame | None) -> Scorecard:
     table = Scorecard(result, evidence)
     little = f" {SHORT_ROWS}." if result.is_short else ""
     st.caption(
@@ -129,7 +100,6 @@ def by_recording(result: Result) -> None:
     Below, whether one of them decides who is ahead.
     """
     st.header("Recordings side by side")
-    draw_as_set_note(result)
     names = (result.x.name, result.y.name)
     if count_recordings(result) == 1:
         x, y = (f"{system.summary.mean:.3f}" for _, system in result.sides)

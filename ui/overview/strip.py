@@ -8,7 +8,6 @@ from nvcore.comparison import Result
 from nvcore.figures.over_time.strip import loss_strip_plot
 from nvcore.tables.loss_strip import loss_strip
 from ui.session import state
-from ui.shell.messages import draw_as_set_note
 from ui.shell.navigate import open_row
 from ui.widgets.charts import clicked_chart, kept_figure
 from ui.widgets.text import docs_link
@@ -16,7 +15,6 @@ from ui.widgets.text import docs_link
 
 def draw(result: Result) -> None:
     """A strip for each recording; a click opens the frame that loses most there."""
-    draw_as_set_note(result)
     figure = kept_figure(
         "loss_strip",
         (result.params, state.systems(), state.theme()),

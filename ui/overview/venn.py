@@ -12,7 +12,6 @@ from nvcore.comparison import Result
 from nvcore.figures.venn import MOST_MARKS, venn_figure
 from nvcore.tables.encounters.severity import weighed_encounters
 from ui.session import state
-from ui.shell.messages import draw_as_set_note
 from ui.shell.navigate import open_encounters, open_row
 from ui.widgets.buttons import button
 from ui.widgets.charts import clicked_chart, kept_figure
@@ -38,7 +37,6 @@ OPEN: Final = "overview_open"
 def draw(result: Result) -> None:
     """The diagram, the same by buttons for those who do not click in pictures, and a list."""
     st.header(state.say("Who detects {what}"))
-    draw_as_set_note(result)
     row = st.session_state.pop(OPEN, None)
     if row is not None:
         open_row(row)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import cache
-from typing import Any, Final
+from typing import Final
 
 import pandas as pd
 import streamlit as st
@@ -13,15 +12,12 @@ from streamlit.delta_generator import DeltaGenerator
 
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
-from nvcore.evidence.operating_points import EqualAlarms
 from nvcore.findings import Finding
-from nvcore.report.equal_alarms import equal_alarms_of
 from nvcore.report.tiles import tiles
 from nvcore.report.verdict import verdict
 from nvcore.report.words import sampling_note
-from nvcore.sentences.facts import AtEqualAlarms, Chip, Fact
+from nvcore.sentences.facts import Fact
 from nvcore.wording import count_text
-from ui.jobs.companions import Alternative
 from ui.overview.tiles import tiles_html
 from ui.session import state
 from ui.shell.navigate import open_page
@@ -29,13 +25,6 @@ from ui.widgets.buttons import button
 from ui.widgets.text import docs_link, plain
 
 LAST: Final = "last_verdict"
-AWAITED: Final[dict[str, Any]] = {
-    **dict.fromkeys(("x", "y", "difference"), "…"),
-    **dict.fromkeys(("better", "winner"), ""),
-    **dict.fromkeys(("interval", "bar")),
-    "chip": Chip("awaited"),
-}
-"""What a tile says in place of its numbers."""
 
 
 class Room:
@@ -55,21 +44,14 @@ class Room:
         """What the last headline was about; it stays, greyed, until the next one is known."""
         return state.opened().dataset.fingerprint, self._result.x.name, self._result.y.name
 
-    def draw_known(self, evidence: pd.DataFrame | None, other: Alternative) -> None:
-        """The tiles with what is known so far, and the last headline until there is a new one.
-
-        Without numbers while those that the tiles will be of are being computed.
-        """
+    def draw_known(self, evidence: pd.DataFrame | None) -> None:
+        """The tiles with what is known so far, and the last headline until there is a new one."""
         opening, last = st.session_state.get(LAST, (None, ""))
         is_of_these = opening == self._opening()
         words = last if is_of_these else "The differences are being tested."
         self._words().markdown(f"## :gray[{words}]")
-        equal = other.equal
-        self._basis().caption(_short_extent(self._result, equal))
-        shown, of_shown = (self._result, evidence) if equal is None else (equal.result, None)
-        four = tiles(shown, of_shown, None, is_being_tested=True)
-        if other.is_awaited:
-            four = tuple(replace(tile, **AWAITED) for tile in four)
+        self._basis().caption(_short_extent(self._result))
+        four = tiles(self._result, evidence, None, is_being_tested=True)
         self._tiles().html(tiles_html(four, self._result.objects))
 
     def draw(
@@ -89,7 +71,7 @@ class Room:
         four = tiles(result, evidence, companions, is_being_tested=True)
         self._tiles().html(tiles_html(four, self._result.objects))
         with self._basis().container():
-            st.caption(_short_extent(result, equal_alarms_of(result, companions)))
+            st.caption(_short_extent(result))
             for point in conclusion.points:
                 if point.is_warning:
                     st.markdown(f":material/warning: {plain(conclusion.say(*point.facts))}")
@@ -113,14 +95,12 @@ def _draw_doubt(doubt: str) -> None:
             open_page("data")
 
 
-def _short_extent(result: Result, equal: EqualAlarms | None) -> str:
-    extent = (
+def _short_extent(result: Result) -> str:
+    return (
         f"{count_text(len(result.dataset.recordings), 'recording')}, "
-        f"{count_text(len(result.dataset.frames), 'frame')}, {result.duration_s:,.1f} s."
+        f"{count_text(len(result.dataset.frames), 'frame')}, {result.duration_s:,.1f} s. "
+        "Bars: 95 % interval of X − Y, on the right of the line X is better."
     )
-    if equal is not None:
-        extent += f" Tiles: {plain(state.say(AtEqualAlarms(equal.setting)))}."
-    return f"{extent} Bars: 95 % interval of X − Y, on the right of the line X is better."
 
 
 def _extent(result: Result) -> str:

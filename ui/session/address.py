@@ -10,11 +10,12 @@ import numpy as np
 
 from nvcore.errors import ParameterError
 from nvcore.params import SETTINGS, Params
+from nvcore.settings import OperatingPoint, operating_point
 from nvcore.stages import Setting
 
-PLACE: Final = ("x", "y", "tags", "recording", "frame")
-"""What an address says besides the parameters: systems and tags, if not as the app starts, and the
-frame."""
+PLACE: Final = ("x", "y", "tags", "point", "recording", "frame")
+"""What an address says besides the parameters: systems, tags and operating point, if not as the app
+starts, and the frame."""
 MAX_DIGITS: Final = 18
 NO_VALUE = "none"
 """In place of the value of a parameter that may have none, and has a switch for it."""
@@ -42,6 +43,14 @@ def read_place(
     if numbers[nearest] != int(frame):
         wrong.append("its frame is not an evaluated one, the nearest is shown")
     return (recording, nearest), wrong
+
+
+def read_point(text: str | None) -> tuple[OperatingPoint | None, list[str]]:
+    """The operating point that is shown; and, in words, what could not be followed."""
+    try:
+        return operating_point(text), []
+    except ParameterError:
+        return None, ["there is no such operating point"]
 
 
 def is_whole_number(text: str) -> bool:

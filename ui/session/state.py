@@ -15,11 +15,13 @@ from nvcore import sentences
 from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.detection.operating_point import span_of_scores
+from nvcore.evidence.operating_points import at_operating_point
 from nvcore.inputs.session import Session
 from nvcore.palette import Scheme, Shade, scheme_for
 from nvcore.params import SETTINGS, Params
 from nvcore.protocols import Protocol
 from nvcore.sentences.facts import Fact
+from nvcore.settings import OperatingPoint
 from ui.access.people import is_same
 from ui.session import address, settings
 from ui.session.address import PLACE, read_place, read_systems
@@ -232,20 +234,44 @@ def systems() -> tuple[str, str | None]:
 
 
 def result() -> Result | None:
-    """The comparison with the live parameters; None if there is only one system."""
-    space, dataset = workspace(), opened().dataset
-    x, y = systems()
-    if y is None:
+    """The comparison that is shown, with the live parameters; None if there is only one system.
+
+    Where X and Y are set to unequally many false alarms, at the operating point that was chosen.
+    """
+    space, as_set = workspace(), result_as_set()
+    if as_set is None:
         space.compared = None
         return None
-    settings = params()
-    newest = result_kept_by(
-        cached, settings, x, y, lambda: _compare(dataset, settings, x, y, space.result)
-    )
+    newest = at_operating_point(as_set, operating_point(), space.result)
     if newest is not space.result:
-        key = f"{dataset.fingerprint}{of_boxes(settings)!r}{x}\0{y}"
+        names = f"{newest.x.name}\0{newest.y.name}"
+        key = f"{opened().dataset.fingerprint}{of_boxes(newest.params)!r}{names}"
         space.compared = Compared(newest, hashlib.sha256(key.encode()).hexdigest()[:12])
     return newest
+
+
+def result_as_set() -> Result | None:
+    """The comparison at the thresholds as set; None if there is only one system."""
+    space, dataset, settings = workspace(), opened().dataset, params()
+    x, y = systems()
+    if y is None:
+        return None
+    return result_kept_by(
+        cached, settings, x, y, lambda: _compare(dataset, settings, x, y, space.result)
+    )
+
+
+def operating_point() -> OperatingPoint:
+    """Which comparison is shown where X and Y are set to unequally many false alarms."""
+    return opened().session.operating_point or "equal-alarms"
+
+
+def set_operating_point(point: OperatingPoint) -> None:
+    """Choose it, here and in the page's address."""
+    if point != operating_point():
+        changed = replace(opened().session, operating_point=point)
+        workspace().opened = replace(opened(), session=changed)
+        write_address()
 
 
 def _compare(dataset: Dataset, settings: Params, x: str, y: str, previous: Result | None) -> Result:
@@ -374,6 +400,8 @@ def link_to(recording_index: int, row_in_recording: int) -> dict[str, str]:
         place["frame"] = str(int(numbers[row_in_recording]))
     (x, y), start = systems(), shared_start().opened
     named = {} if y is None or (x, y) == start.dataset.compared() else {"x": x, "y": y}
+    if operating_point() != (start.session.operating_point or "equal-alarms"):
+        named["point"] = operating_point()
     if (tags := opened().session.only_tags) != start.session.only_tags:
         named["tags"] = address.tags_text(tags)
     starts = [session_params()]
@@ -401,11 +429,14 @@ def _follow_link() -> None:
     tags, wrong_tags = address.read_tags(get("tags"), listed["tags"])
     if tags is not None and tags != opened().session.only_tags:
         compare_as(replace(opened().session, only_tags=tags))
+    point, wrong_point = address.read_point(get("point"))
+    if point is not None:
+        set_operating_point(point)
     place, wrong = read_place(get("recording"), get("frame"), recording_names(), frame_numbers)
     query = st.session_state["page_link"] = st.query_params.to_dict()
     values, impossible = address.read_parameters(query)
     st.session_state["new_params"] = values
-    wrong += wrong_systems + wrong_tags + impossible
+    wrong += wrong_systems + wrong_tags + wrong_point + impossible
     st.session_state["place"] = place
     st.session_state["bad_link"] = "; ".join(wrong)
 

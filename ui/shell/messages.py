@@ -6,15 +6,17 @@ import logging
 from collections.abc import Callable
 from functools import partial, wraps
 from pathlib import Path
+from typing import Final
 
 import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.errors import NvcoreError
-from nvcore.evidence.operating_points import as_set_note
+from nvcore.evidence.operating_points import find_equal_alarms, moved_of, point_note
 from nvcore.findings import Severity
 from nvcore.report.html.words import SHORT_ENCOUNTERS
 from nvcore.sentences.caveats import caveats
+from nvcore.settings import OperatingPoint
 from ui.session import local_files, state
 from ui.session.opening import public_text
 from ui.session.results.findings import input_findings
@@ -23,7 +25,14 @@ from ui.settings.start import start_file
 from ui.shell.navigate import open_page
 from ui.shell.remedies import ways_text
 from ui.widgets.buttons import button
+from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import plain
+
+POINT: Final = "operating_point"
+POINTS: Final[dict[OperatingPoint, str]] = {
+    "as-set": "As set",
+    "equal-alarms": "At equal false alarms",
+}
 
 
 def draw_warnings(result: Result, *, is_of_encounters: bool = True) -> None:
@@ -46,10 +55,33 @@ def draw_warnings(result: Result, *, is_of_encounters: bool = True) -> None:
         )
 
 
-def draw_as_set_note(result: Result) -> None:
-    """Above numbers of X and Y as set: that nothing is claimed from these, if that is so."""
-    if note := as_set_note(result):
+def draw_operating_point(result: Result) -> None:
+    """Above all numbers: at which operating points they are, and the choice, where there is one."""
+    note = point_note(result)
+    if note is None:
+        return
+    with st.container(horizontal=True, vertical_alignment="center", key="operating_points"):
+        if find_equal_alarms(result.as_set or result) is not None:
+            st.session_state[POINT] = state.operating_point()
+            choose_side_by_side(
+                "What is compared",
+                POINTS,
+                POINT,
+                on_change=lambda: state.set_operating_point(st.session_state[POINT]),
+                label_visibility="collapsed",
+                help="Of every page, of reports and of files that are written here.",
+            )
         st.markdown(f":material/balance: {plain(state.say(note))}")
+        if result.as_set is not None:
+            moved = moved_of(result)
+            st.button(
+                "Keep this threshold",
+                key="keep_threshold",
+                type="tertiary",
+                on_click=state.set_threshold,
+                args=(moved, result.system(moved).threshold),
+                help=f"Sets the threshold of {moved.upper()} in the sidebar.",
+            )
 
 
 def needs_comparison(draw: Callable[[Result], None]) -> Callable[[], None]:

@@ -72,7 +72,7 @@ def why_fixed(letter: str) -> str:
 
 def move(letter: str) -> None:
     """Give X or Y the threshold with as many false alarms as the other has. For callbacks."""
-    result = state.result()
+    result = state.result_as_set()
     if result is not None and not why_fixed(letter):
         target = points(result)["yx".index(letter)].n_false_alarms
         _move_to(result, letter, target)
@@ -80,7 +80,7 @@ def move(letter: str) -> None:
 
 def move_both(field: str) -> None:
     """Give both as many false alarms as the field of this key says. For callbacks."""
-    result = state.result()
+    result = state.result_as_set()
     rate: float | None = st.session_state.get(field)
     if result is not None and rate is not None and not (why_fixed("x") or why_fixed("y")):
         _move_to(result, "xy", alarms_at_rate(result.dataset, rate))
@@ -105,13 +105,13 @@ def undo() -> None:
 
 def draw() -> None:
     """False alarms of both, the buttons that make them equal, and what was changed last."""
-    result = state.result()
+    result = state.result_as_set()
     if result is None:
         return
     now = points(result)
     rates = [_rate(point) for point in now]
     st.caption(
-        f"Single false alarms an hour: X\N{NO-BREAK SPACE}**{rates[0]}**, "
+        f"As set, single false alarms an hour: X\N{NO-BREAK SPACE}**{rates[0]}**, "
         f"Y\N{NO-BREAK SPACE}**{rates[1]}**. Make them equal:",
         help=state.say(
             "Detections that match {nobody}, counted in every frame. False-alert episodes an hour, "
@@ -163,7 +163,7 @@ def _draw_both(lower: float) -> None:
 
 def draw_change(place: str) -> None:
     """What the last move changed, while its thresholds are in use, and the way back."""
-    result = state.result()
+    result = state.result_as_set()
     moved: Move | None = st.session_state.get(_MOVE)
     if moved is None or result is None:
         return

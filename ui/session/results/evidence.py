@@ -18,7 +18,9 @@ from ui.session.results.comparison import Cached
 def comparison_key(result: Result, protocol: Protocol | None = None) -> tuple[object, ...]:
     """Cache key of the evidence, for the open data."""
     names = result.x.name, result.y.name
-    return (result.params, *names, protocol or state.protocol(), result.dataset.primary)
+    is_as_set = result.as_set is None
+    protocol = protocol or state.protocol()
+    return (result.params, is_as_set, *names, protocol, result.dataset.primary)
 
 
 def measure_evidence(result: Result) -> pd.DataFrame:
