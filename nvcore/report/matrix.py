@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -22,11 +22,13 @@ from nvcore.output.files import refuse_other_run, write_run
 from nvcore.params import Params
 from nvcore.wording import (
     Footnotes,
+    capitalised,
     count_text,
     difference,
     interval_text,
     number,
     one_line,
+    percent,
 )
 
 MATRIX_FILES: Final = ("matrix.csv", "matrix.json")
@@ -46,6 +48,7 @@ class PairMeasure(NamedTuple):
     key: str
     title: str
     claim: str
+    say: Callable[[float], str]
     value: str
     evidence: str
     winner: str
@@ -56,12 +59,14 @@ PAIR_MEASURES: Final = (
         "encounters_detected_by_unit",
         "encounters detected",
         "detects more encounters",
+        percent,
         *("detected", "detected_by_unit", "detects_more"),
     ),
     PairMeasure(
         "mean_similarity",
         "mean similarity",
         "has the higher mean similarity",
+        "{:.3f}".format,
         *("similarity", "similarity", "higher_similarity"),
     ),
 )
@@ -110,20 +115,26 @@ def pair_text(pair: Mapping[Hashable, Any]) -> str:
         if winner := pair[measure.winner]:
             p = f"p = {pair[f'{measure.evidence}_p_holm']:.2g} corrected"
             if not pair["is_unequal"]:  # whose values are as set, and not what the claim is about
-                form = evidence_form(measure.key)
                 order = "xy" if winner == pair["x"] else "yx"
-                values = (number(pair[f"{measure.value}_{letter}"], form) for letter in order)
+                values = (measure.say(pair[f"{measure.value}_{letter}"]) for letter in order)
                 p = f"{' against '.join(values)}, {p}"
             claims.append(f"{winner} {measure.claim} ({p})")
     text = "; ".join(claims) or NO_CLAIM
     if not claims and pair["unit"] not in WHOLE:
         text = f"Nothing is claimed: {MIN_RECORDINGS} recordings are needed for a p"
-    elif pair["is_unequal"]:
-        is_tested = any(math.isfinite(pair[f"{of.evidence}_p"]) for of in PAIR_MEASURES)
-        text = f"At equal false alarms: {text}" if is_tested else "No threshold sets them alike"
     if pair["withheld"] and not claims:
         text = "Nothing is claimed"
-    reasons = f" More than chance by p, but no claim: {pair['withheld']}."
+    points = "at the thresholds as set"
+    if pair["is_unequal"]:
+        points = "at equal false alarms"
+        if all(math.isnan(pair[f"{of.evidence}_p"]) for of in PAIR_MEASURES):
+            alarms = [f"{pair[f'false_alarms_per_frame_{letter}']:.3g}" for letter in "xy"]
+            return (
+                f"At unequal operating points ({' and '.join(alarms)} false alarms per frame), "
+                "which no threshold makes equal. Nothing is claimed."
+            )
+        text = f"{capitalised(points)}: {text}"
+    reasons = f" More than chance {points}, but no claim: {pair['withheld']}."
     return f"{text}.{reasons if pair['withheld'] else ''}"
 
 

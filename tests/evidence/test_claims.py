@@ -18,19 +18,21 @@ from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.evidence.claims import Basis, Support, find_claims, values_of
 from nvcore.evidence.companions import (
     find_companions,
-    judge_both,
     least_of,
     shifts_at_equal_alarms,
 )
 from nvcore.evidence.measures import significance_table
 from nvcore.evidence.operating_points import (
     are_unequal,
+    at_operating_point,
     count_alarms,
+    equal_setting,
     find_equal_alarms,
     which_moves,
 )
+from nvcore.evidence.pairwise import pairwise_table
 from nvcore.evidence.subgroup_table import subgroup_table
-from nvcore.evidence.table import evidence_table
+from nvcore.evidence.table import evidence_table, judge_both
 from nvcore.evidence.units import find_units
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS
@@ -103,6 +105,16 @@ def test_a_better_system_is_claimed_as_set_and_at_unequal_thresholds():
     assert {claim.winner for claim in (*as_set.claims, *support.claims)} == {"x"}
 
 
+def test_a_better_system_at_a_threshold_of_its_own_is_claimed_by_its_pair():
+    good, bad = detector(1, share=0.95), detector(2, share=0.4)
+    dataset = scene(good, bad).dataset
+    (alike,) = pairwise_table(dataset).to_dict("records")
+    (apart,) = pairwise_table(dataset, thresholds={"x": 0.7}).to_dict("records")
+    assert (alike["is_unequal"], apart["is_unequal"]) == (False, True)
+    assert apart["similarity_x"] < alike["similarity_x"]
+    assert alike["higher_similarity"] == apart["higher_similarity"] == "x"
+
+
 def test_the_system_with_more_false_alarms_is_moved_or_the_only_one_with_scores():
     few, many = detector(1, cut=0.5), detector(2)
     assert which_moves(scene(few, many)) == "y"
@@ -117,22 +129,41 @@ def test_the_system_that_moves_has_as_many_false_alarms_as_the_other():
     companions = find_companions(result, evidence_table(result, has_intervals=False))
     equal = companions.equal
     assert equal is not None
-    assert equal.moved == "y"
-    assert count_alarms(equal.result.y) == count_alarms(equal.result.x) == count_alarms(result.x)
+    assert equal.as_set is result
+    assert equal is find_equal_alarms(result)
+    assert equal_setting(equal).moved == "y"
+    assert count_alarms(equal.y) == count_alarms(equal.x) == count_alarms(result.x)
+    assert at_operating_point(result, "as-set") is result
+    assert at_operating_point(result, "equal-alarms") is equal
+
+
+def test_another_setting_keeps_the_threshold_and_what_does_not_depend_on_it():
+    result = scene(detector(1, cut=0.5), detector(2))
+    equal = find_equal_alarms(result)
+    changed = compare(result.dataset, replace(result.params, alpha=0.9), previous=equal)
+    assert changed.y.matches is result.y.matches
+    after = find_equal_alarms(changed, equal)
+    assert after.y.matches is equal.y.matches
+    anew = find_equal_alarms(compare(result.dataset, changed.params))
+    assert after.y.threshold == anew.y.threshold
+    assert after.y.similarity.tolist() == anew.y.similarity.tolist()
+
+
+def test_claims_are_the_same_as_set_and_shown_at_equal_false_alarms():
+    result = scene(detector(1, share=0.95, cut=0.3), detector(2, share=0.6))
+    claims = support_of(result).claims
+    assert claims
+    assert support_of(find_equal_alarms(result)).claims == claims
 
 
 def test_a_difference_at_equal_false_alarms_allows_for_alarms_that_are_not_equal_elsewhere():
     result = scene(detector(1, cut=0.5), detector(2))
-    evidence = evidence_table(result, has_intervals=False)
-    companions = find_companions(result, evidence)
-    assert companions.equal is not None
-    shown = companions.evidence.set_index("figure")
-    plain = significance_table(companions.equal.result).set_index("figure")
+    equal = find_equal_alarms(result)
+    shown = evidence_table(equal).set_index("figure")
+    plain = significance_table(equal).set_index("figure")
     for key in ("mean_similarity", "severity_s_per_encounter"):
         row = shown.loc[key]
-        assert row["difference"] == pytest.approx(
-            np.subtract(*values_of(key, companions.equal.result))
-        )
+        assert row["difference"] == pytest.approx(np.subtract(*values_of(key, equal)))
         assert row["low"] < row["difference"] < row["high"]
         width = plain.loc[key, "high"] - plain.loc[key, "low"]
         assert row["high"] - row["low"] > width
@@ -142,12 +173,11 @@ def test_a_shift_is_the_part_of_a_recording_in_the_ratio_of_alarms_times_a_slope
     result = scene(detector(1, cut=0.5), detector(2))
     equal = find_equal_alarms(result)
     assert equal is not None
-    units = find_units(equal.result)
-    shifts = shifts_at_equal_alarms(result, equal, units)
-    recording = equal.result.dataset.frame_columns.recording
+    units = find_units(equal)
+    shifts = shifts_at_equal_alarms(equal, units)
+    recording = equal.dataset.frame_columns.recording
     x, y = (
-        np.bincount(recording, system.false_alarms)[units.recording]
-        for _, system in equal.result.sides
+        np.bincount(recording, system.false_alarms)[units.recording] for _, system in equal.sides
     )
     shift = shifts["mean_similarity"]
     assert shift[x == y].tolist() == [0] * np.count_nonzero(x == y)
@@ -162,6 +192,7 @@ def test_exchanging_x_and_y_mirrors_claims_p_and_intervals(cut: float):
     there, back = (scene(good, bad), scene(bad, good))
     (evidence, companions), (mirrored, others) = (judge_both(result) for result in (there, back))
     tables = [(evidence, mirrored), (companions.evidence, others.evidence)]
+    tables.append(tuple(evidence_table(find_equal_alarms(of)) for of in (there, back)))
     for table, other in tables:
         for column in ("p", "p_corrected"):
             assert other[column].tolist() == pytest.approx(

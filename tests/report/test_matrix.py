@@ -63,6 +63,14 @@ def test_both_claims_are_named_with_the_better_value_first():
     )
 
 
+def test_at_unequal_operating_points_no_value_as_set_stands_beside_the_claim():
+    values = {"detected_x": 0.5, "detected_y": 0.75, "detected_by_unit_p": 0.01}
+    found = pair(is_unequal=True, detects_more="NIR", detected_by_unit_p_holm=0.02, **values)
+    assert pair_text(found) == (
+        "At equal false alarms: NIR detects more encounters (p = 0.02 corrected)."
+    )
+
+
 @pytest.mark.parametrize(
     ("values", "text"),
     [
@@ -70,7 +78,7 @@ def test_both_claims_are_named_with_the_better_value_first():
         ({"unit": "blocks"}, "Nothing is claimed: 6 recordings are needed for a p."),
         (
             {"withheld": "mean similarity (not shown at equal false alarms)"},
-            "Nothing is claimed. At the thresholds as set more than chance, but no claim: mean "
+            "Nothing is claimed. More than chance at the thresholds as set, but no claim: mean "
             "similarity (not shown at equal false alarms).",
         ),
         (
@@ -79,8 +87,12 @@ def test_both_claims_are_named_with_the_better_value_first():
                 "false_alarms_per_frame_x": 0.05,
                 "false_alarms_per_frame_y": 0.3,
             },
-            "As set: at unequal operating points (0.05 and 0.3 false alarms per frame). Nothing is "
-            "claimed.",
+            "At unequal operating points (0.05 and 0.3 false alarms per frame), which no threshold "
+            "makes equal. Nothing is claimed.",
+        ),
+        (
+            {"is_unequal": True, "detected_by_unit_p": 0.2},
+            "At equal false alarms: No difference is shown to be more than chance.",
         ),
     ],
 )

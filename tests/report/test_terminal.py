@@ -13,6 +13,7 @@ from drives import at_thresholds
 
 from nvcore.comparison import Result
 from nvcore.evidence.companions import find_companions
+from nvcore.evidence.operating_points import find_equal_alarms
 from nvcore.evidence.table import evidence_table
 from nvcore.findings import Finding, Severity
 from nvcore.report.terminal import (
@@ -291,25 +292,17 @@ def test_a_number_is_a_dash_where_it_is_undefined_and_letters_of_any_language_st
     assert one_line("Fußgänger 夜 640×480 – ok") == "Fußgänger 夜 640×480 – ok"
 
 
-UNEQUAL = "As set: at unequal operating points (X has "
-
-
-def test_at_unequal_operating_points_every_block_as_set_is_marked_and_the_verdicts_stands_beside():
+def test_the_operating_points_of_all_numbers_are_said_once_above_them():
     result = at_thresholds()
-    text = render_scorecard(result)
-    marked = [block for block in text.split("\n\n") if block.startswith(UNEQUAL)]
-    contents = ("mean similarity", "severity (1 s", "fusion")
-    assert all(text in block for text, block in zip(contents, marked, strict=True))
-    assert "Nothing is claimed from these." in marked[0]
-    (equal,) = [block for block in text.split("\n\n") if block.startswith("At equal false alarms")]
-    assert equal.startswith("At equal false alarms (X with scores of 0.")
-    assert len(equal.splitlines()) < 15
-    assert "encounters detected by: both " in equal
-    companions = find_companions(result, evidence_table(result))
-    assert companions.equal is not None
-    assert cells(equal.splitlines(), "mean similarity")[0] == number(
-        companions.equal.result.x.summary.mean, ".4f"
-    )
+    equal = find_equal_alarms(result)
+    as_set, at_equal = map(render_scorecard, (result, equal))
+    heading = as_set.split("\n\n")[0].splitlines()[-1]
+    assert heading.startswith("As set: at unequal operating points (X has ")
+    assert as_set.count("Nothing is claimed from these.") == 1
+    heading = at_equal.split("\n\n")[0].splitlines()[-1]
+    assert heading.startswith("At equal false alarms (X with scores of 0.")
+    for text, of in ((as_set, result), (at_equal, equal)):
+        assert cells(text.splitlines(), "mean similarity")[0] == number(of.x.summary.mean, ".4f")
 
 
 def test_mcnemars_p_is_marked_at_unequal_operating_points():

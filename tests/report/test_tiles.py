@@ -12,7 +12,7 @@ from places import SAMPLE
 
 from nvcore.comparison import Result, compare
 from nvcore.evidence.companions import Companions, find_companions
-from nvcore.evidence.operating_points import EqualAlarms
+from nvcore.evidence.operating_points import find_equal_alarms
 from nvcore.evidence.table import evidence_table
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
@@ -36,7 +36,7 @@ def tile_of(sample: tuple[Result, pd.DataFrame, Companions], key: str, **row: ob
     changed = evidence.assign(**{
         name: np.where(is_row, value, evidence[name]) for name, value in row.items()
     })  # fmt: skip
-    companions = Companions(EqualAlarms(result, "x"), changed, result)
+    companions = Companions(result, changed, result)
     return next(tile for tile in tiles(result, changed, companions) if tile.key in key)
 
 
@@ -111,26 +111,26 @@ def test_the_chip_claims_no_more_than_the_verdict(
     assert (tile.chip, tile.winner) == (chip, winner)
 
 
-def test_at_unequal_false_alarms_nothing_is_claimed_until_they_are_set_alike():
+def test_numbers_at_unequal_false_alarms_bear_no_claim_and_those_at_equal_ones_may():
     result = at_thresholds()
     evidence = evidence_table(result)
-    assert {tile.chip for tile in tiles(result, evidence, None)} == {Chip("unequal")}
-    companions = find_companions(result, evidence)
-    at_equal = tiles(result, evidence, companions)
+    for companions in (None, find_companions(result, evidence)):
+        as_set = tiles(result, evidence, companions)
+        assert {tile.chip for tile in as_set} == {Chip("unequal")}
+        assert int(as_set[FOUND].x) == int(result.x.encounters["is_detected"].sum())
+    equal = find_equal_alarms(result)
+    evidence = evidence_table(equal)
+    at_equal = tiles(equal, evidence, find_companions(equal, evidence))
     assert Chip("unequal") not in {tile.chip for tile in at_equal}
-    equal = companions.equal
-    assert equal is not None
-    assert int(at_equal[FOUND].x) == int(equal.result.x.encounters["is_detected"].sum())
-    none = replace(companions, equal=None)
-    assert {tile.chip for tile in tiles(result, evidence, none)} == {Chip("unequal")}
+    assert int(at_equal[FOUND].x) == int(equal.x.encounters["is_detected"].sum())
 
 
 def test_at_equal_false_alarms_each_tile_but_the_single_miss_has_an_interval(
     sample: tuple[Result, pd.DataFrame, Companions],
 ):
     params = replace(sample[0].params, threshold_x=0.3, threshold_y=0.7)
-    result = compare(sample[0].dataset, params)
-    evidence = evidence_table(result, has_intervals=False)
+    result = find_equal_alarms(compare(sample[0].dataset, params))
+    evidence = evidence_table(result)
     *judged, worst = tiles(result, evidence, find_companions(result, evidence))
     for tile in judged:
         assert tile.interval.kind == "ends"

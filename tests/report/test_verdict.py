@@ -11,7 +11,6 @@ from verdict_scenes import BY_UNIT, detecting, row_of, said, verdict_by, whole_v
 
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
-from nvcore.evidence.operating_points import EqualAlarms
 from nvcore.findings import Finding, Severity
 from nvcore.report.verdict import Verdict, verdict
 from nvcore.sentences import facts
@@ -275,7 +274,7 @@ def test_within_one_recording_nothing_is_said_that_the_companions_do_not_bear_ou
     of_y = pd.DataFrame([of_stretches(BY_UNIT, NAN, NAN), other_way])
     assert winners_by(alone(better), of_y) == {}
     # nor what turns at equal false alarms
-    assert winners_by(Companions(EqualAlarms(turned, "x"), of_y, better)) == {}
+    assert winners_by(Companions(turned, of_y, better)) == {}
 
 
 def test_a_difference_says_for_whom_it_speaks_with_its_unit_and_no_exponent(better_x: Result):
@@ -307,7 +306,7 @@ def test_a_verdict_in_words(better_x: Result):
     """The golden text: what every medium takes."""
     rows = row_of(BY_UNIT, 0.012, 0.2, 0.9), row_of("saliency", 0.5, better="lower")
     table = pd.DataFrame([*rows, row_of("mean_similarity", 0.01, doubt="X ends early")])
-    companions = Companions(EqualAlarms(better_x, "x"), table, better_x)
+    companions = Companions(better_x, table, better_x)
     grave = [finding("kitti-size"), finding("ids-odd")]
     text = verdict(better_x, grave, evidence=table, companions=companions, plan=(Advice("fresh"),))
     assert text.sentences == (

@@ -8,8 +8,9 @@ from verdict_scenes import said, whole_verdict
 
 from nvcore.evidence.claims import Basis
 from nvcore.evidence.measures import significance_table
+from nvcore.evidence.operating_points import find_equal_alarms
 from nvcore.report.verdict import verdict
-from nvcore.sentences.facts import AboutAsSet, Headline, Reason, Unclaimed
+from nvcore.sentences.facts import AtEqualAlarms, Headline, Reason, Unclaimed
 
 
 def test_unequal_operating_points_lead_and_the_comparison_is_at_equal_false_alarms():
@@ -18,24 +19,31 @@ def test_unequal_operating_points_lead_and_the_comparison_is_at_equal_false_alar
     text = whole_verdict(result)
     assert (text.headline.kind, text.headline.conclusion.kind) == ("equal", "untestable")
     as_set, at_equal = said(text, "Operating points")
-    assert as_set.kind == "equal"
+    assert (as_set.kind, at_equal.kind) == ("numbers", "claims")
     assert as_set.x > as_set.y
     assert at_equal.setting.moved == "x"  # X at Y's operating point is Y
-    assert said(text, "Encounters")[0].kind == "same"
+    (split,) = said(text, "Encounters")
+    assert (split.kind, split.test) == ("x", None)
+    shown = whole_verdict(find_equal_alarms(result))
+    assert shown.headline == text.headline
+    assert said(shown, "Operating points") == (AtEqualAlarms("numbers", at_equal.setting),)
+    assert said(shown, "Encounters")[0].kind == "same"
     assert text.basis is Basis.EQUAL_ALARMS
     assert not text.claims
     assert [sentence.split(" (")[0] for sentence in text.sentences[:3]] == [
         "X and Y are set to different operating points; at equal false alarms, too little data "
         "to tell X and Y apart.",
-        f"As set, X has {as_set.x:.3g} and Y {as_set.y:.3g} false alarms per frame.",
-        "What follows is at equal false alarms",
+        f"The numbers are as set, X has {as_set.x:.3g} and Y {as_set.y:.3g} false alarms per "
+        "frame.",
+        "Claims are about X and Y at equal false alarms",
     ]
 
 
 def test_without_scores_nothing_is_claimed_at_unequal_operating_points():
     text = whole_verdict(at_thresholds(scores=False))
     assert text.headline == Headline("scores")
-    assert said(text, "Operating points")[1] == AboutAsSet()
+    (as_set,) = said(text, "Operating points")
+    assert as_set.kind == "comparison"
     (split,) = said(text, "Encounters")
     assert (split.kind, split.test) == ("x", None)
     assert text.basis is Basis.NONE

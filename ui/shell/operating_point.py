@@ -109,10 +109,12 @@ def draw() -> None:
     if result is None:
         return
     now = points(result)
-    rates = [_rate(point) for point in now]
+    x, y = (_rate(point) for point in now)
     st.caption(
-        f"As set, single false alarms an hour: X\N{NO-BREAK SPACE}**{rates[0]}**, "
-        f"Y\N{NO-BREAK SPACE}**{rates[1]}**. Make them equal:",
+        f"Single false alarms an hour: X\N{NO-BREAK SPACE}**{x}**, "
+        f"Y\N{NO-BREAK SPACE}**{y}**. Make them equal:"
+        if state.result() is result
+        else "As set, X and Y have unequally many false alarms. Make them equal:",
         help=state.say(
             "Detections that match {nobody}, counted in every frame. False-alert episodes an hour, "
             "as on the Overview, are fewer: there a run of them counts once. A system that reports "

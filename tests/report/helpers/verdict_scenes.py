@@ -10,7 +10,6 @@ from builders import NAN, Box, at, make_dataset, result_of
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.measures import significance_table
-from nvcore.evidence.operating_points import EqualAlarms
 from nvcore.report.verdict import Verdict, verdict
 
 N_FRAMES = 3
@@ -62,7 +61,7 @@ def verdict_by(result: Result, *rows: dict[str, object], companions: bool = True
     """The verdict by this evidence, which holds at equal false alarms as well."""
     table = pd.DataFrame([row_of(BY_UNIT, NAN), *rows])
     table = table.drop_duplicates("figure", keep="last").reset_index(drop=True)
-    both = Companions(EqualAlarms(result, "x"), table, result) if companions else None
+    both = Companions(result, table, result) if companions else None
     return verdict(result, evidence=table, companions=both)
 
 

@@ -18,6 +18,7 @@ from nvcore.arguments.report import Inscription
 from nvcore.comparison import Result, compare
 from nvcore.errors import InputError
 from nvcore.evidence.bootstrap import INTERVAL_RULE
+from nvcore.evidence.operating_points import find_equal_alarms
 from nvcore.figures.venn import venn_figure
 from nvcore.findings import Finding, Severity
 from nvcore.inputs.load import load
@@ -45,6 +46,7 @@ from nvcore.report.html.page import css_text
 from nvcore.report.words import FUSION_RULE
 from nvcore.settings import Settings
 from nvcore.tables.encounters.severity import weighed_encounters
+from nvcore.wording import number
 
 HOSTILE = "</script><img src=x onerror=alert(1)>{{ 7*7 }}"
 
@@ -411,17 +413,18 @@ def test_a_folder_that_cannot_be_written_is_told(result, session, tmp_path):
         write_html_report(result, session, (), tmp_path / "file" / "r.html", stability=False)
 
 
-def test_at_unequal_operating_points_sections_are_marked_and_the_verdicts_numbers_beside(tmp_path):
-    path = tmp_path / "report.html"
-    write_html_report(at_thresholds(), Settings(), (), path, stability=False)
-    page = Page(path.read_text(encoding="utf-8"))
-    notes = [text for text in page.words if text.startswith("As set: at unequal operating points")]
-    assert len(notes) == 9
-    assert "nothing is claimed from that comparison." in page.text
-    (title,) = [title for title in page.tables if title.startswith("At equal false alarms (X with")]
-    rows = {row[0]: row[1:] for row in page.tables[title][1:]}
-    as_set = {row[0]: row[1:] for row in page.tables["Measures of X and Y"][1:]}
-    assert list(rows) == list(as_set)
-    assert rows["mean similarity"] != as_set["mean similarity"]
+def test_all_numbers_are_at_one_operating_point(tmp_path):
+    path, result = tmp_path / "report.html", at_thresholds()
+    equal = find_equal_alarms(result)
+    for of, n_marked in ((result, 9), (equal, 0)):
+        write_html_report(of, Settings(), (), path, stability=False)
+        page = Page(path.read_text(encoding="utf-8"))
+        as_set = "As set: at unequal operating points"
+        assert sum(text.startswith(as_set) for text in page.words) == n_marked
+        assert ("nothing is claimed from that comparison." in page.text) == (of is result)
+        assert ("At equal false alarms (X with scores of" in page.text) == (of is equal)
+        rows = {row[0]: row[1:] for row in page.tables["Measures of X and Y"][1:]}
+        assert rows["mean similarity"][0] == number(of.x.summary.mean, ".4f")
+        assert f"of {of.venn.n_near}" in page.text
     assert INTERVAL_RULE in " ".join(page.words)
     assert FUSION_RULE in " ".join(page.words)

@@ -12,8 +12,7 @@ from inputs import drive
 
 from nvcore.comparison import compare
 from nvcore.dataset.tables import dataset_from_tables
-from nvcore.evidence.companions import find_companions
-from nvcore.evidence.table import evidence_table
+from nvcore.evidence.operating_points import equal_setting, find_equal_alarms
 from nvcore.report.words import sampling_note
 from pages import checked, texts, to_page
 from pages import opened as opened_app
@@ -90,12 +89,11 @@ def test_the_same_operating_point_is_that_of_the_verdict(tmp_path: Path):
     alarms = "".join(f"urban,{frame},500,200,40,100,0.{frame}\n" for frame in range(10, 20))
     page = open_files(sent(truth, ("x.csv", fir + alarms.encode()), ("y.csv", nir)))
     result = compare(space_of(page).opened.dataset)
-    companions = find_companions(result, evidence_table(result))
-    assert companions.equal is not None
-    assert companions.equal.moved == "x"
+    equal = find_equal_alarms(result)
+    assert equal_setting(equal).moved == "x"
     press(page, "same_point")
     params = page.session_state["params"]
-    assert params.threshold_x == pytest.approx(companions.equal.result.x.threshold)
+    assert params.threshold_x == pytest.approx(equal.x.threshold)
     assert params.threshold_y is None
 
 

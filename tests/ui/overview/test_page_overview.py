@@ -302,25 +302,26 @@ def test_the_verdict_waits_for_the_comparison_at_equal_false_alarms(
     assert app.session_state["workspace"].job("companions") is job
 
 
-def test_at_unequal_operating_points_the_scorecard_can_be_that_of_the_verdict(app: AppTest):
-    mark = "As set: at unequal operating points"
+def test_the_operating_point_is_that_of_every_page_and_of_the_address(app: AppTest):
+    mark, control = "As set: at unequal operating points", "operating_point"
     assert mark not in texts(app)
-    assert "scorecard_basis" not in {control.key for control in app.button_group}
+    assert control not in {group.key for group in app.button_group}
     checked(app.slider(key="threshold_x").set_value(0.1).run())
-    at_equal = scorecard(app)
-    assert "At equal false alarms (X with scores of " in texts(app)
-    # Venn, strip, moments, recordings, evidence, groups
-    assert texts(app).count(mark) == 6
-    app.session_state["scorecard_basis"] = "as set"
-    checked(app.run())
-    assert texts(app).count(mark) == 7
-    assert scorecard(app)["false alarms per frame ↓"] != at_equal["false alarms per frame ↓"]
+    alarms = "false alarms per frame ↓"
+    at_equal = scorecard(app)[alarms]
+    assert texts(app).count("At equal false alarms (X with scores of ") == 1
+    assert mark not in texts(app)
+    assert "point" not in app.query_params
+    checked(app.button_group(key=control).set_value("as-set").run())
+    assert texts(app).count(mark) == 1
+    assert scorecard(app)[alarms] != at_equal
+    assert app.query_params["point"] == ["as-set"]
     for name in ("timeline", "encounters", "saliency"):
         assert texts(checked(to_page(app, name))).count(mark) == 1
-    checked(to_page(app, "overview"))
-    app.session_state["scorecard_basis"] = "equal false alarms"
-    checked(app.run())
-    checked(app.button(key="scorecard_set_equal_alarms").click().run())
+    checked(app.button_group(key=control).set_value("equal-alarms").run())
     assert mark not in texts(app)
-    found = "encounters detected, of 38 ↑"
-    assert scorecard(app)[found] == at_equal[found]
+    checked(to_page(app, "overview"))
+    assert scorecard(app)[alarms] == at_equal
+    checked(app.button(key="keep_threshold").click().run())
+    assert control not in {group.key for group in app.button_group}
+    assert scorecard(app)[alarms] == at_equal
