@@ -267,11 +267,10 @@ def operating_point() -> OperatingPoint:
 
 
 def set_operating_point(point: OperatingPoint) -> None:
-    """Choose it, here and in the page's address."""
+    """Choose it."""
     if point != operating_point():
         changed = replace(opened().session, operating_point=point)
         workspace().opened = replace(opened(), session=changed)
-        write_address()
 
 
 def _compare(dataset: Dataset, settings: Params, x: str, y: str, previous: Result | None) -> Result:

@@ -67,7 +67,7 @@ def draw_operating_point(result: Result) -> None:
                 "What is compared",
                 POINTS,
                 POINT,
-                on_change=lambda: state.set_operating_point(st.session_state[POINT]),
+                on_change=_choose_point,
                 label_visibility="collapsed",
                 help="Of every page, of reports and of files that are written here.",
             )
@@ -82,6 +82,11 @@ def draw_operating_point(result: Result) -> None:
                 args=(moved, result.system(moved).threshold),
                 help=f"Sets the threshold of {moved.upper()} in the sidebar.",
             )
+
+
+def _choose_point() -> None:
+    state.set_operating_point(st.session_state[POINT])
+    state.write_address()
 
 
 def needs_comparison(draw: Callable[[Result], None]) -> Callable[[], None]:

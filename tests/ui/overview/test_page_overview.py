@@ -315,7 +315,7 @@ def test_the_operating_point_is_that_of_every_page_and_of_the_address(app: AppTe
     checked(app.button_group(key=control).set_value("as-set").run())
     assert texts(app).count(mark) == 1
     assert scorecard(app)[alarms] != at_equal
-    assert app.query_params["point"] == ["as-set"]
+    assert app.query_params["point"] == "as-set"
     for name in ("timeline", "encounters", "saliency"):
         assert texts(checked(to_page(app, name))).count(mark) == 1
     checked(app.button_group(key=control).set_value("equal-alarms").run())
