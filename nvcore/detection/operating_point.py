@@ -60,11 +60,6 @@ class OperatingPoint:
     false_alarms_per_frame: float
     false_alarms_per_minute: float
 
-    @property
-    def false_alarms_per_hour(self) -> float:
-        """False alarms per hour of recording time; NaN without frames."""
-        return 60 * self.false_alarms_per_minute
-
 
 @dataclass(frozen=True)
 class SameOperatingPoint:
@@ -114,17 +109,17 @@ def point_of_matches(dataset: Dataset, matches: Matches, threshold: float | None
     return OperatingPoint(threshold, n_kept, n_alarms, float(per_frame[0]), float(per_minute[0]))
 
 
-def alarms_at_rate(dataset: Dataset, per_hour: float) -> int:
-    """Number of false alarms in a dataset at this rate; 0 without frames.
+def alarms_at_rate(dataset: Dataset, per_frame: float) -> int:
+    """How many false alarms so many per frame are.
 
     Raises
     ------
     ValueError
-        If the rate is negative or not finite.
+        If it is negative or not finite.
     """
-    if not 0 <= per_hour < np.inf:
-        raise ValueError(f"false alarms an hour: expected 0 or more, got {per_hour:g}")
-    return round(per_hour * dataset.frame_columns.duration_s / 3600)
+    if not 0 <= per_frame < np.inf:
+        raise ValueError(f"false alarms per frame: expected 0 or more, got {per_frame:g}")
+    return round(per_frame * len(dataset.frames))
 
 
 def false_alarm_curve(

@@ -15,7 +15,14 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result, compare
-from nvcore.evidence.measures import Judged, significance_table, unit_measures
+from nvcore.evidence.measures import (
+    Evidence,
+    Judged,
+    evidence_of,
+    judge,
+    significance_table,
+    unit_measures,
+)
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
 from nvcore.evidence.miss_rate import judge_miss_rate
 from nvcore.evidence.operating_points import (
@@ -116,7 +123,7 @@ def judge_equal_alarms(
     """
     units = find_units(equal) if units is None else units
     is_shifted = units.kind in WHOLE or has_intervals
-    judge = partial(
+    judge_one = partial(
         significance_table,
         extra=extra,
         keys=keys,
@@ -124,8 +131,18 @@ def judge_equal_alarms(
         shifts=shifts_at_equal_alarms(equal, units) if is_shifted else {},
         primary=primary,
     )
-    ends = [judge(end, has_intervals=False) for end in _ends_of_plateau(equal)]
-    return least_of(judge(equal, has_intervals=has_intervals), ends)
+    ends = [judge_one(end, has_intervals=False) for end in _ends_of_plateau(equal)]
+    return least_of(judge_one(equal, has_intervals=has_intervals), ends)
+
+
+def judge_keys(
+    result: Result, keys: Sequence[str], *, units: Units | None = None
+) -> tuple[Evidence, ...]:
+    """`nvcore.evidence.measures.judge`, at equal false alarms as `judge_equal_alarms` does."""
+    if result.as_set is None:
+        return judge(result, keys, units=units)
+    table = judge_equal_alarms(result, keys=keys, units=units, primary="")
+    return tuple(row for key in keys if (row := evidence_of(table, key)) is not None)
 
 
 def _ends_of_plateau(equal: Result) -> list[Result]:

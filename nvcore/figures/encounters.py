@@ -45,21 +45,22 @@ def fusion_plot(fusion: pd.DataFrame, *, theme: Theme) -> go.Figure:
         `nvcore.tables.encounters.miss_classes.fusion_table`.
     """
     n_encounters = int(fusion["encounters"].max()) if len(fusion) else 0
-    defined = fusion[fusion["episodes_per_hour"].notna()]
-    if not n_encounters or defined.empty:
+    if not n_encounters:
         return empty_figure("There is no encounter that counts.", theme=theme)
     look = LOOK[theme]
     colour = {"x": look.x, "y": look.y, "x_or_y": look.ink, "x_and_y": look.muted}
     symbol = {**SYMBOLS, "x": look.symbol("x"), "y": look.symbol("y")}
-    rows: list[Any] = list(defined.itertuples(index=False))
-    places: dict[tuple[float, int], list[str]] = {}
+    rows: list[Any] = list(fusion.itertuples(index=False))
+    places: dict[tuple[int, int], list[str]] = {}
     for row in rows:
-        places.setdefault((row.episodes_per_hour, row.encounters_detected), []).append(row.system)
+        places.setdefault((row.false_alert_episodes, row.encounters_detected), []).append(
+            row.system
+        )
     # of systems at one place each mark lies inside the one before, and one label names them all
     alike = {name: names for names in places.values() for name in names}
     traces = [
         go.Scatter(
-            x=[row.episodes_per_hour],
+            x=[row.false_alert_episodes],
             y=[row.encounters_detected],
             mode="markers+text",
             text=[_label_of(row.system, alike[row.system])],
@@ -77,8 +78,7 @@ def fusion_plot(fusion: pd.DataFrame, *, theme: Theme) -> go.Figure:
             },
             hovertext=[
                 f"{LABELS[row.system]}: {plain(row.name)}<br>{row.encounters_detected} of "
-                f"{n_encounters} encounters<br>{row.episodes_per_hour:.1f} false-alert episodes "
-                "per hour"
+                f"{n_encounters} encounters<br>{row.false_alert_episodes:,} false-alert episodes"
             ],
             hovertemplate="%{hovertext}<extra></extra>",
             name=LABELS[row.system],
@@ -86,7 +86,7 @@ def fusion_plot(fusion: pd.DataFrame, *, theme: Theme) -> go.Figure:
         for row in rows
         for place in (alike[row.system].index(row.system),)
     ]
-    most = float(defined["episodes_per_hour"].max())
+    most = float(fusion["false_alert_episodes"].max())
     ends = [-0.05 * most, 1.2 * most or 1.0]
     return draw(
         traces,
@@ -95,7 +95,7 @@ def fusion_plot(fusion: pd.DataFrame, *, theme: Theme) -> go.Figure:
         subtitle=f"{n_encounters:,} encounters that count; best is top left",
         hoverdistance=24,
         showlegend=False,
-        xaxis=axis(theme, "false-alert episodes per hour", range=ends, fixedrange=True),
+        xaxis=axis(theme, "false-alert episodes", range=ends, fixedrange=True),
         yaxis=axis(theme, "encounters detected", range=[0, 1.08 * n_encounters], fixedrange=True),
     )
 

@@ -15,6 +15,7 @@ from itertools import chain
 from typing import Any, Final
 
 import numpy as np
+import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.errors import ParameterError
@@ -29,8 +30,9 @@ from nvcore.measures.of_encounters import DETECTED, ENCOUNTER_MEASURES
 from nvcore.measures.of_frames import FRAME_MEASURES
 from nvcore.primary import Primary, now_text
 from nvcore.subjects import contributed
-from nvcore.wording import did_you_mean, difference, one_line
+from nvcore.wording import LEAST_HOURLY_S, did_you_mean, difference, duration_text, one_line
 
+HOUR_S: Final = 3600.0
 MEASURES: Final[tuple[Measure, ...]] = (
     *FRAME_MEASURES,
     *ENCOUNTER_MEASURES,
@@ -170,6 +172,29 @@ def evidence_label(key: str, result: Result, units: str) -> str:
     """
     template = inference_of(key).label or _BY_KEY[key].label
     return result.objects.say(template, **label_words(result, units))
+
+
+def shown_as(key: str, result: Result) -> tuple[float, str]:
+    """By what a measure is multiplied where it is shown, and what then follows a value.
+
+    Where recordings last seconds no rate an hour is shown, but the number "in 7.2 s".
+    """
+    inference = inference_of(key)
+    if inference.factor != HOUR_S or not 0 < result.duration_s < LEAST_HOURLY_S:
+        return 1.0, inference.noun_unit
+    return result.duration_s / HOUR_S, f" in {duration_text(result.duration_s)}"
+
+
+def as_shown(result: Result, evidence: pd.DataFrame) -> pd.DataFrame:
+    """A table of evidence with rates `shown_as` people read them."""
+    table = evidence.copy()
+    for key in set(table["figure"]) & set(_BY_KEY):
+        factor, unit = shown_as(key, result)
+        if factor != 1:
+            is_rate = table["figure"] == key
+            table.loc[is_rate, ["x", "y", "difference", "low", "high"]] *= factor
+            table.loc[is_rate, "label"] = f"{inference_of(key).noun}{unit}"
+    return table
 
 
 def difference_text(value: float, key: str) -> str:

@@ -285,10 +285,9 @@ def _fusion(result: Result) -> str:
     lines = []
     for label, system in (("X or Y", fusion.x), ("X and Y", fusion.y)):
         n_detected = int(system.encounters["is_detected"].sum())
-        alerts = system.false_alarm_summary.episodes_per_hour
         lines.append(
             f"fusion {label}: {n_detected} of {result.venn.n_near} encounters, "
-            f"{number(alerts, '.1f')} false-alert episodes/h, "
+            f"{system.false_alarm_summary.episodes:,} false-alert episodes, "
             f"mean similarity {number(system.summary.mean, '.4f')}"
         )
     lines.append(f"fusion: {FUSION_RULE[0].lower()}{FUSION_RULE[1:-1]}")

@@ -15,7 +15,7 @@ from nvcore.evidence.claims import Basis, Support, find_claims, values_of
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.units import MIN_RECORDINGS, WHOLE, count_whole
-from nvcore.measures.table import doubt_of, inference_of, measure_of
+from nvcore.measures.table import doubt_of, inference_of, measure_of, shown_as
 from nvcore.measures.values import duration_of_recordings
 from nvcore.sentences.facts import Chip, Interval
 from nvcore.wording import difference, duration_text, minus, number
@@ -92,7 +92,7 @@ KINDS: Final = (
         "false_alert_episodes_per_hour",
         "false_alert_episodes_per_hour",
         "False alerts",
-        "per hour, from {episodes} in {duration}",
+        "episodes per hour, from {episodes} in {duration}",
         ".0f",
     ),
     _Kind("worst_severity_s", "", "Worst miss", "severity of one encounter, s", ".1f"),
@@ -137,6 +137,12 @@ def _tile(
     x, y = values_of(kind.key, shown)
     is_count = kind.form == "d"
     form = ".0f" if is_count else kind.form
+    times = shown.venn.n_near if is_count else 1.0  # a share of encounters as a number of them
+    unit = kind.unit
+    if kind.key == kind.judged:
+        factor, per = shown_as(kind.key, shown)
+        if factor != 1:
+            x, y, times, unit = factor * x, factor * y, factor, f"episodes{per}"
     text_x, text_y = (number(value, form) for value in (x, y))
     measure = measure_of(kind.key)
     is_lower = measure.better == "lower"
@@ -145,7 +151,6 @@ def _tile(
     ends: tuple[float, float, float] | None = None
     interval = _no_interval(row)
     if row is not None and math.isfinite(row["low"]):
-        times = shown.venn.n_near if is_count else 1  # a share of encounters as a number of them
         low, middle, high = (times * float(row[name]) for name in ("low", "difference", "high"))
         interval = Interval("ends", _interval_text(low, high, ".1f" if is_count else kind.form))
         ends = _bar(low, middle, high, is_lower=is_lower)
@@ -153,7 +158,7 @@ def _tile(
     return Tile(
         key=kind.key,
         title=shown.objects.say(kind.title),
-        unit=kind.unit.format(
+        unit=unit.format(
             n_near=shown.venn.n_near,
             episodes=" and ".join(
                 f"{system.false_alarm_summary.episodes:,}" for _, system in shown.sides

@@ -31,7 +31,6 @@ from nvcore.sentences.encounters import (
     MoreEpisodes,
     NoFusion,
     Parted,
-    Rate,
 )
 from nvcore.sentences.facts import AtBest, Fact
 from nvcore.sentences.saliency import End, Event, OnAverage, Relevance, SaliencyOf, Sum, Weight
@@ -208,14 +207,12 @@ def _fused(
     row: dict[Hashable, Any], kind: Literal["x_or_y", "x_and_y"], best: str, n: int
 ) -> Fused:
     gain, more = row[f"gain_on_{best}"], row[f"more_episodes_than_{best}"]
-    per_hour = row[f"more_episodes_per_hour_than_{best}"]
-    rate = None if np.isnan(per_hour) else Rate(per_hour)
     return Fused(
         kind,
         row["encounters_detected"],
         n,
         Gain(_sign_of(gain), abs(gain), best),
-        MoreEpisodes(_sign_of(more), abs(more), rate),
+        MoreEpisodes(_sign_of(more), abs(more)),
     )
 
 

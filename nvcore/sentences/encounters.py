@@ -155,19 +155,11 @@ class Gain(Fact):
 
 
 @dataclass(frozen=True)
-class Rate(Fact):
-    """Episodes per hour beyond those of a single system."""
-
-    per_hour: float
-
-
-@dataclass(frozen=True)
 class MoreEpisodes(Fact):
     """False-alert episodes that a fusion has beyond those of a single system."""
 
     kind: Literal["more", "fewer", "same"]
     n: int
-    rate: Rate | None
 
 
 @dataclass(frozen=True)
@@ -256,10 +248,9 @@ TEXTS: Final[Texts] = {
         "fewer": "{n} fewer than {best!u} alone",
         "same": "as many as {best!u} alone",
     },
-    Rate: " ({per_hour:+.0f} an hour)",
     MoreEpisodes: {
-        "more": "costs {n!n:false-alert episode}{rate}",
-        "fewer": "saves {n!n:false-alert episode}{rate}",
+        "more": "costs {n!n:false-alert episode}",
+        "fewer": "saves {n!n:false-alert episode}",
         "same": "has as many false-alert episodes",
     },
     Fused: {

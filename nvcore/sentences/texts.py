@@ -16,7 +16,7 @@ Texts = Mapping[type[facts.Fact], str | Mapping[str, str]]
 UNEQUAL_POINTS: Final = "X and Y are set to different operating points"
 AS_SET: Final = "as set: at unequal operating points"
 """Marks numbers of X and Y from which nothing is claimed."""
-_ALARMS: Final = "X has {x:.3g} and Y {y:.3g} false alarms per frame"
+_ALARMS: Final = "X has {x:.3g} and Y {y:.3g} false boxes per frame"
 _NO_CLAIM: Final = "so nothing is claimed"
 
 _BY_ITSELF: Final = (
@@ -84,8 +84,9 @@ TEXTS: Final[Texts] = {
         "claims": "claims are about X and Y at equal false alarms ({setting}).",
     },
     facts.Setting: {
-        "all": "{moved!u} with all detections, {per_frame:.3g} per frame",
-        "some": "{moved!u} with scores of {threshold:g} or more, {per_frame:.3g} per frame",
+        "all": "{moved!u} with all detections, each {per_frame:.3g} false boxes per frame",
+        "some": "{moved!u} with scores of {threshold:g} or more, each {per_frame:.3g} false boxes "
+        "per frame",
     },
     facts.Tested: {
         "tested": " ({n!n:{noun}}, {p})",

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import CurveSummary
 from nvcore.measures.entry import Better, Measure, MeasureTable
-from nvcore.measures.table import applies_to, doubt_of, label_words, measures_in
+from nvcore.measures.table import applies_to, doubt_of, label_words, measures_in, shown_as
 
 
 class ScoreRow(NamedTuple):
@@ -77,6 +77,8 @@ def score_rows(
             continue
         if keys is not None and measure.key not in keys:
             continue
+        if measure.inference is not None and shown_as(measure.key, result)[0] != 1:
+            continue  # the number, which is a measure of its own, says as much
         # no row is a part of another in the table of false alerts
         is_whole = table is MeasureTable.FALSE_ALERTS or keys is not None
         part = "" if is_whole else measure.part

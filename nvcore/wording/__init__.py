@@ -141,9 +141,15 @@ def percent(share: float) -> str:
     return f"{100 * share:.0f} %"
 
 
+LEAST_HOURLY_S: Final = 600.0
+"""Shorter durations are in seconds, and no rate an hour is shown of them."""
+
+
 def duration_text(seconds: float) -> str:
-    """A duration in seconds, minutes or hours: "90 s", "55 min", "2.4 h"."""
-    if seconds < 600:
+    """A duration in seconds, minutes or hours: "7.2 s", "90 s", "55 min", "2.4 h"."""
+    if seconds < 10:
+        return f"{seconds:.2g} s"
+    if seconds < LEAST_HOURLY_S:
         return f"{seconds:.0f} s"
     return f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:,.1f} h"
 

@@ -127,7 +127,6 @@ def draw_fusion(result: Result) -> None:
             hide_index=True,
             placeholder=UNDEFINED,
             column_config={
-                "Episodes per hour": st.column_config.NumberColumn(format="%.0f"),
                 "Mean similarity": st.column_config.NumberColumn(format="%.3f"),
             },
         )
@@ -138,7 +137,7 @@ def _fusion_shown(fusion: pd.DataFrame) -> pd.DataFrame:
         {
             "System": [LABELS[kind] for kind in fusion["system"]],
             "Encounters": fusion["encounters_detected"],
-            "Episodes per hour": fusion["episodes_per_hour"],
+            "False-alert episodes": fusion["false_alert_episodes"],
             "Mean similarity": fusion["mean_similarity"],
         }
     )

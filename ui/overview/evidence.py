@@ -15,7 +15,7 @@ from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.units import BLOCKS
 from nvcore.figures.forest import forest_in_words, subgroup_forest
-from nvcore.measures.table import EVIDENCE_KEYS, evidence_form, inference_of
+from nvcore.measures.table import EVIDENCE_KEYS, as_shown, evidence_form, inference_of
 from nvcore.report.words import effect_text
 from nvcore.sentences.texts import AS_SET
 from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number
@@ -32,6 +32,7 @@ HEAD: Final = ("X", "Y", "X − Y", "95 % interval", "p", "p (corrected)", "effe
 def draw(result: Result, evidence: pd.DataFrame) -> None:
     """The table of evidence, and the same by groups of encounters."""
     st.header("Is the difference real?")
+    evidence = as_shown(result, evidence)
     rows, notes = shown_evidence(result, evidence)
     head = (*HEAD, SETTING) if are_unequal(result) else HEAD
     st.html(measures_html(rows, key="evidence", head=head))

@@ -111,14 +111,14 @@ def draw() -> None:
     now = points(result)
     x, y = (_rate(point) for point in now)
     st.caption(
-        f"Single false alarms an hour: X\N{NO-BREAK SPACE}**{x}**, "
+        f"False boxes per frame: X\N{NO-BREAK SPACE}**{x}**, "
         f"Y\N{NO-BREAK SPACE}**{y}**. Make them equal:"
         if state.result() is result
         else "As set, X and Y have unequally many false alarms. Make them equal:",
         help=state.say(
-            "Detections that match {nobody}, counted in every frame. False-alert episodes an hour, "
-            "as on the Overview, are fewer: there a run of them counts once. A system that reports "
-            "more of everything looks better unless both have equally many."
+            "False alarms: detections that match {nobody}, counted in every frame. False-alert "
+            "episodes are fewer: there a run of them counts once. A system that reports more of "
+            "everything looks better unless both have equally many."
         ),
     )
     with st.container(horizontal=True, gap="xsmall", key="same_points"):
@@ -134,7 +134,7 @@ def draw() -> None:
                 on_click=move,
                 args=(letter,),
             )
-        _draw_both(min(point.false_alarms_per_hour for point in now))
+        _draw_both(min(point.false_alarms_per_frame for point in now))
     draw_change("sidebar")
 
 
@@ -142,16 +142,17 @@ def _draw_both(lower: float) -> None:
     """The field for a rate, which begins with the lower of both."""
     why = why_fixed("x") or why_fixed("y")
     if not why and math.isnan(lower):
-        why = "Without frames there are no false alarms an hour."
+        why = "There are no frames."
     with st.popover("Both to", disabled=bool(why), help=why or None, key="point_both"):
         if not why:
-            start = round(lower)
+            start = round(lower, 3)
             key = f"{RATE}_{start}"  # of another comparison it begins anew
             st.number_input(
-                "False alarms an hour, of X and of Y",
+                "False boxes per frame, of X and of Y",
                 min_value=0.0,
-                value=float(start),
-                format="%.0f",
+                value=start,
+                step=0.01,
+                format="%.3f",
                 key=key,
             )
             st.button(
@@ -195,12 +196,12 @@ def change_text(moved: Move) -> str:
         if old == new:
             parts.append(
                 f"{letter.upper()} stays at the threshold {_threshold(old)}, {_rate(old)} false "
-                "alarms an hour: no other comes nearer"
+                "boxes per frame: no other comes nearer"
             )
             continue
         parts.append(
             f"{letter.upper()}: threshold {_threshold(old)} → {_threshold(new)}, "
-            f"{_rate(old)} → {_rate(new)} false alarms an hour"
+            f"{_rate(old)} → {_rate(new)} false boxes per frame"
         )
     if len(moved.letters) == 1:
         at = "yx".index(moved.letters)
@@ -213,4 +214,4 @@ def _threshold(point: OperatingPoint) -> str:
 
 
 def _rate(point: OperatingPoint) -> str:
-    return number(point.false_alarms_per_hour, ".0f")
+    return number(point.false_alarms_per_frame, ".3g")

@@ -9,7 +9,8 @@ import numpy as np
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.evidence.measures import Evidence, judge
+from nvcore.evidence.companions import judge_keys
+from nvcore.evidence.measures import Evidence
 from nvcore.evidence.units import BLOCKS
 from nvcore.measures.table import evidence_form
 from nvcore.stages import THRESHOLD
@@ -21,6 +22,7 @@ from nvcore.time_left.settings import TIME_LEFT
 from nvcore.time_left.steps import time_left_in
 from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number
 from ui.session import state
+from ui.session.results.evidence import comparison_key
 from ui.widgets.html import MeasureRow, measures_html, score_row
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
@@ -91,9 +93,8 @@ def _draw_measures(result: Result) -> None:
 
 def _evidence(result: Result) -> dict[str, Evidence]:
     """Evidence of the measures that have an interval over recordings or blocks, by key."""
-    key = (result.params, result.x.name, result.y.name)
-    keys = (SHARE, "mean_impact_kmh")
-    evidence = state.cached("time_left_evidence", key, lambda: judge(result, keys), most=8)
+    keys, key = (SHARE, "mean_impact_kmh"), comparison_key(result)
+    evidence = state.cached("time_left_evidence", key, lambda: judge_keys(result, keys), most=8)
     return {row.figure: row for row in evidence}
 
 

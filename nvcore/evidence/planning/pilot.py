@@ -11,12 +11,10 @@ from nvcore.comparison import Result
 from nvcore.detection.filtered_truth import filter_truth
 from nvcore.errors import InputError, ParameterError
 from nvcore.evidence.bootstrap import ROUNDING
-from nvcore.evidence.companions import judge_equal_alarms
+from nvcore.evidence.companions import judge_keys
 from nvcore.evidence.measures import (
     Evidence,
     UnitMeasure,
-    evidence_of,
-    judge_measure,
     unit_measures,
 )
 from nvcore.evidence.miss_rate import NEEDED, judge_miss_rate, log_average_miss_rate_measure
@@ -133,11 +131,8 @@ def judge_key(
     units = find_units(result) if units is None else units
     if inference_of(key).test == "curve":
         return judge_miss_rate(result, units, protocol).evidence
-    if result.as_set is not None:
-        row = evidence_of(judge_equal_alarms(result, keys=[key], units=units, primary=""), key)
-        assert row is not None
-        return row
-    return judge_measure(_unit_measure(result, units, key), units)
+    (row,) = judge_keys(result, [key], units=units)
+    return row
 
 
 def make_pilot(

@@ -124,7 +124,7 @@ def report_content(
         similarity_section(result),
         saliency_section(result),
         false_alerts_section(result),
-        significance_section(evidence, theme),
+        significance_section(result, evidence, theme),
         plan_section(result, evidence, plans),
         subgroups_section(subgroups, theme),
         detection,

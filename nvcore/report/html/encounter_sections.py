@@ -198,17 +198,16 @@ def _fusion(fusion: pd.DataFrame) -> Table:
             names[row["system"]],
             f"{row['encounters_detected']:,}",
             f"{row['false_alert_episodes']:,}",
-            number(row["episodes_per_hour"], ".1f"),
             number(row["mean_similarity"], ".4f"),
         )
         for row in fusion.to_dict("records")
     ]
-    head = ("System", "Encounters detected", "False-alert episodes", "Per hour", "Mean similarity")
+    head = ("System", "Encounters detected", "False-alert episodes", "Mean similarity")
     note = (
         "What if both were one system: \u201cX or Y\u201d shows what either shows (a pair of boxes "
         f"that overlap once), \u201cX and Y\u201d only what both show. {FUSION_RULE}"
     )
-    return table("X and Y as one system", head, rows, right=range(1, 5), note=note)
+    return table("X and Y as one system", head, rows, right=range(1, 4), note=note)
 
 
 def only_one_section(result: Result) -> Section:

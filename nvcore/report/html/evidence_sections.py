@@ -24,7 +24,7 @@ from nvcore.figures.detection import CurveKind, curve_plot, legend_text
 from nvcore.figures.forest import forest_in_words, subgroup_forest
 from nvcore.figures.stability import stability_map
 from nvcore.measures.of_encounters import DETECTED
-from nvcore.measures.table import evidence_form
+from nvcore.measures.table import as_shown, evidence_form
 from nvcore.objects import Objects
 from nvcore.palette import Theme
 from nvcore.progress import Progress, no_progress
@@ -101,8 +101,9 @@ def verdict_section(conclusion: Verdict) -> Section:
     return Section("verdict", "What the verdict rests on", words.VERDICT, blocks)
 
 
-def significance_section(evidence: pd.DataFrame, theme: Theme) -> Section:
+def significance_section(result: Result, evidence: pd.DataFrame, theme: Theme) -> Section:
     """Every difference with its interval and p-value, and how these were computed."""
+    evidence = as_shown(result, evidence)
     rows, ways = [], []
     for row in evidence.to_dict("records"):
         values = (number(row[letter], evidence_form(row["figure"])) for letter in "xy")

@@ -13,6 +13,7 @@ from nvcore.comparison import Result
 from nvcore.evidence.claims import Basis, Claim, decided_on, find_claims
 from nvcore.evidence.companions import Companions
 from nvcore.findings import Finding, Severity
+from nvcore.measures.table import as_shown
 from nvcore.objects import Objects
 from nvcore.report.verdict import points
 from nvcore.report.verdict.headline import headline
@@ -169,6 +170,7 @@ def verdict(
         return Verdict(Headline("wrong inputs"), (), (), Basis.NONE, doubt, result.objects)
     support = find_claims(result, evidence, companions)
     about, decisive = decided_on(result, evidence, companions)
+    decisive = None if decisive is None else as_shown(about, decisive)
     tested = decisive if about is result else None
     every = in_place(
         (

@@ -14,7 +14,7 @@ from nvcore.evidence.companions import Companions
 from nvcore.evidence.measures import primary_of
 from nvcore.evidence.operating_points import are_unequal, has_scores
 from nvcore.evidence.units import MIN_RECORDINGS, WHOLE, count_whole
-from nvcore.measures.table import evidence_form, inference_of, measure_of
+from nvcore.measures.table import evidence_form, measure_of, shown_as
 from nvcore.sentences.facts import Amount, Better, Compared, Conclusion, Fact, Headline, Named
 from nvcore.subjects import contributed
 
@@ -59,7 +59,7 @@ def _conclusion(
             "claimed",
             n_recordings=max(claim.n for claim in support.claims),
             noun=noun,
-            better=_better(ranked, evidence, n_with_values=0 if are_unequal(result) else 1),
+            better=_better(result, ranked, evidence, 0 if are_unequal(result) else 1),
             remarks=_remarks(result, support.claims),
         )
     if companions is None and support.withheld:
@@ -71,7 +71,7 @@ def _conclusion(
             n_recordings=n,
             noun=noun,
             n_needed=MIN_RECORDINGS,
-            better=_better(within, evidence, n_with_values=len(within)),
+            better=_better(result, within, evidence, len(within)),
             remarks=_remarks(result, within),
         )
     if not np.isfinite(evidence["p_corrected"]).any():
@@ -93,7 +93,7 @@ def _remarks(result: Result, claims: Sequence[Claim]) -> tuple[Fact, ...]:
 
 
 def _better(
-    claims: Sequence[Claim], evidence: pd.DataFrame, *, n_with_values: int
+    result: Result, claims: Sequence[Claim], evidence: pd.DataFrame, n_with_values: int
 ) -> tuple[Better, ...]:
     """In what each system is better, the first differences with their values."""
     of_key = {row["figure"]: row for row in evidence.to_dict("records")}
@@ -104,7 +104,7 @@ def _better(
         key, row = claim.key, of_key[claim.key]
         if key not in with_values:
             return Named(key)
-        form, unit = evidence_form(key), inference_of(key).noun_unit
+        form, (_, unit) = evidence_form(key), shown_as(key, result)
         x, y = (Amount(float(row[letter]), form, unit) for letter in "xy")
         return Compared(key, x, y) if claim.winner == "x" else Compared(key, y, x)
 

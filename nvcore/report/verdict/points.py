@@ -28,7 +28,7 @@ from nvcore.evidence.operating_points import (
     has_scores,
 )
 from nvcore.evidence.units import WHOLE
-from nvcore.measures.table import evidence_form, has_several_recordings, inference_of, measure_of
+from nvcore.measures.table import evidence_form, has_several_recordings, measure_of, shown_as
 from nvcore.measures.values import relevant_share
 from nvcore.primary import DEFAULT
 from nvcore.report.words import every_nth
@@ -194,7 +194,7 @@ def chance(result: Result, evidence: pd.DataFrame | None, support: Support) -> t
     of_key = {row["figure"]: row for row in evidence.to_dict("records")}
     said: list[Fact] = []
     if support.claims:
-        shown = (_shown(claim, of_key[claim.key]) for claim in support.claims)
+        shown = (_shown(result, claim, of_key[claim.key]) for claim in support.claims)
         said.append(facts.MoreThanChance(tuple(shown)))
     for reason in dict.fromkeys(support.withheld.values()):
         withheld = (key for key in CLAIMED if support.withheld.get(key) == reason)
@@ -208,11 +208,11 @@ def chance(result: Result, evidence: pd.DataFrame | None, support: Support) -> t
     return tuple(said)
 
 
-def _shown(claim: Claim, row: Mapping[Hashable, Any]) -> facts.Shown:
+def _shown(result: Result, claim: Claim, row: Mapping[Hashable, Any]) -> facts.Shown:
     key, low, high = claim.key, row["low"], row["high"]
     interval = ""
     if np.isfinite(low):
-        interval = interval_text(low, high, evidence_form(key)) + inference_of(key).noun_unit
+        interval = interval_text(low, high, evidence_form(key)) + shown_as(key, result)[1]
     return facts.Shown(key, claim.winner, facts.P(row["p"], claim.p), interval)
 
 
