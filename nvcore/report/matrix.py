@@ -48,7 +48,7 @@ class PairMeasure(NamedTuple):
     key: str
     title: str
     claim: str
-    say: Callable[[float], str]
+    form: Callable[[float], str]
     value: str
     evidence: str
     winner: str
@@ -116,7 +116,7 @@ def pair_text(pair: Mapping[Hashable, Any]) -> str:
             p = f"p = {pair[f'{measure.evidence}_p_holm']:.2g} corrected"
             if not pair["is_unequal"]:  # whose values are as set, and not what the claim is about
                 order = "xy" if winner == pair["x"] else "yx"
-                values = (measure.say(pair[f"{measure.value}_{letter}"]) for letter in order)
+                values = (measure.form(pair[f"{measure.value}_{letter}"]) for letter in order)
                 p = f"{' against '.join(values)}, {p}"
             claims.append(f"{winner} {measure.claim} ({p})")
     text = "; ".join(claims) or NO_CLAIM

@@ -287,7 +287,7 @@ def _fusion(result: Result) -> str:
         n_detected = int(system.encounters["is_detected"].sum())
         lines.append(
             f"fusion {label}: {n_detected} of {result.venn.n_near} encounters, "
-            f"{system.false_alarm_summary.episodes:,} false-alert episodes, "
+            f"{count_text(system.false_alarm_summary.episodes, 'false-alert episode')}, "
             f"mean similarity {number(system.summary.mean, '.4f')}"
         )
     lines.append(f"fusion: {FUSION_RULE[0].lower()}{FUSION_RULE[1:-1]}")

@@ -78,7 +78,8 @@ def score_rows(
         if keys is not None and measure.key not in keys:
             continue
         if measure.inference is not None and shown_as(measure.key, result)[0] != 1:
-            continue  # the number, which is a measure of its own, says as much
+            tracked |= {whole} if measure.inference.needs_tracks else set()
+            continue  # the number, of which it is a part, says as much
         # no row is a part of another in the table of false alerts
         is_whole = table is MeasureTable.FALSE_ALERTS or keys is not None
         part = "" if is_whole else measure.part

@@ -50,11 +50,10 @@ def test_a_comparison_has_the_operating_points_of_its_thresholds():
     result = result_of(small(), threshold_x=0.4)
     of_matches = point_of_matches(result.dataset, result.x.matches, result.x.threshold)
     assert of_matches == operating_point(small(), "x", PARAMS, threshold=0.4)
-    assert of_matches.false_alarms_per_hour == pytest.approx(2 / 0.4 * 3600)
 
 
 def test_a_rate_of_false_alarms_is_a_number_of_them_in_the_data():
-    assert alarms_at_rate(small(), 2 / 0.4 * 3600) == 2
+    assert alarms_at_rate(small(), 0.5) == 2
     assert alarms_at_rate(small(), 0) == 0
     assert alarms_at_rate(make_dataset(frames=[]), 100) == 0
     for rate in (-1, NAN, np.inf):

@@ -56,7 +56,7 @@ def fusion(rate: float = 30.0, encounters: int = 10) -> pd.DataFrame:
         {
             "system": ["x", "y", "x_or_y", "x_and_y"], "name": ["FIR", "NIR", "<b>", "both"],
             "encounters_detected": [7, 6, 9, 4], "encounters": encounters,
-            "episodes_per_hour": [rate, 2 * rate, 3 * rate, 0 * rate],
+            "false_alert_episodes": [rate, 2 * rate, 3 * rate, 0 * rate],
         }
     )  # fmt: skip
 
@@ -83,7 +83,6 @@ def test_without_anything_to_draw_a_figure_says_so() -> None:
         (position_map(SIX[:0], theme="light", objects=PEDESTRIAN), "widen the filters"),
         (lead_time_plot(SIX[2:3], theme="light", objects=PEDESTRIAN), "matched by both systems"),
         (recordings_plot(recordings(), NAMES, theme="light"), "no recording"),
-        (fusion_plot(fusion(rate=np.nan), theme="light"), "no encounter"),
         (fusion_plot(fusion(encounters=0), theme="light"), "no encounter"),
     ):
         assert told in words(figure)
@@ -221,7 +220,7 @@ def test_fusion_shows_encounters_against_false_alerts() -> None:
 
 def test_systems_at_one_place_have_one_label_and_marks_inside_each_other() -> None:
     table = fusion()
-    table.loc[table["system"] == "y", ["episodes_per_hour", "encounters_detected"]] = 30, 7
+    table.loc[table["system"] == "y", ["false_alert_episodes", "encounters_detected"]] = 30, 7
     figure = fusion_plot(table, theme="light")
     x, y = trace(figure, "X"), trace(figure, "Y")
     assert (x.text[0], y.text[0]) == ("X = Y", "")

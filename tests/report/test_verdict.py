@@ -113,7 +113,7 @@ def test_the_measures_stand_side_by_side(better_x: Result):
         ("mean_similarity", "1.000", ""),
         ("severity_s_per_encounter", "0.00 s", ""),
         ("saliency", "0.00 s", ""),
-        ("false_alert_episodes", "0", " in 2 s"),
+        ("false_alert_episodes", "0", " in 1.8 s"),
         ("log_average_miss_rate", "100.0%", ""),
     ]
 
@@ -285,7 +285,7 @@ def test_a_difference_says_for_whom_it_speaks_with_its_unit_and_no_exponent(bett
         verdict_by(better_x, episodes | {"difference": -1.0}, saliency, miss_rate), "Chance"
     )
     assert {(of.key, of.winner, of.interval) for of in chance.shown} == {
-        ("false_alert_episodes_per_hour", "x", "-358.2 to -12,000.0 per hour"),
+        ("false_alert_episodes_per_hour", "x", "-0.2 to -6.0 in 1.8 s"),
         ("saliency", "y", "+0.50 to +2.00 s"),
         ("log_average_miss_rate", "x", "-12.0 pp to -2.0 pp"),
     }
@@ -320,7 +320,7 @@ def test_a_verdict_in_words(better_x: Result):
         "The worst single failure is Y's: pedestrian 2 in r0, 0.3 s.",
         "X has higher mean similarity (1.000 against 0.398), lower severity per encounter (0.00 "
         "against 0.20 s), lower saliency (0.00 against 0.30 s) and fewer false-alert episodes (0 "
-        "against 1 in 2 s).",
+        "against 1 in 1.8 s).",
         "More than chance: encounters detected (X better, X - Y 95 % interval +20.0 pp to +90.0 "
         "pp, p = 0.006; 0.012 after correction).",
         "Not claimed: mean similarity (X ends early).",

@@ -23,7 +23,7 @@ from nvcore.report.words import (
     saliency_caveat,
 )
 from nvcore.sentences import say
-from nvcore.sentences.encounters import Gain, MoreEpisodes, NoFusion
+from nvcore.sentences.encounters import Gain, NoFusion
 from nvcore.sentences.facts import AtBest
 from nvcore.sentences.saliency import End, Relevance, Weight
 from nvcore.tables.encounters.miss_classes import fusion_table
@@ -121,8 +121,7 @@ def fusion() -> pd.DataFrame:
 def test_gain_and_cost_of_a_fusion_are_told_against_the_better_system(fusion: pd.DataFrame):
     gains = fusion_gains(fusion)
     assert [say(gain, PEDESTRIAN) for gain in gains] == [
-        "“X or Y” detects 3 of 3 encounters, 1 more than X alone, and costs 1 false-alert episode "
-        "(+3600 an hour).",
+        "“X or Y” detects 3 of 3 encounters, 1 more than X alone, and costs 1 false-alert episode.",
         "“X and Y” detects 1 of 3 encounters, 1 fewer than X alone, and has as many false-alert "
         "episodes.",
     ]
@@ -133,11 +132,7 @@ def test_gain_and_cost_of_a_fusion_are_told_against_the_better_system(fusion: pd
     assert (both.gain, both.cost.kind, both.cost.n) == (Gain("fewer", 2, "y"), "fewer", 1)
 
 
-def test_an_unknown_rate_is_not_told_and_a_fusion_of_nothing_gains_nothing(
-    fusion: pd.DataFrame, nothing: Result
-):
-    fusion["more_episodes_per_hour_than_x"] = np.nan
-    assert fusion_gains(fusion)[0].cost == MoreEpisodes("more", 1, None)
+def test_a_fusion_of_nothing_gains_nothing(nothing: Result):
     assert fusion_gains(fusion_table(nothing)) == (NoFusion(),)
 
 

@@ -33,7 +33,7 @@ def keys(page: AppTest) -> set[str | None]:
 
 
 def rates(page: AppTest) -> str:
-    return next(one.value for one in page.caption if "false alarms an hour" in one.value)
+    return next(one.value for one in page.caption if "False boxes per frame" in one.value)
 
 
 def test_where_no_setting_acts_they_are_folded_away_and_x_and_y_stay():
@@ -100,12 +100,12 @@ def rate_field(page: AppTest) -> NumberInput:
 @pytest.mark.usefixtures("every_setting_acts")
 def test_both_get_as_many_false_alarms_as_are_asked_for_until_a_threshold_moves_again():
     page = checked(opened(QUICK))
-    rate_field(page).set_value(600.0)
+    rate_field(page).set_value(0.2)
     press(page, "point_set")
     result = page.session_state["workspace"].result
-    hours = result.dataset.frame_columns.duration_s / 3600
+    n_frames = len(result.dataset.frames)
     for system in (result.x, result.y):
-        assert system.matches.is_false_alarm.sum() == pytest.approx(600 * hours, abs=2)
+        assert system.matches.is_false_alarm.sum() == pytest.approx(0.2 * n_frames, abs=2)
     assert "X: threshold 0.5 →" in texts(page)
     assert "Y: threshold 0.5 →" in texts(page)
     checked(page.slider(key="threshold_x").set_value(0.9).run())
@@ -116,12 +116,12 @@ def test_both_get_as_many_false_alarms_as_are_asked_for_until_a_threshold_moves_
 def test_the_rate_for_both_begins_with_the_lower_one_of_each_comparison():
     page = checked(opened(QUICK))
     starts = {rate_field(page).value}
-    rate_field(page).set_value(600.0)
+    rate_field(page).set_value(0.2)
     checked(page.slider(key="threshold_x").set_value(0.9).run())
     result = page.session_state["workspace"].result
-    lower = min(point.false_alarms_per_hour for point in points(result))
-    assert rate_field(page).value == round(lower)
-    assert rate_field(page).value not in starts | {600.0}
+    lower = min(point.false_alarms_per_frame for point in points(result))
+    assert rate_field(page).value == round(lower, 3)
+    assert rate_field(page).value not in starts | {0.2}
 
 
 @pytest.mark.usefixtures("every_setting_acts")
@@ -135,7 +135,7 @@ def test_without_scores_the_buttons_are_disabled_and_say_why(tmp_path: Path, mon
     assert page.button(key="point_y").disabled
     assert "Y has no scores that differ" in page.button(key="point_y").help
     assert "point_set" not in keys(page)
-    assert "Single false alarms an hour: X" in rates(page)
+    assert "False boxes per frame: X" in rates(page)
 
 
 @pytest.mark.usefixtures("every_setting_acts")
