@@ -13,7 +13,7 @@ from nvcore.dataset import Dataset
 from nvcore.detection.filtered_truth import FilteredTruth, filter_detections, filter_truth
 from nvcore.detection.operating_point import MIXED_POINTS, thinned
 from nvcore.errors import ParameterError
-from nvcore.metrics.matching import match_boxes
+from nvcore.metrics.matching import Matches, match_boxes, match_system
 from nvcore.params import Params
 from nvcore.protocols import PROTOCOLS, Protocol
 from nvcore.schema import DetectionState
@@ -296,7 +296,12 @@ def detection_outcomes(
     Parameters and errors as `detection_curve`. Detections that ignored boxes absorb are left out.
     """
     truth = filter_truth(dataset, protocol)
-    return _outcomes(dataset, truth, _taking_part(dataset, system, protocol), params)
+    detections = _taking_part(dataset, system, protocol)
+    matches = None
+    all_of_them = dataset.system(system)
+    if detections is all_of_them and np.array_equal(truth.truth.ignore, dataset.truth.ignore):
+        matches = match_system(dataset, system, None, params)
+    return _outcomes(dataset, truth, detections, params, matches=matches)
 
 
 def curve_table(curve: DetectionCurve, *, windows_per_image: float | None = None) -> pd.DataFrame:
@@ -329,9 +334,11 @@ def _outcomes(
     params: Params,
     *,
     threshold: float | None = None,
+    matches: Matches | None = None,
 ) -> Outcomes:
     frames = dataset.frame_columns
-    matches = match_boxes(truth.truth, detections, frames, params, threshold=threshold)
+    if matches is None:
+        matches = match_boxes(truth.truth, detections, frames, params, threshold=threshold)
     is_here = truth.is_counted[detections.frame_index]
     rows = np.flatnonzero(is_here & matches.is_counted)
     rows = rows[np.argsort(-detections.score[rows], kind="stable")]

@@ -61,16 +61,20 @@ class Matches:
 
 
 def match_system(dataset: Dataset, name: str, threshold: float | None, params: Params) -> Matches:
-    """Match all detections of a system; see `match_boxes`. The latest is kept with the dataset."""
+    """Match all detections of a system; see `match_boxes`.
+
+    The latest is kept with the dataset, and the latest without a threshold.
+    """
     rule = (params.match, params.iou, params.lateral_tolerance, params.match_class)
     key = (threshold, *rule)
-    before = dataset.derived.get(("matches", name))
+    place = ("matches", name, threshold is None)
+    before = dataset.derived.get(place)
     matches: Matches | None = before[1] if before is not None and before[0] == key else None
     if matches is None:
         matches = match_boxes(
             dataset.truth, dataset.system(name), dataset.frame_columns, params, threshold=threshold
         )
-        dataset.derived["matches", name] = key, matches
+        dataset.derived[place] = key, matches
     return matches
 
 
