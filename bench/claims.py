@@ -31,7 +31,6 @@ from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
 from nvcore.evidence.table import judge_both
 from nvcore.metrics.shares import share_of
-from nvcore.params import Params
 from nvcore.report.verdict import Verdict, verdict
 
 ROOT: Final = Path(__file__).resolve().parent.parent
@@ -266,7 +265,7 @@ def _detections(
 
 def judge(dataset: Dataset) -> tuple[Verdict, pd.DataFrame]:
     """The verdict, as page, command line and report give it, and the evidence as set."""
-    result = compare(dataset, Params(), x="x", y="y")
+    result = compare(dataset)
     evidence, companions = judge_both(result, has_intervals=False)
     return verdict(result, evidence=evidence, companions=companions), evidence
 

@@ -24,6 +24,7 @@ from nvcore.evidence.claims import Claim
 from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.measures import Judged
 from nvcore.evidence.miss_rate import judge_miss_rate
+from nvcore.evidence.operating_points import at_operating_point
 from nvcore.evidence.planning import Plan, plan_recordings
 from nvcore.evidence.table import evidence_table
 from nvcore.evidence.units import find_units
@@ -202,6 +203,8 @@ class Comparison:
     def plan(self, asked: PlanArguments) -> Plan:
         """How many recordings like these would show a difference, or non-inferiority.
 
+        Where X and Y are set to unequally many false alarms, at equally many.
+
         Parameters
         ----------
         measure, difference, margin, candidate, power, n_tests
@@ -212,7 +215,8 @@ class Comparison:
         ParameterError
             If a study cannot be planned for this measure, or a value is outside its range.
         """
-        return plan_recordings(self.result, asked, protocol=self.protocol)
+        result = at_operating_point(self.result, "equal-alarms")
+        return plan_recordings(result, asked, protocol=self.protocol)
 
     def write(
         self, folder: str | Path, *, tables: TableFormat = "csv", matches: bool = False

@@ -20,7 +20,8 @@ class PlanArguments:
     Attributes
     ----------
     measure
-        A name of `nvcore.evidence.planning.PLAN_KEYS`, such as ``encounters_detected``.
+        A name of `nvcore.evidence.planning.PLAN_KEYS`, such as ``encounters_detected``; None: the
+        primary measure.
     difference
         Size of the difference to be shown, in the unit of the measure, shares from 0 to 1: the
         smallest one that would matter. None: as in these recordings.
@@ -36,12 +37,12 @@ class PlanArguments:
         is at most 0.05 over this number.
     """
 
-    measure: str = argument(
+    measure: str | None = argument(
         STUDY,
-        "What to compare by: severity_s_per_encounter, encounters_detected, mean_similarity, "
-        "share_low, lost_s_per_min, saliency, in_time, mean_impact_kmh, useful_alerts, "
-        "false_alert_episodes_per_hour or log_average_miss_rate.",
-        default="encounters_detected",
+        "What to compare by, if not by the primary measure: severity_s_per_encounter, "
+        "encounters_detected, mean_similarity, share_low, lost_s_per_min, saliency, in_time, "
+        "mean_impact_kmh, useful_alerts, false_alert_episodes_per_hour or log_average_miss_rate.",
+        default=None,
         metavar="KEY",
     )
     _: KW_ONLY

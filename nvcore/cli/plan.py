@@ -72,7 +72,8 @@ def plan(out: Path | None, as_json: bool, strict: bool, **options: Any) -> None:
     from nvcore.report.protect_inputs import files_read, refuse_to_replace
     from nvcore.report.terminal import render_findings
 
-    key = plan_key(options["measure"])
+    session = session_from(options, needs_y=True)
+    key = plan_key(options["measure"] or session.primary.key)
     for name in ("difference", "margin"):
         options[name] = _amount(flag_of(name), options[name], key)
     asked = arguments_of(PlanArguments, options)
@@ -80,11 +81,10 @@ def plan(out: Path | None, as_json: bool, strict: bool, **options: Any) -> None:
         raise click.UsageError(
             f"--out: expected a file that ends in .json, got {one_line(str(out))}"
         )
-    session = session_from(options, needs_y=True)
     if out is not None:
         refuse_to_replace([out], files_read(session))
     with errors_of(session):
-        result, findings = compare_session(session)
+        result, findings = compare_session(session, "equal-alarms")
     protocol = result.dataset.settings.protocol
     plan = plan_recordings(result, asked, protocol=protocol)
     row = plan.evidence

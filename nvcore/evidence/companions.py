@@ -189,12 +189,6 @@ def least_of(evidence: pd.DataFrame, ends: Sequence[pd.DataFrame]) -> pd.DataFra
     )
 
 
-def shifts_of(result: Result, units: Units) -> dict[str, np.ndarray]:
-    """`shifts_at_equal_alarms` of a comparison; empty where no threshold gives these."""
-    equal = result if result.as_set is not None else find_equal_alarms(result)
-    return {} if equal is None else shifts_at_equal_alarms(equal, units)
-
-
 def shifts_at_equal_alarms(equal: Result, units: Units) -> dict[str, np.ndarray]:
     """What to take off each unit's part in a difference at equal false alarms, by measure.
 

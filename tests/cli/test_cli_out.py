@@ -112,7 +112,17 @@ def test_a_file_named_by_itself_goes_before_the_folder(folder: Path):
 
 def test_plan_writes_what_json_prints(tmp_path: Path):
     out = tmp_path / "new" / "plan.json"
-    ran = nvcore("plan", SAMPLE, "--difference", "20%", "--out", out, "--json")
+    ran = nvcore(
+        "plan",
+        SAMPLE,
+        "--measure",
+        "encounters_detected",
+        "--difference",
+        "20%",
+        "--out",
+        out,
+        "--json",
+    )
     assert ran.exit_code == 0, ran.output
     assert json.loads(out.read_text("utf-8")) == json.loads(ran.stdout)
 

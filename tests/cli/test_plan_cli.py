@@ -11,6 +11,8 @@ from places import SAMPLE
 
 from nvcore.evidence.planning import PLAN_KEYS
 
+FOUND = ("--measure", "encounters_detected")
+
 
 def test_the_plan_says_how_many_recordings_and_the_power_of_other_sizes():
     ran = nvcore("plan", SAMPLE, "--measure", "saliency", "--difference", "0.5")
@@ -20,8 +22,14 @@ def test_the_plan_says_how_many_recordings_and_the_power_of_other_sizes():
     assert "difference as found (-0.48 s)\n  recordings  encounters" in ran.stdout
 
 
+def test_by_itself_it_plans_for_the_primary_measure():
+    for more, key in (((), "severity_s_per_encounter"), (("--primary", "saliency"), "saliency")):
+        ran = nvcore("plan", SAMPLE, *more, "--json")
+        assert json.loads(ran.stdout)["measure"] == key
+
+
 def test_a_percentage_of_a_share_is_a_hundredth_and_json_stands_alone():
-    ran = nvcore("plan", SAMPLE, "--margin", "30%", "--json")
+    ran = nvcore("plan", SAMPLE, *FOUND, "--margin", "30%", "--json")
     assert ran.exit_code == 0, ran.output
     plan = json.loads(ran.stdout)
     assert "Audit: " in ran.stderr
@@ -35,7 +43,7 @@ def test_a_percentage_of_a_share_is_a_hundredth_and_json_stands_alone():
 
 @pytest.mark.parametrize("more", [[], ["--json"], ["--margin", "5%"]])
 def test_two_recordings_are_no_pilot(folder: Path, more: list[str]):
-    ran = nvcore("plan", *flags(folder), *more)
+    ran = nvcore("plan", *flags(folder), *FOUND, *more)
     assert ran.exit_code == 2
     assert "a plan needs a pilot of 6 recordings or more, here are 2" in ran.output
     assert ran.stdout == ""
@@ -52,8 +60,8 @@ def test_the_help_names_every_measure_that_can_be_planned_for():
         (["--measure", "saliensy"], "did you mean 'saliency'?"),
         (["--measure", "saliency", "--margin", "5%"], "--margin: 5% of what?"),
         (["--difference", "some"], "--difference: expected a number, such as 0.5 or 3%"),
-        (["--margin", "5"], "such as 0.03 for 3 percentage points"),
-        (["--margin", "5%", "--difference", "5%"], "give one of the two"),
+        ([*FOUND, "--margin", "5"], "such as 0.03 for 3 percentage points"),
+        ([*FOUND, "--margin", "5%", "--difference", "5%"], "give one of the two"),
         (["--power", "80"], "expected a share from 0.5 to 0.99"),
     ],
 )

@@ -9,13 +9,18 @@ from typing import Any
 import numpy as np
 import pytest
 from builders import Place, at, make_dataset, result_of
-from drives import by_figure, drives
+from drives import by_figure, drives, quiet_drives
 from scipy.stats import nct, t
 
+from nvcore.api.comparison import Comparison
 from nvcore.arguments.plan import PlanArguments
+from nvcore.comparison import Result, compare
 from nvcore.errors import ParameterError
 from nvcore.evidence.bootstrap import ratio, studentised_p
-from nvcore.evidence.measures import Evidence
+from nvcore.evidence.claims import values_of
+from nvcore.evidence.companions import shifts_at_equal_alarms
+from nvcore.evidence.measures import Evidence, unit_measures
+from nvcore.evidence.operating_points import are_unequal, count_alarms, find_equal_alarms
 from nvcore.evidence.paired_tests import swap_test
 from nvcore.evidence.planning import (
     PLAN_KEYS,
@@ -34,6 +39,8 @@ from nvcore.evidence.planning.power import (
     find_length,
     studentised_tail,
 )
+from nvcore.evidence.planning.thresholds import Curve, parts_at_equal_alarms, vary_thresholds
+from nvcore.evidence.units import find_units
 from nvcore.sentences.planning import Advice, Apart, Excluded, Extent, NotWorse, Size, Sought
 
 
@@ -240,9 +247,21 @@ def test_the_pilot_is_what_each_recording_adds_to_the_measure():
     assert (len(pilot), pilot.n_encounters) == (12, 5)
 
 
+def asking(**asked: Any) -> PlanArguments:
+    """A plan for encounters detected."""
+    return PlanArguments("encounters_detected", **asked)
+
+
+def test_no_number_of_recordings_shows_what_may_be_owed_to_more_false_alarms():
+    (size,) = plan_recordings(result_of(drives(12))).sizes
+    assert size.n_recordings is None
+    assert "also has more false alarms" in size.reason
+    assert plan_recordings(result_of(quiet_drives(12))).sizes[0].n_recordings is not None
+
+
 def test_a_plan_says_recordings_encounters_and_time():
-    result = result_of(drives(12))
-    plan = plan_recordings(result, PlanArguments(difference=0.2))
+    result = result_of(quiet_drives(12))
+    plan = plan_recordings(result, asking(difference=0.2))
     named, as_found = plan.sizes
     assert (named.assumption, as_found.assumption) == ("as named", "as found")
     assert named.difference == 0.2  # X detects more, as found
@@ -257,15 +276,15 @@ def test_a_plan_says_recordings_encounters_and_time():
     assert size.sought == Sought("named", Apart(0.2, key))
     assert size.extent == Extent(n, 5 * n, named.duration_s)
     assert [fact for fact in advice if isinstance(fact, Advice)] == [Advice("fresh")]
-    again = plan_recordings(result, PlanArguments(difference=0.2))
+    again = plan_recordings(result, asking(difference=0.2))
     assert again.sizes == plan.sizes  # the seed is fixed
 
 
 def test_tests_of_several_measures_and_more_power_take_more_recordings():
-    result = result_of(drives(12))
+    result = result_of(quiet_drives(12))
 
     def n_needed(**asked: Any) -> int:
-        return plan_recordings(result, PlanArguments(**asked)).sizes[0].n_recordings
+        return plan_recordings(result, asking(**asked)).sizes[0].n_recordings
 
     by_itself = n_needed(difference=0.1)
     assert n_needed(difference=0.1, n_tests=2) > by_itself
@@ -275,13 +294,13 @@ def test_tests_of_several_measures_and_more_power_take_more_recordings():
 
 def test_a_plan_for_noninferiority_takes_both_for_equal_and_for_different_as_found():
     result = result_of(drives(12))  # Y detects far less
-    plan = plan_recordings(result, PlanArguments(margin=0.1, candidate="y"))
+    plan = plan_recordings(result, asking(margin=0.1, candidate="y"))
     assert plan.noninferiority.is_shown is False
     equal, as_found = plan.sizes
     assert equal.n_recordings is not None
     assert as_found.n_recordings is None
     assert "worse by the margin or more" in as_found.reason
-    better = plan_recordings(result, PlanArguments(margin=0.1, candidate="x"))
+    better = plan_recordings(result, asking(margin=0.1, candidate="x"))
     assert better.noninferiority.is_shown is True
     assert better.sizes[1].n_recordings == 8  # the least with an interval
     (answered,) = (fact for fact in facts_of_plan(better) if isinstance(fact, NotWorse))
@@ -321,7 +340,7 @@ def test_without_recordings_variation_or_difference_there_is_a_reason_and_no_siz
 
 
 def test_a_plan_in_words():
-    plan = plan_recordings(result_of(drives(12)), PlanArguments(difference=0.2))
+    plan = plan_recordings(result_of(quiet_drives(12)), asking(difference=0.2))
     first, exclude, named, found, level, fresh = plan.sentences
     assert first.startswith("Share of encounters detected, by recordings: X ")
     assert " in 12 recordings with 60 encounters; p = " in first
@@ -371,4 +390,82 @@ def test_recordings_without_an_encounter_of_the_measure_do_not_differ(n_unseen: 
 )
 def test_what_makes_no_sense_is_refused(arguments, words):
     with pytest.raises(ParameterError, match=words):
-        plan_recordings(equal_drives(), PlanArguments(**arguments))
+        plan_recordings(
+            equal_drives(), PlanArguments(**{"measure": "encounters_detected"} | arguments)
+        )
+
+
+def scored(n: int = 30, share_y: float = 0.7, alarms_y: int = 2) -> Result:
+    """X detects nine pedestrians of ten, Y fewer; a false alarm of X a frame, of Y `alarms_y`."""
+    rng = np.random.default_rng(7)
+    truth, x, y = [], [], []
+    for number in range(n):
+        ease = 0.2 * rng.random()
+        for frame in range(20):
+            for track, centre in enumerate((30, 50, 70)):
+                truth.append(at(frame, centre, track=track, recording=number))
+                for boxes, share in ((x, 0.9), (y, share_y)):
+                    if rng.random() < share - ease:
+                        score = 0.3 + 0.7 * rng.random()
+                        boxes.append(at(frame, centre, recording=number, score=score))
+            for boxes, n_alarms in ((x, 1), (y, alarms_y)):
+                for _ in range(rng.poisson(n_alarms / 2)):
+                    boxes.append(at(frame, 5, recording=number, score=0.8 * rng.random()))
+    return result_of(make_dataset(truth, x, y, places=[Place(range(20))] * n))
+
+
+def test_a_curve_is_read_between_its_thresholds_by_the_alarms_of_a_study() -> None:
+    curve = Curve(np.array([[1.0, 0], [2, 2], [4, 6]]), np.array([[5.0, 5], [6, 7], [8, 11]]))
+    drawn = np.array([[1, 1], [2, 0], [0, 2], [1, 1]])
+    # totals of these studies: 1 4 10, 2 4 8, 0 4 12
+    alarms, parts = curve.at(drawn, np.array([7.0, 3.0, 12.0, 99.0]))
+    assert alarms.tolist() == [[3, 4], [1.5, 1], [4, 6], [4, 6]]
+    assert parts.tolist() == [[7, 9], [5.5, 6], [8, 11], [8, 11]]
+
+
+@pytest.mark.parametrize("alarms_y", [1, 2])
+def test_the_pilot_as_a_study_finds_what_the_comparison_at_equal_alarms_does(alarms_y: int) -> None:
+    result = scored(alarms_y=alarms_y)
+    equal = find_equal_alarms(result)
+    units, key = find_units(equal), "severity_s_per_encounter"
+    measure = next(of for of in unit_measures(equal, units) if of.key == key)
+    thresholds = vary_thresholds(result, units)[key]
+    once = np.ones((1, len(units)), dtype=int)
+    (parts,), (is_unequal,), (more,) = parts_at_equal_alarms(thresholds, once)
+    assert (is_unequal, more) == (
+        are_unequal(result),
+        np.sign(count_alarms(result.x) - count_alarms(result.y)),
+    )
+    difference = np.subtract(*values_of(key, equal))
+    assert parts.sum() / measure.x[:, 1].sum() == pytest.approx(difference, rel=0.05)
+    weights = measure.x[:, 1]
+    shifted = measure.x[:, 0] - measure.y[:, 0]
+    shift = shifts_at_equal_alarms(equal, units).get(key, np.zeros(len(units)))
+    shifted -= shift * weights.sum() / len(units)
+    assert np.corrcoef(parts, shifted)[0, 1] > 0.97
+    assert parts.std() == pytest.approx(shifted.std(), rel=0.1)
+
+
+def test_exchanged_systems_have_the_parts_with_the_other_sign() -> None:
+    result = scored()
+    swapped = compare(result.dataset, x="y", y="x")
+    drawn = np.random.default_rng(1).multinomial(40, np.full(30, 1 / 30), size=50)
+    there, back = (
+        parts_at_equal_alarms(vary_thresholds(of, find_units(of))["mean_similarity"], drawn)
+        for of in (result, swapped)
+    )
+    assert there[0].ravel().tolist() == pytest.approx((-back[0]).ravel().tolist(), rel=1e-6)
+    assert there[1].tolist() == back[1].tolist()
+    assert there[2].tolist() == (-back[2]).tolist()
+
+
+def test_a_plan_at_thresholds_of_their_own_is_about_equal_false_alarms() -> None:
+    equal = find_equal_alarms(scored(share_y=0.85))
+    asked = PlanArguments("mean_similarity")
+    plan = plan_recordings(equal, asked)
+    assert plan.evidence.difference == pytest.approx(
+        np.subtract(*values_of("mean_similarity", equal))
+    )
+    (size,) = plan.sizes
+    assert 0.75 < size.power < 0.9
+    assert Comparison(equal.as_set).plan(measure="mean_similarity").sizes == plan.sizes

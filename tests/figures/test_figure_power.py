@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from builders import result_of
-from drives import drives
+from drives import quiet_drives
 
 from nvcore.arguments.plan import PlanArguments
 from nvcore.evidence.planning import plan_recordings
@@ -11,7 +11,9 @@ from nvcore.figures.power import power_plot
 
 
 def test_each_assumption_has_its_line_with_the_interval_of_the_simulation():
-    plan = plan_recordings(result_of(drives(12)), PlanArguments(difference=0.1))
+    plan = plan_recordings(
+        result_of(quiet_drives(12)), PlanArguments("encounters_detected", difference=0.1)
+    )
     figure = power_plot(plan, theme="light")
     named, as_found = figure.data
     assert list(named.x) == [point.n_recordings for point in plan.sizes[0].points]
@@ -24,6 +26,6 @@ def test_each_assumption_has_its_line_with_the_interval_of_the_simulation():
 
 
 def test_without_a_size_there_is_a_sentence():
-    figure = power_plot(plan_recordings(result_of(drives(4))), theme="dark")
+    figure = power_plot(plan_recordings(result_of(quiet_drives(4))), theme="dark")
     assert not figure.data
     assert figure.layout.annotations[0].text == "No study was simulated."

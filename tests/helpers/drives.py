@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 from builders import NAN, Place, at, make_dataset, result_of
@@ -30,6 +32,13 @@ def drives(n: int) -> Dataset:
                 if rng.random() < 0.05:
                     y.append(at(frame, 20, recording=number))
     return make_dataset(truth, x, y, places=[Place(range(20)) for _ in range(n)])
+
+
+def quiet_drives(n: int) -> Dataset:
+    """The same without false alarms."""
+    dataset = drives(n)
+    centre = dataset.boxes["x"] + dataset.boxes["w"] / 2
+    return replace(dataset, boxes=dataset.boxes[centre.between(45, 65)])
 
 
 def turned_by_strict_pairing(n: int = 12) -> Dataset:

@@ -12,6 +12,7 @@ import streamlit as st
 from nvcore.arguments.plan import PlanArguments
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
+from nvcore.evidence.measures import primary_of
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.planning import PLAN_KEYS, Plan, plan_recordings
 from nvcore.evidence.planning.pilot import MIN_PILOT
@@ -63,7 +64,7 @@ def draw(result: Result, evidence: pd.DataFrame, companions: Companions | None) 
                 "recordings."
             )
             return
-        asked = _ask(evidence)
+        asked = _ask(result, evidence)
         if companions is None and are_unequal(result):
             st.markdown("Possible once the comparison at equal false alarms is known.")
         elif asked is not None:
@@ -75,18 +76,19 @@ def draw(result: Result, evidence: pd.DataFrame, companions: Companions | None) 
         )
 
 
-def _ask(evidence: pd.DataFrame) -> PlanArguments | None:
+def _ask(result: Result, evidence: pd.DataFrame) -> PlanArguments | None:
     """The question; None while a margin is lacking."""
     labels = dict(zip(evidence["figure"], evidence["label"], strict=True))
     question = choose_side_by_side("Question", QUESTIONS, "plan_question", default=DIFFERENCE)
     left, right = st.columns(2, vertical_alignment="bottom")
     names = [name for name, key in PLAN_KEYS.items() if key in labels]
+    keys, primary = [PLAN_KEYS[name] for name in names], primary_of(result.dataset).key
     if st.session_state.get("plan_measure") not in names:  # of data that had another one
         st.session_state.pop("plan_measure", None)
     measure = left.selectbox(
         "Measure",
         names,
-        index=names.index(PlanArguments.measure),
+        index=keys.index(primary) if primary in keys else 0,
         format_func=lambda name: capitalised(labels[PLAN_KEYS[name]]),
         key="plan_measure",
         persist_state="session",

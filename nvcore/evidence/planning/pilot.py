@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -19,6 +19,7 @@ from nvcore.evidence.measures import (
 )
 from nvcore.evidence.miss_rate import NEEDED, judge_miss_rate, log_average_miss_rate_measure
 from nvcore.evidence.paired_tests import MIN_SWAPPED
+from nvcore.evidence.planning.thresholds import Thresholds
 from nvcore.evidence.units import WHOLE, Units, find_units, sum_units, units_within
 from nvcore.measures.table import EVIDENCE_KEYS, inference_of
 from nvcore.protocols import PROTOCOLS, Protocol
@@ -51,6 +52,10 @@ class Pilot:
         Recordings in which X and Y differ; bool, shape (n_recordings,).
     n_encounters, duration_s
         Of an average recording.
+    thresholds
+        What other thresholds would give; None: the measure does not depend on them.
+    sign
+        1 where a positive difference favours X, else -1.
     """
 
     difference: float
@@ -59,6 +64,8 @@ class Pilot:
     differs: np.ndarray
     n_encounters: float
     duration_s: float
+    thresholds: Thresholds | None = None
+    sign: int = 1
 
     def __len__(self) -> int:
         return len(self.parts)
@@ -81,26 +88,26 @@ class Pilot:
         size = float(np.abs(self.parts).max(initial=0.0))
         return float(np.abs(self.residuals).max(initial=0.0)) <= 1e3 * ROUNDING * size
 
-    def with_shift(self, shift: np.ndarray) -> Pilot:
-        """The same difference, which varies as one at equal false alarms does.
-
-        Parameters
-        ----------
-        shift
-            Of `nvcore.evidence.companions.shifts_at_equal_alarms`; float64, shape (n_recordings,).
-        """
-        apart = (shift - shift.mean()) * float(self.weights.sum()) / max(len(self), 1)
-        return replace(self, parts=self.parts - apart, differs=self.differs | (shift != 0))
-
     def parts_for(self, difference: float) -> np.ndarray:
         """Parts of recordings that vary as here, but by another difference on the whole.
 
-        The residuals are widened by ``sqrt(n / (n - 1))``: drawn with replacement, those of n
-        recordings vary less than the recordings that they come from.
+        The residuals are widened: drawn with replacement, those of n recordings vary less than the
+        recordings that they come from.
         """
-        n = len(self)
-        parts: np.ndarray = difference * self.weights + np.sqrt(n / (n - 1)) * self.residuals
+        parts: np.ndarray = difference * self.weights + self.widening * self.residuals
         return parts
+
+    def is_withheld(self, difference: float) -> bool:
+        """Whether the better system has more false alarms, which no threshold can change."""
+        if self.thresholds is None or any(self.thresholds.curves):
+            return False
+        x, y = (float(of.alarms.sum()) for of in self.thresholds.as_set)
+        return bool(np.sign(difference) * self.sign == np.sign(x - y))
+
+    @property
+    def widening(self) -> float:
+        """``sqrt(n / (n - 1))``."""
+        return float(np.sqrt(len(self) / (len(self) - 1)))
 
 
 def plan_key(name: str) -> str:
@@ -209,6 +216,7 @@ def _pilot_of(measure: UnitMeasure, result: Result, units: Units) -> Pilot:
         differs=np.any(x != y, axis=1),
         n_encounters=float(of_all["n_encounters"].mean()),
         duration_s=float(of_all["duration_s"].mean()),
+        sign=1 if measure.better == "higher" else -1,
     )
 
 

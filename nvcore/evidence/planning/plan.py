@@ -16,8 +16,7 @@ from nvcore.arguments.plan import PlanArguments, Side
 from nvcore.comparison import Result
 from nvcore.errors import ParameterError
 from nvcore.evidence.bootstrap import MIN_UNITS
-from nvcore.evidence.companions import shifts_of
-from nvcore.evidence.measures import Evidence
+from nvcore.evidence.measures import Evidence, primary_of
 from nvcore.evidence.operating_points import is_undecided
 from nvcore.evidence.paired_tests import MIN_SWAPPED, SIGNIFICANT
 from nvcore.evidence.planning.noninferiority import (
@@ -35,6 +34,7 @@ from nvcore.evidence.planning.power import (
     guess_length,
 )
 from nvcore.evidence.planning.said import facts_of_plan
+from nvcore.evidence.planning.thresholds import Thresholds, vary_thresholds
 from nvcore.evidence.units import Units, find_units
 from nvcore.measures.table import inference_of
 from nvcore.objects import PEDESTRIAN
@@ -175,7 +175,7 @@ def plan_recordings(
     protocol: Protocol = PROTOCOLS["all"],
     units: Units | None = None,
     evidence: Evidence | None = None,
-    shifts: Mapping[str, np.ndarray] | None = None,
+    thresholds: Mapping[str, Thresholds] | None = None,
     progress: Progress = no_progress,
 ) -> Plan:
     """How many recordings like these would show a difference, or non-inferiority.
@@ -186,9 +186,9 @@ def plan_recordings(
         Measure and question.
     protocol
         Which pedestrians count in the log-average miss rate.
-    units, evidence, shifts
-        ``find_units(result)``, ``judge_key(result, key)``, ``shifts_of(result, units)``, if already
-        computed: a difference has to be shown at equal false alarms, too, where it varies more.
+    units, evidence, thresholds
+        ``find_units(result)``, ``judge_key(result, key)``, ``vary_thresholds(result, units)``, if
+        already computed: a difference has to be shown at equal false alarms, too.
 
     Raises
     ------
@@ -201,7 +201,7 @@ def plan_recordings(
     >>> plan_recordings(result, asked).sizes[0].n_recordings  # doctest: +SKIP
     212
     """
-    key = plan_key(asked.measure)
+    key = plan_key(asked.measure or primary_of(result.dataset).key)
     _check(key, asked)
     margin, difference = asked.margin, asked.difference
     units = find_units(result) if units is None else units
@@ -210,8 +210,8 @@ def plan_recordings(
     assert evidence.figure == key
     pilot, why_not = make_pilot(result, key, protocol=protocol, units=units)
     if pilot is not None and margin is None:
-        shifts = shifts_of(result, units) if shifts is None else shifts
-        pilot = pilot.with_shift(shifts[key]) if key in shifts else pilot
+        thresholds = vary_thresholds(result, units) if thresholds is None else thresholds
+        pilot = replace(pilot, thresholds=thresholds.get(key))
     is_unequal = is_undecided(result, key)
     plan = Plan(
         evidence=evidence,
@@ -292,6 +292,12 @@ def _difference_size(
     size = PlanSize(assumption, difference)
     if difference == 0:
         return replace(size, reason="X and Y are equal in these recordings: name a difference")
+    if pilot.is_withheld(difference):
+        return replace(
+            size,
+            reason="the better system also has more false alarms, and without scores nothing sets "
+            "them alike: more recordings do not change that",
+        )
     return _sized(
         pilot,
         size,

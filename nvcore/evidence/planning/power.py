@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final, NamedTuple
+from functools import partial
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from scipy.special import ndtr, ndtri
@@ -12,6 +13,7 @@ from scipy.stats import t as student
 from nvcore.evidence.bootstrap import CONFIDENCE, LEAST_SPREAD, ROUNDING, SEED
 from nvcore.evidence.paired_tests import MIN_SWAPPED
 from nvcore.evidence.planning.pilot import Pilot
+from nvcore.evidence.planning.thresholds import parts_at_equal_alarms
 from nvcore.metrics.shares import share_of
 from nvcore.progress import Progress, no_progress
 
@@ -68,12 +70,12 @@ class StudyLength(NamedTuple):
 def count_differences_shown(
     pilot: Pilot, difference: float, n_recordings: int, n_studies: int, *, level: float
 ) -> int:
-    """How many simulated studies reject that X and Y are equal.
+    """How many simulated studies claim that X and Y differ.
 
     A study draws whole recordings of the pilot with replacement, so that whatever belongs to one
-    recording stays together. It rejects where both tests of recordings do, as in the table of
-    evidence: the exchange of X and Y (`nvcore.evidence.paired_tests.swap_test`) and the studentised
-    bootstrap.
+    recording stays together. It claims a difference as the verdict does: where both tests of
+    recordings reject at equal false alarms, and as set as well unless X and Y are set unequally.
+    Where no threshold can move, the better system must not be the one with more false alarms.
 
     Parameters
     ----------
@@ -82,50 +84,95 @@ def count_differences_shown(
     level
         Largest p at which a study shows a difference.
     """
-    parts, n = pilot.parts_for(difference), len(pilot)
-    n_ways = max(int(np.ceil(RANK / level)) - 1, LEAST_WAYS)
+    n = len(pilot)
     rng = np.random.default_rng([SEED, n_recordings])
     drawn = rng.multinomial(n_recordings, np.full(n, 1 / n), size=n_studies)
     drawn = drawn[drawn @ pilot.differs.astype(np.int64) >= MIN_SWAPPED]
+    found = partial(_better, rng, weights=pilot.weights, level=level)
+    if pilot.thresholds is None:
+        return int(np.count_nonzero(found(drawn, pilot.parts_for(difference))))
+    thresholds = pilot.thresholds.widened(pilot.widening)
+    x, y = thresholds.as_set
+    as_set = x.parts[0] - y.parts[0]
+    of_all, is_unequal, more = parts_at_equal_alarms(thresholds, drawn)
+    # so that the difference that the pilot is about is the one assumed
+    missing = difference * pilot.weights - pilot.parts.sum() / pilot.weights.sum() * pilot.weights
+    is_open = np.isfinite(of_all).all(axis=1)
+    at_equal = np.zeros(len(drawn))
+    at_equal[is_open] = found(drawn[is_open], of_all[is_open] + missing)
+    better = found(drawn, as_set + missing)
+    closed = np.where(is_unequal | (pilot.sign * better == more), 0, better)
+    both = np.where(is_unequal, at_equal, np.where(better == at_equal, better, 0))
+    return int(np.count_nonzero(np.where(is_open, both, closed)))
+
+
+def _better(
+    rng: np.random.Generator,
+    drawn: np.ndarray,
+    parts: np.ndarray,
+    *,
+    weights: np.ndarray,
+    level: float,
+) -> np.ndarray:
+    """Of each study the sign of the difference that both tests show; 0: none.
+
+    As in the table of evidence: the exchange of X and Y (`nvcore.evidence.paired_tests.swap_test`)
+    and the studentised bootstrap.
+
+    Parameters
+    ----------
+    parts
+        Of the recordings, shape (n_recordings,), or of each study's, (n_studies, n_recordings).
+    """
+    parts = np.broadcast_to(parts, drawn.shape)
+    better = np.zeros(len(drawn))
+    if not len(drawn):
+        return better
+    n_recordings = int(drawn[0].sum())
+    n_ways = max(int(np.ceil(RANK / level)) - 1, LEAST_WAYS)
+    ways: dict[str, Any] = {"n_ways": n_ways, "level": level}
     if n_recordings < EXPANDED_FROM:
-        rejected = _reject_by_exchange(rng, drawn, parts, n_ways=n_ways, level=level)
+        rejected = _reject_by_exchange(rng, drawn, parts, **ways)
     else:
         p, is_close = exchange_p(drawn, parts)
         rejected = p <= level
-        rejected[~is_close] = _reject_by_exchange(
-            rng, drawn[~is_close], parts, n_ways=n_ways, level=level
-        )
-    drawn = drawn[rejected]
-    ratio = (drawn @ parts) / np.maximum(drawn @ pilot.weights, 1e-300)
+        rejected[~is_close] = _reject_by_exchange(rng, drawn[~is_close], parts[~is_close], **ways)
+    rows = np.flatnonzero(rejected)
+    drawn, parts = drawn[rows], parts[rows]
+    total = (drawn * parts).sum(axis=1)
+    ratio = total / np.maximum(drawn @ weights, 1e-300)
     # each study's parts about its own mean, which is on the positive side
-    values = np.sign(ratio)[:, np.newaxis] * (parts - ratio[:, np.newaxis] * pilot.weights)
-    means = np.abs(drawn @ parts) / n_recordings
+    values = np.sign(ratio)[:, np.newaxis] * (parts - ratio[:, np.newaxis] * weights)
+    means = np.abs(total) / n_recordings
     spreads = np.sqrt((drawn * values**2).sum(axis=1) / n_recordings)
     # where recordings do not vary there is no studentised test, and the exchange decides
-    varies = spreads > CONSTANT * means
-    n_constant = int(np.count_nonzero(~varies))
-    drawn, values, means = drawn[varies], values[varies], means[varies]
+    is_shown = spreads <= CONSTANT * means
+    varies = ~is_shown
     if n_recordings < EXPANDED_FROM:
-        is_shown = _reject_by_resampling(rng, drawn, values, means, n_ways=n_ways, level=level)
+        is_shown[varies] = _reject_by_resampling(
+            rng, drawn[varies], values[varies], means[varies], **ways
+        )
     else:
-        is_shown = studentised_tail(drawn, values, means) <= level / 2
-    return n_constant + int(np.count_nonzero(is_shown))
+        tail = studentised_tail(drawn[varies], values[varies], means[varies])
+        is_shown[varies] = tail <= level / 2
+    better[rows[is_shown]] = np.sign(ratio[is_shown])
+    return better
 
 
 def _reject_by_exchange(
     rng: np.random.Generator, drawn: np.ndarray, parts: np.ndarray, *, n_ways: int, level: float
 ) -> np.ndarray:
     """Which studies the exchange of X and Y rejects at this level; bool, shape (n_studies,)."""
-    totals = drawn @ parts
+    totals = (drawn * parts).sum(axis=1)
     least = np.abs(totals) - ROUNDING * np.abs(drawn * parts).sum(axis=1)
 
     def count(studies: np.ndarray, n_now: int) -> np.ndarray:
-        exchanged = _exchange(rng, drawn[studies], n_now) @ parts
+        exchanged = np.einsum("swr,sr->sw", _exchange(rng, drawn[studies], n_now), parts[studies])
         sums = np.abs(totals[studies, np.newaxis] - 2 * exchanged)
         n_reached: np.ndarray = np.count_nonzero(sums >= least[studies, np.newaxis], axis=1)
         return n_reached
 
-    return _are_few_reached(count, len(drawn), len(parts), n_ways=n_ways, share=level)
+    return _are_few_reached(count, len(drawn), drawn.shape[1], n_ways=n_ways, share=level)
 
 
 def exchange_p(drawn: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -139,11 +186,11 @@ def exchange_p(drawn: np.ndarray, parts: np.ndarray) -> tuple[np.ndarray, np.nda
     drawn
         How often each study has drawn each recording; shape (n_studies, n).
     parts
-        Of the recordings, shape (n,).
+        Of the recordings, shape (n,), or of each study's, (n_studies, n).
     """
-    square, fourth = drawn @ parts**2, drawn @ parts**4
+    square, fourth = (drawn * parts**2).sum(axis=1), (drawn * parts**4).sum(axis=1)
     scale = np.maximum(square, 1e-300)
-    t = np.abs(drawn @ parts) / np.sqrt(scale)
+    t = np.abs((drawn * parts).sum(axis=1)) / np.sqrt(scale)
     share = fourth / scale**2  # 1 over the number of parts that matter
     density = np.exp(-(t**2) / 2) / np.sqrt(2 * np.pi)
     p: np.ndarray = 2 * (ndtr(-t) - density * share * (t**3 - 3 * t) / 12)

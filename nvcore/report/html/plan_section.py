@@ -9,13 +9,13 @@ import pandas as pd
 
 from nvcore.arguments.plan import PlanArguments
 from nvcore.comparison import Result
-from nvcore.evidence.companions import shifts_of
 from nvcore.evidence.measures import evidence_of
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
 from nvcore.evidence.planning.pilot import MIN_PILOT, PLAN_KEYS
 from nvcore.evidence.planning.plan import Plan, PlanSize, plan_recordings
 from nvcore.evidence.planning.said import QUESTION
+from nvcore.evidence.planning.thresholds import vary_thresholds
 from nvcore.evidence.units import WHOLE, find_units
 from nvcore.measures.table import doubt_of, evidence_form, measure_of, repeated_by
 from nvcore.progress import Progress, part_of
@@ -61,7 +61,7 @@ def plan_measures(
         and not row.p_corrected <= SIGNIFICANT
     ]
     n, units = len(not_shown), find_units(result)
-    shifts = shifts_of(result, units) if not_shown else {}
+    thresholds = vary_thresholds(result, units) if not_shown else {}
     return {
         key: plan_recordings(
             result,
@@ -69,7 +69,7 @@ def plan_measures(
             protocol=protocol,
             units=units,
             evidence=row,
-            shifts=shifts,
+            thresholds=thresholds,
             progress=part_of(progress, index / n, (index + 1) / n),
         )
         for index, (name, key, row) in enumerate(not_shown)

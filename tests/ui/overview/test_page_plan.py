@@ -33,7 +33,7 @@ def test_studies_are_simulated_when_asked_for_and_the_verdict_then_says_how_many
     assert "recordings like these" not in texts(app)
     app = computed(app)
     said = texts(app).replace("\\", "")
-    assert "would show a difference as found here (+7.9 pp) in 80 % of studies" in said
+    assert "would show a difference as found here (-0.083 s per encounter) in 80 % of" in said
     assert "difference in the severity of missed pedestrians per encounter as large as here" in said
     plots = [plot.proto.spec for plot in app.get("plotly_chart")]
     assert any("How many recordings would show it" in spec for spec in plots)
@@ -44,6 +44,7 @@ def test_studies_are_simulated_when_asked_for_and_the_verdict_then_says_how_many
 def test_a_margin_asks_whether_a_system_is_at_most_so_much_worse(app: AppTest):
     checked(app.button_group(key="plan_question").set_value("y").run())
     assert "Give the margin" in texts(app)
+    checked(app.selectbox(key="plan_measure").set_value("encounters_detected").run())
     checked(app.number_input(key="plan_y_encounters_detected").set_value(30.0).run())
     said = texts(computed(app)).replace("\\", "")
     assert "It is shown that Y is at most 30.0 pp worse than X" in said

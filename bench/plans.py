@@ -1,0 +1,187 @@
+"""Does a plan keep its promise? Of fresh studies of the planned size, how many show the difference?
+
+    python -m bench.plans --keep ROWS.jsonl [--studies 1000] [--processes 2] [--write]
+
+Plans a study of the primary measure with 80 % power, from a pilot of 1,000 recordings that
+`bench.claims` draws and the true difference, known from 20,000 more; then draws fresh studies of
+that size, and counts those whose verdict claims the measure for the better system. And the same of
+the sample: a plan for its difference as found, and studies that draw its ten recordings with
+replacement, as the plan supposes. Rows are kept as in `bench.claims`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import replace
+from functools import cache
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from bench.claims import (
+    PAGE,
+    ROOT,
+    SCENARIOS,
+    SEED,
+    Scenario,
+    Systems,
+    draw_dataset,
+    fewer_misses,
+    judge,
+    read_rows,
+)
+from nvcore.arguments.plan import PlanArguments
+from nvcore.comparison import compare
+from nvcore.dataset import Dataset
+from nvcore.dataset.tables import dataset_from_tables
+from nvcore.evidence.claims import values_of, winner_of
+from nvcore.evidence.operating_points import at_operating_point
+from nvcore.evidence.planning import plan_recordings
+from nvcore.inputs.load import load
+from nvcore.inputs.session_toml import read_session
+from nvcore.measures.table import measure_of
+from nvcore.metrics.shares import share_of
+from nvcore.primary import DEFAULT
+
+BEGIN: Final = "<!-- plans: written by `python -m bench.plans --write` -->"
+END: Final = "<!-- end of plans -->"
+SAMPLE: Final = "sample"
+PLANS: Final = {
+    "half": "Y misses half as much",
+    "third": "Y misses a third less",
+    "two thresholds": "Y misses half as much, X and Y at thresholds of their own",
+    SAMPLE: "the sample's own recordings",
+}
+N_PILOT: Final = 1_000
+N_TRUE: Final = 20_000
+CHUNK: Final = 10
+
+
+def two_thresholds(rng: np.random.Generator, n: int) -> Systems:
+    """Y misses half as much as X; both are the same in every study, also in their thresholds."""
+    x, y = fewer_misses(1 / 2)(rng, n)
+    return replace(x, threshold=0.1), replace(y, threshold=0.35)
+
+
+SYSTEMS: Final = {**SCENARIOS, "two thresholds": Scenario("", two_thresholds)}
+
+
+@cache
+def sample() -> Dataset:
+    return load(read_session(ROOT / "sample_data" / "session.toml"))
+
+
+@cache
+def planned(name: str) -> tuple[int, str]:
+    """Recordings of the study that a plan asks for, and the better system."""
+
+    def drawn(n: int, number: int) -> Any:
+        rng = np.random.default_rng([SEED, sorted(PLANS).index(name), number])
+        dataset = sample() if name == SAMPLE else draw_dataset(SYSTEMS[name], n, rng)
+        return at_operating_point(compare(dataset), "equal-alarms")
+
+    difference = float(np.subtract(*values_of(DEFAULT, drawn(N_TRUE, 0))))
+    size = None if name == SAMPLE else abs(difference)
+    asked = PlanArguments(measure=DEFAULT, difference=size)
+    n = plan_recordings(drawn(N_PILOT, 1), asked).sizes[0].n_recordings
+    assert n is not None
+    return n, winner_of(difference, measure_of(DEFAULT).better)
+
+
+def draw_study(name: str, n: int, rng: np.random.Generator) -> Dataset:
+    """A fresh study of n recordings."""
+    if name != SAMPLE:
+        return draw_dataset(SYSTEMS[name], n, rng)
+    return draw_recordings(sample(), rng.integers(0, len(sample().recordings), n))
+
+
+def draw_recordings(dataset: Dataset, drawn: np.ndarray) -> Dataset:
+    """The dataset of these recordings (rows, repeatedly), each a unit of its own."""
+    frames, boxes = dataset.frame_columns, dataset.boxes
+    place = boxes["frame_index"].to_numpy()
+    order = np.argsort(frames.recording[place], kind="stable")
+    first = np.searchsorted(frames.recording[place][order], np.arange(len(dataset.recordings) + 1))
+    rows = np.concatenate([order[first[row] : first[row + 1]] for row in drawn])
+    start = np.concatenate([[0], np.cumsum(np.diff(frames.first)[drawn])[:-1]])
+    moved = np.repeat(start - frames.first[drawn], np.diff(first)[drawn])
+    names = [f"study {number:05}" for number in range(len(drawn))]
+    return dataset_from_tables(
+        dataset.recordings.iloc[drawn].assign(name=names, unit=names),
+        [frames.frame[frames.rows_of(row)] for row in drawn],
+        boxes.iloc[rows].assign(frame_index=place[rows] + moved),
+        dataset.systems,
+        fingerprint="",
+    ).with_settings(dataset.settings)
+
+
+def make_rows(task: tuple[str, int, int]) -> list[dict[str, Any]]:
+    """What the verdicts of studies show: those from first to before end."""
+    name, first, end = task
+    n, better = planned(name)
+    rows = []
+    for study in range(first, end):
+        rng = np.random.default_rng([SEED, sorted(PLANS).index(name), 2, study])
+        found, _ = judge(draw_study(name, n, rng))
+        is_shown = any((of.key, of.winner) == (DEFAULT, better) for of in found.claims)
+        rows.append({"plan": name, "n": n, "study": study, "is_shown": is_shown})
+    return rows
+
+
+def table_text(rows: Iterable[Mapping[str, Any]]) -> str:
+    """The table for docs/significance.md."""
+    shown = defaultdict(list)
+    for row in rows:
+        shown[row["plan"], row["n"]].append(row["is_shown"])
+    lines = ["| planted difference | recordings | studies | claim it |", "|---|---|---|---|"]
+    for (name, n), of_plan in shown.items():
+        share = share_of(sum(of_plan), len(of_plan))
+        ends = f"{100 * share.low:.1f} to {100 * share.high:.1f}"
+        lines.append(f"| {PLANS[name]} | {n:,} | {len(of_plan):,} | {share.share:.1%} ({ends}) |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--keep", type=Path, required=True)
+    parser.add_argument("--studies", type=int, default=1000)
+    parser.add_argument("--plans", nargs="*", choices=PLANS, default=list(PLANS))
+    parser.add_argument("--processes", type=int, default=os.cpu_count())
+    parser.add_argument("--write", action="store_true")
+    options = parser.parse_args()
+    rows = read_rows(options.keep)
+    done = {(row["plan"], row["study"]) for row in rows}
+    tasks = [
+        (name, first, min(first + CHUNK, options.studies))
+        for name in options.plans
+        for first in range(0, options.studies, CHUNK)
+        if (name, first) not in done
+    ]
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # of the new processes: they share the processors
+    with (
+        options.keep.open("a", encoding="utf-8") as file,
+        ProcessPoolExecutor(options.processes, get_context("spawn")) as pool,
+    ):
+        for number, future in enumerate(as_completed([pool.submit(make_rows, of) for of in tasks])):
+            rows += future.result()
+            file.writelines(json.dumps(row) + "\n" for row in future.result())
+            file.flush()
+            print(f"\r{number + 1} of {len(tasks)}", end="", file=sys.stderr, flush=True)
+    text = table_text(rows)
+    print(text)
+    if options.write:
+        page = PAGE.read_text(encoding="utf-8")
+        before, rest = page.split(BEGIN)
+        _, after = rest.split(END)
+        PAGE.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,207 @@
+"""What simulated studies find at equal false alarms: thresholds are chosen in each of them anew."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from nvcore.comparison import Result
+from nvcore.detection.operating_point import are_unequal_alarms
+from nvcore.evidence.measures import unit_measures
+from nvcore.evidence.operating_points import (
+    count_alarms,
+    has_scores,
+    threshold_for,
+    with_thresholds,
+)
+from nvcore.evidence.units import Units
+
+N_THRESHOLDS: Final = 24
+REACH: Final = 8.0
+"""Thresholds are tried that give from as many times fewer false alarms than X and Y have to as many
+times more."""
+
+Sums = Mapping[str, np.ndarray]
+"""Of each measure, by its key: its sum in every unit; shape (n_units,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """What thresholds give of one system in every recording, from strict to lax.
+
+    Attributes
+    ----------
+    alarms, parts
+        False alarms, and the sums that make a measure; float64, shape (n_thresholds, n_recordings).
+    """
+
+    alarms: np.ndarray
+    parts: np.ndarray
+
+    def at(self, drawn: np.ndarray, n_alarms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Alarms and parts of each study at the threshold that gives so many in it.
+
+        Between two thresholds by linear interpolation; beyond the last ones, these.
+
+        Parameters
+        ----------
+        drawn
+            How often each study has drawn each recording; shape (n_studies, n_recordings).
+        n_alarms
+            Shape (n_studies,).
+        """
+        totals = np.maximum.accumulate(drawn @ self.alarms.T, axis=1)
+        after = np.count_nonzero(totals < n_alarms[:, np.newaxis], axis=1)
+        after = np.clip(after, 1, len(self.alarms) - 1)
+        study = np.arange(len(drawn))
+        low, high = totals[study, after - 1], totals[study, after]
+        share = np.clip((n_alarms - low) / np.maximum(high - low, 1e-9), 0, 1)[:, np.newaxis]
+        alarms, parts = (
+            (1 - share) * of[after - 1] + share * of[after] for of in (self.alarms, self.parts)
+        )
+        return alarms, parts
+
+    def widened(self, factor: float) -> Curve:
+        """Recordings that vary more about their mean."""
+        means = (of.mean(axis=1, keepdims=True) for of in (self.alarms, self.parts))
+        alarms, parts = (
+            mean + factor * (of - mean)
+            for of, mean in zip((self.alarms, self.parts), means, strict=True)
+        )
+        return Curve(alarms, parts)
+
+
+@dataclass(frozen=True, eq=False)
+class Thresholds:
+    """X and Y of a pilot as set, and what other thresholds would give.
+
+    Attributes
+    ----------
+    as_set
+        Of X and of Y: a single threshold, the one as set.
+    curves
+        Of X and of Y; None: it has no scores.
+    """
+
+    as_set: tuple[Curve, Curve]
+    curves: tuple[Curve | None, Curve | None]
+
+    def widened(self, factor: float) -> Thresholds:
+        """As `Curve.widened`."""
+        x, y = (of.widened(factor) for of in self.as_set)
+        curve_x, curve_y = (of and of.widened(factor) for of in self.curves)
+        return Thresholds((x, y), (curve_x, curve_y))
+
+
+def vary_thresholds(result: Result, units: Units) -> dict[str, Thresholds]:
+    """What other thresholds would give in every unit, of each measure judged by units, by key.
+
+    Parameters
+    ----------
+    result
+        The comparison as set, or at equal false alarms.
+    """
+    as_set = result.as_set or result
+    n_of = {letter: count_alarms(system) for letter, system in as_set.sides}
+    thresholds: dict[str, list[float | None]] = {}
+    for letter in "xy":
+        if has_scores(as_set, letter):
+            ends = max(min(n_of.values()) / REACH, 1.0), max(REACH * max(n_of.values()), 2.0)
+            numbers = np.unique(np.geomspace(*ends, N_THRESHOLDS).round().astype(int)).tolist()
+            found = [threshold_for(as_set, letter, n, "round") for n in numbers]
+            thresholds[letter] = [*dict.fromkeys(found)]  # from few alarms to many
+    measured = [_sides(as_set, units)]
+    for step in range(max(map(len, thresholds.values()), default=0)):
+        changed = {
+            f"threshold_{letter}": of[min(step, len(of) - 1)] for letter, of in thresholds.items()
+        }
+        measured.append(_sides(with_thresholds(as_set, changed), units))
+
+    def curve(key: str, side: int, letter: str) -> Curve | None:
+        if len(thresholds.get(letter, ())) < 2:
+            return None
+        chosen = measured[1 : 1 + len(thresholds[letter])]
+        alarms, parts = zip(*((of[side][0], of[side][1][key]) for of in chosen), strict=True)
+        return Curve(np.array(alarms), np.array(parts))
+
+    first = measured[0]
+    return {
+        key: Thresholds(
+            (
+                Curve(first[0][0][np.newaxis], first[0][1][key][np.newaxis]),
+                Curve(first[1][0][np.newaxis], first[1][1][key][np.newaxis]),
+            ),
+            (curve(key, 0, "x"), curve(key, 1, "y")),
+        )
+        for key in first[0][1]
+    }
+
+
+def _sides(result: Result, units: Units) -> tuple[tuple[np.ndarray, Sums], tuple[np.ndarray, Sums]]:
+    """False alarms and sums of every measure by unit, of X and of Y."""
+    measures = unit_measures(result, units)
+    x, y = (units.total(units.unit_of_frame, of.false_alarms) for _, of in result.sides)
+    return (
+        (x, {of.key: of.x[:, 0] for of in measures}),
+        (y, {of.key: of.y[:, 0] for of in measures}),
+    )
+
+
+def parts_at_equal_alarms(
+    thresholds: Thresholds, drawn: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What simulated studies test where X and Y have equally many false alarms in them.
+
+    As `nvcore.evidence.companions.shifts_at_equal_alarms` does for a comparison: each recording's
+    part in the difference, less what it owes to its part in the ratio of false alarms.
+
+    Parameters
+    ----------
+    drawn
+        How often each study has drawn each recording; shape (n_studies, n_recordings).
+
+    Returns
+    -------
+    Parts, float64, shape (n_studies, n_recordings), NaN where no threshold can move; and of each
+    study whether X and Y are set to unequally many false alarms, and which has more as set: 1 X,
+    -1 Y, 0 neither.
+    """
+    x, y = thresholds.as_set
+    n_x, n_y = (drawn @ of.alarms[0] for of in (x, y))
+    is_unequal = np.array([are_unequal_alarms(*pair) for pair in zip(n_x, n_y, strict=True)])
+    parts = np.full(drawn.shape, np.nan)
+    x_moves = n_x > n_y
+    if None in thresholds.curves:
+        x_moves = np.full(len(drawn), thresholds.curves[0] is not None)
+    for sign, moves in ((1, x_moves), (-1, ~x_moves)):
+        curve, other_curve = thresholds.curves[::sign]
+        other = thresholds.as_set[::sign][1]
+        if curve is not None and moves.any():
+            parts[moves] = sign * _parts_of(curve, other_curve, other, drawn[moves])
+    return parts, is_unequal, np.sign(n_x - n_y)
+
+
+def _parts_of(
+    curve: Curve, other_curve: Curve | None, other: Curve, drawn: np.ndarray
+) -> np.ndarray:
+    """The parts in the moved system's less the other's measure, less what is owed to alarms."""
+    target = np.maximum(drawn @ other.alarms[0], 1.0)
+    alarms, moved = curve.at(drawn, target)
+    parts, apart = moved - other.parts[0], alarms - other.alarms[0]
+    error = np.sqrt((drawn * apart**2).sum(axis=1)) / target
+    n_fewer = np.clip(target * np.exp(-error), 1, np.maximum(target - 1, 1))
+    _, fewer = curve.at(drawn, n_fewer)
+    if other_curve is None:
+        _, more = curve.at(drawn, target * np.exp(error))
+        against = more - other.parts[0]
+    else:
+        _, other_fewer = other_curve.at(drawn, n_fewer)
+        against = moved - other_fewer
+    change = (drawn * (fewer - other.parts[0] - against)).sum(axis=1)
+    step = np.log(n_fewer / target) - (error if other_curve is None else np.log(target / n_fewer))
+    slope = np.where(step < 0, change / np.minimum(step, -1e-9), 0.0)
+    less: np.ndarray = parts - (slope / target)[:, np.newaxis] * apart
+    return less
