@@ -363,15 +363,14 @@ class Reason(Fact):
     Attributes
     ----------
     kind
-        ``pending``: not yet compared at equal false alarms. ``range``: not shown throughout what
-        may pass for equal. ``equal``: not shown at equal false alarms. ``strict``: turned by strict
-        pairing. ``alarms`` and ``matches``: the winner has more false alarms, or matches fewer, and
-        no threshold sets the systems alike; with ``unscored``: nor have they scores. ``doubt``: of
-        the measure itself.
+        ``pending``: not yet compared at equal false alarms. ``equal``: not shown at equal false
+        alarms. ``strict``: turned by strict pairing. ``alarms`` and ``matches``: the winner has
+        more false alarms, or matches fewer, and no threshold sets the systems alike; with
+        ``unscored``: nor have they scores. ``doubt``: of the measure itself.
     """
 
     kind: Literal[
-        "pending", "range", "equal", "strict", "alarms", "matches", "unscored alarms",
+        "pending", "equal", "strict", "alarms", "matches", "unscored alarms",
         "unscored matches", "doubt",
     ]  # fmt: skip
     winner: str = ""
@@ -443,12 +442,12 @@ class Chip(Fact):
     kind
         ``better``: that `winner` is. Nothing, for operating points are ``unequal``, it is a
         ``single`` miss, encounters are ``short``, or for a `reason` (``withheld``). ``untested``:
-        not tested; ``testing``: not yet; ``awaited``: the measure itself is not yet known. ``few``
-        recordings, ``same`` values, or else ``not shown``.
+        not tested; ``testing``: not yet. ``few`` recordings, ``same`` values, or else ``not
+        shown``.
     """
 
     kind: Literal[
-        "better", "unequal", "single", "short", "withheld", "untested", "testing", "awaited",
+        "better", "unequal", "single", "short", "withheld", "untested", "testing",
         "few", "same", "not shown",
     ]  # fmt: skip
     winner: str = ""

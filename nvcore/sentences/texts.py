@@ -135,7 +135,6 @@ TEXTS: Final[Texts] = {
     facts.MoreThanChance: "more than chance: {shown}.",
     facts.Reason: {
         "pending": "not yet compared at equal false alarms",
-        "range": "not shown throughout what may pass for equal false alarms",
         "equal": "not shown at equal false alarms",
         "strict": "the other way round if paired strictly",
         "alarms": "{winner!u} also has more false alarms, and no threshold sets them alike",
@@ -167,7 +166,6 @@ TEXTS: Final[Texts] = {
         "withheld": "no claim: {reason}",
         "untested": "not tested",
         "testing": "being tested",
-        "awaited": "being computed",
         "few": "not shown: {n!n:{noun}}, {n_needed} needed",
         "same": "the same",
         "not shown": "not shown",

@@ -163,7 +163,8 @@ MATRIX_COLUMNS: Final[tuple[Column, ...]] = (
         "is_unequal",
         Kind.TRUTH_VALUE,
         "",
-        "1: as set, at unequal operating points, so that nothing is claimed.",
+        "1: at unequal operating points, where p and claims are at equal false alarms, all else is "
+        "as set.",
     ),
     Column("n_encounters", _INTEGER, "encounters", "Encounters that count."),
     Column("x_only", _INTEGER, "encounters", "Detected by the first alone."),

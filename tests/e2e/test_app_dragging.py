@@ -17,7 +17,7 @@ SAMPLE = """() => {
     const first = document.querySelector(".nv-scorecard tbody tr");
     const cells = first ? [...first.querySelectorAll("td")].slice(0, 2) : [];
     const of = document.querySelector(".nv-wide:has(.nv-scorecard) .nv-of");
-    const basis = document.querySelector("[class*=st-key-scorecard_basis] [aria-checked=true]");
+    const basis = document.querySelector("[class*=st-key-operating_point] [aria-checked=true]");
     const frame = JSON.stringify({
       slider: document.querySelector(".st-key-alpha input").value,
       numbers: cells.map(cell => cell.textContent).join(" "),

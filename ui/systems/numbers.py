@@ -30,8 +30,8 @@ HEAD: Final = ("First", "Second", "First − second", "95 % interval", "p", "p (
 SETTING: Final = "thresholds"
 """Heading of what marks pairs at unequal operating points, where there are any."""
 AS_SET_TEXT: Final = (
-    " *as set*: at unequal operating points, from which nothing is claimed; once a pair is open, "
-    "the sidebar sets it alike."
+    " *as set*: at unequal operating points. Nothing is claimed from these values; p, and the "
+    "sentence above, are about the pair at equal false alarms, as the Overview shows it."
 )
 
 
@@ -97,7 +97,7 @@ def _pairs(
             MeasureRow(
                 label=pair_name(pair, between=BETWEEN),
                 cells=tuple(cells),
-                better=winner_of(pair, measure),
+                better="" if pair["is_unequal"] else winner_of(pair, measure),
                 marks=mark,
                 lines=tuple(_line(style, shade) for style in styles.values()),
                 colours=tuple(style.colour(shade) for style in styles.values()),
