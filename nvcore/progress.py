@@ -42,7 +42,7 @@ def with_time_left(progress: Progress) -> Progress:
     def tell(share: float, what: str) -> None:
         if SOON <= share < 1:
             left = (time.perf_counter() - began) * (1 - share) / share
-            what = f"{what}, about {duration_text(left)} left"
+            what = f"{what}, about {duration_text(round(left))} left"
         progress(share, what)
 
     return tell

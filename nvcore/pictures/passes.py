@@ -102,5 +102,5 @@ class PictureClock:
         words = f"{name}: {self.n_done:,} of {count_text(self.n_pictures, 'picture')}"
         if self.n_done:
             left = self.seconds / self.n_done * (self.n_pictures - self.n_done)
-            words += f", {duration_text(left)} left"
+            words += f", {duration_text(round(left))} left"
         self._progress(self.n_done / max(1, self.n_pictures), words)

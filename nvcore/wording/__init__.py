@@ -147,8 +147,8 @@ LEAST_HOURLY_S: Final = 600.0
 
 def duration_text(seconds: float) -> str:
     """A duration in seconds, minutes or hours: "7.2 s", "90 s", "55 min", "2.4 h"."""
-    if seconds < 10:
-        return f"{seconds:.2g} s"
+    if 1 <= seconds < 10:
+        return f"{seconds:.1f}".removesuffix(".0") + " s"
     if seconds < LEAST_HOURLY_S:
         return f"{seconds:.0f} s"
     return f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:,.1f} h"

@@ -68,8 +68,10 @@ def test_that_the_difference_may_be_chance_is_said_without_unfolding_anything():
 
 def test_unequal_operating_points_are_told_as_on_the_other_pages():
     page = opened()
-    assert "Nothing is claimed from these" not in words(page)
+    assert "equal false alarms (" not in words(page)
     checked(page.slider(key="threshold_y").set_value(0.2).run())
+    assert "At equal false alarms (Y with scores of" in words(page)
+    checked(page.button_group(key="operating_point").set_value("as-set").run())
     assert "As set: at unequal operating points" in words(page)
     assert "Nothing is claimed from these" in words(page)
 
