@@ -6,6 +6,7 @@ comparison at unequal operating points; the one at equal false alarms takes its 
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Literal
@@ -71,7 +72,24 @@ def find_equal_alarms(result: Result, previous: Result | None = None) -> Result 
     previous
         What this gave for other settings, to take stages from.
     """
-    return result.keep("equal_alarms", lambda: _find_equal_alarms(result, previous))
+    # not kept itself: as it holds the result, neither would end before the other
+    kept: dict[str, weakref.ref[Result] | None] = result.keep("equal_alarms", dict)
+    if "found" in kept and kept["found"] is None:
+        return None
+    known = kept.get("found")
+    equal = known() if known is not None else None
+    if equal is None:
+        equal = _find_equal_alarms(result, previous)
+        kept["found"] = None if equal is None else weakref.ref(equal)
+    return equal
+
+
+def can_be_equal(result: Result) -> bool:
+    """Whether `find_equal_alarms` finds a comparison."""
+    kept: dict[str, weakref.ref[Result] | None] = result.keep("equal_alarms", dict)
+    if "found" not in kept:
+        find_equal_alarms(result)
+    return kept["found"] is not None
 
 
 def _find_equal_alarms(result: Result, previous: Result | None) -> Result | None:

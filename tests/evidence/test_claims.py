@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -25,6 +26,7 @@ from nvcore.evidence.measures import significance_table
 from nvcore.evidence.operating_points import (
     are_unequal,
     at_operating_point,
+    can_be_equal,
     count_alarms,
     equal_setting,
     find_equal_alarms,
@@ -147,6 +149,17 @@ def test_another_setting_keeps_the_threshold_and_what_does_not_depend_on_it():
     anew = find_equal_alarms(compare(result.dataset, changed.params))
     assert after.y.threshold == anew.y.threshold
     assert after.y.similarity.tolist() == anew.y.similarity.tolist()
+
+
+def test_a_comparison_at_equal_false_alarms_ends_with_its_last_use():
+    result = scene(detector(1, cut=0.5), detector(2))
+    equal = find_equal_alarms(result)
+    assert find_equal_alarms(result) is equal
+    ended = weakref.ref(equal)
+    del equal
+    assert ended() is None
+    assert can_be_equal(result)
+    assert find_equal_alarms(result).as_set is result
 
 
 def test_claims_are_the_same_as_set_and_shown_at_equal_false_alarms():

@@ -12,7 +12,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.errors import NvcoreError
-from nvcore.evidence.operating_points import find_equal_alarms, moved_of, point_note
+from nvcore.evidence.operating_points import can_be_equal, moved_of, point_note
 from nvcore.findings import Severity
 from nvcore.report.html.words import SHORT_ENCOUNTERS
 from nvcore.sentences.caveats import caveats
@@ -61,7 +61,7 @@ def draw_operating_point(result: Result) -> None:
     if note is None:
         return
     with st.container(horizontal=True, vertical_alignment="center", key="operating_points"):
-        if find_equal_alarms(result.as_set or result) is not None:
+        if can_be_equal(result.as_set or result):
             st.session_state[POINT] = state.operating_point()
             choose_side_by_side(
                 "What is compared",
