@@ -14,6 +14,8 @@ SIZE = {"width": 1280, "height": 900}
 PAUSE = """viewer => {
   if (viewer.dataset.playing === "true") viewer.querySelector("button.play").click();
 }"""
+IS_AT_REST = """() => document.querySelector('[data-testid="stApp"]')
+  ?.dataset.testScriptState === "notRunning\""""
 
 
 class ViewerWindow:
@@ -44,7 +46,7 @@ class ViewerWindow:
         self.page.evaluate("document.activeElement.blur()")
 
     def _rest(self) -> None:
-        """Wait until Python knows the viewer's row: Streamlit can lose a click meanwhile."""
+        """Wait until Python knows the viewer's row and rests: Streamlit can lose a click before."""
         viewer = viewer_of(self.page)
         is_empty = self.page.get_by_text(re.compile("^settled .* kind empty ")).count() > 0
         if viewer.count() == 0 or is_empty:  # without frames there is no row to settle on
@@ -52,6 +54,7 @@ class ViewerWindow:
         viewer.evaluate(PAUSE)
         if row := viewer.get_attribute("data-row"):
             assert settled(self.page, row) == row
+        self.page.wait_for_function(IS_AT_REST)
 
     def wait(self) -> None:
         """Wait for the viewer of this visit."""
@@ -107,10 +110,7 @@ def choose(page: sync_api.Page, recording: str) -> None:
     page.get_by_role("combobox", name="recording").click()
     page.get_by_role("option", name=recording, exact=True).click()
     sync_api.expect(page.get_by_text(f" kind {recording} run ")).to_be_visible()
-    page.wait_for_function(
-        """() => document.querySelector('[data-testid="stApp"]')
-          ?.dataset.testScriptState === "notRunning\""""
-    )
+    page.wait_for_function(IS_AT_REST)
 
 
 def read(page: sync_api.Page) -> dict[str, float]:
