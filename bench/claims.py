@@ -159,6 +159,12 @@ def two_thresholds(rng: np.random.Generator, n: int) -> Systems:
     return replace(x, threshold=cuts[0]), replace(y, threshold=cuts[1])
 
 
+def few_alarms(rng: np.random.Generator, n: int) -> Systems:
+    """The same, with a tenth of the false alarms."""
+    x, y = two_thresholds(rng, n)
+    return replace(x, alarms=0.1 * x.alarms), replace(y, alarms=0.1 * y.alarms)
+
+
 def fewer_misses(
     share: float, of: Callable[[np.random.Generator, int], Systems] = varying
 ) -> Callable[[np.random.Generator, int], Systems]:
@@ -190,6 +196,8 @@ SCENARIOS: Final[Mapping[str, Scenario]] = {
         fewer_misses(1 / 2, two_thresholds),
         is_null=False,
     ),
+    # the last in the order of names, by which seeds are numbered
+    "thresholds": Scenario("two equal detectors at two thresholds, few false alarms", few_alarms),
 }
 
 

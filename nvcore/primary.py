@@ -9,7 +9,7 @@ from typing import Any, Final
 
 DEFAULT: Final = "severity_s_per_encounter"
 """The paper's argument: that a miss counts by how near, how long and how late it is, and that a
-count of misses does not say so (docs/decisions/067)."""
+count of misses does not say so (docs/decisions/066)."""
 
 
 @dataclass(frozen=True)

@@ -239,7 +239,11 @@ class StudentisedTest:
 
 
 def studentised_tests(
-    parts: np.ndarray, *, n_resamples: int = N_RESAMPLES, seed: int = SEED
+    parts: np.ndarray,
+    is_part: np.ndarray | None = None,
+    *,
+    n_resamples: int = N_RESAMPLES,
+    seed: int = SEED,
 ) -> list[StudentisedTest]:
     """The means of some parts tested against 0 by the studentised bootstrap (bootstrap-t).
 
@@ -251,27 +255,39 @@ def studentised_tests(
     ----------
     parts
         `pseudo_values` of each measure; shape (n_units, n_measures).
+    is_part
+        Which units have a part in each measure, bool, likewise: the others are drawn with them, but
+        count neither in means nor in spreads. None: all.
 
     References
     ----------
     Efron and Tibshirani (1993), An introduction to the bootstrap, section 12.5.
     """
     n, n_measures = parts.shape
-    means, spreads = (
-        (parts.mean(axis=0), parts.std(axis=0)) if n else np.full((2, n_measures), np.nan)
-    )
-    is_tested = (n > 1) & np.isfinite(means) & (spreads > 1e-9 * np.abs(means))
-    deviations = ((parts - means) * np.sign(means))[:, is_tested]
+    is_part = np.ones(parts.shape, dtype=bool) if is_part is None else is_part
+    n_parts = np.maximum(np.count_nonzero(is_part, axis=0), 1)
+    parts = np.where(is_part, parts, 0.0)
+    means = parts.sum(axis=0) / n_parts if n else np.full(n_measures, np.nan)
+    from_mean = np.where(is_part, parts - means, 0.0)
+    spreads = np.sqrt((from_mean**2).sum(axis=0) / n_parts)
+    is_tested = (n_parts > 1) & np.isfinite(means) & (spreads > 1e-9 * np.abs(means))
+    deviations = (from_mean * np.sign(means))[:, is_tested]
     spread, n_tested = spreads[is_tested], int(np.count_nonzero(is_tested))
-    moments = np.concatenate([deviations, deviations**2], axis=1) / max(n, 1)
+    shares = is_part[:, is_tested] / n_parts[is_tested]
+    moments = np.concatenate([deviations * shares, deviations**2 * shares], axis=1)
+    is_whole = bool(is_part.all())
     rng = np.random.default_rng(seed)
     batch = max(1, ROWS_AT_ONCE // max(n, 1))
     t = []
     for start in range(0, n_resamples if n_tested else 0, batch):  # batches bound the memory
         drawn = rng.integers(0, n, size=(min(batch, n_resamples - start), n))
-        mean, square = np.split(count_units(drawn, n) @ moments, 2, axis=1)
+        counts = count_units(drawn, n)
+        mean, square = np.split(counts @ moments, 2, axis=1)
+        # parts drawn, of those there are
+        drawn_share = 1.0 if is_whole else np.maximum(counts @ shares, 1e-9)
+        mean, square = mean / drawn_share, square / drawn_share
         of_draws = np.sqrt(np.maximum(square - mean**2, 0))
-        t.append(mean / np.maximum(of_draws, LEAST_SPREAD * spread))
+        t.append(np.sqrt(drawn_share) * mean / np.maximum(of_draws, LEAST_SPREAD * spread))
     columns = iter(np.concatenate(t).T if t else ())
     tests = []
     for mean, spread_of, has_p in zip(means, spreads, is_tested, strict=True):

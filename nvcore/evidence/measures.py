@@ -418,12 +418,15 @@ def run_together(
         return dict(known)
     paired = [Paired(of.x, of.y, of.statistic, shifts.get(of.key)) for of in every]
     exchanges = swap_tests(paired)
-    undefined = np.full(len(every[0].x), np.nan)
-    parts = [
-        pseudo_values(of.x, of.y, of.statistic) - of.taken_off if np.isfinite(test.p) else undefined
-        for of, test in zip(paired, exchanges, strict=True)
-    ]
-    skewed = studentised_tests(np.column_stack(parts))
+    parts = np.full((len(every[0].x), len(every)), np.nan)
+    is_part = np.ones(parts.shape, dtype=bool)
+    for column, (of, test) in enumerate(zip(paired, exchanges, strict=True)):
+        if np.isfinite(test.p):
+            is_part[:, column] = own = of.has_part
+            share = np.count_nonzero(own) / len(own)
+            values = pseudo_values(of.x[own], of.y[own], of.statistic)
+            parts[own, column] = values - share * of.taken_off[own]
+    skewed = studentised_tests(parts, is_part)
     tests = map(Tested, exchanges, skewed)
     return {**dict(zip((of.key for of in every), tests, strict=True)), **known}
 

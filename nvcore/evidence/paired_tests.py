@@ -207,6 +207,13 @@ class Paired(NamedTuple):
         return differs
 
     @property
+    def has_part(self) -> np.ndarray:
+        """Units that have a part in the measure: a recording without encounters has none."""
+        columns = [sums.reshape(len(sums), -1) != 0 for sums in (self.x, self.y)]
+        has_part: np.ndarray = np.concatenate(columns, axis=1).any(axis=1) | (self.taken_off != 0)
+        return has_part
+
+    @property
     def values(self) -> tuple[float, float]:
         """The measure of X and of Y over all units."""
         return float(self.statistic(self.x.sum(axis=0))), float(self.statistic(self.y.sum(axis=0)))

@@ -14,7 +14,7 @@ from nvcore.comparison import Result, compare
 from nvcore.dataset import Dataset
 from nvcore.errors import InputError
 from nvcore.evidence.claims import find_claims, values_of
-from nvcore.evidence.companions import find_companions
+from nvcore.evidence.companions import Companions, find_companions
 from nvcore.evidence.measures import (
     Evidence,
     judge,
@@ -128,7 +128,8 @@ def pairwise_table(
     and NaN where no threshold gives these; all other numbers are as set.
 
     `detects_more` and `higher_similarity` name the system of which that may be claimed, by the
-    rules of `nvcore.evidence.claims.find_claims` with p corrected over the pairs; empty: neither.
+    rules of `nvcore.evidence.claims.find_claims` with p corrected over the pairs, as set and at
+    equal false alarms; empty: neither.
     `withheld` says why a p that is small enough is no claim.
 
     Raises
@@ -156,17 +157,28 @@ def pairwise_table(
         rows.append(row)
         judged.append(evidence)
     table = pd.DataFrame(rows)
-    p_corrected = holm(table[list(CORRECTED)].to_numpy(dtype=float).T.ravel())
-    corrected = p_corrected.reshape(len(CORRECTED), -1)
+    p = table[list(CORRECTED)].to_numpy(dtype=float).T
+    corrected = _holm_over_pairs(p)
     for column, of_column in zip(CORRECTED, corrected, strict=True):
         table[f"{column}_holm"] = of_column
-    is_small = (corrected <= SIGNIFICANT).any(axis=0)
-    for number in map(int, np.flatnonzero(is_small)):
+    is_small = corrected <= SIGNIFICANT
+    tried: dict[int, tuple[Result, Companions]] = {}
+    # p of the same difference at equal false alarms, too: it has to hold there
+    largest = np.where(is_small | np.isnan(p), p, 1.0)
+    for number in map(int, np.flatnonzero(is_small.any(axis=0))):
         progress(0.6 + 0.4 * number / len(pairs), "comparing at equal false alarms")
         x, y = pairs[number]
         setting = replace(params, threshold_x=thresholds.get(x), threshold_y=thresholds.get(y))
         previous = compare(dataset, setting, x=x, y=y, previous=previous)
-        claims = _claims(previous, _evidence(judged[number], corrected[:, number]))
+        as_set = _evidence(judged[number], corrected[:, number])
+        companions = find_companions(previous, as_set, primary="")
+        tried[number] = previous, companions
+        if companions.evidence is not None:
+            largest[:, number] = np.fmax(largest[:, number], companions.evidence["p"])
+    decisive = _holm_over_pairs(largest)
+    for number, (result, companions) in tried.items():
+        as_set = _evidence(judged[number], corrected[:, number])
+        claims = _claims(result, as_set, companions, decisive[:, number])
         table.loc[number, list(claims)] = list(claims.values())
     return table[list(COLUMNS)]
 
@@ -230,19 +242,26 @@ def _row(result: Result) -> tuple[dict[str, Any], tuple[Evidence, Evidence]]:
     return row, (by_unit, similarity)
 
 
-def _claims(result: Result, evidence: pd.DataFrame) -> dict[str, str]:
+def _holm_over_pairs(p: np.ndarray) -> np.ndarray:
+    """Corrected over measures and pairs; shape (n_measures, n_pairs)."""
+    return holm(p.ravel()).reshape(p.shape)
+
+
+def _claims(
+    result: Result, evidence: pd.DataFrame, companions: Companions, p_at_equal: np.ndarray
+) -> dict[str, str]:
     """Who is better in what, and why a difference is no claim; the columns of a pair's row.
 
     Parameters
     ----------
     evidence
-        With p corrected over the pairs, at unequal operating points of the pair at equal false
-        alarms.
+        As set, with p corrected over the pairs.
+    p_at_equal
+        P of the measures at equal false alarms, corrected over the pairs.
     """
-    companions = find_companions(result, evidence, primary="")
-    if are_unequal(result) and companions.evidence is not None:
-        decisive = companions.evidence.assign(p_corrected=evidence["p_corrected"].to_numpy())
-        companions = replace(companions, evidence=decisive)
+    if companions.evidence is not None:
+        at_equal = companions.evidence.assign(p_corrected=p_at_equal)
+        companions = replace(companions, evidence=at_equal)
     support = find_claims(result, evidence, companions)
     names = {letter: system.name for letter, system in result.sides}
     better = {CLAIMED[claim.key]: names[claim.winner] for claim in support.claims}

@@ -83,6 +83,8 @@ def judge_noninferiority(
         reason = UNEQUAL_POINTS
     elif evidence.unit not in WHOLE:
         reason = "stretches of time say nothing of other recordings"
+    elif evidence.doubt:
+        reason = evidence.doubt
     elif math.isnan(end):
         reason = evidence.note or "the difference has no interval"
     return NonInferiority(

@@ -97,6 +97,11 @@ class Pilot:
         parts: np.ndarray = difference * self.weights + self.widening * self.residuals
         return parts
 
+    def missing(self, difference: float) -> np.ndarray:
+        """What to add to each recording's part, so that the pilot's difference is this one."""
+        missing: np.ndarray = (difference - self.parts.sum() / self.weights.sum()) * self.weights
+        return missing
+
     def is_withheld(self, difference: float) -> bool:
         """Whether the better system has more false alarms, which no threshold can change."""
         if self.thresholds is None or any(self.thresholds.curves):

@@ -209,7 +209,7 @@ def plan_recordings(
         evidence = judge_key(result, key, protocol=protocol, units=units)
     assert evidence.figure == key
     pilot, why_not = make_pilot(result, key, protocol=protocol, units=units)
-    if pilot is not None and margin is None:
+    if pilot is not None and (margin is None or result.as_set is not None):
         thresholds = vary_thresholds(result, units) if thresholds is None else thresholds
         pilot = replace(pilot, thresholds=thresholds.get(key))
     is_unequal = is_undecided(result, key)

@@ -70,7 +70,7 @@ class StudyLength(NamedTuple):
 def count_differences_shown(
     pilot: Pilot, difference: float, n_recordings: int, n_studies: int, *, level: float
 ) -> int:
-    """How many simulated studies claim that X and Y differ.
+    """How many simulated studies claim that X and Y differ, with the better system that is assumed.
 
     A study draws whole recordings of the pilot with replacement, so that whatever belongs to one
     recording stays together. It claims a difference as the verdict does: where both tests of
@@ -80,7 +80,8 @@ def count_differences_shown(
     Parameters
     ----------
     difference
-        The true difference X - Y that is assumed (`Pilot.parts_for`).
+        The true difference X - Y that is assumed (`Pilot.parts_for`); 0: claims for
+        either system count.
     level
         Largest p at which a study shows a difference.
     """
@@ -90,20 +91,24 @@ def count_differences_shown(
     drawn = drawn[drawn @ pilot.differs.astype(np.int64) >= MIN_SWAPPED]
     found = partial(_better, rng, weights=pilot.weights, level=level)
     if pilot.thresholds is None:
-        return int(np.count_nonzero(found(drawn, pilot.parts_for(difference))))
+        return _count_claims(found(drawn, pilot.parts_for(difference)), difference)
     thresholds = pilot.thresholds.widened(pilot.widening)
     x, y = thresholds.as_set
     as_set = x.parts[0] - y.parts[0]
     of_all, is_unequal, more = parts_at_equal_alarms(thresholds, drawn)
-    # so that the difference that the pilot is about is the one assumed
-    missing = difference * pilot.weights - pilot.parts.sum() / pilot.weights.sum() * pilot.weights
+    missing = pilot.missing(difference)
     is_open = np.isfinite(of_all).all(axis=1)
     at_equal = np.zeros(len(drawn))
     at_equal[is_open] = found(drawn[is_open], of_all[is_open] + missing)
     better = found(drawn, as_set + missing)
     closed = np.where(is_unequal | (pilot.sign * better == more), 0, better)
     both = np.where(is_unequal, at_equal, np.where(better == at_equal, better, 0))
-    return int(np.count_nonzero(np.where(is_open, both, closed)))
+    return _count_claims(np.where(is_open, both, closed), difference)
+
+
+def _count_claims(better: np.ndarray, difference: float) -> int:
+    is_meant = better * np.sign(difference) > 0 if difference else better != 0
+    return int(np.count_nonzero(is_meant))
 
 
 def _better(
@@ -320,8 +325,9 @@ def count_noninferior(
 ) -> int:
     """How many simulated studies show that the candidate is worse by less than the margin.
 
-    Studies are drawn as in `count_differences_shown`. Each study's 95 % interval is Student's of
-    the ratio of sums, which the widened bootstrap interval of the evidence comes close to.
+    Studies are drawn as in `count_differences_shown`, at equal false alarms if the pilot has
+    thresholds. Each study's 95 % interval is Student's of the ratio of sums, which the widened
+    bootstrap interval of the evidence comes close to.
 
     Parameters
     ----------
@@ -334,8 +340,11 @@ def count_noninferior(
     rng = np.random.default_rng([SEED, n_recordings])
     drawn = rng.multinomial(n_recordings, np.full(n, 1 / n), size=n_studies)
     with np.errstate(invalid="ignore", divide="ignore"):
+        if pilot.thresholds is not None:
+            found, *_ = parts_at_equal_alarms(pilot.thresholds.widened(pilot.widening), drawn)
+            parts = found + pilot.missing(difference)
         total = drawn @ weights
-        ratio = drawn @ parts / total
+        ratio = (drawn * parts).sum(axis=1) / total
         rest = parts - ratio[:, np.newaxis] * weights
         variance = n_recordings / (n_recordings - 1) * (drawn * rest**2).sum(axis=1)
         reach = student.isf((1 - CONFIDENCE) / 2, n_recordings - 1) * np.sqrt(variance) / total

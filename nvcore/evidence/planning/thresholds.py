@@ -10,6 +10,7 @@ import numpy as np
 
 from nvcore.comparison import Result
 from nvcore.detection.operating_point import are_unequal_alarms
+from nvcore.evidence.companions import MOST_ERROR
 from nvcore.evidence.measures import unit_measures
 from nvcore.evidence.operating_points import (
     count_alarms,
@@ -165,9 +166,10 @@ def parts_at_equal_alarms(
 
     Returns
     -------
-    Parts, float64, shape (n_studies, n_recordings), NaN where no threshold can move; and of each
-    study whether X and Y are set to unequally many false alarms, and which has more as set: 1 X,
-    -1 Y, 0 neither.
+    Parts, float64, shape (n_studies, n_recordings), NaN where no threshold sets the two alike or,
+    as in `nvcore.evidence.companions.judge_equal_alarms`, recordings say too little of that; and of
+    each study whether X and Y are set to unequally many false alarms, and which has more as set:
+    1 X, -1 Y, 0 neither.
     """
     x, y = thresholds.as_set
     n_x, n_y = (drawn @ of.alarms[0] for of in (x, y))
@@ -180,14 +182,20 @@ def parts_at_equal_alarms(
         curve, other_curve = thresholds.curves[::sign]
         other = thresholds.as_set[::sign][1]
         if curve is not None and moves.any():
-            parts[moves] = sign * _parts_of(curve, other_curve, other, drawn[moves])
+            found, error = _parts_of(curve, other_curve, other, drawn[moves])
+            found[is_unequal[moves] & (error > MOST_ERROR)] = np.nan
+            parts[moves] = sign * found
     return parts, is_unequal, np.sign(n_x - n_y)
 
 
 def _parts_of(
     curve: Curve, other_curve: Curve | None, other: Curve, drawn: np.ndarray
-) -> np.ndarray:
-    """The parts in the moved system's less the other's measure, less what is owed to alarms."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """The parts in the moved system's less the other's measure, less what is owed to alarms.
+
+    And the standard error of the logarithm of the ratio of false alarms, shape (n_studies,). Parts
+    are NaN in studies in which no threshold gives equal false alarms.
+    """
     target = np.maximum(drawn @ other.alarms[0], 1.0)
     alarms, moved = curve.at(drawn, target)
     parts, apart = moved - other.parts[0], alarms - other.alarms[0]
@@ -204,4 +212,6 @@ def _parts_of(
     step = np.log(n_fewer / target) - (error if other_curve is None else np.log(target / n_fewer))
     slope = np.where(step < 0, change / np.minimum(step, -1e-9), 0.0)
     less: np.ndarray = parts - (slope / target)[:, np.newaxis] * apart
-    return less
+    totals = zip((drawn * alarms).sum(axis=1), drawn @ other.alarms[0], strict=True)
+    less[[are_unequal_alarms(*pair) for pair in totals]] = np.nan
+    return less, error
