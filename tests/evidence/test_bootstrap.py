@@ -5,7 +5,14 @@ import pytest
 from scipy.stats import bootstrap, norm
 from scipy.stats import t as student
 
-from nvcore.evidence.bootstrap import MIN_UNITS, bootstrap_difference, count_units, ratio
+from nvcore.evidence.bootstrap import (
+    MIN_UNITS,
+    bootstrap_difference,
+    count_units,
+    ratio,
+    studentised_p,
+    studentised_tests,
+)
 
 
 def rates(values: np.ndarray, size: float = 1.0) -> np.ndarray:
@@ -153,3 +160,15 @@ def test_an_interval_reaches_further_to_the_side_of_the_units_that_differ_most()
     assert interval.difference - interval.low > 1.5 * (interval.high - interval.difference)
     mirrored = bootstrap_difference(y, x)
     assert (mirrored.low, mirrored.high) == pytest.approx((-interval.high, -interval.low), abs=0.02)
+
+
+def test_units_without_a_part_do_not_make_a_test_surer() -> None:
+    parts = np.random.default_rng(1).normal(0.8, 0.8, 8)
+    alone = studentised_p(parts)
+    assert 0.02 < alone < 0.2
+    among = np.concatenate([parts, np.full(40, 99.0)])[:, np.newaxis]
+    is_part = np.arange(48)[:, np.newaxis] < 8
+    (test,) = studentised_tests(among, is_part)
+    assert test.p == pytest.approx(alone, rel=0.25)  # the number of parts drawn varies, too
+    (all_are,) = studentised_tests(parts[:, np.newaxis], np.ones((8, 1), dtype=bool))
+    assert all_are.p == alone

@@ -18,6 +18,7 @@ from nvcore.driver.comparison.facts import WeightedClaims
 from nvcore.driver.inputs.record import EstimateRecord
 from nvcore.evidence.claims import Basis, Support, find_claims, values_of
 from nvcore.evidence.companions import (
+    UNSURE,
     find_companions,
     least_of,
     shifts_at_equal_alarms,
@@ -32,7 +33,8 @@ from nvcore.evidence.operating_points import (
     find_equal_alarms,
     which_moves,
 )
-from nvcore.evidence.pairwise import pairwise_table
+from nvcore.evidence.pairwise import CLAIMED, pairwise_table
+from nvcore.evidence.pairwise import _claims as claims_of_pair
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.evidence.table import evidence_table, judge_both
 from nvcore.evidence.units import find_units
@@ -105,6 +107,35 @@ def test_a_better_system_is_claimed_as_set_and_at_unequal_thresholds():
     support = support_of(result)
     assert support.basis is Basis.EQUAL_ALARMS
     assert {claim.winner for claim in (*as_set.claims, *support.claims)} == {"x"}
+
+
+def test_few_false_alarms_do_not_set_two_systems_alike():
+    good, bad = detector(1, share=0.95), detector(2, share=0.6)
+    # of the alarms of the worse one, those of a single recording and a few others are left
+    few = [box for box in bad if box.x > 10 or (box.recording == 0 and box.score > 0.2)]
+    result = scene(good, few)
+    assert are_unequal(result)
+    evidence, companions = judge_both(result)
+    assert not find_claims(result, evidence, companions).claims
+    at_equal = companions.evidence.set_index("figure")
+    row = at_equal.loc["mean_similarity"]
+    assert np.isnan([row["p"], row["p_corrected"], row["low"], row["high"]]).all()
+    assert UNSURE in row["note"]
+    assert np.isfinite(row["difference"])
+    assert np.isfinite(at_equal.loc["log_average_miss_rate", "p"])  # it is of all thresholds
+
+
+def test_pairs_are_told_apart_at_equal_false_alarms_after_correction_over_pairs():
+    result = scene(detector(1, share=0.95), detector(2, share=0.6))
+    as_set = evidence_table(result).set_index("figure", drop=False).loc[[*CLAIMED]]
+    as_set = as_set.assign(p_corrected=0.001)
+    companions = find_companions(result, as_set, primary="")
+    assert companions.evidence is not None
+    sure, unsure = (
+        claims_of_pair(result, as_set, companions, np.full(len(CLAIMED), p)) for p in (0.05, 0.051)
+    )
+    assert sure["higher_similarity"] == "x"
+    assert "higher_similarity" not in unsure
 
 
 def test_a_better_system_at_a_threshold_of_its_own_is_claimed_by_its_pair():

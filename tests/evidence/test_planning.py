@@ -33,13 +33,19 @@ from nvcore.evidence.planning import (
 )
 from nvcore.evidence.planning.power import (
     MOST_RECORDINGS,
+    _count_claims,
     count_differences_shown,
     count_noninferior,
     exchange_p,
     find_length,
     studentised_tail,
 )
-from nvcore.evidence.planning.thresholds import Curve, parts_at_equal_alarms, vary_thresholds
+from nvcore.evidence.planning.thresholds import (
+    Curve,
+    Thresholds,
+    parts_at_equal_alarms,
+    vary_thresholds,
+)
 from nvcore.evidence.units import find_units
 from nvcore.sentences.planning import Advice, Apart, Excluded, Extent, NotWorse, Size, Sought
 
@@ -444,6 +450,26 @@ def test_the_pilot_as_a_study_finds_what_the_comparison_at_equal_alarms_does(ala
     shifted -= shift * weights.sum() / len(units)
     assert np.corrcoef(parts, shifted)[0, 1] > 0.97
     assert parts.std() == pytest.approx(shifted.std(), rel=0.1)
+
+
+def test_a_study_that_claims_for_the_other_system_does_not_count() -> None:
+    pilot = normal_pilot()
+    better = np.array([1.0, -1.0, 0.0, 1.0])
+    assert [_count_claims(better, difference) for difference in (0.1, -0.1, 0.0)] == [2, 1, 3]
+    shown = [count_differences_shown(pilot, d, 60, 200, level=0.05) for d in (1.0, -1.0)]
+    assert min(shown) > 150
+
+
+@pytest.mark.parametrize(("scale", "is_alike"), [(1.0, True), (0.1, False)])
+def test_a_threshold_that_cannot_give_the_alarms_sets_nothing_alike(
+    scale: float, is_alike: bool
+) -> None:
+    rng = np.random.default_rng(3)
+    alarms, parts = rng.poisson(4, (1, 30)).astype(float), rng.normal(1, 0.1, (1, 30))
+    laxer = Curve(scale * np.concatenate([0 * alarms, alarms]), np.concatenate([parts, parts + 1]))
+    thresholds = Thresholds((Curve(alarms, parts), Curve(alarms / 2, parts)), (None, laxer))
+    found, *_ = parts_at_equal_alarms(thresholds, np.ones((1, 30), dtype=int))
+    assert np.isfinite(found).all() == is_alike
 
 
 def test_exchanged_systems_have_the_parts_with_the_other_sign() -> None:
