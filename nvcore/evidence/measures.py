@@ -436,7 +436,8 @@ def correct_together(tests: Mapping[str, Tested], primary: str) -> dict[str, flo
 
     The primary measure is tested by itself. All others are claimed only where it is, and are
     corrected for one another (`nvcore.evidence.paired_tests.step_down`): their corrected p is at
-    least its p. So at most 5 % of comparisons without a difference claim any at 5 %.
+    least its p. So at most 5 % of comparisons without a difference claim any at 5 %,
+    as far as each test keeps its own level.
 
     Parameters
     ----------
