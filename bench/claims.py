@@ -15,7 +15,7 @@ import argparse
 import json
 import os
 import sys
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, replace
@@ -26,6 +26,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
+from bench.drives import Kind, draw_drives
 from nvcore.comparison import compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.tables import dataset_from_tables
@@ -86,7 +87,7 @@ class Scenario:
     label
         How they differ, or do not.
     draw
-        X and Y for so many recordings.
+        X and Y for so many recordings; or the kind of drives of the second generator.
     has_scores
         Whether detections have scores.
     is_same
@@ -98,7 +99,7 @@ class Scenario:
     """
 
     label: str
-    draw: Callable[[np.random.Generator, int], Systems]
+    draw: Callable[[np.random.Generator, int], Systems] | Kind
     has_scores: bool = True
     is_same: bool = False
     has_lengths: bool = False
@@ -198,11 +199,21 @@ SCENARIOS: Final[Mapping[str, Scenario]] = {
     ),
     # the last in the order of names, by which seeds are numbered
     "thresholds": Scenario("two equal detectors at two thresholds, few false alarms", few_alarms),
+    "written apart: equal": Scenario("second generator, equal systems", "equal"),
+    "written apart: half": Scenario(
+        "second generator, Y misses half as much", "half", is_null=False
+    ),
+    "written apart: thresholds": Scenario("second generator, two thresholds", "thresholds"),
 }
 
 
 def draw_dataset(scenario: Scenario, n: int, rng: np.random.Generator) -> Dataset:
-    """Recordings of 30 frames with six pedestrians in ten frames each, and a pair of systems."""
+    """Recordings of 30 frames with six pedestrians in ten frames each, and a pair of systems.
+
+    Or those of `bench.drives`.
+    """
+    if isinstance(scenario.draw, str):
+        return draw_drives(scenario.draw, n, rng)
     detectors = scenario.draw(rng, n)
     lengths = np.full(n, N_FRAMES)
     if scenario.has_lengths:
@@ -338,6 +349,15 @@ def table_text(rows: Iterable[Mapping[str, Any]]) -> str:
     return "\n".join(lines).strip()
 
 
+def _n_text(rows: Iterable[Mapping[str, Any]], *, is_null: bool) -> str:
+    """How many verdicts cells have."""
+    of_cell = Counter(
+        (row["scenario"], row["n"]) for row in rows if SCENARIOS[row["scenario"]].is_null == is_null
+    )
+    least, most = min(of_cell.values()), max(of_cell.values())
+    return f"{least:,}" if least == most else f"{least:,} to {most:,}"
+
+
 def _share_text(claims: list[dict[str, str]], *, is_null: bool) -> str:
     """Share of verdicts that claim any difference, or one for Y, with its interval."""
     if not claims:
@@ -381,9 +401,10 @@ def main() -> None:
         page = PAGE.read_text(encoding="utf-8")
         before, rest = page.split(BEGIN)
         _, after = rest.split(END)
+        null, power = (_n_text(rows, is_null=is_null) for is_null in (True, False))
         note = (
-            f"{options.null:,} verdicts in each cell without a difference, {options.power:,} in "
-            "each with one: share that claim any, or one for Y, with its 95 % interval."
+            f"{null} verdicts in each cell without a difference, {power} in each with one: share "
+            "that claim any, or one for Y, with its 95 % interval."
         )
         PAGE.write_text(f"{before}{BEGIN}\n{note}\n\n{text}\n{END}{after}", encoding="utf-8")
 
