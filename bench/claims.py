@@ -199,11 +199,13 @@ SCENARIOS: Final[Mapping[str, Scenario]] = {
     ),
     # the last in the order of names, by which seeds are numbered
     "thresholds": Scenario("two equal detectors at two thresholds, few false alarms", few_alarms),
-    "written apart: equal": Scenario("second generator, equal systems", "equal"),
+    "written apart: equal": Scenario("second generator, equal systems", "equal", has_lengths=True),
     "written apart: half": Scenario(
-        "second generator, Y misses half as much", "half", is_null=False
+        "second generator, Y misses half as much", "half", has_lengths=True, is_null=False
     ),
-    "written apart: thresholds": Scenario("second generator, two thresholds", "thresholds"),
+    "written apart: thresholds": Scenario(
+        "second generator, two thresholds", "thresholds", has_lengths=True
+    ),
 }
 
 
