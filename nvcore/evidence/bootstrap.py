@@ -154,6 +154,7 @@ def bootstrap_difference(
     sums_of_units = np.concatenate([x.reshape(n, -1), y.reshape(n, -1)], axis=1).astype(float)
     n_columns = sums_of_units.shape[1] // 2
     taken_off = np.zeros(n) if shift is None else shift / n
+    grain = ROUNDING * max(abs(value_x), abs(value_y))
 
     def of_units(units: np.ndarray, axis: int = -1) -> np.ndarray:  # noqa: ARG001
         counts = count_units(units, n)
@@ -161,7 +162,8 @@ def bootstrap_difference(
         sums_x, sums_y = sums[..., :n_columns], sums[..., n_columns:]
         lead = sums.shape[:-1]
         apart = statistic(sums_x.reshape(*lead, *shape)) - statistic(sums_y.reshape(*lead, *shape))
-        return apart - counts @ taken_off
+        # BCa counts draws below the difference found: those that equal it do so on every machine
+        return grain * np.round((apart - counts @ taken_off) / grain)
 
     level = 1 - 2 * ndtr(-np.sqrt(n / (n - 1)) * student.isf((1 - CONFIDENCE) / 2, n - 1))
     options: dict[str, Any] = {

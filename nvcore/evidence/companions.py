@@ -7,10 +7,10 @@ equally many false alarms, and where boxes are paired strictly.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -148,6 +148,11 @@ def judge_equal_alarms(
     if are_unequal(equal.as_set or equal) and _alarms_apart(equal, units).error > MOST_ERROR:
         return _without_tests(judged)
     return judged
+
+
+def is_unsure(evidence: pd.DataFrame | pd.Series[Any] | Mapping[Hashable, Any]) -> bool:
+    """Whether a table of evidence, or one row, lacks tests for want of false alarms."""
+    return any(UNSURE in note for note in np.atleast_1d(evidence["note"]))
 
 
 def _without_tests(evidence: pd.DataFrame) -> pd.DataFrame:

@@ -12,7 +12,7 @@ import pandas as pd
 from nvcore.comparison import Result
 from nvcore.evidence.bootstrap import MIN_UNITS
 from nvcore.evidence.claims import Basis, Support, find_claims, values_of
-from nvcore.evidence.companions import Companions
+from nvcore.evidence.companions import Companions, is_unsure
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.units import MIN_RECORDINGS, WHOLE, count_whole
 from nvcore.measures.table import doubt_of, inference_of, measure_of, shown_as
@@ -227,4 +227,6 @@ def _chip(
     if row["unit"] not in WHOLE:
         n, noun = count_whole(shown.dataset)
         return Chip("few", n=n, n_needed=MIN_RECORDINGS, noun=noun)
+    if is_unsure(row):
+        return Chip("unsure")
     return Chip("same" if float(row["x"]) == float(row["y"]) else "not shown")

@@ -84,9 +84,10 @@ class Conclusion(Fact):
     kind
         ``claimed``: differences are more than chance. ``untested``: nothing is. ``pending``: not
         yet compared at equal false alarms. ``few``: fewer recordings than a p needs; ``within``:
-        so few, but with differences that are clear within them. ``untestable``: no measure has a p.
-        ``withheld``: each small p fails another check. ``not shown``: none is small enough;
-        ``primary not shown``: that of the primary measure is not.
+        so few, but with differences that are clear within them. ``untestable``: no measure has a p;
+        ``unsure``: for want of false alarms at equal ones. ``withheld``: each small p fails another
+        check. ``not shown``: none is small enough; ``primary not shown``: that of the primary
+        measure is not.
     n_recordings, noun
         Behind the tests, and what they are: ``recording`` or ``unit``.
     better
@@ -100,8 +101,8 @@ class Conclusion(Fact):
     """
 
     kind: Literal[
-        "claimed", "untested", "pending", "few", "within", "untestable", "withheld", "not shown",
-        "primary not shown",
+        "claimed", "untested", "pending", "few", "within", "untestable", "unsure", "withheld",
+        "not shown", "primary not shown",
     ]  # fmt: skip
     n_recordings: int = 0
     better: tuple[Better, ...] = ()
@@ -210,16 +211,19 @@ class AtEqualAlarms(Fact):
 
 @dataclass(frozen=True)
 class Tested(Fact):
-    """p of a difference by recordings; None: too few of them tell X and Y apart."""
+    """p of a difference by recordings; None: too few of them, or of false alarms (`is_unsure`)."""
 
     n: int
     p: P | None
     noun: str = "recording"
+    is_unsure: bool = False
 
     @property
     def kind(self) -> str:
         """Whether there is a p."""
-        return "untestable" if self.p is None else "tested"
+        if self.p is not None:
+            return "tested"
+        return "unsure" if self.is_unsure else "untestable"
 
 
 @dataclass(frozen=True)
@@ -442,13 +446,13 @@ class Chip(Fact):
     kind
         ``better``: that `winner` is. Nothing, for operating points are ``unequal``, it is a
         ``single`` miss, encounters are ``short``, or for a `reason` (``withheld``). ``untested``:
-        not tested; ``testing``: not yet. ``few`` recordings, ``same`` values, or else ``not
-        shown``.
+        not tested; ``testing``: not yet. ``few`` recordings, ``unsure`` for want of false alarms,
+        ``same`` values, or else ``not shown``.
     """
 
     kind: Literal[
         "better", "unequal", "single", "short", "withheld", "untested", "testing",
-        "few", "same", "not shown",
+        "few", "unsure", "same", "not shown",
     ]  # fmt: skip
     winner: str = ""
     reason: Reason | None = None

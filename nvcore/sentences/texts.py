@@ -36,6 +36,7 @@ TEXTS: Final[Texts] = {
         "within": "{better} within {n_recordings!n:{noun}}{remarks}, too few to say so of "
         "others ({n_needed} are needed)",
         "untestable": "too little data to tell X and Y apart",
+        "unsure": "nothing is claimed: these are too few, or too uneven between recordings",
         "withheld": "no difference between X and Y is claimed: each that is more than chance fails "
         "another check",
         "not shown": "{n_recordings!n:{noun}} do not tell X and Y apart: no difference is shown "
@@ -91,6 +92,7 @@ TEXTS: Final[Texts] = {
     facts.Tested: {
         "tested": " ({n!n:{noun}}, {p})",
         "untestable": " (too few {noun}s tell them apart for a test)",
+        "unsure": " (not tested: too few or too uneven false alarms)",
     },
     facts.Split: {
         "none": "no encounter is near enough to count.",
@@ -167,6 +169,7 @@ TEXTS: Final[Texts] = {
         "untested": "not tested",
         "testing": "being tested",
         "few": "not shown: {n!n:{noun}}, {n_needed} needed",
+        "unsure": "not tested: too few or too uneven false alarms",
         "same": "the same",
         "not shown": "not shown",
     },

@@ -12,12 +12,13 @@ from places import SAMPLE
 
 from nvcore.comparison import Result, compare
 from nvcore.evidence.companions import Companions, find_companions
-from nvcore.evidence.operating_points import find_equal_alarms
+from nvcore.evidence.operating_points import count_alarms, find_equal_alarms
 from nvcore.evidence.table import evidence_table
 from nvcore.inputs.load import load
 from nvcore.inputs.session_toml import read_session
 from nvcore.report.tiles import Tile, tiles
-from nvcore.sentences.facts import Chip, Interval, Reason
+from nvcore.report.verdict import verdict
+from nvcore.sentences.facts import Chip, Conclusion, Interval, Reason
 
 FOUND, MISSED, ALERTS, WORST = range(4)
 
@@ -128,7 +129,7 @@ def test_numbers_at_unequal_false_alarms_bear_no_claim_and_those_at_equal_ones_m
 def test_at_equal_false_alarms_each_tile_but_the_single_miss_has_an_interval(
     sample: tuple[Result, pd.DataFrame, Companions],
 ):
-    params = replace(sample[0].params, threshold_x=0.3, threshold_y=0.7)
+    params = replace(sample[0].params, threshold_x=0.1, threshold_y=0.3)
     result = find_equal_alarms(compare(sample[0].dataset, params))
     evidence = evidence_table(result)
     *judged, worst = tiles(result, evidence, find_companions(result, evidence))
@@ -137,6 +138,21 @@ def test_at_equal_false_alarms_each_tile_but_the_single_miss_has_an_interval(
         low, middle, high = tile.bar
         assert 0 < low < middle < high < 1
     assert worst.bar is None
+
+
+def test_few_false_alarms_are_why_a_tile_is_not_tested(
+    sample: tuple[Result, pd.DataFrame, Companions],
+):
+    params = replace(sample[0].params, threshold_x=0.3, threshold_y=0.7)
+    result = find_equal_alarms(compare(sample[0].dataset, params))
+    assert (count_alarms(result.x), count_alarms(result.y)) == (13, 13)
+    evidence = evidence_table(result)
+    companions = find_companions(result, evidence)
+    found, missed, *_ = tiles(result, evidence, companions)
+    assert (found.interval, found.chip) == (Interval("none"), Chip("unsure"))
+    assert (missed.interval, missed.chip) == (Interval("none"), Chip("unsure"))
+    said = verdict(result, evidence=evidence, companions=companions)
+    assert said.headline.conclusion == Conclusion("unsure")
 
 
 def test_what_is_not_tested_yet_says_so(sample: tuple[Result, pd.DataFrame, Companions]):

@@ -10,7 +10,7 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.evidence.claims import Claim, Support, find_within, has_primary
-from nvcore.evidence.companions import Companions
+from nvcore.evidence.companions import Companions, is_unsure
 from nvcore.evidence.measures import primary_of
 from nvcore.evidence.operating_points import are_unequal, has_scores
 from nvcore.evidence.units import MIN_RECORDINGS, WHOLE, count_whole
@@ -74,6 +74,8 @@ def _conclusion(
             better=_better(result, within, evidence, len(within)),
             remarks=_remarks(result, within),
         )
+    if is_unsure(evidence):
+        return Conclusion("unsure")
     if not np.isfinite(evidence["p_corrected"]).any():
         return Conclusion("untestable")
     n = int(evidence["n"][np.isfinite(evidence["p_corrected"])].max())

@@ -18,7 +18,7 @@ from nvcore.evidence.claims import (
     values_of,
     winner_of,
 )
-from nvcore.evidence.companions import Companions
+from nvcore.evidence.companions import Companions, is_unsure
 from nvcore.evidence.measures import primary_of
 from nvcore.evidence.miss_rate import KEY as MISS_RATE
 from nvcore.evidence.operating_points import (
@@ -106,7 +106,9 @@ def encounters(result: Result, evidence: pd.DataFrame | None, support: Support) 
         if row["unit"] in WHOLE:
             is_tested = np.isfinite(row["p_corrected"])
             p = facts.P(row["p"], row["p_corrected"]) if is_tested else None
-            test = facts.Tested(int(row["n"]), p, str(row["unit"]).removesuffix("s"))
+            test = facts.Tested(
+                int(row["n"]), p, str(row["unit"]).removesuffix("s"), is_unsure(row)
+            )
     return (facts.Split(venn.n_near, venn.both, venn.x_only, venn.y_only, test),)
 
 
