@@ -50,7 +50,7 @@ def row_of(
         "figure": figure, "p": p_corrected / 2, "p_corrected": p_corrected,
         "low": low, "high": high, "x": 1.0, "y": 2.0,
         "difference": difference, "better": better, "unit": unit, "n": n, "doubt": doubt,
-        "least_p": 2 / 2**n,
+        "least_p": 2 / 2**n, "note": "",
     }  # fmt: skip
 
 
