@@ -43,8 +43,8 @@ from nvcore.protocols import PROTOCOLS, Protocol
 MOST_ERROR: Final = 0.5
 """Largest standard error of the logarithm of the ratio of false alarms, X to Y, at which systems
 that are set unequally are judged at equal ones. Where false alarms are few, or most are in few
-recordings, setting the two alike in these says little of others: without this limit 18 % of pairs
-of equal systems with one false alarm in 70 frames were told apart (20 recordings)."""
+recordings, setting the two alike in these says little of others: without this limit 9 % of pairs of
+equal systems with one false alarm in 50 frames were told apart (20 recordings)."""
 UNSURE: Final = (
     "false alarms are too few, or too unevenly spread over recordings, to set the two alike"
 )
