@@ -131,7 +131,8 @@ class Visit:
     def recording_field(self, name: str) -> Locator:
         """The field for the recording while it holds this one.
 
-        After a reload the sample's page is there for a moment, and its field beside the new one.
+        While a page is drawn anew the old field is there beside the new one for a moment: wait
+        for one.
         """
         return self.page.locator(f'input[aria-label="Recording"][value="{name}"]')
 
