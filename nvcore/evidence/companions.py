@@ -123,8 +123,8 @@ def judge_equal_alarms(
 
     Numbers of false alarms that are equal in these recordings would not be in others: p and
     intervals allow for that (`shifts_at_equal_alarms`). And the difference has to hold at both ends
-    of the thresholds that give them (`least_of`). Systems that are set unequally have neither where
-    recordings say too little of their false alarms (`MOST_ERROR`).
+    of the thresholds that give them (`least_of`). Systems that are set unequally have no p and no
+    interval where recordings say too little of their false alarms (`MOST_ERROR`).
 
     Parameters
     ----------
@@ -158,9 +158,11 @@ def is_unsure(evidence: pd.DataFrame | pd.Series[Any] | Mapping[Hashable, Any]) 
 def _without_tests(evidence: pd.DataFrame) -> pd.DataFrame:
     """The evidence without what is tested of thresholds in use: `UNSURE` says why."""
     at_thresholds = evidence["figure"].map(lambda key: inference_of(key).test != "curve")
-    is_tested = at_thresholds & evidence["unit"].isin(WHOLE) & np.isfinite(evidence["p"])
+    has_some = np.isfinite(evidence["p"]) | np.isfinite(evidence["low"])
+    is_tested = at_thresholds & evidence["unit"].isin(WHOLE) & has_some
     kept = evidence.copy()
-    kept.loc[is_tested, ["low", "high", "p", "p_corrected"]] = np.nan
+    kept.loc[is_tested, ["low", "high", "p", "p_corrected", "least_p", "effect"]] = np.nan
+    kept.loc[is_tested, "method"] = ""
     notes = [f"{note}; {UNSURE}" if note else UNSURE for note in kept.loc[is_tested, "note"]]
     kept.loc[is_tested, "note"] = notes
     return kept
