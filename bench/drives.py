@@ -23,7 +23,11 @@ Kind = Literal["equal", "thresholds", "half"]
 
 
 class Boxes(NamedTuple):
-    """Boxes of one source; recording and frame within it, and x, y, w, h, shape (4, n_boxes)."""
+    """Boxes of the truth (system -1), or detections of both systems (0 X, 1 Y).
+
+    `box`: x, y, w, h in px, shape (4, n_boxes); `score`: logit, NaN for truth; `frame`: from 0
+    within the recording.
+    """
 
     recording: np.ndarray
     frame: np.ndarray

@@ -44,9 +44,9 @@ class Claim:
     winner
         The better system, ``x`` or ``y``.
     p
-        Corrected for all measures; NaN within a few recordings.
+        `p_corrected` of the evidence; NaN within a few recordings.
     n
-        Number of recordings, or of blocks of time, behind it.
+        Number of recordings, units or blocks of time behind it.
     """
 
     key: str
@@ -79,10 +79,10 @@ def find_claims(
 ) -> Support:
     """Which differences between X and Y may be claimed.
 
-    A claim needs a small p, corrected for all measures, over at least six recordings, and it must
-    not hinge on the operating points: if X and Y have unequally many false alarms, it is about the
-    comparison at equal false alarms; if not, it must hold there, too. Strict pairing must not
-    reverse it. Until the companions are known, nothing is claimed.
+    A claim needs a small `p_corrected` (of the primary measure that is p itself) over at least six
+    recordings or units, and it must not hinge on the operating points: if X and Y have unequally
+    many false alarms, it is about the comparison at equal false alarms; if not, it must hold there,
+    too. Strict pairing must not reverse it. Until the companions are known, nothing is claimed.
 
     Parameters
     ----------

@@ -119,7 +119,9 @@ def test_few_false_alarms_do_not_set_two_systems_alike():
     assert not find_claims(result, evidence, companions).claims
     at_equal = companions.evidence.set_index("figure")
     row = at_equal.loc["mean_similarity"]
-    assert np.isnan([row["p"], row["p_corrected"], row["low"], row["high"]]).all()
+    undefined = ["p", "p_corrected", "low", "high", "least_p", "effect"]
+    assert row[undefined].isna().all()
+    assert row["method"] == ""
     assert UNSURE in row["note"]
     assert np.isfinite(row["difference"])
     assert np.isfinite(at_equal.loc["log_average_miss_rate", "p"])  # it is of all thresholds
