@@ -161,7 +161,7 @@ def two_thresholds(rng: np.random.Generator, n: int) -> Systems:
 
 
 def few_alarms(rng: np.random.Generator, n: int) -> Systems:
-    """The same, with a tenth of the false alarms."""
+    """As `two_thresholds`, with a tenth of the false alarms."""
     x, y = two_thresholds(rng, n)
     return replace(x, alarms=0.1 * x.alarms), replace(y, alarms=0.1 * y.alarms)
 
@@ -197,7 +197,7 @@ SCENARIOS: Final[Mapping[str, Scenario]] = {
         fewer_misses(1 / 2, two_thresholds),
         is_null=False,
     ),
-    # the last in the order of names, by which seeds are numbered
+    # from here on the last in the order of names, by which seeds are numbered
     "thresholds": Scenario("two equal detectors at two thresholds, few false alarms", few_alarms),
     "written apart: equal": Scenario("second generator, equal systems", "equal", has_lengths=True),
     "written apart: half": Scenario(

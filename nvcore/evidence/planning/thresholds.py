@@ -173,7 +173,7 @@ def parts_at_equal_alarms(
     """
     x, y = thresholds.as_set
     n_x, n_y = (drawn @ of.alarms[0] for of in (x, y))
-    is_unequal = np.array([are_unequal_alarms(*pair) for pair in zip(n_x, n_y, strict=True)])
+    is_unequal = _are_unequal(n_x, n_y)
     parts = np.full(drawn.shape, np.nan)
     x_moves = n_x > n_y
     if None in thresholds.curves:
@@ -196,7 +196,8 @@ def _parts_of(
     And the standard error of the logarithm of the ratio of false alarms, shape (n_studies,). Parts
     are NaN in studies in which no threshold gives equal false alarms.
     """
-    target = np.maximum(drawn @ other.alarms[0], 1.0)
+    n_other = drawn @ other.alarms[0]
+    target = np.maximum(n_other, 1.0)
     alarms, moved = curve.at(drawn, target)
     parts, apart = moved - other.parts[0], alarms - other.alarms[0]
     error = np.sqrt((drawn * apart**2).sum(axis=1)) / target
@@ -212,6 +213,11 @@ def _parts_of(
     step = np.log(n_fewer / target) - (error if other_curve is None else np.log(target / n_fewer))
     slope = np.where(step < 0, change / np.minimum(step, -1e-9), 0.0)
     less: np.ndarray = parts - (slope / target)[:, np.newaxis] * apart
-    totals = zip((drawn * alarms).sum(axis=1), drawn @ other.alarms[0], strict=True)
-    less[[are_unequal_alarms(*pair) for pair in totals]] = np.nan
+    less[_are_unequal((drawn * alarms).sum(axis=1), n_other)] = np.nan
     return less, error
+
+
+def _are_unequal(n_one: np.ndarray, n_other: np.ndarray) -> np.ndarray:
+    """`are_unequal_alarms` of every study; bool, shape (n_studies,)."""
+    pairs = zip(n_one, n_other, strict=True)
+    return np.array([are_unequal_alarms(*pair) for pair in pairs], dtype=bool)
