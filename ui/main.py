@@ -9,6 +9,7 @@ from ui.people.studies import is_participant, leave_screen
 from ui.session import state
 from ui.shell import (
     account,
+    live,
     live_params,
     sidebar,
     systems,
@@ -18,7 +19,7 @@ from ui.shell import (
 from ui.shell.messages import error_banner
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, is_folded_on, own_of, shown_on
-from ui.shell.tab import back, dragging, narrow, restore, theme
+from ui.shell.tab import back, narrow, restore, theme
 from ui.subjects import contributed
 from ui.widgets import figure_menu
 from ui.widgets.buttons import forget_clicks
@@ -79,7 +80,7 @@ if wrong_params is not None and not is_participant():  # something is open
         restore.draw()
         back.draw()
         account.draw()
-        dragging.draw()
+        live.draw(can_compare=failure is None)
         figure_menu.draw()
         narrow.draw()
         theme.draw()

@@ -47,6 +47,10 @@ class Tile:
         For whom the difference is claimed to be more than chance; empty: it is not.
     chip
         That, or why it is not.
+    form
+        Format of the values.
+    is_doubtful
+        Whether no value is called better, whatever they are.
     """
 
     key: str
@@ -60,6 +64,8 @@ class Tile:
     better: str
     winner: str
     chip: Chip
+    form: str
+    is_doubtful: bool
 
 
 @dataclass(frozen=True)
@@ -146,7 +152,8 @@ def _tile(
     text_x, text_y = (number(value, form) for value in (x, y))
     measure = measure_of(kind.key)
     is_lower = measure.better == "lower"
-    is_even = text_x == text_y or x == y or doubt_of(shown, measure)
+    is_doubtful = bool(doubt_of(shown, measure))
+    is_even = text_x == text_y or x == y or is_doubtful
     better = "" if is_even else "x" if (x < y) == is_lower else "y"
     ends: tuple[float, float, float] | None = None
     interval = _no_interval(row)
@@ -175,6 +182,8 @@ def _tile(
         chip=Chip("better", winner)
         if winner
         else _chip(kind, shown, row, support, is_being_tested=is_being_tested),
+        form=form,
+        is_doubtful=is_doubtful,
     )
 
 

@@ -8,7 +8,7 @@ from html import escape
 from nvcore.objects import Objects
 from nvcore.report.tiles import Tile
 from nvcore.sentences import phrase
-from ui.widgets.html import stamp_html
+from ui.widgets.html import stamp_html, value_hooks
 
 
 def tiles_html(tiles: Sequence[Tile], objects: Objects) -> str:
@@ -20,17 +20,18 @@ def tiles_html(tiles: Sequence[Tile], objects: Objects) -> str:
 def _tile(tile: Tile, objects: Objects) -> str:
     values = "".join(
         f'<span class="{letter}{" better" if tile.better == letter else ""}">'
-        f"<i>{letter.upper()}</i>{escape(value)}</span>"
+        f'<i>{letter.upper()}</i><span data-value="{letter}">{escape(value)}</span></span>'
         for letter, value in (("x", tile.x), ("y", tile.y))
     )
     interval = "" if tile.interval is None else phrase(tile.interval, objects)
     chip = f'<span class="chip {tile.winner}">{escape(phrase(tile.chip, objects))}</span>'
+    hooks = value_hooks(tile.key, tile.form, is_marked=not tile.is_doubtful)
     return (
-        f'<section class="nv-tile" aria-label="{escape(tile.title, quote=True)}">'
+        f'<section class="nv-tile" aria-label="{escape(tile.title, quote=True)}"{hooks}>'
         f"<h3>{escape(tile.title)}</h3><p>{escape(tile.unit)}</p>"
         f'<div class="values">{values}</div>'
-        f"<p>X − Y &nbsp;<b>{escape(tile.difference)}</b></p>{_bar(tile)}"
-        f"<p>{escape(interval)}</p>{chip}</section>"
+        f'<p>X − Y &nbsp;<b data-value="difference">{escape(tile.difference)}</b></p>{_bar(tile)}'
+        f'<p class="interval">{escape(interval)}</p>{chip}</section>'
     )
 
 

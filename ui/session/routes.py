@@ -9,6 +9,7 @@ has one.
     GET /nv/TOKEN/frame/RECORDING/ROW.jpg?lo=&hi=    picture of a row of a recording
     GET /nv/TOKEN/visible/RECORDING/ROW.jpg?seen_s=  of visible light, as eyes that adapt see it
     GET /nv/TOKEN/boxes/RECORDING/CHUNK?v=           boxes of 1024 rows (`packed_boxes`)
+    GET /nv/TOKEN/comparison?v=                      what the browser compares X and Y with itself
     GET /nv/TOKEN/reasons/RECORDING/ROW              what each box of a row counts and costs, why
     PUT /nv/TOKEN/upload/SLOT?name=                  one file of pictures, or a video
 
@@ -36,6 +37,7 @@ from nvcore.overlay.explain import explain_boxes
 from nvcore.pictures.base import Picture, Pictures
 from nvcore.pictures.stretch import jpeg, stretch
 from ui.session.packed_boxes import pack_boxes
+from ui.session.packed_comparison import can_pack, pack_comparison, version_of
 from ui.session.requests import (
     CACHED,
     NOT_CACHED,
@@ -131,6 +133,18 @@ async def boxes(request: Request, space: Workspace | None) -> Response:
 
 
 @for_owner()
+async def comparison(request: Request, space: Workspace | None) -> Response:
+    """The columns of `pack_comparison`, with which the browser follows a slider."""
+    compared = None if space is None else space.compared
+    if compared is None or not can_pack(compared.result):
+        return not_found("the session has ended, or nothing is compared yet")
+    if request.query_params.get("v") != version_of(compared.result):
+        return not_found("another comparison is open by now")
+    content = await run_in_threadpool(pack_comparison, compared.result)
+    return Response(content, media_type="application/octet-stream", headers=CACHED)
+
+
+@for_owner()
 async def reasons(request: Request, space: Workspace | None) -> Response:
     """What each box of a row counts and costs with the newest settings, in words."""
     compared = None if space is None else space.compared
@@ -182,6 +196,7 @@ OWN: Final = (
     Place("frame/{recording}/{row}.jpg", frame),
     Place("visible/{recording}/{row}.jpg", visible),
     Place("boxes/{recording}/{chunk}", boxes),
+    Place("comparison", comparison),
     Place("reasons/{recording}/{row}", reasons),
     Place("upload/{slot}", upload, "PUT"),
 )

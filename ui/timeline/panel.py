@@ -74,11 +74,12 @@ def _numbers(facts: FrameSummary) -> str:
         ("false alarms", [f"{side.false_alarms}" for side in sides]),
     ]
     body = "".join(
-        f'<tr><th scope="row">{label}</th>{"".join(f"<td>{cell}</td>" for cell in cells)}</tr>'
+        f'<tr data-frame-value="{label}"><th scope="row">{label}</th>'
+        f"{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
         for label, cells in rows
     )
     head = '<tr><td></td><th scope="col">X</th><th scope="col">Y</th></tr>'
-    return f'<table class="nv-numbers">{head}{body}</table>'
+    return f'<table class="nv-numbers" data-row="{facts.row}">{head}{body}</table>'
 
 
 def _chosen(result: Result, row: int) -> None:

@@ -45,6 +45,11 @@ class MeasureRow:
         CSS borders that stand before the name as samples of the lines of systems.
     colours
         Of the two systems of this row, where they are not X and Y; else empty.
+    key, form
+        Of the measure, and the format of its values, where the first cells are its X, Y and
+        X - Y: the browser writes them anew while a slider moves. Else empty.
+    is_marked
+        Whether it then marks the better value, too.
     """
 
     label: str
@@ -55,6 +60,15 @@ class MeasureRow:
     hint: str = ""
     lines: tuple[str, ...] = ()
     colours: tuple[str, ...] = ()
+    key: str = ""
+    form: str = ""
+    is_marked: bool = False
+
+
+def value_hooks(key: str, form: str, *, is_marked: bool) -> str:
+    """Attributes of a row or a tile by which the browser finds a measure."""
+    better = f' data-better="{measure_of(key).better}"' if is_marked else ""
+    return f' data-measure="{escape(key, quote=True)}" data-form="{form}"{better}'
 
 
 def stamp_html() -> str:
@@ -89,6 +103,9 @@ def score_row(row: ScoreRow, *, width: float = math.nan, is_short: bool = False)
         better=row._replace(form=form).winner,
         level=row.level,
         hint=state.say(measure_of(row.key).meaning) if row.key else "",
+        key=row.key,
+        form=form,
+        is_marked=not row.is_doubtful,
     )
 
 
@@ -110,8 +127,8 @@ def _row(row: MeasureRow) -> str:
     level = ' class="part"' if row.level else ""
     hint = f' title="{_text(row.hint)}"' if row.hint else ""
     cells = "".join(
-        f'<td class="better {letter}">{_text(cell)}</td>'
-        if letter and row.better == letter
+        f'<td class="{letter}{" better" if row.better == letter else ""}">{_text(cell)}</td>'
+        if letter
         else f"<td>{_text(cell)}</td>"
         for cell, letter in zip(row.cells, ("x", "y", *[""] * len(row.cells)), strict=False)
     )
@@ -120,7 +137,8 @@ def _row(row: MeasureRow) -> str:
     style = "".join(f"--nv-{letter}:{colour};" for letter, colour in named)
     own = f' style="{style}"' if style else ""
     head = f'<th scope="row"{level}{hint}>{lines}{_text(row.label)}{marks}</th>'
-    return f"<tr{own}>{head}{cells}</tr>"
+    hooks = value_hooks(row.key, row.form, is_marked=row.is_marked) if row.key else ""
+    return f"<tr{own}{hooks}>{head}{cells}</tr>"
 
 
 def _text(text: str) -> str:

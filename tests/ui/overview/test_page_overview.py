@@ -63,12 +63,13 @@ def test_four_tiles_say_what_is_shown_and_the_better_value_has_a_mark(app: AppTe
     assert app.markdown[0].value.startswith("## 10 recordings do not tell X and Y apart")
     body = tiles(app)
     assert body.count("<section") == 4
-    assert '<span class="x better"><i>X</i>30</span><span class="y"><i>Y</i>27</span>' in body
+    assert '<span class="x better"><i>X</i><span data-value="x">30</span></span>' in body
+    assert '<span class="y"><i>Y</i><span data-value="y">27</span></span>' in body
     assert body.count(">not shown<") == 3
     assert "95 % interval −" in body
     (table,) = [item.proto.body for item in app.get("html") if 'nv-scorecard"' in item.proto.body]
-    assert '<td class="better x">30</td><td>27</td>' in table
-    assert '<td>3.813</td><td class="better y">3.491</td>' in table  # the largest event
+    assert '<td class="x better">30</td><td class="y">27</td>' in table
+    assert '<td class="x">3.813</td><td class="y better">3.491</td>' in table  # the largest event
 
 
 def test_the_verdict_that_was_shown_stays_in_grey_until_the_next(

@@ -16,8 +16,8 @@ from pages import FRAMES, begin_with, checked, opened, press, rows, shown, texts
 from ui.session import settings
 from ui.session.sample import shown_in
 from ui.session.workspace import Opened
+from ui.shell import live as live_sliders
 from ui.shell import pages
-from ui.shell.tab import dragging
 
 SCORED, CONSTANT = (
     "".join(f"night,{frame},300,200,40,120,0.{frame % n}\n" for frame in FRAMES) for n in (9, 1)
@@ -299,10 +299,10 @@ def test_a_slider_that_was_let_go_has_its_own_value_though_another_was_on_its_wa
     monkeypatch: pytest.MonkeyPatch,
 ):
     monkeypatch.setattr(st, "session_state", {"alpha": 0.4})
-    dragging.note({"name": "alpha", "value": 0.7, "id": 1})
+    live_sliders.note({"name": "alpha", "value": 0.7, "id": 1})
     st.session_state["alpha"] = 0.8  # both reach the server before it runs
     settings.take("alpha")
-    dragging.note({"name": "alpha", "value": 0.75, "id": 2})
+    live_sliders.note({"name": "alpha", "value": 0.75, "id": 2})
     assert settings.kept("alpha", None) == 0.8
 
 
@@ -347,5 +347,5 @@ def test_what_a_browser_still_sends_of_a_replaced_widget_is_no_choice(
 )
 def test_what_a_browser_sends_of_a_slider_is_checked(sent, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(st, "session_state", {})
-    dragging.note(sent)
+    live_sliders.note(sent)
     assert settings.kept("alpha", None) is None

@@ -4,6 +4,16 @@ const STRIP_LANE_PX = 34;
 const STRIP_MISSES_PX = 9;
 const STRIP_LEFT_PX = 20;
 
+// Runs of values below a limit, as pairs of the first row and one past the last.
+function lowSpans(values, low) {
+  const spans = [];
+  for (let row = 0; row <= values.length; row += 1) {
+    const isLow = row < values.length && values[row] < low;
+    if (isLow !== (spans.length % 2 === 1)) spans.push(row);
+  }
+  return spans;
+}
+
 class Strip {
   constructor(canvas) {
     this.canvas = canvas;
@@ -26,6 +36,17 @@ class Strip {
     // both lanes have one scale, from a little below the lowest value to 1
     const values = [...this.traces.x, ...this.traces.y].filter((value) => !Number.isNaN(value));
     this.floor = Math.max(0, values.reduce((least, value) => Math.min(least, value), this.low) - 0.05);
+    this.isStale = true;
+  }
+
+  // Similarity of every row, computed in the browser while a slider moves; the next `set` ends it.
+  follow(similarity) {
+    for (const system of ["x", "y"]) {
+      const values = similarity[system];
+      const least = (_, bucket) => values.subarray(bucket * this.bucketRows, (bucket + 1) * this.bucketRows).reduce((a, b) => Math.min(a, b), 1);
+      this.traces[system] = Float32Array.from({ length: Math.ceil(values.length / this.bucketRows) }, least);
+      this.intervals[system] = lowSpans(values, this.low);
+    }
     this.isStale = true;
   }
 

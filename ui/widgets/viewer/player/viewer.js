@@ -63,6 +63,12 @@ class Viewer extends Looking {
     this.settleTimer = 0;
     this.loadingTimer = 0;
     listen(this);
+    document.addEventListener("nvcore-similarity", ({ detail }) => {
+      if (!this.root.isConnected || this.sent?.recording !== detail.recording || !this.strip.traces) return;
+      this.strip.follow(detail);
+      this.isStale = true;
+      this.wake();
+    });
   }
 
   // whether keys, mouse and touch move it

@@ -1,0 +1,136 @@
+"""Binary encoding of what the browser needs to compare X and Y itself while a slider moves.
+
+`shell/live/comparison.js` reads it. Little endian: uint32 length of a JSON header, the header,
+zeros up to a multiple of 8 bytes, then the columns, each again padded to 8 bytes. The header gives
+each column's name, kind, first byte after the header, and length.
+
+Nothing in it depends on the settings of `LIVE`. Detections are matched without a threshold: they
+take pedestrians in descending score, so a threshold changes nothing for those above it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import struct
+from dataclasses import replace
+from itertools import chain
+from typing import Any, Final
+
+import numpy as np
+
+from nvcore.columns import BoxColumns
+from nvcore.comparison import Result
+from nvcore.metrics.matching import match_system
+from nvcore.metrics.proximity import in_use
+from nvcore.params import Params
+from nvcore.schema import DetectionState
+from nvcore.scoring import weigh_misses
+
+LIVE: Final = (
+    *("alpha", "midpoint", "spread", "midpoint_m", "spread_m"),
+    *("edge_weight", "low", "threshold_x", "threshold_y"),
+)
+"""Settings that the browser can change by itself."""
+MOST_BYTES: Final = 100_000_000
+"""More is not sent: the server alone computes then."""
+KINDS: Final = {"f": "<f8", "i": "<i4"}
+"""Columns are float64 or int32."""
+
+
+def version_of(result: Result) -> str:
+    """What `pack_comparison` gives depends on this and on nothing else."""
+    defaults: dict[str, Any] = {name: getattr(Params(), name) for name in LIVE}
+    fixed = replace(result.params, **defaults)
+    text = f"{result.dataset.fingerprint}{fixed!r}\0{result.x.name}\0{result.y.name}"
+    return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
+def n_bytes(result: Result) -> int:
+    """About as many bytes `pack_comparison` gives."""
+    dataset = result.dataset
+    n_boxes = sum(len(dataset.system(system.name)) for _, system in result.sides)
+    return 36 * (n_boxes + len(dataset.truth)) + 32 * len(dataset.frames)
+
+
+def can_pack(result: Result) -> bool:
+    """Whether it is small enough to be sent."""
+    return n_bytes(result) <= MOST_BYTES
+
+
+def has_mixed_scores(result: Result) -> bool:
+    """Whether some detections of X or Y have no score: a threshold may then match others anew."""
+    scores = (result.dataset.system(system.name).score for _, system in result.sides)
+    return any(0 < np.count_nonzero(np.isnan(score)) < len(score) for score in scores)
+
+
+def pack_comparison(result: Result) -> bytes:
+    """Recordings, frames, pedestrians and the detections of X and Y, as columns.
+
+    Boxes of the truth that are ignored, and detections that these absorb, are left out.
+    """
+    dataset, params, frames = result.dataset, result.params, result.dataset.frame_columns
+    unset = replace(params, midpoint=None, spread=None, edge_weight=None)
+    columns: dict[str, np.ndarray] = {
+        "first": frames.first,
+        **{name: getattr(frames, name) for name in ("width", "fps")},
+        **{name: in_use(unset, name, frames) for name in ("midpoint", "spread", "edge_weight")},
+        "horizon": _horizon(result),
+        "frame": frames.frame.astype(float),
+        "gap": frames.gap,
+        "encounter_recording": result.encounters.recording,
+    }
+    is_counted = ~dataset.truth.ignore
+    columns |= _boxes("truth", dataset.truth, is_counted, result)
+    columns["truth_encounter"] = result.encounters.encounter_of[is_counted]
+    columns["truth_factor"] = weigh_misses(np.ones(len(dataset.truth)), dataset, params)[is_counted]
+    new_row = np.cumsum(is_counted) - 1
+    for letter, system in result.sides:
+        matches = match_system(dataset, system.name, None, params)
+        is_member = matches.state != DetectionState.ABSORBED
+        detections = dataset.system(system.name)
+        columns |= _boxes(letter, detections, is_member, result)
+        columns[f"{letter}_score"] = detections.score[is_member]
+        partner = matches.det_truth[is_member]
+        columns[f"{letter}_match"] = np.where(partner < 0, -1, new_row[partner])
+    return _encode(columns)
+
+
+def _horizon(result: Result) -> np.ndarray:
+    """Row from which the size of boxes is measured, px; 0 where it is their height."""
+    frames = result.dataset.frame_columns
+    if result.params.proximity == "horizon":
+        return in_use(result.params, "horizon", frames)
+    return np.zeros(len(frames.fps))
+
+
+def _boxes(
+    name: str, boxes: BoxColumns, is_kept: np.ndarray, result: Result
+) -> dict[str, np.ndarray]:
+    """Columns of boxes: where they are, and what their weight is a function of."""
+    params, frames = result.params, result.dataset.frame_columns
+    kept = boxes.only(is_kept)
+    recording = frames.recording[kept.frame_index]
+    columns = {
+        "offsets": kept.offsets,
+        "size": kept.y + kept.h if params.proximity == "horizon" else kept.h,
+        "centre": np.clip(kept.x + 0.5 * kept.w, 0, frames.width[recording]),
+    }
+    if params.proximity == "distance":
+        columns["metres"] = (result.weighed_truth if name == "truth" else boxes).distance_m[is_kept]
+    if params.distance == "ground":
+        columns["foot"] = kept.y + kept.h
+    return {f"{name}_{column}": values for column, values in columns.items()}
+
+
+def _encode(columns: dict[str, np.ndarray]) -> bytes:
+    header, parts, start = [], [], 0
+    for name, values in columns.items():
+        kind = "f" if values.dtype.kind == "f" else "i"
+        content = values.astype(KINDS[kind]).tobytes()
+        parts.append((content, bytes(-len(content) % 8)))
+        header.append([name, kind, start, len(values)])
+        start += sum(map(len, parts[-1]))
+    text = json.dumps(header).encode()
+    lead = (struct.pack("<I", len(text)), text, bytes(-(4 + len(text)) % 8))
+    return b"".join(chain(lead, *parts))
