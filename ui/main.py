@@ -6,6 +6,7 @@ import streamlit as st
 
 from nvcore.errors import NvcoreError
 from ui.people.studies import is_participant, leave_screen
+from ui.serving.preparing import settle_memory
 from ui.session import state
 from ui.shell import (
     account,
@@ -95,3 +96,4 @@ if failure is None and not is_participant():
         failure = error
 if failure is not None and not is_participant():
     way_out.draw(is_fault=not isinstance(failure, NvcoreError))
+settle_memory()

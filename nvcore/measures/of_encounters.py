@@ -165,7 +165,6 @@ ENCOUNTER_MEASURES: Final[tuple[Measure, ...]] = (
         better=LOWER,
         stages=(SEVERITY,),
         is_worsened_by_alarms=False,
-        leads=True,
         of=lambda _, system: float(system.failures["severity_s"].sum()),
         unit="s",
         meaning="What the failures weigh: the sum of cost * time step over the frames that count "

@@ -23,39 +23,41 @@ _BY_ITSELF: Final = (
     "it is tested by itself at 5 %, and other differences are claimed only if it shows one."
 )
 
+CONCLUSIONS: Final = {
+    "claimed": "{better}: more than chance over {n_recordings!n:{noun}}{remarks}",
+    "untested": "whether X and Y differ by more than chance has not been tested",
+    "pending": "nothing is claimed before X and Y are compared at equal false alarms",
+    "few": "too few {noun}s to tell X and Y apart ({n_recordings} of the {n_needed} needed)",
+    "within": "{better} within {n_recordings!n:{noun}}{remarks}, too few to say so of "
+    "others ({n_needed} are needed)",
+    "untestable": "too little data to tell X and Y apart",
+    "unsure": "nothing is claimed: these are too few, or too uneven between recordings",
+    "withheld": "no difference between X and Y is claimed: each that is more than chance fails "
+    "another check",
+    "not shown": "{n_recordings!n:{noun}} do not tell X and Y apart: no difference is shown "
+    "to be more than chance",
+    "primary not shown": "{n_recordings!n:{noun}} do not tell X and Y apart: no difference "
+    "in {primary} is shown to be more than chance",
+}
+HEADLINES: Final = {
+    "alike": "{conclusion}.",
+    "equal": f"{UNEQUAL_POINTS}; at equal false alarms, {{conclusion}}.",
+    "pending": f"{UNEQUAL_POINTS}: nothing is claimed before they are compared at equal false "
+    "alarms.",
+    "threshold": f"{UNEQUAL_POINTS} and no threshold sets them alike, {_NO_CLAIM}.",
+    "scores": f"{UNEQUAL_POINTS} and cannot be set alike without scores, {_NO_CLAIM}.",
+    "same boxes": "two of the inputs have the same boxes: this is no comparison of two systems.",
+    "wrong inputs": "nothing is claimed: the audit found errors in the inputs, and until they "
+    "are mended the numbers are wrong.",
+}
+
 TEXTS: Final[Texts] = {
     facts.Named: "{key!m}",
     facts.Compared: "{key!m} ({better.number} against {other})",
     facts.OfBoth: "{key!m} (X {x.number}, Y {y})",
     facts.Better: "{winner!u} is better on {won}",
-    facts.Conclusion: {
-        "claimed": "{better}: more than chance over {n_recordings!n:{noun}}{remarks}",
-        "untested": "whether X and Y differ by more than chance has not been tested",
-        "pending": "nothing is claimed before X and Y are compared at equal false alarms",
-        "few": "too few {noun}s to tell X and Y apart ({n_recordings} of the {n_needed} needed)",
-        "within": "{better} within {n_recordings!n:{noun}}{remarks}, too few to say so of "
-        "others ({n_needed} are needed)",
-        "untestable": "too little data to tell X and Y apart",
-        "unsure": "nothing is claimed: these are too few, or too uneven between recordings",
-        "withheld": "no difference between X and Y is claimed: each that is more than chance fails "
-        "another check",
-        "not shown": "{n_recordings!n:{noun}} do not tell X and Y apart: no difference is shown "
-        "to be more than chance",
-        "primary not shown": "{n_recordings!n:{noun}} do not tell X and Y apart: no difference "
-        "in {primary} is shown to be more than chance",
-    },
-    facts.Headline: {
-        "alike": "{conclusion}.",
-        "equal": f"{UNEQUAL_POINTS}; at equal false alarms, {{conclusion}}.",
-        "pending": f"{UNEQUAL_POINTS}: nothing is claimed before they are compared at equal false "
-        "alarms.",
-        "threshold": f"{UNEQUAL_POINTS} and no threshold sets them alike, {_NO_CLAIM}.",
-        "scores": f"{UNEQUAL_POINTS} and cannot be set alike without scores, {_NO_CLAIM}.",
-        "same boxes": "two of the inputs have the same boxes: this is no comparison of two "
-        "systems.",
-        "wrong inputs": "nothing is claimed: the audit found errors in the inputs, and until they "
-        "are mended the numbers are wrong.",
-    },
+    facts.Conclusion: CONCLUSIONS,
+    facts.Headline: HEADLINES,
     facts.Question: {
         "default": f"{{primary}} is the primary measure (the default): {_BY_ITSELF}",
         "chosen": "{primary} is the primary measure, chosen {when} before a verdict was shown: "
@@ -180,3 +182,46 @@ TEXTS: Final[Texts] = {
     },
 }
 """Those of the core."""
+
+IN_SHORT: Final[Texts] = {
+    facts.Compared: "{key!m}",
+    facts.Conclusion: {
+        "claimed": "{better}",
+        "untested": "X and Y have not been tested against each other",
+        "pending": "X and Y are not yet compared at equal false alarms",
+        "few": "too few {noun}s to tell X and Y apart",
+        "within": "too few {noun}s to tell X and Y apart",
+        "untestable": "too little data to tell X and Y apart",
+        "unsure": "too few false alarms to tell X and Y apart",
+        "withheld": "no difference between X and Y passes every check",
+        "not shown": "{n_recordings!n:{noun}} do not tell X and Y apart",
+        "primary not shown": "{n_recordings!n:{noun}} do not tell X and Y apart",
+    },
+    facts.Headline: {
+        "alike": "{conclusion}.",
+        "equal": "at equal false alarms, {conclusion}.",
+        "pending": "nothing is claimed yet.",
+        "threshold": "no claim: X and Y have unequal false alarms.",
+        "scores": "no claim: X and Y have unequal false alarms.",
+        "same boxes": "two of the inputs have the same boxes.",
+        "wrong inputs": "nothing is claimed: the inputs have errors.",
+    },
+}
+"""The headline where its reason (`BECAUSE`) stands below it."""
+
+BECAUSE: Final[Texts] = {
+    facts.Conclusion: {
+        **CONCLUSIONS,
+        "few": "a test needs {n_needed} {noun}s, here are {n_recordings}",
+        "untestable": "no measure has enough recordings that differ for a test",
+        "unsure": "false alarms are too few, or too uneven between recordings",
+        "withheld": "each difference that is more than chance fails another check",
+        "not shown": "no difference is shown to be more than chance",
+        "primary not shown": "no difference in {primary} is shown to be more than chance",
+    },
+    facts.Headline: {
+        **HEADLINES,
+        "equal": f"as {UNEQUAL_POINTS}, they are compared at equal false alarms: {{conclusion}}.",
+    },
+}
+"""The reason of the headline in short."""

@@ -160,7 +160,6 @@ MEASURES: Final[tuple[Measure, ...]] = (
         better=LOWER,
         stages=(TIME_LEFT,),
         is_worsened_by_alarms=False,
-        leads=True,
         of=lambda _, system: float(time_left_of(system)["impact_kmh"].mean()),
         unit="km/h",
         meaning="Mean speed with which the car reaches the {many} of all urgent encounters: 0 "

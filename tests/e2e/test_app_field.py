@@ -55,7 +55,8 @@ def open_sent(one: Visit, *, fps: str = "10") -> None:
 def matches(one: Visit, x: int, y: int) -> None:
     """Look up how many boxes X and Y match, as set."""
     one.switch_to("Overview")
-    row = one.page.locator(".nv-scorecard tr", has_text="boxes matched")
+    one.page.get_by_text(re.compile(r"^All \d+ measures$")).click()
+    row = one.page.locator(".nv-all_measures tr", has_text="boxes matched")
     expect(row).to_be_visible()
     as_set = one.page.get_by_role("radio", name="As set")
     if as_set.count():  # else at like operating points

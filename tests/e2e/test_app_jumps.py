@@ -105,6 +105,14 @@ def follow(title: str) -> Click:
     return click
 
 
+def closer(part: str, then: Click) -> Click:
+    def click(one: Visit) -> None:
+        one.look_closer(part)
+        then(one)
+
+    return click
+
+
 VENN: Final = "ui/overview/venn.py"
 SALIENCY: Final = "ui/saliency/events.py:open_asked"
 ONE_ENCOUNTER: Final = "ui/encounters/details.py:_draw_ways"
@@ -114,8 +122,8 @@ IN_THE_SAMPLE: Final = (
     Jump(f"{VENN}:_open", "Overview", "Encounters", press("open_y_only")),
     Jump(f"{VENN}:_open", "Overview", "Encounters", plot("venn", REGION, "both")),
     Jump(f"{VENN}:draw", "Overview", "Timeline", plot("venn", LARGEST_MARK)),
-    Jump(f"{VENN}:draw", "Overview", "Timeline", row("overview_worst_")),
-    Jump(f"{VENN}:_draw_worst", "Overview", "Encounters", press("overview_review")),
+    Jump(f"{VENN}:draw_worst", "Overview", "Timeline", row("overview_worst_")),
+    Jump(f"{VENN}:draw_worst", "Overview", "Encounters", press("overview_review")),
     Jump(
         "ui/overview/strip.py:draw", "Overview", "Timeline", plot("loss_strip", SHARE, [0.6, 0.1])
     ),
@@ -123,10 +131,23 @@ IN_THE_SAMPLE: Final = (
         "ui/overview/moments.py:_moment",
         "Overview",
         "Timeline",
-        lambda one: one.page.get_by_role("button", name="Open frame").first.click(),
+        closer(
+            "Moments to look at",
+            lambda one: one.page.get_by_role("button", name="Open frame").first.click(),
+        ),
     ),
-    Jump("ui/overview/scorecard.py:by_recording", "Overview", "Timeline", plot("by_recording")),
-    Jump("ui/overview/moments.py:worst_windows", "Overview", "Timeline", row("windows")),
+    Jump(
+        "ui/overview/scorecard.py:by_recording",
+        "Overview",
+        "Timeline",
+        closer("Recording by recording", plot("by_recording")),
+    ),
+    Jump(
+        "ui/overview/moments.py:worst_windows",
+        "Overview",
+        "Timeline",
+        closer("Worst windows", row("windows")),
+    ),
     Jump(ONE_ENCOUNTER, "Encounters", "Timeline", press("encounters_show")),
     Jump(
         "ui/time_left/encounter.py:draw_ways",

@@ -104,6 +104,7 @@ def test_a_click_on_a_mark_of_the_venn_diagram_opens_the_frame_that_costs_most(o
 
 
 def test_a_worst_moment_opens_its_frame(overview):
+    overview.look_closer("Moments to look at")
     buttons = overview.page.get_by_role("button", name="Open frame")
     expect(buttons).to_have_count(4)
     # at once: what is drawn above them moves them all
@@ -162,6 +163,7 @@ def test_a_theme_and_a_change_of_it_reach_page_plots_and_viewer(shared):
 
 
 def test_a_figure_is_taken_away_as_picture_drawing_and_data(overview, tmp_path):
+    overview.look_closer("Recording by recording")
     menu = overview.page.locator(".nv-take").filter(
         has=overview.page.get_by_label("Take this figure away: Similarity by recording")
     )

@@ -30,8 +30,7 @@ HEAD: Final = ("X", "Y", "X − Y", "95 % interval", "p", "p (corrected)", "effe
 
 
 def draw(result: Result, evidence: pd.DataFrame) -> None:
-    """The table of evidence, and the same by groups of encounters."""
-    st.header("Is the difference real?")
+    """The table of evidence."""
     evidence = as_shown(result, evidence)
     rows, notes = shown_evidence(result, evidence)
     head = (*HEAD, SETTING) if are_unequal(result) else HEAD
@@ -64,12 +63,12 @@ def draw(result: Result, evidence: pd.DataFrame) -> None:
                 st.markdown(f"- {plain(label)}: {plain(method)}")
         if np.isfinite(evidence["low"]).any():
             st.caption(INTERVAL_RULE)
-    _draw_subgroups(result, evidence)
 
 
 @st.fragment
-def _draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
+def draw_subgroups(result: Result, evidence: pd.DataFrame) -> None:
     """One measure for groups of encounters; which one is chosen here."""
+    evidence = as_shown(result, evidence)
     labels = dict(zip(evidence["figure"], evidence["label"], strict=True))
     keys = [key for key in EVIDENCE_KEYS if key in labels]
     # where encounters are single frames, a test of single encounters says nothing

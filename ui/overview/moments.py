@@ -60,7 +60,6 @@ N_MOMENTS: Final = 4
 
 def draw(result: Result) -> None:
     """A row of moments for each kind; a button opens the frame."""
-    st.header("Moments to look at")
     theme = state.theme()
     st.caption(
         state.say(
@@ -85,7 +84,6 @@ def draw(result: Result) -> None:
 
 def worst_windows(result: Result) -> None:
     """What each recording loses and its worst window; a click opens the frame in its middle."""
-    st.subheader("Lost similarity and the worst window")
     table = windows_table(result)
     if table.empty:
         st.info("There is no evaluated frame.")

@@ -16,7 +16,6 @@ from nvcore.evidence.measures import primary_of
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.planning import PLAN_KEYS, Plan, plan_recordings
 from nvcore.evidence.planning.pilot import MIN_PILOT
-from nvcore.evidence.planning.said import QUESTION
 from nvcore.evidence.units import WHOLE
 from nvcore.figures.power import power_plot
 from nvcore.measures.table import count_recordings, inference_of
@@ -55,7 +54,7 @@ def known_plan(result: Result) -> tuple[Fact, ...]:
 
 def draw(result: Result, evidence: pd.DataFrame, companions: Companions | None) -> None:
     """The question, the button that computes the answer, and the answer."""
-    with st.expander(QUESTION):
+    with st.container():
         if not evidence["unit"].isin(WHOLE).any():
             n = count_recordings(result)
             st.markdown(

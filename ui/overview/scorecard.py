@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
+from typing import Final
 
 import pandas as pd
 import streamlit as st
@@ -10,9 +12,8 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.figures.paired import recordings_plot
 from nvcore.measures.entry import MeasureTable
-from nvcore.measures.table import count_recordings
+from nvcore.measures.table import count_recordings, measures_in
 from nvcore.report.terminal import SHORT_ROWS
-from nvcore.tables.influence import lead_text
 from nvcore.tables.result import recordings_table
 from nvcore.tables.scorecard import score_rows
 from ui.session import state
@@ -21,23 +22,39 @@ from ui.widgets.charts import clicked_chart, kept_figure
 from ui.widgets.html import measures_html, score_row
 from ui.widgets.text import docs_link, plain
 
+LEADING: Final = tuple(
+    measure.key for measure in measures_in(MeasureTable.SCORECARD) if measure.leads
+)
+"""Measures that are shown before all are asked for."""
+
 
 class Scorecard:
-    """The table, drawn at once, and again with fewer decimals when the intervals are known."""
+    """Its place, and the table, which may be drawn again when the intervals are known."""
 
-    def __init__(self, result: Result, evidence: pd.DataFrame | None) -> None:
+    def __init__(self, result: Result) -> None:
         self._result = result
+        st.header("Scorecard", help=_help(result))
         self._place = st.empty()
-        self.draw(evidence)
+        n_rows = len(score_rows(result))
+        every = st.expander(f"All {n_rows} measures", key="all_measures", on_change="rerun")
+        self._whole = every.empty() if every.open else None
+        if every.open:
+            with every:
+                _draw_classes(result)
 
     def draw(self, evidence: pd.DataFrame | None) -> None:
         """The table; with evidence, without the decimals that the intervals do not leave."""
+        self._place.html(self._table(evidence, keys=LEADING))
+        if self._whole is not None:
+            self._whole.html(self._table(evidence, keys=None))
+
+    def _table(self, evidence: pd.DataFrame | None, keys: Collection[str] | None) -> str:
         widths = {} if evidence is None else _widths(evidence)
         rows = [
             score_row(row, width=widths.get(row.key, math.nan), is_short=self._result.is_short)
-            for row in score_rows(self._result)
+            for row in score_rows(self._result, keys=keys)
         ]
-        self._place.html(measures_html(rows, key="scorecard"))
+        return measures_html(rows, key="scorecard" if keys else "all_measures")
 
 
 def _widths(evidence: pd.DataFrame) -> dict[str, float]:
@@ -46,35 +63,27 @@ def _widths(evidence: pd.DataFrame) -> dict[str, float]:
     return dict(zip(evidence["figure"], widths, strict=True))
 
 
-def scorecard(result: Result, evidence: pd.DataFrame | None) -> Scorecard:
-    """Every measure of X beside that of Y, the difference, and which way is better.
-
-    Parameters
-    ----------
-    evidence
-        Of the comparison; None: not known yet.
-    """
-    st.header("Scorecard")
-    table = Scorecard(result, evidence)
+def _help(result: Result) -> str:
     little = f" {SHORT_ROWS}." if result.is_short else ""
-    st.caption(
-        state.say(
-            "↑ higher is better, ↓ lower is better; the better value has a dot, which says nothing "
-            "of chance.{little} Similarity, per frame, 1 is best: how well detections fit the "
-            "{many}, near ones first. Saliency, in seconds, 0 is best: how long the most salient "
-            "misses last, in full only when they are late ({link}). {rule}",
-            little=plain(little),
-            link=docs_link("Metrics", "similarity"),
-            rule=_rule(result),
-        )
+    return state.say(
+        "↑ higher is better, ↓ lower is better; the better value has a dot, which says nothing "
+        "of chance.{little} Similarity, per frame, 1 is best: how well detections fit the "
+        "{many}, near ones first. Saliency, in seconds, 0 is best: how long the most salient "
+        "misses last, in full only when they are late ({link}). {rule}",
+        little=plain(little),
+        link=docs_link("Metrics", "similarity"),
+        rule=_rule(result),
     )
-    with st.expander(f"How the {result.venn.n_near:,} encounters went"):
-        rows = [
-            score_row(row, is_short=result.is_short)
-            for row in score_rows(result, MeasureTable.MISS_CLASSES)
-        ]
-        st.html(measures_html(rows, key="classes", first="Miss class"))
-    return table
+
+
+def _draw_classes(result: Result) -> None:
+    """How the near encounters went, by miss class."""
+    st.markdown(f"How the {result.venn.n_near:,} encounters went")
+    rows = [
+        score_row(row, is_short=result.is_short)
+        for row in score_rows(result, MeasureTable.MISS_CLASSES)
+    ]
+    st.html(measures_html(rows, key="classes", first="Miss class"))
 
 
 def _rule(result: Result) -> str:
@@ -99,7 +108,6 @@ def by_recording(result: Result) -> None:
 
     Below, whether one of them decides who is ahead.
     """
-    st.header("Recordings side by side")
     names = (result.x.name, result.y.name)
     if count_recordings(result) == 1:
         x, y = (f"{system.summary.mean:.3f}" for _, system in result.sides)
@@ -112,7 +120,5 @@ def by_recording(result: Result) -> None:
         lambda: recordings_plot(recordings_table(result), names, theme=theme),
     )
     recording = clicked_chart(figure, "by_recording")
-    if text := lead_text(result):
-        st.caption(plain(text))
     if recording is not None:
         open_frame(int(recording), 0)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import streamlit as st
-
 from nvcore.comparison import Result
 from nvcore.figures.over_time.strip import loss_strip_plot
 from nvcore.tables.loss_strip import loss_strip
@@ -24,11 +22,9 @@ def draw(result: Result) -> None:
         figure,
         "loss_strip",
         alt="For each recording, over time: how much similarity the worse system loses",
-    )
-    st.caption(
-        "Each row is a recording. The stronger the colour, the more of its similarity the worse of "
-        "the two systems loses (1 − similarity, 0 is best). Click to open the frame "
-        f"({docs_link('Metrics', 'similarity')})."
+        help="Each row is a recording. The stronger the colour, the more of its similarity the "
+        "worse of the two systems loses (1 − similarity, 0 is best). Click to open the frame "
+        f"({docs_link('Metrics', 'similarity')}).",
     )
     if row is not None:
         open_row(int(row))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from functools import partial
 from typing import Final
 
@@ -10,6 +11,7 @@ import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.figures.venn import MOST_MARKS, venn_figure
+from nvcore.stages import ENCOUNTERS, SALIENT, SEVERITY
 from nvcore.tables.encounters.severity import weighed_encounters
 from ui.session import state
 from ui.shell.navigate import open_encounters, open_row
@@ -35,14 +37,9 @@ OPEN: Final = "overview_open"
 
 
 def draw(result: Result) -> None:
-    """The diagram, the same by buttons for those who do not click in pictures, and a list."""
-    st.header(state.say("Who detects {what}"))
-    row = st.session_state.pop(OPEN, None)
-    if row is not None:
-        open_row(row)
+    """The diagram, and the same by buttons for those who do not click in pictures."""
     names, theme = (result.x.name, result.y.name), state.theme()
-    key = (result.params, *names)
-    encounters = state.cached("weighed_encounters", key, lambda: weighed_encounters(result))
+    encounters, key = _weighed(result)
     figure = kept_figure(
         "venn",
         (*key, theme),
@@ -50,27 +47,24 @@ def draw(result: Result) -> None:
             result.venn, names, theme=theme, encounters=encounters, objects=result.objects
         ),
     )
-    clicked = clicked_chart(figure, "venn", alt=_in_words(result))
+    has_marks = len(encounters) <= MOST_MARKS
+    help_text = state.say(
+        "The seconds are {severity}: what failures weigh, 1 s for each second that {a_one} "
+        "straight ahead and near is missed. ",
+        severity=docs_link("severity", "severity"),
+    ) + (
+        "Each mark is an encounter, the larger the heavier its failure; its colour is the "
+        "system whose failure is heavier, a square stands for both. Click a mark to see its "
+        "moment, or a region to see its encounters."
+        if has_marks
+        else f"Encounters have marks of their own only up to {MOST_MARKS} of them. "
+        "Click a region to see its encounters."
+    )
+    clicked = clicked_chart(figure, "venn", alt=_in_words(result), help=help_text)
     if isinstance(clicked, str):
         _open(clicked)
     elif clicked is not None:
         open_row(int(clicked))
-    has_marks = len(encounters) <= MOST_MARKS
-    st.caption(
-        state.say(
-            "The seconds are {severity}: what failures weigh, 1 s for each second that {a_one} "
-            "straight ahead and near is missed. ",
-            severity=docs_link("severity", "severity"),
-        )
-        + (
-            "Each mark is an encounter, the larger the heavier its failure; its colour is the "
-            "system whose failure is heavier, a square stands for both. Click a mark to see its "
-            "moment, or a region to see its encounters."
-            if has_marks
-            else f"Encounters have marks of their own only up to {MOST_MARKS} of them. "
-            "Click a region to see its encounters."
-        )
-    )
     counts = result.venn.counts()
     with st.container(key="venn_open"):
         columns = st.columns(4)
@@ -83,15 +77,30 @@ def draw(result: Result) -> None:
             at=column,
         ):
             _open(category)
-    _draw_worst(encounters)
 
 
-def _draw_worst(encounters: pd.DataFrame) -> None:
+def _weighed(result: Result) -> tuple[pd.DataFrame, tuple[Hashable, ...]]:
+    """Encounters with what their failures weigh, and on what that depends."""
+    key = (result.params.only_for(ENCOUNTERS, SEVERITY, SALIENT), result.x.name, result.y.name)
+    return state.cached("weighed_encounters", key, lambda: weighed_encounters(result)), key
+
+
+def draw_worst(result: Result) -> None:
     """The encounters whose failures weigh most; a click opens the frame."""
+    row = st.session_state.pop(OPEN, None)
+    if row is not None:
+        open_row(row)
+    encounters, _ = _weighed(result)
     worst = encounters[encounters["severity_s"] > 0].head(N_WORST)
     if worst.empty:
         return
-    st.markdown("**Heaviest failures**, by severity")
+    st.markdown(
+        "**Heaviest failures**, by severity",
+        help=state.say(
+            "Click an encounter to see the frame in which its failure costs most, of those in "
+            "which the other system detects the {one}, if there are any."
+        ),
+    )
     configs = column_config("encounters.csv")
     config = {
         name: configs[name]
@@ -107,12 +116,6 @@ def _draw_worst(encounters: pd.DataFrame) -> None:
         placeholder=UNDEFINED,
         selection_mode=("single-row", "single-cell"),
         on_select=partial(_ask_for_row, key, worst["shown_row"].tolist()),
-    )
-    st.caption(
-        state.say(
-            "Click an encounter to see the frame in which its failure costs most, of those in "
-            "which the other system detects the {one}, if there are any."
-        )
     )
     if button(
         f"Review all {len(encounters):,} one by one",

@@ -17,6 +17,7 @@ from nvcore.report.tiles import tiles
 from nvcore.report.verdict import verdict
 from nvcore.report.words import sampling_note
 from nvcore.sentences.facts import Fact
+from nvcore.tables.influence import lead_text
 from nvcore.wording import count_text
 from ui.overview.tiles import tiles_html
 from ui.session import state
@@ -44,12 +45,13 @@ class Room:
         """What the last headline was about; it stays, greyed, until the next one is known."""
         return state.opened().dataset.fingerprint, self._result.x.name, self._result.y.name
 
+    def holds_last(self) -> bool:
+        """Whether it shows a verdict about these systems, of other settings perhaps."""
+        return bool(st.session_state.get(LAST) == self._opening())
+
     def draw_known(self, evidence: pd.DataFrame | None) -> None:
-        """The tiles with what is known so far, and the last headline until there is a new one."""
-        opening, last = st.session_state.get(LAST, (None, ""))
-        is_of_these = opening == self._opening()
-        words = last if is_of_these else "The differences are being tested."
-        self._words().markdown(f"## :gray[{words}]")
+        """The tiles with what is known so far."""
+        self._words().markdown("## :gray[The differences are being tested.]")
         self._basis().caption(_short_extent(self._result))
         four = tiles(self._result, evidence, None, is_being_tested=True)
         self._tiles().html(tiles_html(four, self._result.objects))
@@ -64,10 +66,11 @@ class Room:
         """What the measures support, how much more it would take, and what it depends on."""
         result = self._result
         conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
-        words = plain(conclusion.say(conclusion.headline))
-        self._words().markdown(f"## {words}")
+        reasons = f"{conclusion.reason} {lead_text(result)}"
+        words = plain(conclusion.in_short), plain(reasons)
+        self._words().markdown("## {}\n\n{}".format(*words))
         state.note_shown_verdict()
-        st.session_state[LAST] = self._opening(), words
+        st.session_state[LAST] = self._opening()
         four = tiles(result, evidence, companions, is_being_tested=True)
         self._tiles().html(tiles_html(four, self._result.objects))
         with self._basis().container():
@@ -97,6 +100,7 @@ def _draw_doubt(doubt: str) -> None:
 
 def _short_extent(result: Result) -> str:
     return (
+        f"X is {plain(result.x.name)}, Y {plain(result.y.name)}; "
         f"{count_text(len(result.dataset.recordings), 'recording')}, "
         f"{count_text(len(result.dataset.frames), 'frame')}, {result.duration_s:,.1f} s. "
         "Bars: 95 % interval of X − Y, on the right of the line X is better."

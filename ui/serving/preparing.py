@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import threading
 
 from nvcore.comparison import compare
@@ -15,6 +16,20 @@ from ui.session.results.comparison import result_kept_by
 from ui.session.results.evidence import comparison_key, evidence_kept_by, miss_rate_kept_by
 from ui.session.results.findings import findings_kept_by
 from ui.session.state import shared_start
+
+_is_settled = False
+
+
+def settle_memory() -> None:
+    """After the first page: what it has loaded stays, and is not looked through any more.
+
+    Streamlit collects garbage after every run, which then takes a third of the time.
+    """
+    global _is_settled
+    if not _is_settled:
+        _is_settled = True
+        gc.collect()
+        gc.freeze()
 
 
 def start_preparing() -> None:

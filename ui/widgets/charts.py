@@ -17,10 +17,19 @@ from ui.widgets.figure_menu import CONFIG_WITH_EXPORT
 LEAST_TOP_PX: Final = 10
 
 
-def draw_chart(figure: go.Figure, key: str, *, on_click: Callable[[], None] | None = None) -> None:
-    """Draw a chart; `on_click` is called before the page when a point is clicked or released."""
+def draw_chart(
+    figure: go.Figure,
+    key: str,
+    *,
+    on_click: Callable[[], None] | None = None,
+    help: str | None = None,  # noqa: A002  # as Streamlit calls it
+) -> None:
+    """Draw a chart; `on_click` is called before the page when a point is clicked or released.
+
+    `help` stands behind a question mark beside the heading.
+    """
     figure = _ready(figure)
-    alt = _draw_heading(figure)
+    alt = _draw_heading(figure, help_text=help)
     if on_click is None:
         st.plotly_chart(figure, theme=None, config=CONFIG_WITH_EXPORT, key=key, alt=alt)
         return
@@ -42,15 +51,16 @@ def clicked_chart(
     clicks: str | None = None,
     alt: str | None = None,
     time_axis: Literal["x", "y"] | None = None,
+    help: str | None = None,  # noqa: A002  # as Streamlit calls it
 ) -> Any:
     """Draw a chart; the `customdata` of a point clicked since then, None: no new click.
 
     Charts that share the name `clicks` share the memory of the last one. `alt` says what the chart
     shows, for those who cannot see it. Along `time_axis`, which is in seconds, the browser marks
-    the frame that the viewer shows.
+    the frame that the viewer shows. `help` as of `draw_chart`.
     """
     figure = _ready(figure)
-    heading = _draw_heading(figure, time_axis)
+    heading = _draw_heading(figure, time_axis, help)
     chart = st.plotly_chart(
         figure,
         theme=None,
@@ -76,7 +86,9 @@ def _ready(figure: go.Figure) -> go.Figure:
     return figure if figure.layout.meta is not None else _without_heading(figure)
 
 
-def _draw_heading(figure: go.Figure, time_axis: str | None = None) -> str | None:
+def _draw_heading(
+    figure: go.Figure, time_axis: str | None = None, help_text: str | None = None
+) -> str | None:
     """Draw title and subtitle as text of the page, which wraps; they leave the figure."""
     title, subtitle, *_ = figure.layout.meta
     meta = (title, subtitle, time_axis)
@@ -84,7 +96,13 @@ def _draw_heading(figure: go.Figure, time_axis: str | None = None) -> str | None
         figure.layout.meta = meta
     if not title:
         return None
-    st.html(f'<div class="nv-figure"><p><strong>{title}</strong> <span>{subtitle}</span></p></div>')
+    text = f'<div class="nv-figure"><p><strong>{title}</strong> <span>{subtitle}</span></p></div>'
+    if help_text is None:
+        st.html(text)
+    else:
+        with st.container(horizontal=True, gap="small"):
+            st.html(text, width="stretch")
+            st.markdown("", help=help_text, width="content")
     return unescape(f"{title}: {subtitle}" if subtitle else title)
 
 

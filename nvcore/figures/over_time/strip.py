@@ -29,7 +29,7 @@ FEW: Final = 20
 """Recordings up to which rows are not narrow."""
 BAR_PX: Final = (80, 220)
 """Least and largest length of the colour bar."""
-MAX_CLICKS: Final = 1500
+MAX_CLICKS: Final = 400
 """Places that can be clicked, over all strips; the browser draws a marker for each."""
 LEAST_TOP: Final = 0.2
 """Least upper end of the colour scale, so that trifles look small."""

@@ -10,6 +10,7 @@ import plotly.graph_objects as go
 
 from nvcore.figures.marks import click_markers, marks, steady_marker
 from nvcore.figures.style import (
+    HEADING_PX,
     HIDDEN_AXIS,
     LOOK,
     Look,
@@ -30,7 +31,7 @@ from nvcore.wording import count_text
 
 MOST_MARKS: Final = 150
 """Encounters up to which each has a mark."""
-HEIGHT_PX: Final = 380
+HEIGHT_PX: Final = 330
 GRID: Final = (36, 22)
 """Places that can be clicked, across and down."""
 CLICK_PX: Final = 8
@@ -112,7 +113,7 @@ def venn_figure(
         subtitle=f"{count_text(venn.n_near, 'encounter')} near enough to count; {areas}",
         height=HEIGHT_PX,
         hoverdistance=24,
-        margin={"l": 8, "r": 8, "t": 60, "b": 30},
+        margin={"l": 8, "r": 8, "t": HEADING_PX, "b": 4},
         xaxis={**HIDDEN_AXIS, "range": [frame.left, frame.right]},
         yaxis={**HIDDEN_AXIS, "range": [frame.bottom, frame.top], "scaleanchor": "x"},
     )

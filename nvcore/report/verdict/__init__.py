@@ -17,10 +17,12 @@ from nvcore.measures.table import as_shown
 from nvcore.objects import Objects
 from nvcore.report.verdict import points
 from nvcore.report.verdict.headline import headline
-from nvcore.sentences import say
+from nvcore.sentences import phrase, say
 from nvcore.sentences.caveats import caveats
 from nvcore.sentences.facts import Doubt, Fact, Headline
+from nvcore.sentences.texts import BECAUSE, IN_SHORT
 from nvcore.subjects import contributed, in_place
+from nvcore.wording import capitalised
 
 SAME_BOXES: Final = "same-boxes"
 
@@ -104,6 +106,16 @@ class Verdict:
     def say(self, *facts: Fact | None) -> str:
         """Facts in sentences."""
         return " ".join(say(fact, self.objects) for fact in facts if fact is not None)
+
+    @property
+    def in_short(self) -> str:
+        """The headline in one short sentence, without its reason."""
+        return capitalised(phrase(self.headline, self.objects, IN_SHORT))
+
+    @property
+    def reason(self) -> str:
+        """Why the headline says no more, or what its claims rest on."""
+        return capitalised(phrase(self.headline, self.objects, BECAUSE))
 
     @property
     def topics(self) -> tuple[tuple[str, str], ...]:

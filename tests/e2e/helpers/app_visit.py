@@ -93,6 +93,11 @@ class Visit:
         expect(self.heading(title, level=1)).to_be_visible()
         self.wait_until_drawn()
 
+    def look_closer(self, part: str) -> None:
+        """Unfold a part of the Overview."""
+        self.keyed("overview_more").get_by_text(part, exact=True).click()
+        self.wait_until_drawn()
+
     def prefer(self, theme: Literal["light", "dark"]) -> None:
         """Change the person's theme; plots and viewer have it a run later."""
         self.page.emulate_media(color_scheme=theme)

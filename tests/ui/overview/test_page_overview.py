@@ -17,7 +17,7 @@ from nvcore.tables.moments import worst_moments
 from pages import checked, measures, opened, press, texts, to_page
 from ui.jobs import companions
 from ui.overview import evidence as evidence_page
-from ui.overview import moments, venn
+from ui.overview import moments, more, venn
 from ui.overview import verdict as verdict_page
 from ui.overview.moments import window_row
 from ui.overview.scorecard import Scorecard
@@ -29,6 +29,11 @@ from ui.session.results import evidence as overview_evidence
 def app() -> AppTest:
     """The app on the sample recordings, at the Overview."""
     return checked(opened())
+
+
+def look_closer(app: AppTest, part: str) -> AppTest:
+    """Unfold a part of the page."""
+    return checked(app.button_group(key=more.KEY).set_value(part).run())
 
 
 def scorecard(app: AppTest) -> dict[str, tuple[str, ...]]:
@@ -69,23 +74,33 @@ def test_four_tiles_say_what_is_shown_and_the_better_value_has_a_mark(app: AppTe
     assert "95 % interval −" in body
     (table,) = [item.proto.body for item in app.get("html") if 'nv-scorecard"' in item.proto.body]
     assert '<td class="x better">30</td><td class="y">27</td>' in table
-    assert '<td class="x">3.813</td><td class="y better">3.491</td>' in table  # the largest event
+    assert table.count("<tr") == 1 + 8
+    app.session_state["all_measures"] = True
+    every = measures(checked(app.run()), "all_measures")
+    assert every["largest event of all (s) ↓"] == ("3.813", "3.491", "+0.322")
+    assert len(every) == 22
 
 
-def test_the_verdict_that_was_shown_stays_in_grey_until_the_next(
+def test_the_verdict_is_short_and_its_reason_stands_below(app: AppTest):
+    headline, reason = app.markdown[0].value.split("\n\n")
+    assert headline == "## 10 recordings do not tell X and Y apart\\."
+    assert reason.startswith("No difference in severity of missed pedestrians is shown to be more")
+    assert "whichever recording is left out" in reason
+
+
+def test_a_verdict_that_is_shown_stays_until_the_next_unless_it_is_about_others(
     app: AppTest, monkeypatch: pytest.MonkeyPatch
 ):
-    shown = app.markdown[0].value.removeprefix("## ")
-
     def refuse(*_: object) -> None:
         raise InputError("no evidence")
 
+    drawn: list[str] = []
     monkeypatch.setattr(overview_evidence, "evidence_kept_by", refuse)
+    monkeypatch.setattr(verdict_page.Room, "draw_known", lambda *_: drawn.append("known"))
     app.slider(key="alpha").set_value(0.5).run()
-    assert app.markdown[0].value == f"## :gray[{shown}]"
-    assert tiles(app).count(">being tested<") == 3
+    assert drawn == []
     app.multiselect(key="tags_chosen").set_value(["rural"]).run()  # it was not about these alone
-    assert app.markdown[0].value == "## :gray[The differences are being tested.]"
+    assert drawn == ["known"]
 
 
 def test_what_is_known_is_drawn_once_and_not_first_as_unknown(
@@ -108,12 +123,12 @@ def test_a_new_visitor_sees_at_once_what_another_has_waited_for(
     monkeypatch.setattr(verdict_page.Room, "draw_known", lambda *_, **__: drawn.append(False))
     newcomer = checked(opened())
     assert newcomer.session_state["workspace"] is not app.session_state["workspace"]
-    assert drawn == [True]
+    assert drawn == [False, True]  # the words wait for the page's end
 
 
 @pytest.mark.parametrize(("x", "y"), [("FIR", "NIR"), ("NIR", "FIR")])
 def test_a_system_keeps_its_colour_and_line_as_x_and_as_y(x: str, y: str):
-    page = checked(opened(x=x, y=y))
+    page = look_closer(checked(opened(x=x, y=y)), "moments")
     (styles,) = [item.proto.body for item in page.get("html") if "--nv-x:" in item.proto.body]
     for name, look in (
         ("FIR", "#0067B1;--nv-dash-{}:solid"),
@@ -127,7 +142,7 @@ def test_a_system_keeps_its_colour_and_line_as_x_and_as_y(x: str, y: str):
 
 
 def test_footnotes_belong_to_their_rows(app: AppTest):
-    rows = measures(app, "evidence")
+    rows = measures(look_closer(app, "tests"), "evidence")
     marked = [label for label in rows if "[" in label]
     assert [("urgent" in label, "impact" in label) for label in marked] == [
         (True, False),
@@ -195,6 +210,7 @@ def test_the_list_of_heaviest_failures_fits_a_small_window():
 
 
 def test_every_kind_of_moment_can_be_looked_at(app: AppTest):
+    look_closer(app, "moments")
     for kind in ("x", "y", "x_better", "y_better"):
         app.session_state["moments"] = kind
         checked(app.run())
@@ -210,7 +226,7 @@ def test_the_picture_of_a_moment_is_around_the_pedestrian_who_is_named(
         return drawn.setdefault(what, draw())
 
     monkeypatch.setattr(moments.drawing, "thumbnail", thumbnail)
-    result = checked(app.run()).session_state["workspace"].result
+    result = look_closer(app, "moments").session_state["workspace"].result
     table = worst_moments(result, n=moments.N_MOMENTS)
     for moment in table[table["kind"] == "x"].to_dict("records"):
         start, stop = result.dataset.truth.offsets[moment["row"] : moment["row"] + 2]
@@ -229,10 +245,13 @@ def test_the_picture_of_a_moment_is_around_the_pedestrian_who_is_named(
 def test_the_page_says_why_many_encounters_have_no_marks(
     app: AppTest, monkeypatch: pytest.MonkeyPatch
 ):
-    assert "Each mark is an encounter" in texts(app)
+    def helps() -> str:
+        return " ".join(item.proto.help for item in app.markdown)
+
+    assert "Each mark is an encounter" in helps()
     monkeypatch.setattr(venn, "MOST_MARKS", 20)
-    shown = texts(checked(app.run()))
-    assert "Encounters have marks of their own only up to 20 of them" in shown
+    checked(app.run())
+    assert "Encounters have marks of their own only up to 20 of them" in helps()
 
 
 def test_a_page_that_was_asked_for_is_opened(app: AppTest):
@@ -247,7 +266,7 @@ def forest(app: AppTest) -> str:
 
 
 def test_the_figure_that_groups_are_compared_in_can_be_chosen(app: AppTest):
-    box = app.selectbox(key="subgroup_figure")
+    box = look_closer(app, "groups").selectbox(key="subgroup_figure")
     assert box.value == "encounters_detected"
     label = "Share of encounters detected, within these recordings"
     assert f"{label}: X less Y, by group" in forest(app)
@@ -266,6 +285,7 @@ def test_the_figure_that_groups_are_compared_in_can_be_chosen(app: AppTest):
 
 
 def test_a_window_that_was_clicked_is_opened_in_the_timeline(app: AppTest):
+    look_closer(app, "windows")
     table = next(one.value for one in app.dataframe if "window_similarity_x" in one.value)
     assert table["recording"].iloc[0] == "all recordings"
     assert len(table) == 11

@@ -8,13 +8,17 @@ from streamlit.testing.v1 import AppTest
 
 from pages import begin_with, checked, opened, session, texts
 from ui.jobs.background import JobState
-from ui.overview import plan
+from ui.overview import more, plan
 
 
 @pytest.fixture
 def app() -> AppTest:
-    """The app on the sample recordings, at the Overview."""
-    return checked(opened())
+    """The app on the sample recordings, at the Overview, with the question unfolded."""
+    return asked(checked(opened()))
+
+
+def asked(app: AppTest) -> AppTest:
+    return checked(app.button_group(key=more.KEY).set_value("plan").run())
 
 
 def verdict(app: AppTest) -> str:
@@ -59,6 +63,6 @@ def test_few_recordings_are_no_pilot(tmp_path, monkeypatch: pytest.MonkeyPatch):
         scored = (f"{row},0.9" for row in kept)
         write(tmp_path / f"{name}.csv", "recording,frame,x,y,w,h,score", *scored)
     begin_with(two, monkeypatch)
-    app = checked(opened())
+    app = asked(checked(opened()))
     assert "A plan needs a pilot of 6 recordings or more" in texts(app)
     assert not [button for button in app.button if button.key == f"{plan.JOB}_start"]

@@ -185,7 +185,7 @@ def test_a_page_that_fails_leaves_the_parameters_as_they_were(monkeypatch: pytes
         raise IndexError("no such row")
 
     with monkeypatch.context() as patch:
-        patch.setattr("ui.overview.scorecard.scorecard", fail)
+        patch.setattr("ui.overview.scorecard.Scorecard", fail)
         page.run()
         assert "a fault of the program" in page.error[0].value
         assert page.slider(key="alpha").value == 0.5

@@ -1,0 +1,42 @@
+"""Overview page: what is looked at when the first two screens leave a question; one at a time."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import pandas as pd
+import streamlit as st
+
+from nvcore.comparison import Result
+from nvcore.evidence.companions import Companions
+from ui.overview import evidence, moments, plan, scorecard
+
+PARTS: Final = {
+    "moments": "Moments to look at",
+    "recordings": "Recording by recording",
+    "windows": "Worst windows",
+    "tests": "Is the difference real?",
+    "groups": "By group",
+    "plan": "How much more would it take?",
+}
+KEY: Final = "overview_more"
+
+
+def draw(result: Result, measured: pd.DataFrame, companions: Companions | None) -> None:
+    """The part that is chosen; none at first, and what is not chosen costs nothing."""
+    part = st.segmented_control(
+        "Look closer", list(PARTS), format_func=PARTS.__getitem__, key=KEY, persist_state="session"
+    )
+    match part:
+        case "moments":
+            moments.draw(result)
+        case "recordings":
+            scorecard.by_recording(result)
+        case "windows":
+            moments.worst_windows(result)
+        case "tests":
+            evidence.draw(result, measured)
+        case "groups":
+            evidence.draw_subgroups(result, measured)
+        case "plan":
+            plan.draw(result, measured, companions)
