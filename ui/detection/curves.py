@@ -72,8 +72,12 @@ def draw(result: Result, protocol: Protocol) -> None:
         published=result.dataset.settings.published,
         objects=result.objects,
     )
-    clicked = clicked_chart(figure, f"curves_{kind}", clicks="curves")
-    st.caption(f"{state.say(EXPLAINED[kind])} Click a curve to count from that score on.")
+    clicked = clicked_chart(
+        figure,
+        f"curves_{kind}",
+        clicks="curves",
+        help=f"{state.say(EXPLAINED[kind])} Click a curve to count from that score on.",
+    )
     if kind == "miss_rate":
         _draw_notes(summaries)
     if clicked is not None:

@@ -64,10 +64,8 @@ def draw(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
             draw_chart(
                 training_plot(inside.error, inside.round_ends, theme=state.theme().shade),
                 "detector_training",
-            )
-            st.caption(
-                "Share of the training's windows on the wrong side. Each round but the first has "
-                "more background, that which the round before took for objects: it is harder."
+                help="Share of the training's windows on the wrong side. Each round but the first "
+                "has more background, that which the round before took for objects: it is harder.",
             )
     except NvcoreError as error:  # the picture is too small at that scale
         st.warning(shown_error(error), icon=":material/warning:")
@@ -124,11 +122,12 @@ def _draw_map(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
     key = (*asking.place(), scale)
     windows = asking.ask("map", score_map, spec, picture, scale, key=key, most=asking.LARGE_KEPT)
     figure = score_map_plot(windows, inside.settings, picture, theme=state.theme().shade, of=of)
-    draw_chart(figure, "detector_map")
     n_trees = windows.n_features / 2 / max(windows.n_windows, 1)
-    st.caption(
-        f"A window is given to {n_trees:.1f} of {inside.n_trees:,} trees on average: most are "
-        "rejected early."
+    draw_chart(
+        figure,
+        "detector_map",
+        help=f"A window is given to {n_trees:.1f} of {inside.n_trees:,} trees on average: most are "
+        "rejected early.",
     )
     _draw_windows_per_stride(inside.settings, picture)
 
@@ -160,11 +159,12 @@ def _draw_traces(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
         "traces", traces_in, spec, picture, truth, scale, key=key, most=asking.LARGE_KEPT
     )
     theme = asking.theme_of(asking.described(spec).about)
-    draw_chart(traces_plot(objects, background, theme=theme), "detector_traces")
-    st.caption(
-        f"Objects: the window nearest to each of the truth's first {MOST_TRACES} boxes, where one "
-        "fits, at the scale of that. Background: windows of the chosen scale that are rejected, "
-        "some early and some late. A line ends where its window is rejected."
+    draw_chart(
+        traces_plot(objects, background, theme=theme),
+        "detector_traces",
+        help=f"Objects: the window nearest to each of the truth's first {MOST_TRACES} boxes, where "
+        "one fits, at the scale of that. Background: windows of the chosen scale that are "
+        "rejected, some early and some late. A line ends where its window is rejected.",
     )
 
 

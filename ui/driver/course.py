@@ -164,12 +164,15 @@ def _draw_plot(
     )
     if may_be_another_clock(state.recording()):
         st.caption(OTHER_CLOCK)
-    row = clicked_chart(figure, f"driver_course_{encounter}", clicks="driver_course", time_axis="x")
     adapting = docs_link("Adapting", "illumination", doc="driver")
-    st.caption(
-        f"Click a mark to see its frame. {adapting}: seconds from the last change from bright to "
-        "dark to the end of the frame; none where the eyes count as adapted, or it is not known."
-        f"{BAND if is_estimated(result, state.recording()) else ''}"
+    row = clicked_chart(
+        figure,
+        f"driver_course_{encounter}",
+        clicks="driver_course",
+        time_axis="x",
+        help=f"Click a mark to see its frame. {adapting}: seconds from the last change from bright "
+        "to dark to the end of the frame; none where the eyes count as adapted, or it is not known."
+        f"{BAND if is_estimated(result, state.recording()) else ''}",
     )
     if row is not None:
         state.go_to(*state.place_of(int(row)))

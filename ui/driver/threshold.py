@@ -22,12 +22,13 @@ def draw(result: Result) -> None:
             theme=state.theme(),
             objects=result.objects,
         )
-        draw_chart(figure, "driver_over_threshold")
-        st.caption(
-            state.say(
+        draw_chart(
+            figure,
+            "driver_over_threshold",
+            help=state.say(
                 "The driver sees the {one} where detectability reaches the threshold in a "
                 "frame up to the first that counts. How many encounters that leaves for X and Y to "
                 "warn of depends on the threshold, not on the systems ({link}).",
                 link=docs_link(state.say("{what} the driver sees"), "whom-he-sees", doc="driver"),
-            )
+            ),
         )

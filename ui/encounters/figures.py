@@ -33,18 +33,17 @@ def draw_classes(result: Result, encounters: pd.DataFrame) -> None:
             miss_classes_plot(encounters, names, theme=theme, objects=result.objects),
             "encounters_classes",
             on_click=_choose_class,
+            help="Click a bar to list its encounters.",
         )
-        st.caption("Click a bar to list its encounters.")
     with right:
         draw_chart(
-            lead_time_plot(encounters, theme=theme, objects=result.objects), "encounters_lead"
-        )
-        st.caption(
-            state.say(
+            lead_time_plot(encounters, theme=theme, objects=result.objects),
+            "encounters_lead",
+            help=state.say(
                 "{link}: how much earlier X matches {a_one} than Y, counted from the moment {he} "
                 "is near enough to count.",
                 link=docs_link("Lead time", "lead-time"),
-            )
+            ),
         )
 
 
@@ -101,11 +100,6 @@ def _choose_pair() -> None:
 def draw_fusion(result: Result) -> None:
     """What ``X or Y`` and ``X and Y`` would gain and cost."""
     st.header("What would a fusion bring?")
-    st.caption(
-        f"{docs_link('Fusion', 'fusion')}: \u201cX or Y\u201d shows what either detects, \u201cX "
-        "and Y\u201d what both detect. A false-alert episode is a run of false alarms that a "
-        "driver would notice as one. The filters have no effect here."
-    )
     if len(result.dataset.boxes) >= MANY_BOXES and not st.toggle(
         "Work it out",
         key="encounters_fuse",
@@ -117,7 +111,13 @@ def draw_fusion(result: Result) -> None:
         fusion = fusion_table(result)
     left, right = st.columns(2, gap="medium")
     with left:
-        draw_chart(fusion_plot(fusion, theme=state.theme()), "encounters_fusion")
+        draw_chart(
+            fusion_plot(fusion, theme=state.theme()),
+            "encounters_fusion",
+            help=f"{docs_link('Fusion', 'fusion')}: \u201cX or Y\u201d shows what either detects, "
+            "\u201cX and Y\u201d what both detect. A false-alert episode is a run of false alarms "
+            "that a driver would notice as one. The filters have no effect here.",
+        )
     with right:
         gains = (state.say(gain) for gain in fusion_gains(fusion))
         st.markdown("\n".join(f"- {sentence}" for sentence in gains))

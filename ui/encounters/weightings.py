@@ -40,9 +40,9 @@ def draw(result: Result, encounter: int) -> None:
         draw_chart(
             weightings_plot(result, encounter, weightings, theme=state.theme()),
             "encounters_weights",
+            help=_words(weightings),
         )
         st.table(_table(weightings))
-        st.caption(_words(weightings))
 
 
 def _table(weightings: Weightings) -> pd.DataFrame:

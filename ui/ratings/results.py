@@ -195,14 +195,17 @@ def _against_saliency(result: Result, clips: pd.DataFrame) -> None:
             lambda: correlate(clips["saliency_s"].to_numpy(), clips["mean_rank"].to_numpy()),
             most=MOST_KEPT,
         )
-    draw_chart(rating_plot(clips, correlations, names, theme=state.theme()), "rating_plot")
+    draw_chart(
+        rating_plot(clips, correlations, names, theme=state.theme()),
+        "rating_plot",
+        help="Dotted: the straight line through the clips; the band is its 95 % interval, by "
+        "resampling the recordings. Named: the clips more than three robust standard deviations "
+        "(1.4826 times the median distance) from it, five at most.",
+    )
     st.dataframe(
         _correlations(correlations), hide_index=True, key="rating_correlations", row_height=32
     )
     st.caption(
-        "Dotted: the straight line through the clips; the band is its 95 % interval, by resampling "
-        "the recordings. Named: the clips more than three robust standard deviations (1.4826 times "
-        "the median distance) from it, five at most.  \n"
         "1: the more annoying people find a clip, the higher its saliency; 0: no connection. "
         "Intervals are from resampling the clips. Intervals and p take the clips as independent; "
         "two clips of one recording are not, so the intervals are somewhat too narrow and p "

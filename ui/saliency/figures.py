@@ -90,8 +90,11 @@ def draw_events(result: Result, recording: int | None) -> None:
     theme = state.theme()
     left, right = st.columns(2, gap="medium")
     with left:
-        _chart(recency_plot(result, theme=theme, recording=recording), "saliency_curve")
-        st.caption("X is drawn just above the curve, Y just below it.")
+        _chart(
+            recency_plot(result, theme=theme, recording=recording),
+            "saliency_curve",
+            "X is drawn just above the curve, Y just below it.",
+        )
     with right:
         _chart(parts_plot(result, theme=theme, recording=recording), "saliency_parts")
 
@@ -105,19 +108,20 @@ def draw_recordings(result: Result) -> None:
             recordings_plot(recordings_table(result), names, theme=theme, measure="saliency"),
             "saliency_recordings",
             on_click=_choose_recording,
+            help="Click a recording to see only its events below.",
         )
-        st.caption("Click a recording to see only its events below.")
     with right:
-        _chart(plane_plot(result, theme=theme), "saliency_plane")
         means = "Large open marks: means. " if has_several_recordings(result) else ""
-        st.caption(
+        _chart(
+            plane_plot(result, theme=theme),
+            "saliency_plane",
             f"{means}Click the mark of a recording to see the system's most salient event in it in "
-            "the Timeline."
+            "the Timeline.",
         )
 
 
-def _chart(figure: go.Figure, key: str) -> None:
-    draw_chart(figure, key, on_click=partial(_ask_for_row, key))
+def _chart(figure: go.Figure, key: str, help_text: str | None = None) -> None:
+    draw_chart(figure, key, on_click=partial(_ask_for_row, key), help=help_text)
 
 
 def _ask_for_row(key: str) -> None:

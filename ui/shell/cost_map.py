@@ -27,12 +27,10 @@ def draw() -> None:
         draw_chart(
             cost_plot(cost, theme=state.theme(), objects=state.opened().dataset.objects),
             "cost_plot",
-        )
-        st.caption(
-            state.say(
+            help=state.say(
                 "k × border of {a_one} with the {feet} there, 0 to 1, in {where}. {cost}. "
                 "Over the picture: Timeline, key c.",
                 where=plain(state.recording_names()[recording]),
                 cost=plain(capitalised(state.say(cost.text))),
-            )
+            ),
         )

@@ -111,8 +111,8 @@ def _draw_map(result: Result, stability: StabilityMap) -> None:
         stability_map(stability, theme=state.theme()),
         f"stability_{stability.plane}_{stability.criterion}",
         clicks="stability",
+        help="Click a place to take its settings into the sidebar.",
     )
-    st.caption("Click a place to take its settings into the sidebar.")
     more = [sentence for sentence in describe_stability(stability) if sentence not in short]
     if more:
         with st.expander("More in words: each setting by itself, equal false alarms"):

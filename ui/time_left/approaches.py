@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import pandas as pd
-import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.time_left.encounters import urgent_encounters
@@ -38,16 +37,18 @@ def draw(result: Result, urgent: pd.DataFrame) -> None:
         (*key_of(result), first, theme),
         lambda: approach_plot(result, urgent, theme=theme, first=first),
     )
-    _follow(result, clicked_chart(figure, "time_left_approaches"))
-    st.caption(
-        state.say(
+    clicked = clicked_chart(
+        figure,
+        "time_left_approaches",
+        help=state.say(
             "Contact is where the time to contact at the last chance says; the picture need not "
             "show it. A filled mark is where a system has confirmed the {one}, an open one "
             "right of contact says that it never does. Click a mark to open its frame in the "
             "Timeline ({link}).",
             link=docs_link("Confirmed in time", "confirmed-in-time"),
-        )
+        ),
     )
+    _follow(result, clicked)
 
 
 def draw_margins(result: Result, urgent: pd.DataFrame) -> None:
@@ -58,11 +59,13 @@ def draw_margins(result: Result, urgent: pd.DataFrame) -> None:
         (*key_of(result), theme),
         lambda: margins_plot(result, urgent, theme=theme),
     )
-    _follow(result, clicked_chart(figure, "time_left_margins"))
-    st.caption(
-        "Margin: time from confirmation to the last chance, negative is too late. Below the dotted "
-        "line X is first, above it Y. Click a mark to open the last chance."
+    clicked = clicked_chart(
+        figure,
+        "time_left_margins",
+        help="Margin: time from confirmation to the last chance, negative is too late. Below the "
+        "dotted line X is first, above it Y. Click a mark to open the last chance.",
     )
+    _follow(result, clicked)
 
 
 def _follow(result: Result, clicked: Any) -> None:

@@ -35,24 +35,22 @@ def draw(result: Result) -> None:
         st.markdown(plain(state.say(order)))
     names, theme = (result.x.name, result.y.name), state.theme()
     speed_kmh = time_left_in(result).assumed_speed_kmh
+    help_text = state.say(
+        "Each speed in place of all others, those of recordings as well, with the approach as "
+        "it was recorded: the same seconds are more metres at a higher speed, at which nobody "
+        "knows whether the systems detect as well. At a higher speed more {many} are "
+        "urgent, and more are too near when first known and left out: so the share may rise "
+        "with speed. Where the order turns is not tested: a single encounter may do it "
+        "({link}).",
+        link=docs_link("Time left", "time-left"),
+    )
     for column, measure in zip(st.columns(2, gap="medium"), MEASURES, strict=True):
         make = partial(
             over_speed_plot, curve, names, speed_kmh=speed_kmh, theme=theme, measure=measure
         )
         with column:
             figure = kept_figure(f"time_left_{measure}", (key, speed_kmh, theme), make)
-            draw_chart(figure, f"time_left_{measure}")
-    st.caption(
-        state.say(
-            "Each speed in place of all others, those of recordings as well, with the approach as "
-            "it was recorded: the same seconds are more metres at a higher speed, at which nobody "
-            "knows whether the systems detect as well. At a higher speed more {many} are "
-            "urgent, and more are too near when first known and left out: so the share may rise "
-            "with speed. Where the order turns is not tested: a single encounter may do it "
-            "({link}).",
-            link=docs_link("Time left", "time-left"),
-        )
-    )
+            draw_chart(figure, f"time_left_{measure}", help=help_text)
 
 
 def _curve(result: Result) -> tuple[tuple[object, ...], pd.DataFrame]:

@@ -124,16 +124,22 @@ def _draw_plot(result: Result) -> None:
         ),
     )
     upright = kind in ("upright", "side_by_side")
-    clicked = _clicked(figure, "time_plot", "y" if upright else "x")
+    words = LOSSES_TEXT if kind == "losses" else SIMILARITY_TEXT
+    clicked = _clicked(
+        figure,
+        "time_plot",
+        "y" if upright else "x",
+        f"{words} Click to see the frame ({docs_link('Metrics', 'similarity')}).",
+    )
     if clicked is not None:
         _go_to(int(clicked))
-    words = LOSSES_TEXT if kind == "losses" else SIMILARITY_TEXT
-    st.caption(f"{words} Click to see the frame ({docs_link('Metrics', 'similarity')}).")
 
 
-def _clicked(figure: Any, key: str, time_axis: Literal["x", "y"]) -> Any:
+def _clicked(
+    figure: Any, key: str, time_axis: Literal["x", "y"], help_text: str | None = None
+) -> Any:
     name = f"{key}_{state.recording()}"
-    return clicked_chart(figure, name, clicks=key, time_axis=time_axis)
+    return clicked_chart(figure, name, clicks=key, time_axis=time_axis, help=help_text)
 
 
 def _go_to(row: int) -> NoReturn:

@@ -96,13 +96,10 @@ def _draw_heading(
         figure.layout.meta = meta
     if not title:
         return None
-    text = f'<div class="nv-figure"><p><strong>{title}</strong> <span>{subtitle}</span></p></div>'
-    if help_text is None:
-        st.html(text)
-    else:
-        with st.container(horizontal=True, gap="small"):
-            st.html(text, width="stretch")
-            st.markdown("", help=help_text, width="content")
+    text = f'<div class="nv-figure"><p><strong>{title}</strong> <span>{subtitle}</span></p>'
+    if help_text:  # between empty lines it is Streamlit's Markdown, whose links open as everywhere
+        text += f'<details class="nv-help"><summary>?</summary>\n\n{help_text}\n\n</details>'
+    st.markdown(f"{text}</div>", unsafe_allow_html=True)
     return unescape(f"{title}: {subtitle}" if subtitle else title)
 
 

@@ -41,7 +41,7 @@ def with_model(model: bytes) -> AppTest:
 
 def headings(page: AppTest) -> list[str]:
     """Titles and subtitles of the figures, in their order."""
-    bodies = [item.proto.body for item in page.get("html") if "nv-figure" in item.proto.body]
+    bodies = [text.value for text in page.markdown if "nv-figure" in text.value]
     return [body.replace("</strong> <span>", ": ").partition("<strong>")[2] for body in bodies]
 
 

@@ -246,7 +246,7 @@ def test_the_page_says_why_many_encounters_have_no_marks(
     app: AppTest, monkeypatch: pytest.MonkeyPatch
 ):
     def helps() -> str:
-        return " ".join(item.proto.help for item in app.markdown)
+        return " ".join(text.value for text in app.markdown)
 
     assert "Each mark is an encounter" in helps()
     monkeypatch.setattr(venn, "MOST_MARKS", 20)

@@ -30,7 +30,7 @@ def alone_on() -> AppTest:
 
 def headings(page: AppTest) -> list[str]:
     """Titles of the figures, in their order."""
-    bodies = [item.proto.body for item in page.get("html") if "nv-figure" in item.proto.body]
+    bodies = [text.value for text in page.markdown if "nv-figure" in text.value]
     return [body.partition("<strong>")[2].partition("</strong>")[0] for body in bodies]
 
 

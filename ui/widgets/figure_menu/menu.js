@@ -122,6 +122,29 @@ function plotAfter(heading) {
   return plot?._fullLayout && plot.querySelector(".modebar-btn") ? plot : null;
 }
 
+// Escape, or a look elsewhere, closes what unfolds.
+function closesItself(details) {
+  details.addEventListener("keydown", (event) => {
+    if (event.key !== "Escape" || !details.open) return;
+    event.stopPropagation();
+    details.open = false;
+    details.querySelector("summary").focus();
+  });
+  details.addEventListener("focusout", (event) => {
+    if (event.relatedTarget && !details.contains(event.relatedTarget)) details.open = false;
+  });
+  document.addEventListener("pointerdown", (event) => {
+    if (!details.contains(event.target)) details.open = false;
+  });
+}
+
+function nameHelp(details) {
+  const summary = details.querySelector("summary");
+  const title = details.closest(".nv-figure").querySelector("strong").textContent;
+  summary.setAttribute("aria-label", `About this figure: ${title}`);
+  closesItself(details);
+}
+
 function addMenu(heading) {
   const plot = plotAfter(heading);
   if (!plot) return;
@@ -146,14 +169,7 @@ function addMenu(heading) {
     });
     menu.append(button);
   }
-  menu.addEventListener("keydown", (event) => {
-    if (event.key !== "Escape") return;
-    menu.open = false;
-    summary.focus();
-  });
-  menu.addEventListener("focusout", (event) => {
-    if (!menu.contains(event.relatedTarget)) menu.open = false;
-  });
+  closesItself(menu);
   heading.append(menu);
 }
 
@@ -163,6 +179,7 @@ export default function () {
   let isAsked = false;
   const look = () => {
     isAsked = false;
+    document.querySelectorAll(".nv-help > summary:not([aria-label])").forEach((of) => nameHelp(of.parentElement));
     document.querySelectorAll(".nv-figure:not(:has(.nv-take))").forEach(addMenu);
     reachPoints();
     followTime();

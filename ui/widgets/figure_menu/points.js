@@ -260,13 +260,14 @@ function makeReachable(plot) {
 }
 
 function nameFor(plot) {
-  if (!areClicked(plot) || plot.tabIndex === 0) return;
-  const title = asText(headingOf(plot).title);
-  plot.tabIndex = 0;
-  plot.setAttribute("role", "application");
-  plot.setAttribute(
-    "aria-label", `${title}. Arrow keys go from point to point, Enter does what a click does.`,
-  );
+  const { title, subtitle } = headingOf(plot);
+  const name = [title, subtitle].filter(Boolean).map(asText).join(": ");
+  const isClicked = areClicked(plot);
+  const keys = isClicked ? ". Arrow keys go from point to point, Enter does what a click does." : "";
+  if (plot.getAttribute("aria-label") === name + keys) return;
+  if (isClicked) plot.tabIndex = 0;
+  plot.setAttribute("role", isClicked ? "application" : "img");
+  plot.setAttribute("aria-label", name + keys);
 }
 
 function reachPoints() {
