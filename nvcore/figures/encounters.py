@@ -21,6 +21,7 @@ from nvcore.figures.style import (
     faded,
     plain,
     system_label,
+    which_is_which,
 )
 from nvcore.objects import Objects
 from nvcore.palette import Theme
@@ -92,7 +93,7 @@ def fusion_plot(fusion: pd.DataFrame, *, theme: Theme) -> go.Figure:
         traces,
         theme,
         title="What using both would gain and cost",
-        subtitle=f"{n_encounters:,} encounters that count; best is top left",
+        subtitle=f"{n_encounters:,} encounters that count; best is top left{which_is_which(theme)}",
         hoverdistance=24,
         showlegend=False,
         xaxis=axis(theme, "false-alert episodes", range=ends, fixedrange=True),
@@ -258,7 +259,7 @@ def lead_time_plot(encounters: pd.DataFrame, *, theme: Theme, objects: Objects) 
         title=objects.say("Who sees {a_one} first"),
         subtitle=(
             f"{matched}: X first in {int((lead_s > 0).sum())}, Y in {int((lead_s < 0).sum())}; "
-            f"median {np.median(lead_s) + 0.0:+.2f} s"
+            f"median {np.median(lead_s) + 0.0:+.2f} s{which_is_which(theme)}"
         ),
         barmode="stack",
         xaxis=axis(theme, lead, range=ends),
@@ -327,7 +328,7 @@ def position_map(encounters: pd.DataFrame, *, theme: Theme, objects: Objects) ->
         traces,
         theme,
         title=f"Where {objects.plural} are missed",
-        subtitle=f"{extent}; colour: the system that misses, size: severity",
+        subtitle=f"{extent}; colour: the system that misses, size: severity{which_is_which(theme)}",
         height=430,
         showlegend=True,
         hoverdistance=24,

@@ -10,7 +10,16 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.figures.marks import click_markers, marks, still_line, system_marker, with_gaps
-from nvcore.figures.style import LOOK, axis, draw, empty_figure, plain, rows_axis, system_label
+from nvcore.figures.style import (
+    LOOK,
+    axis,
+    begins_at,
+    draw,
+    empty_figure,
+    plain,
+    rows_axis,
+    system_label,
+)
 from nvcore.measures.entry import HIGHER
 from nvcore.measures.table import measure_of
 from nvcore.palette import Theme
@@ -82,6 +91,7 @@ def recordings_plot(
     values = np.concatenate([x[largest], y[largest]])
     low, high = min(look.least[0], values.min()), max(look.least[1], values.max())
     margin = MARGIN * (high - low)
+    start = low - margin
     traces = [
         still_line(
             with_gaps(x[largest], y[largest]),
@@ -103,8 +113,6 @@ def recordings_plot(
         n_x, n_y = int((gain[defined] > 0).sum()), int((gain[defined] < 0).sum())
         extent += f"; X is better in {n_x:,}, Y in {n_y:,}"
         extent += "; the better X, the higher up" if has_all else ""  # no room for both
-    if low - margin > 0:
-        extent += f"; axis from {low - margin:.2g}"
     return draw(
         traces,
         theme,
@@ -112,6 +120,6 @@ def recordings_plot(
         subtitle=extent,
         height=150 + ROW_PX * len(largest),
         hoverdistance=-1,
-        xaxis=axis(theme, look.axis_title, range=[low - margin, high + margin]),
+        xaxis=axis(theme, look.axis_title + begins_at(start), range=[start, high + margin]),
         yaxis=rows_axis(theme, labels, tickvals=place, fixedrange=True, automargin=True),
     )

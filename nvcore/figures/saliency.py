@@ -15,6 +15,7 @@ from nvcore.figures.style import (
     LEGEND,
     LOOK,
     axis,
+    begins_at,
     draw,
     empty_figure,
     faded,
@@ -29,11 +30,11 @@ from nvcore.wording import count_text
 
 MAX_EVENTS: Final = 1000
 """Events of each system on the curve, the most salient first."""
-MANY_EVENTS: Final = 200
-"""Events of a system above which the marks on the curve are small."""
+MANY_EVENTS: Final = 40
+"""Events of a system above which the marks on the curve are small and open."""
 N_PARTS: Final = 6
 """Events of each system that are taken apart."""
-LEGEND_PX: Final = 54
+LEGEND_PX: Final = 66
 """How far below the top of the figure the legend of the parts begins."""
 CURVE_POINTS: Final = 201
 SHIFT: Final = 0.03
@@ -106,11 +107,11 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
         # X's marks stand above the curve and Y's below: many events of both end at one time
         shift = SHIFT if letter == "x" else -SHIFT
         marker = steady_marker(
-            color=faded(look.of(letter), 0.35),
+            color=CLEAR if is_many else faded(look.of(letter), 0.35),
             symbol=look.symbol(letter),
             size=(3 if is_many else 5)
             + (8 if is_many else 15) * np.sqrt(events["weight_s"].to_numpy() / most_s),
-            line={"width": 0.5 if is_many else 1.2, "color": look.of(letter)},
+            line={"width": 1.2, "color": look.of(letter)},
         )
         traces.append(
             marks(
@@ -242,6 +243,7 @@ def plane_plot(result: Result, *, theme: Theme) -> go.Figure:
         for own, other in ("xy", "yx")
     ]
     lowest = min(float(similarity.min()) for similarity, _ in place.values())
+    start = min(lowest - 0.02, 0.9)
     return draw(
         traces,
         theme,
@@ -251,8 +253,8 @@ def plane_plot(result: Result, *, theme: Theme) -> go.Figure:
         height=420,
         xaxis=axis(
             theme,
-            "mean similarity (1 = perfect)",
-            range=[min(lowest - 0.02, 0.9), 1.005],
+            "mean similarity (1 = perfect)" + begins_at(start),
+            range=[start, 1.005],
             fixedrange=True,
         ),
         yaxis=axis(theme, "saliency (s, 0 = nothing to notice)", rangemode="tozero"),

@@ -165,6 +165,17 @@ def axis(theme: Theme, title: str = "", **more: Any) -> dict[str, Any]:
     }
 
 
+def begins_at(low: float) -> str:
+    """End of the title of an axis that does not begin at 0; empty: it does.
+
+    Examples
+    --------
+    >>> begins_at(0.6), begins_at(0.0)
+    (', from 0.6', '')
+    """
+    return f", from {low:.2g}" if low > 0 else ""
+
+
 def heading(title: str, subtitle: str, *, theme: Theme) -> str:
     """Title with a smaller second line."""
     second = f"font-size:12.5px;color:{LOOK[theme].muted}"

@@ -146,6 +146,7 @@ def test_a_page_has_no_accessibility_fault(shared, theme, title):
     one.switch_to(title)
     if title == "Timeline":
         one.shows(re.compile("^[0-9]+$"))
+    expect(one.page.locator(".js-plotly-plot:not([role][aria-label])")).to_have_count(0)
     assert one.accessibility_faults() == []
 
 
@@ -160,6 +161,21 @@ def test_a_theme_and_a_change_of_it_reach_page_plots_and_viewer(shared):
     one.prefer("light")
     expect(one.viewer).to_have_attribute("data-theme", "light")
     expect(axis).not_to_have_css("fill", "rgb(163, 174, 187)")
+
+
+def test_how_to_read_a_figure_stands_behind_its_question_mark(overview):
+    mark = overview.page.get_by_label("About this figure: Encounters detected")
+    link = overview.page.locator(".nv-help").get_by_role("link", name="severity")
+    expect(link).to_be_hidden()
+    mark.press("Enter")
+    expect(link).to_be_visible()
+    link.press("Escape")
+    expect(link).to_be_hidden()
+    expect(mark).to_be_focused()
+    mark.click()
+    expect(link).to_be_visible()
+    overview.heading("Overview", level=1).click()
+    expect(link).to_be_hidden()
 
 
 def test_a_figure_is_taken_away_as_picture_drawing_and_data(overview, tmp_path):
@@ -182,8 +198,9 @@ def test_a_figure_is_taken_away_as_picture_drawing_and_data(overview, tmp_path):
     assert "Similarity by recording" in drawing
     assert "winter_frost" in drawing
     table = pd.read_csv(files[".csv"])
-    assert list(table.columns)[:3] == ["series", "mean similarity (1 = perfect)", "y"]
-    fir = table[table.series == "X: FIR"].set_index("y")["mean similarity (1 = perfect)"]
+    similarity = "mean similarity (1 = perfect), from 0.48"
+    assert list(table.columns)[:3] == ["series", similarity, "y"]
+    fir = table[table.series == "X: FIR"].set_index("y")[similarity]
     assert len(fir) == 10
     assert fir["rural_road"] == pytest.approx(0.943, abs=1e-3)
 

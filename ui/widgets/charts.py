@@ -109,5 +109,8 @@ def _without_heading(figure: go.Figure) -> go.Figure:
     heading = split_heading(layout.title.text)
     top = max(layout.margin.t - HEADING_PX, LEAST_TOP_PX) if any(heading) else layout.margin.t
     height = None if layout.height is None else layout.height - layout.margin.t + top
+    if layout.legend.yref == "container":  # it keeps its distance to the plot
+        from_top = (1 - layout.legend.y) * layout.height - (layout.margin.t - top)
+        layout.legend.y = 1 - from_top / height
     figure.update_layout(meta=heading, title_text=None, margin_t=top, height=height)
     return figure

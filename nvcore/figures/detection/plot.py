@@ -20,10 +20,13 @@ from nvcore.palette import Theme
 from nvcore.published import PublishedPoint
 from nvcore.wording import count_text
 
-FPPI_RANGE: Final = (0.001, 10.0)
+FPPI_RANGE: Final = (0.001, 1.0)
 """The axis of false positives per image reaches so far at least."""
-RATE_TICKS: Final = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
-MOST_LOW_RATE: Final = 0.1
+RATE_TICKS: Final = (
+    *(0.001, 0.002, 0.005, 0.01, 0.02, 0.05),
+    *(0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0),
+)
+MOST_LOW_RATE: Final = 0.5
 """The axis of miss rates reaches down to this at least, so that a flat curve looks flat."""
 UNIT_RANGE: Final = (-0.02, 1.02)
 """Of axes from 0 to 1: marks at the ends are whole, and labels do not touch."""

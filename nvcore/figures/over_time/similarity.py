@@ -15,6 +15,7 @@ from nvcore.figures.marks import click_markers, still_line
 from nvcore.figures.style import (
     LOOK,
     axis,
+    begins_at,
     draw,
     empty_figure,
     faded,
@@ -231,7 +232,7 @@ def similarity_plot(
         traces,
         theme,
         title=f"Similarity over time, {name}",
-        subtitle=_subtitle(result, span, counts) + (f"; axis from {floor:g}" if floor else ""),
+        subtitle=_subtitle(result, span, counts),
         height=HEIGHT_PX[layout],
         barmode="overlay",
         hoverdistance=-1,
@@ -323,7 +324,7 @@ def _counts_text(counts: dict[str, int], most: int) -> str:
 def _axes(span: TimeSpan, floor: float, layout: TimeLayout, theme: Theme) -> dict[str, Any]:
     def similarity(of: str, domain: list[float], ends: list[float]) -> dict[str, Any]:
         form = {"range": ends, "fixedrange": True, "tickformat": ".2~f", "domain": domain}
-        return axis(theme, f"similarity{of} (1 = perfect)", **form)
+        return axis(theme, f"similarity{of} (1 = perfect){begins_at(floor)}", **form)
 
     time = axis(theme, "time (s)", range=time_range(span.end_s))
     strip: dict[str, Any] = {"range": [-0.6, 1.6], "tickvals": [0, 1]}
