@@ -197,6 +197,7 @@ def test_a_figure_is_taken_away_as_picture_drawing_and_data(overview, tmp_path):
     drawing = files[".svg"].read_text(encoding="utf-8")
     assert "Similarity by recording" in drawing
     assert "winter_frost" in drawing
+    assert "@font-face" in drawing
     table = pd.read_csv(files[".csv"])
     similarity = "mean similarity (1 = perfect), from 0.48"
     assert list(table.columns)[:3] == ["series", similarity, "y"]

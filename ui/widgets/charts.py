@@ -9,10 +9,9 @@ from typing import Any, Final, Literal
 import plotly.graph_objects as go
 import streamlit as st
 
-from nvcore.figures.style import HEADING_PX, split_heading
+from nvcore.figures.style import CONFIG, HEADING_PX, split_heading
 from ui.session import state
 from ui.widgets.clicks import is_new_click
-from ui.widgets.figure_menu import CONFIG_WITH_EXPORT
 
 LEAST_TOP_PX: Final = 10
 
@@ -31,12 +30,12 @@ def draw_chart(
     figure = _ready(figure)
     alt = _draw_heading(figure, help_text=help)
     if on_click is None:
-        st.plotly_chart(figure, theme=None, config=CONFIG_WITH_EXPORT, key=key, alt=alt)
+        st.plotly_chart(figure, theme=None, config=CONFIG, key=key, alt=alt)
         return
     st.plotly_chart(
         figure,
         theme=None,
-        config=CONFIG_WITH_EXPORT,
+        config=CONFIG,
         key=key,
         on_select=on_click,
         selection_mode="points",
@@ -64,7 +63,7 @@ def clicked_chart(
     chart = st.plotly_chart(
         figure,
         theme=None,
-        config=CONFIG_WITH_EXPORT,
+        config=CONFIG,
         key=key,
         on_select="rerun",
         selection_mode="points",

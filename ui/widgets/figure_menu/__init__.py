@@ -8,18 +8,9 @@ that.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import streamlit as st
-
-from nvcore.figures.style import CONFIG
-
-CONFIG_WITH_EXPORT: Final[dict[str, Any]] = {
-    **CONFIG,
-    "displayModeBar": True,
-    "modeBarButtons": [["toImage"]],
-}
-"""Plotly's tool bar is there with the one button that the menu presses; the style hides it."""
 
 FOLDER: Final = Path(__file__).parent
 SCRIPTS: Final = ("points.js", "cursor.js", "menu.js")

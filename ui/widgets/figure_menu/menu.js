@@ -1,7 +1,7 @@
 // Every figure of the page gets a menu: picture (PNG, twice the size), drawing (SVG), data (CSV).
 
 const LABELS = [["png", "Picture (PNG)"], ["svg", "Drawing (SVG)"], ["csv", "Data as drawn (CSV)"]];
-const HEADING_PX = 58;
+const [LINE_PX, EDGE_PX, SCALE] = [20, 8, 2];
 const ICON = `<svg viewBox="0 0 24 24" width="16" height="16" aria-hidden="true">
 <path d="M12 4v11m-4.5-4.5L12 15l4.5-4.5M5 19.5h14" fill="none" stroke="currentColor"
 stroke-width="2" stroke-linecap="round" stroke-linejoin="round"/></svg>`;
@@ -22,31 +22,82 @@ function fileName(plot, suffix) {
   return `${words.join("-").slice(0, 60)}${suffix}`;
 }
 
-// Plotly's own export, with the heading and the page's ground, which the chart leaves to the page.
-function savePicture(plot, format) {
+// The page's font as a picture has to carry it, which can load nothing.
+async function fontRules(family) {
+  const rules = [...document.styleSheets].flatMap((sheet) => [...sheet.cssRules]).filter((rule) => (
+    rule instanceof CSSFontFaceRule && rule.style.getPropertyValue("font-style") !== "italic"
+      && rule.style.getPropertyValue("font-family").replace(/["']/g, "") === family
+  ));
+  return Promise.all(rules.map(async (rule) => {
+    const [, address] = rule.cssText.match(/url\("?([^")]+)"?\)/);
+    const answer = await fetch(new URL(address, rule.parentStyleSheet.href ?? document.baseURI));
+    const reader = new FileReader();
+    const loaded = new Promise((done) => { reader.onload = done; });
+    reader.readAsDataURL(await answer.blob());
+    await loaded;
+    return rule.cssText.replace(/url\([^)]*\)/, `url("${reader.result}")`);
+  }));
+}
+
+function linesOf(text, font, width) {
+  const pen = document.createElement("canvas").getContext("2d");
+  pen.font = font;
+  return text.split(/\s+/).reduce((lines, word) => {
+    const longer = `${lines.at(-1)} ${word}`.trim();
+    return pen.measureText(longer).width <= width || !lines.at(-1)
+      ? [...lines.slice(0, -1), longer] : [...lines, word];
+  }, [""]);
+}
+
+// The figure as it is drawn, with its heading and the page's ground, which it leaves to the page.
+async function drawingOf(plot) {
+  const { width, height, font } = plot._fullLayout;
   const { title, subtitle } = headingOf(plot);
-  const layout = plot.layout;
-  const before = {
-    paper: layout.paper_bgcolor, title: layout.title, margin: layout.margin, height: layout.height,
+  const make = (name, attributes, text = "") => {
+    const part = document.createElementNS("http://www.w3.org/2000/svg", name);
+    Object.entries(attributes).forEach(([key, value]) => part.setAttribute(key, value));
+    part.textContent = text;
+    return part;
   };
-  const ink = getComputedStyle(plot).color;
-  const second = subtitle ? `<br><span style="font-size:12.5px">${subtitle}</span>` : "";
-  layout.paper_bgcolor = getComputedStyle(document.querySelector(".stApp")).backgroundColor;
-  layout.title = { ...before.title, text: `${title}${second}`, font: { size: 16, color: ink } };
-  layout.margin = { ...before.margin, t: (before.margin?.t ?? 24) + HEADING_PX };
-  const options = plot._context.toImageButtonOptions;
-  Object.assign(options, {
-    format, scale: format === "png" ? 2 : 1, filename: fileName(plot, ""),
-    width: plot._fullLayout.width, height: plot._fullLayout.height + HEADING_PX,
+  const lines = [[title, 16, 600], [subtitle, 12.5, 400]].flatMap(([text, size, weight]) => (
+    linesOf(asText(text), `${weight} ${size}px ${font.family}`, width - 16)
+      .filter(Boolean).map((line) => [line, size, weight])
+  ));
+  const top = lines.length * LINE_PX + 2 * EDGE_PX;
+  const drawing = make("svg", {
+    width, height: height + top, "font-family": font.family, "text-rendering": "geometricPrecision",
   });
-  try {
-    plot.querySelector(".modebar-btn").click(); // copies the layout before it returns
-  } finally {
-    layout.paper_bgcolor = before.paper;
-    layout.title = before.title;
-    layout.margin = before.margin;
-    layout.height = before.height;
+  drawing.append(make("style", {}, (await fontRules(font.family.split(",")[0])).join("\n")));
+  const fill = getComputedStyle(document.querySelector(".stApp")).backgroundColor;
+  drawing.append(make("rect", { width, height: height + top, fill }));
+  lines.forEach(([line, size, weight], row) => drawing.append(make("text", {
+    x: EDGE_PX, y: EDGE_PX + (row + 0.75) * LINE_PX, "font-size": size, "font-weight": weight,
+    fill: getComputedStyle(plot).color,
+  }, line)));
+  for (const layer of plot.querySelectorAll(".main-svg")) {
+    const copy = layer.cloneNode(true);
+    copy.querySelectorAll(".hoverlayer, .zoomlayer, .draglayer").forEach((part) => part.remove());
+    copy.setAttribute("y", top);
+    copy.style.background = "none";
+    drawing.append(copy);
   }
+  return drawing;
+}
+
+async function savePicture(plot, format) {
+  const drawing = await drawingOf(plot);
+  const text = new XMLSerializer().serializeToString(drawing);
+  if (format === "svg") {
+    save(new Blob([text], { type: "image/svg+xml" }), fileName(plot, ".svg"));
+    return;
+  }
+  const picture = new Image();
+  picture.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(text)}`;
+  await picture.decode();
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [picture.width * SCALE, picture.height * SCALE];
+  canvas.getContext("2d").drawImage(picture, 0, 0, canvas.width, canvas.height);
+  canvas.toBlob((blob) => save(blob, fileName(plot, ".png")));
 }
 
 function cell(value) {
@@ -107,19 +158,23 @@ function csvOf(plot) {
     .join("\n") + "\n";
 }
 
-function saveData(plot) {
+function save(blob, name) {
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob(["\ufeff", csvOf(plot)], { type: "text/csv" }));
-  link.download = fileName(plot, ".csv");
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+function saveData(plot) {
+  save(new Blob(["\ufeff", csvOf(plot)], { type: "text/csv" }), fileName(plot, ".csv"));
 }
 
 // The chart that follows a heading; null while it is being drawn.
 function plotAfter(heading) {
   const next = heading.closest('[data-testid="stElementContainer"]')?.nextElementSibling;
   const plot = next?.querySelector(".js-plotly-plot");
-  return plot?._fullLayout && plot.querySelector(".modebar-btn") ? plot : null;
+  return plot?._fullLayout && plot.querySelector(".main-svg") ? plot : null;
 }
 
 // Escape, or a look elsewhere, closes what unfolds.
