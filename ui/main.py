@@ -19,7 +19,7 @@ from ui.shell import (
 )
 from ui.shell.messages import error_banner
 from ui.shell.navigate import follow_wish
-from ui.shell.pages import all_pages, draw_bar, is_folded_on, own_of, shown_on
+from ui.shell.pages import all_pages, draw_bar, draw_tabs, is_folded_on, own_of, shown_on
 from ui.shell.tab import back, narrow, restore, theme
 from ui.subjects import contributed
 from ui.widgets import figure_menu
@@ -43,13 +43,15 @@ if not account.is_welcome():
 
 pages = all_pages()
 page = st.navigation(pages, position="hidden")
-if not is_participant():
-    draw_bar(pages)
+bar = st.container(key="navigation_place")
 
 wrong_params = failure = None
 try:
     follow_wish()
     state.begin_run()
+    if not is_participant():
+        with bar:
+            draw_bar(pages, page)
     back.follow()
     leave_screen(state.workspace(), page.url_path if is_participant() else "")
     if not is_participant():
@@ -64,6 +66,8 @@ try:
         title.draw(page.title, page.url_path)
     if wrong := state.bad_link():
         st.warning(f"The link could not be followed in all: {wrong}.", icon=":material/link_off:")
+    if not is_participant():
+        draw_tabs(pages, page)
     page.run()
     back.page_link()  # it was for this page
 except Exception as error:  # noqa: BLE001  # the sidebar is drawn, or its widgets lose their values

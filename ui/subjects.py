@@ -26,6 +26,13 @@ class Page:
         Of its script, ``pages/<key>.py``, and of its address.
     title, section
         What it is called in the navigation, and under which heading.
+    icon
+        What stands for it there in place of its title; empty: the title.
+    tab_of
+        Key of the page among whose tabs it is, instead of an entry of its own.
+    lacks
+        What a comparison would need for it to show anything, as a short sentence; empty: it has
+        that. None: every comparison has.
     after
         Key of the page that it follows; see `nvcore.subjects.in_place`.
     shown
@@ -47,6 +54,9 @@ class Page:
     own: tuple[Stage, ...] = ()
     is_folded: bool = False
     script: str = ""
+    icon: str = ""
+    tab_of: str = ""
+    lacks: Callable[[], str] | None = None
 
 
 @dataclass(frozen=True)

@@ -192,7 +192,7 @@ def test_an_estimate_is_taken_over_on_the_page_that_is_open_when_it_ends(visit):
     one = visit("driver")
     one.page.get_by_role("button", name="Estimate", exact=True).click()
     expect(one.page.get_by_text(re.compile("^Looking at the pictures"))).to_be_visible()
-    one.keyed("navigation").get_by_role("link", name="Export").click()
+    one.find_entry("Export").click()
     expect(one.heading("Export", level=1)).to_be_visible()
     # the files that only the app has
     expect(one.page.get_by_text("(the ZIP has what was made here)")).to_be_visible()

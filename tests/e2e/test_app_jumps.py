@@ -100,7 +100,7 @@ def choose_pedestrian(one: Visit) -> None:
 
 def follow(title: str) -> Click:
     def click(one: Visit) -> None:
-        one.keyed("navigation").get_by_role("link", name=title, exact=True).click()
+        one.find_entry(title).click()
 
     return click
 
@@ -162,11 +162,13 @@ IN_THE_SAMPLE: Final = (
     Jump(SALIENCY, "Saliency", "Timeline", row("saliency_events_")),
     Jump(SALIENCY, "Saliency", "Timeline", plot("saliency_curve")),
     Jump(SALIENCY, "Saliency", "Timeline", plot("saliency_plane")),
-    Jump("ui/systems/pairs.py:draw_only_pair", "Systems", "Overview", press("pair_only")),
+    Jump("ui/systems/pairs.py:draw_only_pair", "Systems", "Data", press("add_system")),
     Jump("ui/data/audit/entries.py:_go", "Data", "Timeline", open_case),
     Jump("ui/timeline/listed.py:draw", "Timeline", "Data", press("listed_back")),
     Jump("ui/timeline/panel.py:_chosen", "Timeline", "Encounters", choose_pedestrian),
     Jump("ui/shell/pages.py:draw_bar", "Data", "Time left", follow("Time left")),
+    Jump("ui/shell/pages.py:_draw_group", "Data", "Stability", follow("Stability")),
+    Jump("ui/shell/pages.py:draw_tabs", "Encounters", "Saliency", follow("Saliency")),
 )
 WITH_THREE: Final = (
     Jump("ui/systems/pairs.py:_open", "Systems", "Overview", press("pair_1")),

@@ -130,7 +130,7 @@ def test_a_click_in_the_strip_of_all_recordings_opens_the_frame(overview):
 # How far the right edges of the navigation's bar and of the page below it are apart, px.
 BAR_ENDS_SHORT = """() => {
   const right = of => of.getBoundingClientRect().right;
-  const bar = document.querySelector(".st-key-navigation").parentElement;
+  const bar = document.querySelector(".st-key-navigation_place").parentElement;
   return right(document.querySelector("[data-testid=stMainBlockContainer]")) - right(bar); }"""
 
 

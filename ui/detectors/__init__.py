@@ -7,5 +7,12 @@ from typing import Final
 
 from ui.subjects import Document, Page
 
-PAGES: Final = (Page("detectors", "Detectors", "Detect", after="stability", shown=()),)
+
+def _lacks() -> str:
+    from ui.session import state  # loads Streamlit
+
+    return "" if state.workspace().pictures.sources else "Needs pictures."
+
+
+PAGES: Final = (Page("detectors", "Detectors", "Lab", after="systems", shown=(), lacks=_lacks),)
 DOCUMENTS: Final = (Document("detectors", "Detectors", after="formats"),)

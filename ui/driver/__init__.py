@@ -10,16 +10,27 @@ from nvcore.stages import ENCOUNTERS, SEVERITY
 from nvcore.time_left.settings import TIME_LEFT
 from ui.subjects import Document, Page
 
+
+def _lacks() -> str:
+    from nvcore.driver.comparison.steps import driver_in
+    from ui.session import state  # loads Streamlit
+
+    space = state.workspace()
+    is_known = space.result is not None and driver_in(space.result).has_any
+    return "" if is_known or space.visible.sources else "Needs pictures of visible light."
+
+
 PAGES: Final = (
     Page(
         "driver",
         "Driver",
-        "Compare",
-        after="time_left",
+        "Lab",
+        after="detectors",
         shown=(ENCOUNTERS, SEVERITY, TIME_LEFT, DRIVER),
         own=(DRIVER,),
+        lacks=_lacks,
     ),
-    Page("study", "Study", "Evidence", after="ratings", shown=()),
+    Page("study", "Study", "Lab", after="driver", shown=()),
 )
 DOCUMENTS: Final = (
     Document("driver", "The driver", after="formats"),

@@ -6,7 +6,7 @@ from nvcore.stages import SALIENCY
 from ui.subjects import Document, Page
 
 PAGES: Final = (
-    Page("ratings", "Ratings", "Evidence", after="stability", shown=(SALIENCY,), is_folded=True),
+    Page("ratings", "Ratings", "Lab", after="study", shown=(SALIENCY,), is_folded=True),
 )
 DOCUMENTS: Final = (Document("ratings", "Ratings", after="validation"),)
 STUDIES: Final = "sessions:SESSIONS"

@@ -22,43 +22,60 @@ from nvcore.stages import (
 )
 from nvcore.subjects import contributed as results_of_subjects
 from nvcore.subjects import in_place
+from ui.session import state
 from ui.shell.navigate import PAGES
 from ui.subjects import Page, contributed
 
 _ADDED: Final = tuple(chain(*results_of_subjects("results")))
 """Stages whose results subjects show, on the pages about moments and encounters too."""
+COMPARE: Final = "Compare"
+EVIDENCE: Final = "Evidence"
+LAB: Final = "Lab"
+HELP: Final = "Help"
+GROUPS: Final = (EVIDENCE, LAB)
+"""Sections whose pages unfold from one entry; those of the others are entries themselves."""
+
+
+def _lacks_third_system() -> str:
+    return "" if len(state.opened().dataset.systems) > 2 else "Needs a third system."
+
+
 _PAGES: Final[tuple[Page, ...]] = in_place(
     (
-        Page("data", "Data", "Data", shown=(MATCH, PROXIMITY)),
-        Page("overview", "Overview", "Compare"),
+        Page("data", "Data", COMPARE, shown=(MATCH, PROXIMITY)),
+        Page("overview", "Overview", COMPARE),
         Page(
             "timeline",
             "Timeline",
-            "Compare",
+            COMPARE,
             shown=(SIMILARITY, LOW, ENCOUNTERS, SEVERITY, EVENTS, *_ADDED),
         ),
         Page(
-            "encounters",
-            "Encounters",
-            "Compare",
-            shown=(SIMILARITY, ENCOUNTERS, SEVERITY, *_ADDED),
+            "encounters", "Encounters", COMPARE, shown=(SIMILARITY, ENCOUNTERS, SEVERITY, *_ADDED)
         ),
-        Page("saliency", "Saliency", "Compare", shown=(SALIENCY,)),
-        Page("systems", "Systems", "Evidence", shown=(SIMILARITY, ENCOUNTERS)),
-        Page("detection", "Detection", "Evidence", shown=(MATCH,)),
-        Page("stability", "Stability", "Evidence"),
-        Page("export", "Export", "Export", is_folded=True),
-        Page("metrics", "Documentation", "Help", shown=()),
+        Page("saliency", "Saliency", COMPARE, shown=(SALIENCY,), tab_of="encounters"),
+        Page("detection", "Detection", EVIDENCE, shown=(MATCH,)),
+        Page("stability", "Stability", EVIDENCE),
+        Page(
+            "systems",
+            "Systems",
+            EVIDENCE,
+            shown=(SIMILARITY, ENCOUNTERS),
+            lacks=_lacks_third_system,
+        ),
+        Page("export", "Export", HELP, is_folded=True, icon=":material/download:"),
+        Page("metrics", "Documentation", HELP, shown=(), icon=":material/help:"),
     ),
     chain(*contributed("PAGES")),
 )
 SECTIONS: Final = {
     section: {page.key: page.title for page in _PAGES if page.section == section}
-    for section in dict.fromkeys(page.section for page in _PAGES)
+    for section in (COMPARE, EVIDENCE, LAB, HELP)
 }
 """Sections of the navigation, with the script and the title of each page."""
 START: Final = "overview"
 """The page that the app opens on."""
+_OF: Final = {page.key: page for page in _PAGES}
 SHOWN: Final = {page.key: page.shown for page in _PAGES if page.shown is not None}
 OWN: Final = {page.key: page.own for page in _PAGES}
 FOLDED: Final = tuple(page.key for page in _PAGES if page.is_folded)
@@ -82,6 +99,9 @@ def all_pages() -> dict[str, list[StreamlitPage]]:
 
 def shown_on(page: StreamlitPage) -> tuple[Stage, ...]:
     """The stages of the comparison whose results the page shows."""
+    here = _OF.get(page.url_path or START)
+    if here is not None and here.lacks and here.lacks():
+        return ()
     return SHOWN.get(page.url_path or START, shown_results())
 
 
@@ -95,13 +115,59 @@ def is_folded_on(page: StreamlitPage) -> bool:
     return page.url_path in FOLDED or not shown_on(page)
 
 
-def draw_bar(pages: dict[str, list[StreamlitPage]]) -> None:
-    """Draw the navigation: every page is one click away, under the name of its section."""
-    with st.container(horizontal=True, gap="xsmall", vertical_alignment="bottom", key="navigation"):
-        for section, members in pages.items():
-            with st.container(width="content", gap=None):
-                if [page.title for page in members] != [section]:
-                    st.caption(section)
-                with st.container(horizontal=True, gap="xsmall", width="content"):
-                    for page in members:
-                        st.page_link(page, width="content")
+def draw_bar(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> None:
+    """Draw the navigation in one row: entries, the groups that unfold, and icons.
+
+    What the comparison has no data for stands last in a group, with what it would need.
+    """
+    links = _links(pages)
+    here = _OF.get(current.url_path or START)
+    lacking = {page.key: said for page in _PAGES if page.lacks and (said := page.lacks())}
+    with st.container(horizontal=True, gap="xsmall", vertical_alignment="center", key="navigation"):
+        for page in _PAGES:
+            if page.section == COMPARE and not page.tab_of and page.key not in lacking:
+                is_here = here is not None and page.key in (here.key, here.tab_of)
+                with st.container(width="content", key="nav_current" if is_here else None):
+                    st.page_link(links[page.key], width="content")
+        for group in GROUPS:
+            is_here = here is not None and here.section == group
+            with st.popover(group, type="tertiary", key=f"nav_{'current' if is_here else group}"):
+                _draw_group(group, links, lacking)
+        with st.container(horizontal=True, width="content", gap="xsmall", key="nav_icons"):
+            for page in _PAGES:
+                if page.icon:
+                    st.page_link(links[page.key], icon=page.icon, width="content")
+
+
+def _links(pages: dict[str, list[StreamlitPage]]) -> dict[str, StreamlitPage]:
+    """The pages by their key."""
+    return {page.url_path or START: page for page in chain(*pages.values())}
+
+
+def _draw_group(group: str, links: dict[str, StreamlitPage], lacking: dict[str, str]) -> None:
+    """Pages of a group, and below them those that the comparison has no data for."""
+    members = [page for page in _PAGES if page.section == group]
+    others = [page for page in _PAGES if page.section == COMPARE and group == EVIDENCE]
+    for page in members:
+        if page.key not in lacking:
+            st.page_link(links[page.key])
+    missing = [page for page in (*members, *others) if page.key in lacking]
+    if missing:
+        st.caption("Not with these data")
+    for page in missing:
+        st.page_link(links[page.key])
+        st.caption(lacking[page.key])
+
+
+def draw_tabs(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> None:
+    """The tabs of a page that has some: the page itself, and those that are among its tabs."""
+    here = _OF.get(current.url_path or START)
+    if here is None:
+        return
+    first = here.tab_of or here.key
+    tabs = [page for page in _PAGES if first in (page.key, page.tab_of)]
+    if len(tabs) > 1:
+        links = _links(pages)
+        with st.container(horizontal=True, gap="small", key="tabs"):
+            for page in tabs:
+                st.page_link(links[page.key], width="content")

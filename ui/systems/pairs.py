@@ -22,10 +22,10 @@ def draw_only_pair(result: Result) -> None:
     """With two systems: that there is one pair, and the way to it."""
     st.info(
         f"There is one pair, {plain(result.x.name)} and {plain(result.y.name)}: the Overview "
-        "compares it. Add a third system on the Data page to see every pair here."
+        "compares it. With a third system, every pair is compared here."
     )
-    if button("Open the Overview", key="pair_only", type="primary"):
-        open_page("overview")
+    if button("Add a system", key="add_system", type="primary", icon=":material/add:"):
+        open_page("data")
 
 
 def draw(table: pd.DataFrame) -> None:

@@ -2,8 +2,24 @@
 
 from typing import Final
 
+from nvcore.time_left.kinds import Urgency
 from nvcore.time_left.settings import CONFIRMED, CONTACT, TIME_LEFT, URGENCY
+from nvcore.time_left.steps import time_left_in
+from ui.session import state
 from ui.subjects import Page
+
+
+def _lacks() -> str:
+    if not state.opened().dataset.objects.is_on_road:
+        return "Needs objects for which a car has to brake."
+    result = state.workspace().result
+    if result is None:
+        return ""
+    counts = time_left_in(result).count_urgency()
+    n_calm = counts[Urgency.UNKNOWN] + counts[Urgency.NOT_URGENT]
+    is_calm = n_calm == sum(counts.values())
+    return "Needs a car that comes near somebody." if is_calm else ""
+
 
 PAGES: Final = (
     Page(
@@ -13,6 +29,7 @@ PAGES: Final = (
         after="encounters",
         shown=(TIME_LEFT,),
         own=(URGENCY, CONTACT, CONFIRMED),
+        lacks=_lacks,
     ),
 )
 ENCOUNTER_TEXT: Final = "encounter:draw_text"

@@ -9,6 +9,8 @@ from urllib.parse import urlsplit
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import BrowserContext, ConsoleMessage, Locator, Page, expect
 
+from ui.shell.pages import GROUPS, SECTIONS
+
 SIZE = {"width": 1280, "height": 800}
 GROUND = {"light": "rgb(255, 255, 255)", "dark": "rgb(17, 22, 27)"}
 # Streamlit looks for its server below the page's own path first
@@ -89,9 +91,21 @@ class Visit:
 
     def switch_to(self, title: str) -> None:
         """Open another page by the navigation, in the same session."""
-        self.keyed("navigation").get_by_role("link", name=title, exact=True).click()
+        self.find_entry(title).click()
         expect(self.heading(title, level=1)).to_be_visible()
         self.wait_until_drawn()
+
+    def find_entry(self, title: str) -> Locator:
+        """A page's link in the navigation, in its group unfolded or among the tabs of a page."""
+        for group in GROUPS:
+            if title in SECTIONS[group].values():
+                self.keyed("navigation").get_by_role("button", name=group).click()
+                return self.page.get_by_test_id("stPopoverBody").get_by_role("link", name=title)
+        if title == "Saliency":
+            if not self.keyed("tabs").count():
+                self.switch_to("Encounters")
+            return self.keyed("tabs").get_by_role("link", name=title)
+        return self.keyed("navigation").get_by_role("link", name=title, exact=True)
 
     def look_closer(self, part: str) -> None:
         """Unfold a part of the Overview."""

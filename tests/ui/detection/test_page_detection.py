@@ -178,6 +178,7 @@ def test_a_tag_that_no_recording_has_is_told_and_can_be_taken_out(sample_with):
 
 
 def evidence_labels(page: AppTest) -> list[str]:
+    checked(page.button_group(key="overview_more").set_value("tests").run())
     return [label.partition("[")[0] for label in pages.measures(page, "evidence")]
 
 

@@ -270,7 +270,7 @@ def test_every_page_of_a_comparison_has_settings_that_act():
     names = [name for section in pages.SECTIONS.values() for name in section]
     idle = [name for name in names if not pages.SHOWN.get(name, shown_results())]
     assert set(pages.SHOWN) <= set(names)
-    assert idle == ["study", "detectors"]
+    assert idle == ["detectors", "study"]
 
 
 def test_the_costs_by_place_are_drawn_once_unfolded_and_say_what_they_follow_from():

@@ -121,4 +121,5 @@ def test_two_systems_are_one_pair_which_the_overview_compares(
     begin_with(write(tmp_path, two, truth=rows(300)), monkeypatch)
     page = opened()
     assert "There is one pair, all and few: the Overview compares it." in texts(page)
-    assert press(page, "pair_only").title[0].value == "Overview"
+    assert "Needs a third system." in texts(page)  # in the navigation, too
+    assert press(page, "add_system").title[0].value == "Data"
