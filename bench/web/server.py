@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import urllib.error
@@ -15,13 +16,19 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 
 
 @contextmanager
-def serve(folder: Path, port: int) -> Iterator[tuple[str, int]]:
-    """Address and process of the app, started on a folder."""
-    command = [sys.executable, "-m", "streamlit", "run", str(ROOT / "app.py")]
+def serve(
+    folder: Path, port: int, *, root: Path = ROOT, script: Path | None = None
+) -> Iterator[tuple[str, int]]:
+    """Address and process of the app of a checkout, or of another script, started on a folder."""
+    command = [sys.executable, "-m", "streamlit", "run", str(script or root / "app.py")]
     command += [f"--server.port={port}", "--server.address=127.0.0.1", "--server.headless=true"]
     command += ["--", "--local-root", str(folder)]
     server = subprocess.Popen(
-        command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        command,
+        cwd=root,
+        env={**os.environ, "PYTHONPATH": str(root)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
     )
     url = f"http://127.0.0.1:{port}"
     try:

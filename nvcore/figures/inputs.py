@@ -172,7 +172,7 @@ def proximity_plot(dataset: Dataset, params: Params, *, theme: Theme) -> go.Figu
     ]
     for i, (zero, spread) in enumerate(curves):
         weight = go.Scatter(
-            uid=f"nv-weight-{i}",  # the browser moves curve and midpoint with the sliders
+            meta=f"nv-weight-{i}",  # the browser moves curve and midpoint with the sliders
             x=along,
             y=sigmoid((along - zero) / spread),
             mode="lines",
@@ -182,7 +182,7 @@ def proximity_plot(dataset: Dataset, params: Params, *, theme: Theme) -> go.Figu
             hovertemplate="%{x:.0f}: weight %{y:.2f}<extra></extra>",
         )
         midpoint = go.Scatter(
-            uid=f"nv-midpoint-{i}",
+            meta=f"nv-midpoint-{i}",
             x=[zero],
             y=[0.5],
             mode="markers",

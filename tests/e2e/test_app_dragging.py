@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
 import pytest
 from app_visit import Visit
 from playwright.sync_api import expect
@@ -85,3 +86,45 @@ def test_six_presses_are_six_steps(visit):
     one.wait_until_drawn()
     expect(speed).to_have_value("80")
     expect(one.heading(re.compile("urgent encounters at 80"))).to_be_visible()
+
+
+# Points of a line of the time plot, and what the panel beside the viewer says of the frame.
+TRACE = """() => {
+  const plot = document.querySelector("[class*=st-key-time_plot_] .js-plotly-plot");
+  const { uid } = plot._fullData.find(trace => trace.meta === "nv-raw-y");
+  const line = plot.querySelector(`.trace${uid} path.js-line`);
+  const numbers = line.getAttribute("d").match(/[\\d.]+/g).map(Number);
+  const panel = document.querySelector(".nv-numbers [data-frame-value]").innerText;
+  return { line: numbers, panel };
+}"""
+
+
+def apart(one: dict[str, list[float]], other: dict[str, list[float]]) -> float:
+    """Most that two lines are apart, px; Plotly leaves points out that lie on a line."""
+    (xs, ys), (other_xs, other_ys) = (
+        (line["line"][0::2], line["line"][1::2]) for line in (one, other)
+    )
+    return float(np.abs(np.array(ys) - np.interp(xs, other_xs, other_ys)).max())
+
+
+def test_trace_and_frame_follow_a_slider_and_are_then_those_of_the_server(visit):
+    one = visit("timeline?recording=rural_road&frame=200")
+    one.page.wait_for_function("() => window.nvcoreLive?.compare()")
+    before = one.page.evaluate(TRACE)
+    slider = one.keyed("midpoint")
+    slider.scroll_into_view_if_needed()
+    thumb = slider.locator("[style*='translate']").first.bounding_box()
+    x, y = thumb["x"] + thumb["width"] / 2, thumb["y"] + thumb["height"] / 2
+    one.page.mouse.move(x, y)
+    one.page.mouse.down()
+    one.page.mouse.move(x + 40, y)
+    expect(one.page.locator("[data-nv-late]")).to_have_count(1)
+    moving = one.page.evaluate(TRACE)
+    assert moving["panel"] != before["panel"]
+    one.page.mouse.up()
+    expect(one.page.locator("[data-nv-late]")).to_have_count(0)
+    one.wait_until_drawn()
+    after = one.page.evaluate(TRACE)
+    assert moving["panel"] == after["panel"]
+    assert apart(moving, after) < 1
+    assert apart(before, after) > 5

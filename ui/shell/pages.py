@@ -131,7 +131,9 @@ def draw_bar(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> N
                     st.page_link(links[page.key], width="content")
         for group in GROUPS:
             is_here = here is not None and here.section == group
-            with st.popover(group, type="tertiary", key=f"nav_{'current' if is_here else group}"):
+            # another one on each page, so that it is closed there
+            name = f"current_{here.key}" if here and is_here else group
+            with st.popover(group, type="tertiary", key=f"nav_{name}"):
                 _draw_group(group, links, lacking)
         with st.container(horizontal=True, width="content", gap="xsmall", key="nav_icons"):
             for page in _PAGES:

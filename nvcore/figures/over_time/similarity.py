@@ -124,7 +124,7 @@ def low_areas(
         line={"width": 0},
         legendgroup=letter,
         name=f"{letter.upper()}, low similarity",
-        uid=f"nv-low-{letter}",
+        meta=f"nv-low-{letter}",
     )
 
 
@@ -268,14 +268,14 @@ def _lines(span: TimeSpan, system: SystemResult, letter: str, theme: Theme) -> l
     name, mean_name = f"{letter.upper()}, frame by frame", system_label(letter, system.name)
     mean = system.similarity_window
     return [
-        line(system.similarity, MAX_POINTS, line=thin, name=name, uid=f"nv-raw-{letter}"),
+        line(system.similarity, MAX_POINTS, line=thin, name=name, meta=f"nv-raw-{letter}"),
         line(
             mean,
             MEAN_POINTS,
             line=thick,
             name=mean_name,
             showlegend=None,
-            uid=f"nv-mean-{letter}",  # the browser moves these lines with the sliders
+            meta=f"nv-mean-{letter}",  # the browser moves these lines with the sliders
         ),
     ]
 

@@ -29,11 +29,12 @@ SMALL_BYTES: Final = 2_000_000
 """So much is fetched before a slider is reached for."""
 STAGES_OF: Final = {
     "venn": (ENCOUNTERS, SEVERITY),
-    "viewer": (ENCOUNTERS, SALIENT),
+    "viewer": (),
     "lanes": (ENCOUNTERS, SALIENT),
     "encounters_plot": (ENCOUNTERS, SEVERITY),
 }
-"""What parts of pages show, by their key: settings that do not move it leave them as they are."""
+"""What parts of pages show, by their key: settings that do not move it leave them as they are. The
+viewer follows by itself, but for the counts in its legend."""
 FOLDER: Final = Path(__file__).parent
 SCRIPTS: Final = ("comparison.js", "numbers.js", "plots.js", "sliders.js")
 _COMPONENT = st.components.v2.component(
@@ -80,6 +81,7 @@ def _live() -> dict[str, Any] | None:
             key: [name for name in LIVE if SETTINGS[name].moves(stages)]
             for key, stages in STAGES_OF.items()
         },
+        "counts": [name for name in LIVE if SETTINGS[name].moves((ENCOUNTERS, SALIENT))],
         "recording": state.recording(),
         "window_s": as_set.window,
     }

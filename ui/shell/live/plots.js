@@ -8,14 +8,20 @@ function axesOf(plot, trace) {
   return [axis(trace.xaxis ?? "x"), axis(trace.yaxis ?? "y")];
 }
 
-function traceOf(plot, uid) {
-  const trace = plot._fullData?.find((one) => one.uid === uid);
-  const group = trace && plot.querySelector(`.scatterlayer .trace${CSS.escape(uid)}`);
+// Traces are found by their `meta`: Plotly for Python leaves their names of their own out.
+function groupOf(plot, trace) {
+  return plot.querySelector(`.scatterlayer .trace${CSS.escape(trace.uid)}`);
+}
+
+function traceOf(plot, name) {
+  const trace = plot._fullData?.find((one) => one.meta === name);
+  const group = trace && groupOf(plot, trace);
   return group ? { trace, group } : null;
 }
 
 function hide(plot, prefix, isHidden) {
-  for (const group of plot.querySelectorAll(`[class*="trace${prefix}"]`)) group.style.visibility = isHidden ? "hidden" : "";
+  const traces = (plot._fullData ?? []).filter((trace) => String(trace.meta).startsWith(prefix));
+  for (const trace of traces) groupOf(plot, trace)?.style.setProperty("visibility", isHidden ? "hidden" : "visible");
 }
 
 function points(xs, ys) {

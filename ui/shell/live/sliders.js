@@ -170,7 +170,9 @@ function paintFigures(main, isKnown, settings) {
   const { first } = comparison.columns;
   const [start, stop] = [first[live.recording], first[live.recording + 1]];
   const similarity = Object.fromEntries(["x", "y"].map((of) => [of, comparison[of].similarity.subarray(start, stop)]));
-  document.dispatchEvent(new CustomEvent("nvcore-similarity", { detail: { recording: live.recording, ...similarity } }));
+  const areCountsOld = live.counts.some((name) => settings[name] !== live.settings[name]);
+  const detail = { recording: live.recording, areCountsOld, ...similarity };
+  document.dispatchEvent(new CustomEvent("nvcore-similarity", { detail }));
 }
 
 // Says of which settings numbers are that are not of what the sliders show.

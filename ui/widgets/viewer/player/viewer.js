@@ -66,6 +66,7 @@ class Viewer extends Looking {
     document.addEventListener("nvcore-similarity", ({ detail }) => {
       if (!this.root.isConnected || this.sent?.recording !== detail.recording || !this.strip.traces) return;
       this.strip.follow(detail);
+      this.root.classList.toggle("counts-old", detail.areCountsOld);
       this.isStale = true;
       this.wake();
     });
@@ -82,6 +83,7 @@ class Viewer extends Looking {
   update(sent, report, reportChoice = null, reportLook = null) {
     const before = this.sent;
     this.sent = sent;
+    this.root.classList.remove("counts-old");
     this.report = report;
     this.reportChoice = reportChoice;
     this.reportLook = reportLook;

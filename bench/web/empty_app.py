@@ -1,0 +1,6 @@
+"""The least app with a slider: what Streamlit itself takes."""
+
+import streamlit as st
+
+st.title("Overview")
+st.markdown(f"alpha is {st.slider('alpha', 0.0, 1.0, 0.9, key='alpha')}")

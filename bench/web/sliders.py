@@ -1,0 +1,218 @@
+"""Sliders in a browser: painted frames while one is dragged, and the time to rest after a key.
+
+    python -m bench.web.sliders [--frames 0 100000] [--before CHECKOUT] [--repeat 12] [--out FILE]
+
+Of this checkout, of an earlier one (``--before``) and of an app that has nothing but a slider, in
+one run; 0 frames stand for the sample. Prints one line of JSON, and with ``--out`` writes the
+section "Sliders" of that page.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from bench.csv_files import write_csv
+from bench.measure import report
+from bench.sets import make_set
+from bench.tables import table
+from bench.web.__main__ import CHROMIUM, FLAGS, go_to, open_set, settle
+from bench.web.server import ROOT, serve
+from bench.web.tables import put_section
+
+EMPTY = Path(__file__).with_name("empty_app.py")
+THIS, BEFORE, NOTHING = "this checkout", "before", "empty app"
+SLIDERS = ("alpha", "midpoint", "threshold_x")
+DRAG_S, WARM = 3.0, 2
+REACH = 0.12
+"""Of a slider's length, to either side of where it stands."""
+HEADING = "## Sliders"
+METHOD = """\
+The sidebar's sliders in headless Chromium {version}, without a GPU, server and browser on this
+machine, 1280x800. *Painted*: frames of the browser per second while the handle goes to and fro for
+{seconds:g} s; *with new numbers*: those in which numbers or lines of the page had changed, at most
+as many as the slider has steps on its way. *Key*: from a press of an arrow key on alpha to the
+first frame with a changed number or line, and until the page is at rest, median of {n}. Before:
+{before}. Load of the machine when it began: {load:.1f}.
+"""
+
+# What a person sees change: numbers of the scorecard, lines of the time plot, any text of the rest.
+SEEN = """() => [...document.querySelectorAll(".nv-scorecard td, .nv-tiles [data-value]")]
+    .map((cell) => cell.textContent).join()
+  + [...document.querySelectorAll("[class*=st-key-time_plot_] path.js-line")]
+    .map((line) => line.getAttribute("d")).join().slice(0, 20000)
+  + [...document.querySelectorAll("[data-testid=stMain] [data-testid=stMarkdown]:has(p)")]
+    .slice(0, 3).map((text) => text.textContent).join()"""
+COUNT = (
+    "() => { const seen = "
+    + SEEN
+    + """;
+  let last = "";
+  window.counted = { painted: 0, changed: 0 };
+  (function look() {
+    counted.painted += 1;
+    const now = seen();
+    if (now !== last) counted.changed += 1;
+    last = now;
+    requestAnimationFrame(look);
+  })(); }"""
+)
+# Resolves with the milliseconds to the first change, and until nothing is old or being computed.
+PRESS = (
+    "(limit_ms) => { const seen = "
+    + SEEN
+    + """;
+  const isAtRest = () => document.querySelector('[data-testid="stApp"]').dataset.testScriptState
+      === "notRunning"
+    && !document.querySelector('[data-testid="stSkeleton"], [data-stale="true"], [data-nv-late]');
+  const before = seen();
+  window.pressed = new Promise((done) => addEventListener("keydown", () => {
+    const start = performance.now();
+    let [first, calm] = [null, null];
+    const look = () => {
+      const passed = performance.now() - start;
+      if (first === null && seen() !== before) first = passed;
+      if (!isAtRest()) calm = null;
+      else calm ??= passed;
+      const isDone = calm !== null && first !== null && passed - calm > 300;
+      if (isDone) done([first, Math.max(first, calm)]);
+      else if (passed > limit_ms) done(null);
+      else requestAnimationFrame(look);
+    };
+    look();
+  }, { capture: true, once: true }));
+}"""
+)
+
+
+def drag(page: Page, key: str) -> dict[str, float]:
+    """Frames per second, all and with something new, while the handle goes to and fro."""
+    slider = page.locator(f".st-key-{key}")
+    slider.scroll_into_view_if_needed()
+    handle = slider.locator("[style*='translate']").first.bounding_box()
+    track = slider.get_by_role("group").bounding_box()
+    assert handle is not None
+    assert track is not None
+    x, y = handle["x"] + handle["width"] / 2, handle["y"] + handle["height"] / 2
+    page.mouse.move(x, y)
+    page.wait_for_function("() => !window.nvcoreLive || window.nvcoreLive.compare()")
+    page.mouse.down()
+    page.evaluate(COUNT)
+    start = page.evaluate("performance.now()")
+    step, passed = 0, 0.0
+    while passed < 1000 * DRAG_S:
+        step += 1
+        share = abs((step % 80) - 40) / 20 - 1  # to and fro between -1 and 1
+        page.mouse.move(x + REACH * share * track["width"], y)
+        passed = page.evaluate("performance.now()") - start
+    counted = page.evaluate("counted")
+    page.mouse.move(x, y)
+    page.mouse.up()
+    settle(page)
+    return {name: 1000 * n / passed for name, n in counted.items()}
+
+
+def press(page: Page, repeat: int) -> tuple[float, float] | None:
+    """Median seconds from a key on alpha to the first change, and to rest."""
+    runs = []
+    for number in range(WARM + repeat):
+        page.get_by_role("slider", name="alpha").focus()
+        page.evaluate(PRESS, 10_000)
+        page.keyboard.press("ArrowRight" if number % 2 else "ArrowLeft")
+        run = page.evaluate("window.pressed")
+        settle(page)
+        if run is not None and number >= WARM:
+            runs.append(run)
+    if not runs:
+        return None
+    first, rest = (median(run[i] for run in runs) / 1000 for i in (0, 1))
+    return first, rest
+
+
+def measure(browser: Browser, url: str, n: int, repeat: int, *, is_empty: bool) -> dict[str, Any]:
+    figures: dict[str, Any] = {}
+    page = browser.new_page(viewport={"width": 1280, "height": 800})
+    if n:
+        open_set(page, url)
+    else:
+        page.goto(url)
+    for title in ("Overview",) if is_empty else ("Overview", "Timeline"):
+        settle(page)
+        if n or title != "Overview":
+            go_to(page, title)
+        settle(page)
+        for key in ("alpha",) if is_empty else SLIDERS:
+            figures[f"{title}, {key}"] = drag(page, key)
+        figures[f"{title}, key"] = press(page, repeat)
+    page.close()
+    return figures
+
+
+def section(figures: dict[str, Any]) -> str:
+    """The section of docs/benchmarks.md."""
+    head = ["", "painted per s", "with new numbers per s", "key: first change", "at rest"]
+    rows = []
+    for name, by_set in figures["apps"].items():
+        for n, measured in by_set.items():
+            for place, of in measured.items():
+                if place.endswith(", key"):
+                    cells = ["", "", *("–" if of is None else f"{s:.2f} s" for s in of or (0, 0))]
+                else:
+                    cells = [f"{of['painted']:.0f}", f"{of['changed']:.0f}", "", ""]
+                where = f"{n:,} frames, {place}" if n else place
+                rows.append([f"{name}: {where}", *cells])
+    how = METHOD.format(
+        version=figures["chromium"],
+        seconds=DRAG_S,
+        n=figures["repeat"],
+        before=figures["before"] or "not measured",
+        load=figures["load"],
+    )
+    return f"{HEADING}\n\n{how}\n{table(head, rows)}\n"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--frames", type=int, nargs="+", default=[0, 100_000])
+    parser.add_argument("--before", type=Path, help="an earlier checkout")
+    parser.add_argument("--repeat", type=int, default=12)
+    parser.add_argument("--port", type=int, default=8660)
+    parser.add_argument("--out", type=Path)
+    options = parser.parse_args()
+    figures: dict[str, Any] = {
+        "load": os.getloadavg()[0],
+        "repeat": options.repeat,
+        "before": str(options.before.name) if options.before else "",
+    }
+    roots = {THIS: ROOT} | ({BEFORE: options.before.resolve()} if options.before else {})
+    apps: dict[str, dict[int, Any]] = {name: {} for name in (*roots, NOTHING)}
+    with sync_playwright() as playwright, tempfile.TemporaryDirectory() as parent:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
+        figures["chromium"] = browser.version
+        for n in options.frames:
+            folder = Path(parent) / str(n)
+            folder.mkdir()
+            if n:
+                write_csv(make_set(n), folder)
+            for name, root in roots.items():
+                with serve(folder, options.port, root=root) as (url, _):
+                    apps[name][n] = measure(browser, url, n, options.repeat, is_empty=False)
+                print(name, n, apps[name][n], file=sys.stderr)
+        with serve(Path(parent), options.port, script=EMPTY) as (url, _):
+            apps[NOTHING][0] = measure(browser, url, 0, options.repeat, is_empty=True)
+        browser.close()
+    figures["apps"] = apps
+    if options.out:
+        put_section(options.out, section(figures))
+    report(**figures)
+
+
+if __name__ == "__main__":
+    main()
