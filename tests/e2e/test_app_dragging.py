@@ -100,11 +100,13 @@ TRACE = """() => {
 
 
 def apart(one: dict[str, list[float]], other: dict[str, list[float]]) -> float:
-    """Most that two lines are apart, px; Plotly leaves points out that lie on a line."""
-    (xs, ys), (other_xs, other_ys) = (
-        (line["line"][0::2], line["line"][1::2]) for line in (one, other)
-    )
-    return float(np.abs(np.array(ys) - np.interp(xs, other_xs, other_ys)).max())
+    """Farthest that a point of one line is from another line, px."""
+    points, corners = (np.reshape(line["line"], (-1, 2)) for line in (one, other))
+    start, way = corners[:-1], np.diff(corners, axis=0)
+    to_point = points[:, None] - start
+    along = np.clip((to_point * way).sum(2) / np.maximum((way**2).sum(1), 1e-9), 0, 1)
+    from_line = np.linalg.norm(to_point - along[..., None] * way, axis=2)
+    return float(from_line.min(1).max())
 
 
 def test_trace_and_frame_follow_a_slider_and_are_then_those_of_the_server(visit):
