@@ -43,7 +43,7 @@ def test_check_writes_estimated_horizons_as_a_table_that_recordings_reads(tmp_pa
         tmp_path / "sample" / "session.toml",
         *(line for line in lines if not line.startswith(("horizon", "pictures"))),
     )
-    for name in ("truth.csv", "fir.csv", "nir.csv"):
+    for name in ("truth.csv", "fir.csv", "nir.csv", "nir2.csv"):
         (sample.parent / name).symlink_to(SAMPLE.parent / name)
     out = tmp_path / "audit"
     ran = nvcore("check", sample, "--out", out)

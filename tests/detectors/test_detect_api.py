@@ -64,7 +64,7 @@ def test_a_session_is_as_good(tmp_path: Path, blobs: Path):
     session = nv.read_session(SAMPLE)
     written = nv.detect(session, blobs, tmp_path / "out", name="Blobs", only=["odd_pose"])
     assert written.run.n_pictures == 300
-    assert nv.load(written.session).systems == ("FIR", "NIR", "Blobs")
+    assert nv.load(written.session).systems == ("FIR", "NIR", "NIR 2", "Blobs")
 
 
 def test_a_cancelled_run_leaves_nothing(tmp_path: Path, blobs: Path):

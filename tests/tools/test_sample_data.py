@@ -29,7 +29,7 @@ from tools.sample.writing import csv_text, readme_text, session_text
 
 FOLDER = ROOT / "sample_data"
 NAMES = [recording.name for recording in sample.all_recordings()]
-TABLES = ["truth.csv", "fir.csv", "nir.csv"]
+TABLES = ["truth.csv", "fir.csv", "nir.csv", "nir2.csv"]
 
 
 @pytest.fixture(scope="module")

@@ -1,8 +1,8 @@
-"""The two simulated systems: what each detects, with what score, and what it takes for a person.
+"""The simulated systems: what each detects, with what score, and what it takes for a person.
 
-Both are pure range models with memory. A person is detected as far as `reach` metres; the score is
+All are pure range models with memory. A person is detected as far as `reach` metres; the score is
 a logistic function of log(reach / distance) plus a slowly wandering disturbance, so that losses
-last for some frames instead of flickering at random. Both report distances, with an error that is a
+last for some frames instead of flickering at random. All report distances, with an error that is a
 share of the distance, wanders slowly, and grows with it.
 
 - FIR, far infrared: sees warmth. Long reach; short for cold clothes, crouching bodies and on warm
@@ -10,11 +10,15 @@ share of the distance, wanders slowly, and grows with it.
 - NIR, near infrared: sees what its lamp lights. Shorter reach, less for dark clothes and off to the
   side; blind near dazzling headlamps; alarmed by reflecting signs and posts. Distance by the flight
   of its lamp's pulses: fine.
+- NIR 2, the next version of NIR: the same camera, a lamp that reaches farther in a narrower beam,
+  less blind near headlamps, more careful with signs. So it mends misses far ahead and in glare, and
+  newly misses people off to the side.
 """
 
 from __future__ import annotations
 
 import zlib
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -30,8 +34,20 @@ from tools.sample.truth import Sighting, clipped
 SEED: Final = 110360
 THRESHOLD: Final = 0.5
 FIR_REACH_M: Final = 72.0
-NIR_REACH_M: Final = 46.0
-RANGING: Final = {"FIR": (0.03, 0.0015), "NIR": (0.015, 0.0005)}
+
+
+@dataclass(frozen=True)
+class Lamp:
+    """What a version of NIR sees by: reach and half width of its beam, dazzle, care with signs."""
+
+    reach_m: float
+    beam_m: float
+    dazzle: float
+    care: float = 0.0
+
+
+LAMPS: Final = {"NIR": Lamp(46.0, 15, 1.7), "NIR 2": Lamp(60.0, 10, 0.8, care=0.3)}
+RANGING: Final = {"FIR": (0.03, 0.0015), **dict.fromkeys(LAMPS, (0.015, 0.0005))}
 """Standard deviation of a system's distances, as a share: at 0 m, and more for every metre."""
 _LOWEST_SCORE: Final = 0.12
 _HIGHEST_SCORE: Final = 0.985
@@ -51,7 +67,7 @@ def detections(recording: Recording, visible: list[Sighting], *, system: str) ->
     Parameters
     ----------
     system
-        ``"FIR"`` or ``"NIR"``.
+        ``"FIR"`` or one of `LAMPS`.
     """
     parts = [
         _person(
@@ -74,7 +90,10 @@ def detections(recording: Recording, visible: list[Sighting], *, system: str) ->
 
 
 def _generator(recording: Recording, system: str, number: int) -> np.random.Generator:
-    """Random numbers of one object, so that a change of one leaves all others as they were."""
+    """Random numbers of one object, so that a change of one leaves all others as they were.
+
+    The versions of NIR, which are one camera, have the same.
+    """
     return np.random.default_rng(
         [SEED, zlib.crc32(recording.name.encode()), ord(system[0]), number]
     )
@@ -88,9 +107,11 @@ def _log_reach(recording: Recording, sighting: Sighting, system: str) -> Floats:
         warm = recording.climate.contrast * (0.22 + 0.78 * person.warmth)
         reach += np.log(FIR_REACH_M * warm * (1 - 0.62 * crouch) * (1 - 0.45 * bend))
     else:
-        lit = np.exp(-((sighting.lateral_m / 15) ** 2)) * (person.reflectance / 0.5) ** 0.45
-        reach += np.log(NIR_REACH_M * lit * (1 - 0.4 * crouch) * (1 - 0.2 * bend))
-        reach -= 1.7 * _glare(recording, sighting)
+        lamp = LAMPS[system]
+        lit = np.exp(-((sighting.lateral_m / lamp.beam_m) ** 2))
+        lit *= (person.reflectance / 0.5) ** 0.45
+        reach += np.log(lamp.reach_m * lit * (1 - 0.4 * crouch) * (1 - 0.2 * bend))
+        reach -= lamp.dazzle * _glare(recording, sighting)
     return reach - 2.3 * sighting.hidden - 1.2 * (1 - sighting.inside)
 
 
@@ -145,9 +166,10 @@ def _person(
 
 def _tempting(recording: Recording, system: str) -> list[Thing]:
     """What a system may take for a person, as upright things."""
-    kinds = {"FIR": ("cabinet", "lamp", "bush", "house"), "NIR": ("sign", "post", "pole")}[system]
+    is_warmth = system == "FIR"
+    kinds = ("cabinet", "lamp", "bush", "house") if is_warmth else ("sign", "post", "pole")
     things = [t for t in recording.things if t.tempt is not None and t.kind in kinds]
-    if system == "FIR":
+    if is_warmth:
         things += [
             Thing("engine", car.x + 0.35, car.z - car.length_m / 2, 1.15, tempt=car.tempt)
             for car in recording.cars
@@ -174,6 +196,7 @@ def _false_alarm(
     # It looks like a person only while it has about the size of one.
     alike = -((np.log(np.maximum(height, 1.0) / 52) / 0.55) ** 2)
     tempt = thing.tempt if thing.tempt is not None else -9.0
+    tempt -= LAMPS[system].care if system in LAMPS else 0.0
     mood = gaussian_filter1d(wandering(generator, hold_s=0.6), 3.0)
     scores = 0.93 / (1 + np.exp(-2.2 * (tempt + alike + 0.7 * mood)))
     inside = (edges[:, 0] > 2) & (edges[:, 2] < WIDTH - 2) & (edges[:, 3] < HEIGHT) & (depth > 2)

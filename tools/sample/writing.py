@@ -20,7 +20,7 @@ from tools.sample.systems import RANGING, THRESHOLD
 from tools.sample.visible.recordings import GLOWS, session_keys
 from tools.sample.visible.view import VISIBLE_SIZE, visible_map
 
-SYSTEM_FILES: Final = {"FIR": "fir.csv", "NIR": "nir.csv"}
+SYSTEM_FILES: Final = {"FIR": "fir.csv", "NIR": "nir.csv", "NIR 2": "nir2.csv"}
 TRUTH_FILE: Final = "truth.csv"
 _QUALITY: Final = "26"
 _COLOUR_QUALITY: Final = "32"
@@ -47,12 +47,12 @@ def csv_text(table: pd.DataFrame) -> str:
 
 
 def session_text(recordings: Iterable[Recording]) -> str:
-    """The session file that names all recordings, the truth and both systems."""
+    """The session file that names all recordings, the truth and the systems."""
     tables = [
         f'[[recording]]\nname = "{recording.name}"\nwidth = {WIDTH}\nheight = {HEIGHT}\n'
         f'fps = {FPS}\nframes = "0:{N_FRAMES - 1}"\nhorizon = {recording.horizon:.1f}\n'
         f"context = {_context_text(recording.context)}\n"
-        f"tags = [{', '.join(map(_quoted, recording.tags))}]\n"
+        f"tags = [{', '.join(map(_quoted, tags_of(recording)))}]\n"
         f'pictures = "{recording.name}.mp4"\n{session_keys(recording)}'
         for recording in recordings
     ]
@@ -63,6 +63,11 @@ def session_text(recordings: Iterable[Recording]) -> str:
         for name, path in SYSTEM_FILES.items()
     ]
     return "\n".join(tables)
+
+
+def tags_of(recording: Recording) -> tuple[str, ...]:
+    """Where, when in the year, and ``night``; the drives by visible light are at dusk."""
+    return recording.tags if recording.name in GLOWS else (*recording.tags, "night")
 
 
 def _quoted(text: str) -> str:
@@ -184,12 +189,16 @@ Each recording lasts {seconds} s at {fps} frames per second.
   warm night shorten its reach, and hot engines and cabinets give false alarms.
 - `nir.csv`: a simulated near-infrared system. It sees as far as its lamp, less with dark clothes,
   little beside dazzling headlamps, and takes some reflecting signs for people.
-- Both report `distance_m`, false alarms too. Its error is a share of the distance, larger far away,
+- `nir2.csv`: the next version of the near-infrared system. Its lamp reaches farther in a narrower
+  beam and it is less blind beside headlamps: it mends some misses and has new ones.
+- All report `distance_m`, false alarms too. Its error is a share of the distance, larger far away,
   and wanders within a second or so. Its standard deviation
   at {ranging}.
-- `session.toml`: all of it as one comparison; both systems count from score 0.5 up. Traffic
+- `session.toml`: all of it as one comparison, of FIR and NIR unless others are chosen; a detection
+  counts from a score of 0.5 up. Traffic
   context: rural for the three `rural_` recordings, 0.5 for `oncoming_glare`, urban for the others.
-  Tags: `urban`, `village` or `rural`; `summer`, `autumn` or `winter`.
+  Tags: `urban`, `village` or `rural`; `summer`, `autumn` or `winter`;
+  `night`, but for the drives at dusk (those by visible light).
 - `<recording>.mp4`: the pictures, H.264.
 - `<recording>_visible.mp4` ({visible}): the same
   drive as a visible-light colour camera would show it at dusk, {visible_size}. Both cameras look
@@ -218,6 +227,6 @@ study of this kind is public.
   are published, some constants are ours; no person was asked, and it says nothing about people
   (`tools/sample/study/observer.py`).
 
-Frames count from 0. Losses and false alarms last for some frames: both systems are range models
+Frames count from 0. Losses and false alarms last for some frames: the systems are range models
 with a slowly wandering disturbance, not coin flips.
 """

@@ -143,7 +143,8 @@ def draw_bar(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> N
 
 def _links(pages: dict[str, list[StreamlitPage]]) -> dict[str, StreamlitPage]:
     """The pages by their key."""
-    return {page.url_path or START: page for page in chain(*pages.values())}
+    keys = chain(*SECTIONS.values())  # as `all_pages` has them
+    return dict(zip(keys, chain(*pages.values()), strict=True))
 
 
 def _draw_group(group: str, links: dict[str, StreamlitPage], lacking: dict[str, str]) -> None:

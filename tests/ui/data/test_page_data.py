@@ -29,9 +29,14 @@ def test_the_page_opens_on_the_sample():
     page = opened()
     assert ON_SAMPLE in texts(page)
     inputs, recordings = page.table[0].value, recordings_of(page)
-    assert inputs["Source"].tolist() == ["Truth", "X: FIR", "Y: NIR"]
+    assert inputs["Source"].tolist() == ["Truth", "X: FIR", "Y: NIR", "NIR 2"]
     names = [name.replace("\\", "") for name in inputs["Files"]]
-    assert names == ["truth.csv", "fir.csv", "nir.csv"]  # without folders of the machine
+    assert names == [
+        "truth.csv",
+        "fir.csv",
+        "nir.csv",
+        "nir2.csv",
+    ]  # without folders of the machine
     assert inputs["Read as"].str.contains("pixels").all()
     assert len(recordings) == 10
     assert recordings["pictures"].str.contains("mp4", regex=False).all()

@@ -206,10 +206,10 @@ def test_the_systems_are_called_otherwise_and_keep_their_result():
     page.text_input(key="system_name_0_0").set_value("Thermal")
     page = press_labelled(page, "Use these names")
     space = space_of(page)
-    assert space.opened.dataset.systems == ("Thermal", "NIR")
+    assert space.opened.dataset.systems == ("Thermal", "NIR", "NIR 2")
     assert space.result.x.name == "Thermal"
     assert space.result.x.matches is before.x.matches  # nothing was matched again
-    assert [system.name for system in space.opened.session.systems] == ["Thermal", "NIR"]
+    assert [system.name for system in space.opened.session.systems] == ["Thermal", "NIR", "NIR 2"]
     assert page.selectbox(key="choice_x").value == "Thermal"
 
 
@@ -322,5 +322,5 @@ def test_an_exported_session_holds_names_and_choice(tmp_path: Path):
     path = tmp_path / "session.toml"
     path.write_text(write_session(space_of(page).opened.session, version="1", fingerprint="2"))
     again = load(read_session(path))
-    assert again.systems == ("Thermal", "NIR")
+    assert again.systems == ("Thermal", "NIR", "NIR 2")
     assert len(again.recordings) == 3

@@ -281,9 +281,9 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(
     assert page.title[0].value == "Overview"
     assert space.opened.label == "Sample recordings, with bars"
     assert dataset.compared() == ("FIR", "bars")
-    assert dataset.systems == ("FIR", "NIR", "bars")
+    assert dataset.systems == ("FIR", "NIR", "NIR 2", "bars")
     assert dataset.recordings["name"].tolist() == ["urban_crossing"]
-    assert session.systems[2].threshold == next(iter(levels.values())).threshold
+    assert session.systems[3].threshold == next(iter(levels.values())).threshold
     assert len(dataset.system("bars")) == done.output.run.n_boxes
     (finding,) = [one for one in audit(dataset) if one.code == "trained-on-tested"]
     assert finding.severity is Severity.ERROR
@@ -291,7 +291,7 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(
     # and back
     press(checked(to_page(page, "detectors")), "before_detector")
     assert space.opened.label == "Sample recordings"
-    assert space.opened.dataset.systems == ("FIR", "NIR")
+    assert space.opened.dataset.systems == ("FIR", "NIR", "NIR 2")
     assert [button.key for button in page.button if button.key == "before_detector"] == []
 
 

@@ -52,7 +52,9 @@ def test_the_reports_files_are_told_and_can_be_downloaded():
     (single,) = [part for part in page.expander if part.label == "Single files"]
     assert len(single.get("download_button")) == 12  # folded: the ZIP has them all
     assert "3,000 evaluated frames" in texts(page)
-    assert "beside its inputs: truth.csv, fir.csv, nir.csv." in texts(page)  # without folders
+    assert "beside its inputs: truth.csv, fir.csv, nir.csv, nir2.csv." in texts(
+        page
+    )  # without folders
     assert "`similarity_x`, `similarity_y` | 0 to 1" in texts(page)
     checked(page.button_group(key="export_columns").set_value("encounters.csv").run())
     assert "`miss_class_x`, `miss_class_y`" in texts(page)
