@@ -199,6 +199,7 @@ def test_all_recordings_chosen_are_the_same_data() -> None:
     ("tags", "names", "match"),
     [
         (["snow"], [], "no recording has the tag snow; the tags are day, night and rain"),
+        (["nihgt"], [], "tag nihgt; did you mean 'night'\\? The tags are day, night and rain"),
         (["day"], ["r0"], "the tag day and one of these names"),
         ([], ["r9"], "there is no recording 'r9'"),
     ],

@@ -38,6 +38,8 @@ from nvcore.schema import (
 from nvcore.settings import Settings, as_names
 from nvcore.wording import MOST_NAMED, did_you_mean, listed
 
+MOST_TAGS = 12
+"""Tags that an error names: they are short, and few."""
 INPUT_COLUMNS = ("subject", "file", "sha256", "format", "conversion")
 
 
@@ -240,14 +242,15 @@ class Dataset:
         )
         if not is_chosen.any():
             known = sorted({tag for own in self.recordings["tags"] for tag in own})
+            known_text = f"the tags are {listed(known, most=MOST_TAGS)}"
+            unknown = next((tag for tag in tags if tag not in known), None)
+            if not known:
+                known_text = "there are no tags"
+            elif unknown is not None:
+                known_text = did_you_mean(unknown, known, known_text)
             raise InputError(
                 f"no recording has the {'tag' if len(tags) == 1 else 'tags'} {listed([*tags])}"
-                f"{' and one of these names' if names else ''}; "
-                + (
-                    f"the tags are {listed(known, most=MOST_NAMED)}"
-                    if known
-                    else "there are no tags"
-                )
+                f"{' and one of these names' if names else ''}; {known_text}"
             )
         if is_chosen.all():
             return self

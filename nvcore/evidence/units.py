@@ -49,6 +49,8 @@ class Units:
         (n_units,).
     n_recordings
         Recordings with frames.
+    n_independent
+        These, with those of one unit counted as one.
     block_s
         Mean duration of a block in seconds; NaN for recordings.
     of_recording
@@ -60,6 +62,7 @@ class Units:
     unit_of_frame: np.ndarray
     recording: np.ndarray
     n_recordings: int
+    n_independent: int
     block_s: float
     of_recording: np.ndarray
 
@@ -102,10 +105,13 @@ class Units:
         n = self.n_recordings
         if self.kind == UNITS:
             return f"{n:,} recordings are {len(self):,} units, each of which counts as one"
-        few = "one recording only" if n == 1 else f"{n} recordings only"
+        few, needed = "one recording only" if n == 1 else f"{n} recordings only", "recordings"
+        if self.n_independent < n:
+            few = f"{n:,} recordings, {self.n_independent} of them independent"
+            needed = "independent recordings"
         return (
             f"{few}: intervals over blocks of time hold within these recordings, say nothing of "
-            f"others, and have no p ({MIN_RECORDINGS} recordings are needed)"
+            f"others, and have no p ({MIN_RECORDINGS} {needed} are needed)"
         )
 
 
@@ -134,6 +140,7 @@ def find_units(result: Result) -> Units:
             unit_of_frame=of_recording[frames.recording],
             recording=with_frames[first].astype(np.int64),
             n_recordings=len(with_frames),
+            n_independent=len(labels),
             block_s=np.nan,
             of_recording=of_recording,
         )
@@ -149,6 +156,7 @@ def find_units(result: Result) -> Units:
         unit_of_frame=(start[recording] + place).astype(np.int64),
         recording=np.repeat(with_frames, n_blocks[with_frames]).astype(np.int64),
         n_recordings=len(with_frames),
+        n_independent=len(labels),
         block_s=result.duration_s / n_blocks.sum(),
         of_recording=np.where(n_blocks > 0, start, -1),
     )
@@ -157,10 +165,14 @@ def find_units(result: Result) -> Units:
 def count_whole(dataset: Dataset) -> tuple[int, str]:
     """How many recordings with frames there are, those of a unit as one; and what each is."""
     has_frames = np.diff(dataset.frame_columns.first) > 0
-    shared = units_of(dataset)[has_frames]
-    n_alone = int(np.count_nonzero(shared == ""))
-    n = n_alone + len(set(shared[shared != ""]))
+    n = _count_independent(dataset, has_frames)
     return n, "recording" if n == np.count_nonzero(has_frames) else "unit"
+
+
+def _count_independent(dataset: Dataset, recordings: np.ndarray) -> int:
+    """How many of these recordings (bool) there are, those of a unit as one."""
+    shared = units_of(dataset)[recordings]
+    return int(np.count_nonzero(shared == "")) + len(set(shared[shared != ""]))
 
 
 def _differences(result: Result) -> tuple[np.ndarray, ...]:
@@ -238,6 +250,7 @@ def units_within(result: Result, units: Units, recordings: np.ndarray) -> Units:
         unit_of_frame=np.where(is_here, np.append(number, -1)[units.unit_of_frame], -1),
         recording=units.recording[is_within],
         n_recordings=n_recordings,
+        n_independent=_count_independent(result.dataset, has_unit),
         block_s=block_s,
         of_recording=np.where(has_unit, np.append(number, -1)[units.of_recording], -1),
     )

@@ -15,6 +15,7 @@ from nvcore.auditing.copies import audit_copies, audit_pieces
 from nvcore.comparison import compare
 from nvcore.dataset import Dataset
 from nvcore.dataset.copies import Copy, units_of
+from nvcore.evidence.planning.pilot import make_pilot
 from nvcore.evidence.table import judge_both
 from nvcore.evidence.units import BLOCKS, RECORDINGS, UNITS, count_whole, find_units, sum_units
 from nvcore.findings import Severity
@@ -107,6 +108,13 @@ def test_one_recording_copied_ten_times_is_one_unit_and_supports_nothing():
     units = find_units(result)
     assert units.kind == BLOCKS
     assert count_whole(result.dataset) == (1, "unit")
+    assert units.note.startswith("10 recordings, 1 of them independent: intervals over blocks")
+    assert units.note.endswith("(6 independent recordings are needed)")
+    _, why_not = make_pilot(result, "mean_similarity", units=units)
+    assert why_not.startswith(
+        "a plan needs a pilot of 6 independent recordings or more, here are 10, 1 of them "
+        "independent"
+    )
     findings = audit_inputs(result.dataset)
     evidence, companions = judge_both(result)
     assert evidence["p_corrected"].isna().all()

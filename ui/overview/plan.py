@@ -15,8 +15,8 @@ from nvcore.evidence.companions import Companions
 from nvcore.evidence.measures import primary_of
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.planning import PLAN_KEYS, Plan, plan_recordings
-from nvcore.evidence.planning.pilot import MIN_PILOT
-from nvcore.evidence.units import WHOLE
+from nvcore.evidence.planning.pilot import too_few_for_pilot
+from nvcore.evidence.units import WHOLE, count_whole
 from nvcore.figures.power import power_plot
 from nvcore.measures.table import count_recordings, inference_of
 from nvcore.progress import Progress, part_of
@@ -56,12 +56,9 @@ def draw(result: Result, evidence: pd.DataFrame, companions: Companions | None) 
     """The question, the button that computes the answer, and the answer."""
     with st.container():
         if not evidence["unit"].isin(WHOLE).any():
-            n = count_recordings(result)
-            st.markdown(
-                f"A plan needs a pilot of {MIN_PILOT} recordings or more, here "
-                f"{'is' if n == 1 else 'are'} {n}: stretches of time say nothing of other "
-                "recordings."
-            )
+            n_independent, _ = count_whole(result.dataset)
+            reason = too_few_for_pilot(count_recordings(result), n_independent)
+            st.markdown(f"{capitalised(reason)}.")
             return
         asked = _ask(result, evidence)
         if companions is None and are_unequal(result):

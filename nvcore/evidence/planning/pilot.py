@@ -169,11 +169,7 @@ def make_pilot(
     else:
         measure = _unit_measure(result, units, key)
     if units.kind not in WHOLE or len(units) < MIN_PILOT:
-        n = units.n_recordings
-        return None, (
-            f"a plan needs a pilot of {MIN_PILOT} recordings or more, here "
-            f"{'is' if n == 1 else 'are'} {n}: stretches of time say nothing of other recordings"
-        )
+        return None, too_few_for_pilot(units.n_recordings, units.n_independent)
     if measure is None:
         return None, result.objects.say(NEEDED)
     pilot = _pilot_of(measure, result, units)
@@ -182,6 +178,22 @@ def make_pilot(
     if pilot.is_constant:
         return None, _why_constant(pilot)
     return pilot, ""
+
+
+def too_few_for_pilot(n: int, n_independent: int) -> str:
+    """Why nothing is planned from `n` recordings, with those of one unit counted as one."""
+    verb = "is" if n == 1 else "are"
+    if n_independent == n:
+        needed, here = "recordings", f"{verb} {n}"
+    else:
+        needed, here = (
+            "independent recordings",
+            f"{verb} {n:,}, {n_independent} of them independent",
+        )
+    return (
+        f"a plan needs a pilot of {MIN_PILOT} {needed} or more, here {here}: stretches of time say "
+        "nothing of other recordings"
+    )
 
 
 def _why_constant(pilot: Pilot) -> str:
