@@ -109,6 +109,21 @@ def subgroup_table(
     return mark_undecided(result, whole[list(COLUMNS)])
 
 
+def judge_groups(
+    result: Result, groups: Sequence[Subgroup], keys: Sequence[str], *, units: Units | None = None
+) -> dict[str, dict[str, Evidence]]:
+    """Evidence of some measures for groups of encounters, by group, then by key.
+
+    No p is corrected for the number of groups.
+    """
+    units = find_units(result) if units is None else units
+    judged = {}
+    for group in groups:
+        rows = _judge_part(result, group, keys, units=units, protocol=PROTOCOLS["all"])
+        judged[group.group] = dict(zip(keys, rows, strict=True))
+    return judged
+
+
 def _row(result: Result, part: Subgroup, evidence: Evidence) -> dict[str, Any]:
     venn = count_categories(result.category[part.is_member])
     odds = (np.nan, np.nan)

@@ -40,7 +40,7 @@ class Subgroup:
         What encounters are divided by (``distance``, ``place``, ``occlusion``, ``pose``,
         ``class``, ``tag``), and the name of the part.
     is_member
-        Encounters in it, distant ones left out; bool, shape (n_encounters,).
+        Encounters in it that count, as a rule distant ones left out; bool, shape (n_encounters,).
     recordings
         Recordings with the tag, or with a member; bool, shape (n_recordings,).
     """
@@ -101,6 +101,21 @@ def find_subgroups(result: Result) -> tuple[Subgroup, ...]:
         if len(parts) > 1:
             subgroups += parts
     return (*subgroups, *_class_groups(result, is_near), *_tag_groups(result, is_near))
+
+
+def class_groups(result: Result, is_counted: np.ndarray) -> tuple[Subgroup, ...]:
+    """Each class that some of these encounters have, also those that come from boxes alone.
+
+    Parameters
+    ----------
+    is_counted
+        Encounters that count here; bool, shape (n_encounters,).
+    """
+    parts = [
+        _part(result, CLASS, name, is_member & is_counted)
+        for name, is_member in classes_of(result.dataset).members.items()
+    ]
+    return tuple(part for part in parts if part.is_member.any())
 
 
 def _part(result: Result, factor: str, group: str, is_member: np.ndarray) -> Subgroup:

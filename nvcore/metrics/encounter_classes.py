@@ -147,6 +147,11 @@ def attributes_of(encounters: Encounters, texts: Any) -> np.ndarray:
     return attributes
 
 
+def shown_class(name: str) -> str:
+    """A class as it is shown: ``in_road`` as "in road"."""
+    return name.replace("_", " ") if name in DERIVED else name
+
+
 def classes_named(attributes: np.ndarray) -> dict[str, np.ndarray]:
     """Encounters of each class that the texts name; blanks around the names do not matter.
 

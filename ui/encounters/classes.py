@@ -7,18 +7,32 @@ from typing import Final
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.metrics.encounter_classes import CHILD, CROSSING, GROUP, IN_ROAD, classes_of
+from nvcore.evidence.measures import Evidence
+from nvcore.evidence.subgroup_table import judge_groups
+from nvcore.evidence.subgroups import class_groups
+from nvcore.measures.table import evidence_form
+from nvcore.metrics.encounter_classes import (
+    CHILD,
+    CROSSING,
+    GROUP,
+    IN_ROAD,
+    classes_of,
+    shown_class,
+)
+from nvcore.schema import Category
 from nvcore.tables.encounters.miss_classes import class_counts
-from nvcore.wording import minus, number
-from ui.encounters.filters import class_name
+from nvcore.wording import UNDEFINED, Footnotes, capitalised, difference, minus, number
 from ui.session import state
-from ui.widgets.html import MeasureRow, measures_html
-from ui.widgets.text import docs_link
+from ui.session.results.evidence import comparison_key
+from ui.widgets.html import MeasureRow, interval_cell, measures_html
+from ui.widgets.text import docs_link, plain
 
 HEAD: Final = (
-    *("Both", "Only X", "Only Y", "Neither", "Distant"),
+    *("Both", "Only X", "Only Y", "Neither", "Distant", "Detected X − Y", "95 % interval"),
     *("Severity X (s)", "Severity Y (s)", "Shared misses", "phi"),
 )
+SHARE: Final = "encounters_detected_by_unit"
+NO_INTERVAL: Final = (UNDEFINED, "")
 MEANINGS: Final = {
     CROSSING: "Was on both sides of the picture's middle.",
     IN_ROAD: "At most 3.5 m beside the camera's axis in half of the frames, by {his} own height.",
@@ -34,18 +48,24 @@ def draw(result: Result) -> None:
         return
     st.subheader(state.say("By class of {one}"))
     named = classes_of(result.dataset).named
+    evidence = state.cached("by_class", comparison_key(result), lambda: _judge(result), most=8)
+    notes = Footnotes()
+    intervals = {name: interval_cell(row, notes) for name, row in evidence.items()}
     rows = [
         MeasureRow(
-            label=class_name(str(name)),
+            label=shown_class(str(name)),
             cells=(
                 *(
                     f"{row[kind]:,.0f}"
                     for kind in ("both", "x_only", "y_only", "neither", "distant")
                 ),
+                _apart(evidence.get(str(name))),
+                intervals.get(str(name), NO_INTERVAL)[0],
                 *(number(row[f"severity_s_{letter}"], ".2f") for letter in "xy"),
                 number(row["jaccard"], ".2f"),
                 minus(number(row["phi"], ".2f")),
             ),
+            marks=intervals.get(str(name), NO_INTERVAL)[1],
             hint="Named by the truth." if name in named else MEANINGS.get(str(name), ""),
         )
         for name, row in table.iterrows()
@@ -57,7 +77,21 @@ def draw(result: Result) -> None:
             "; crossing, in road, group and child also from the boxes alone, by rules of ours "
             f"({docs_link('Metrics', 'classes-of-encounters')})"
         )
-    st.caption(
+    lines = [f"{mark}: {plain(capitalised(note))}." for note, mark in notes.marks.items()]
+    lines.append(
         state.say("{A_one} may have several classes. They come from the truth's column ")
-        + f"*attributes*{from_boxes}. Shared misses: Jaccard index."
+        + f"*attributes*{from_boxes}. Detected: as a share of those not "
+        "distant. Shared misses: Jaccard index."
     )
+    st.caption("  \n".join(lines))
+
+
+def _judge(result: Result) -> dict[str, Evidence]:
+    """Evidence of the share detected, by class."""
+    is_near = result.category != Category.DISTANT.value
+    judged = judge_groups(result, class_groups(result, is_near), (SHARE,))
+    return {name: of[SHARE] for name, of in judged.items()}
+
+
+def _apart(of: Evidence | None) -> str:
+    return UNDEFINED if of is None else minus(difference(of.x, of.y, evidence_form(of.figure)))

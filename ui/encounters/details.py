@@ -8,12 +8,12 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
+from nvcore.metrics.encounter_classes import shown_class
 from nvcore.schema import CATEGORY_TEXT, CLASS_SEPARATOR, Category
 from nvcore.tables.moments import NEVER, encounter_time
 from nvcore.wording import listed as listed_words
 from nvcore.wording import minus
 from ui.encounters import picture, selection, weightings
-from ui.encounters.filters import class_name
 from ui.session import state
 from ui.shell.navigate import open_row
 from ui.subjects import contributed
@@ -38,7 +38,7 @@ def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
     for draw_head in contributed("ENCOUNTER_HEAD"):
         draw_head(result, encounter)
     moments = selection.moments_of(result).iloc[encounter]
-    if names := [class_name(name) for name in str(row["classes"]).split(CLASS_SEPARATOR) if name]:
+    if names := [shown_class(name) for name in str(row["classes"]).split(CLASS_SEPARATOR) if name]:
         classes = plain(listed_words(names))
         st.caption(f"{docs_link('Classes', 'classes-of-encounters')}: {classes}.")
     picture.draw(result, encounter, int(moments["shown_row"]))

@@ -12,7 +12,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.comparison import Result
-from nvcore.metrics.encounter_classes import DERIVED
+from nvcore.metrics.encounter_classes import shown_class
 from nvcore.schema import CATEGORY_TEXT, CLASS_SEPARATOR, MISS_CLASS_TEXT, Category, MissClass
 from nvcore.wording import shortened
 from ui.session import state
@@ -104,11 +104,6 @@ def class_names(encounters: pd.DataFrame) -> list[str]:
     return sorted({name for text in texts for name in str(text).split(CLASS_SEPARATOR) if name})
 
 
-def class_name(name: str) -> str:
-    """A class as it is shown: ``in_road`` as "in road"."""
-    return name.replace("_", " ") if name in DERIVED else name
-
-
 def key(name: str) -> str:
     """Key of a filter's widget; other data have other recordings and ranges."""
     if name == "recording":
@@ -154,7 +149,7 @@ def in_words(filters: Filters) -> list[str]:
             ("X", [MISS_WORDS[kind] for kind in filters.classes_x]),
             ("Y", [MISS_WORDS[kind] for kind in filters.classes_y]),
             ("in", filters.recordings),
-            ("class", [class_name(name) for name in filters.classes]),
+            ("class", [shown_class(name) for name in filters.classes]),
         )
         if chosen
     ]
@@ -297,7 +292,7 @@ def _draw_widgets(encounters: pd.DataFrame, of_subjects: Mapping[str, Sequence[s
     classes = left.multiselect(
         state.say("Class of {one}"),
         names,
-        format_func=class_name,
+        format_func=shown_class,
         placeholder="any",
         key=key("class"),
         persist_state="session",

@@ -15,6 +15,7 @@ from nvcore.evidence.units import BLOCKS
 from nvcore.measures.table import evidence_form
 from nvcore.stages import THRESHOLD
 from nvcore.tables.scorecard import score_rows
+from nvcore.time_left.by_class import IMPACT, SHARE
 from nvcore.time_left.facts import NobodyMet
 from nvcore.time_left.kinds import TimeLeft, Urgency
 from nvcore.time_left.said import confirmed, few_urgent, needed, urgent
@@ -23,15 +24,11 @@ from nvcore.time_left.steps import time_left_in
 from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number
 from ui.session import state
 from ui.session.results.evidence import comparison_key
-from ui.widgets.html import MeasureRow, measures_html, score_row
+from ui.widgets.html import WITHIN, WITHIN_NOTE, MeasureRow, measures_html, score_row
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
-KEYS: Final = (*(kind.value for kind in TimeLeft), "mean_impact_kmh", "median_margin_s")
-SHARE: Final = "in_time_by_unit"
+KEYS: Final = (*(kind.value for kind in TimeLeft), IMPACT, "median_margin_s")
 HEAD: Final = ("X", "Y", "X − Y", "95 % interval")
-WITHIN: Final = "*"
-WITHIN_NOTE: Final = "within these recordings alone"
-"""Mark of an interval that speaks of no others, and what it says."""
 
 
 def draw(result: Result) -> None:
@@ -93,7 +90,7 @@ def _draw_measures(result: Result) -> None:
 
 def _evidence(result: Result) -> dict[str, Evidence]:
     """Evidence of the measures that have an interval over recordings or blocks, by key."""
-    keys, key = (SHARE, "mean_impact_kmh"), comparison_key(result)
+    keys, key = (SHARE, IMPACT), comparison_key(result)
     evidence = state.cached("time_left_evidence", key, lambda: judge_keys(result, keys), most=8)
     return {row.figure: row for row in evidence}
 

@@ -294,8 +294,9 @@ def test_a_class_is_listed_counted_and_kept_in_the_address():
     assert only(page, "class") == "child"
     assert "class child" in texts(page)
     counts = pages.measures(page, "by-class")
-    assert list(counts) == ["crossing", "in road", "group", "child"]
-    assert counts["child"][:5] == ("2", "0", "0", "1", "0")
+    assert list(counts) == ["crossing[a]", "in road[b]", "group[a]", "child[c]"]
+    assert counts["child[c]"][:7] == ("2", "0", "0", "1", "0", "0.0 pp", "–")
+    assert "c: Too few recordings for an interval: 2, at least 8 are needed." in texts(page)
     press(page, "encounters_clear")
     assert "class" not in page.query_params
 

@@ -83,6 +83,15 @@ def test_the_sample_has_the_numbers_of_an_independent_reading():
     assert "Below 75 km/h X confirms the larger share in time, from there on Y" in texts(page)
 
 
+def test_children_only_stand_in_the_table_by_class():
+    page = alone_on()
+    rows = pages.measures(page, "time-left-by-class")
+    assert rows["child, 2 urgent[c]"] == (
+        *("1", "0", "+50.0 pp", "–", "13.0", "30.5", "−17.6", "–"),
+    )
+    assert "c: Too few recordings for an interval: 1, at least 8 are needed." in texts(page)
+
+
 def test_the_list_has_the_fastest_impact_first_and_opens_the_last_chance(
     monkeypatch: pytest.MonkeyPatch,
 ):
