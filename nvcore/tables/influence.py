@@ -1,4 +1,4 @@
-"""Whether who is ahead in mean similarity rests on a single recording."""
+"""Whether who is ahead rests on a single recording."""
 
 from __future__ import annotations
 
@@ -8,7 +8,15 @@ import numpy as np
 import pandas as pd
 
 from nvcore.comparison import Result
-from nvcore.measures.values import per_recording
+from nvcore.measures.values import (
+    detected_by_recording,
+    duration_of_recordings,
+    episodes_by_recording,
+    per_recording,
+    severity_by_recording,
+)
+from nvcore.schema import Category
+from nvcore.wording import listed
 
 FORM: Final = ".3f"
 
@@ -68,3 +76,37 @@ def lead_text(result: Result) -> str:
 def _lead(x: float, y: float) -> float:
     """X less Y, as shown."""
     return float(format(x - y, f"z{FORM}"))
+
+
+def other_leads_text(result: Result) -> str:
+    """The same of encounters detected, severity and false-alert episodes, in short.
+
+    Each per encounter near enough to count, or per second. Empty where fewer than two recordings
+    have frames, or nobody is ahead in any of them.
+    """
+    n_frames = np.diff(result.dataset.frame_columns.first)
+    if np.count_nonzero(n_frames) < 2:
+        return ""
+    is_near = result.category != Category.DISTANT.value
+    n_near = per_recording(result, is_near.astype(float), result.encounters.recording)
+    stays: dict[str, list[str]] = {"X": [], "Y": []}
+    rests = []
+    for name, sums, of, sign in (
+        ("encounters detected", detected_by_recording, n_near, 1),
+        ("severity", severity_by_recording, n_near, -1),
+        ("false-alert episodes", episodes_by_recording, duration_of_recordings(result), -1),
+    ):
+        apart = sign * (sums(result, result.x) - sums(result, result.y)).astype(float)
+        lead = apart.sum()
+        if not lead or not of.sum():
+            continue
+        others = np.sign(lead) * (lead - apart)[(n_frames > 0) & (of < of.sum())]
+        if others.min(initial=np.inf) > 0:
+            stays["X" if lead > 0 else "Y"].append(name)
+        else:
+            rests.append(name)
+    kept = [f"{letter} stays ahead in {listed(names)}" for letter, names in stays.items() if names]
+    said = [f"With any one left out, {', and '.join(kept)}."] if kept else []
+    if rests:
+        said.append(f"Who is ahead in {listed(rests)} rests on one recording.")
+    return " ".join(said)

@@ -6,7 +6,7 @@ import pytest
 from builders import Box, Place, at, make_dataset, result_of
 
 from nvcore.comparison import Result
-from nvcore.tables.influence import lead_text, similarity_without_each
+from nvcore.tables.influence import lead_text, other_leads_text, similarity_without_each
 
 PLACES = [Place(range(10)), Place([]), Place(range(5))]
 TRUTH = [at(i, 50, track=1) for i in range(10)]
@@ -66,3 +66,14 @@ def test_of_a_single_recording_nothing_is_said():
     result = result_of(make_dataset(truth, truth, truth[:2]))
     assert similarity_without_each(result).empty
     assert lead_text(result) == ""
+    assert other_leads_text(result) == ""
+
+
+def test_it_is_said_of_encounters_severity_and_false_alerts_too():
+    """X misses the second pedestrian for good; Y misses the first in 4 of 10 frames."""
+    result = missing([(2, frame) for frame in range(5)], [(0, frame) for frame in range(4)])
+    assert other_leads_text(result) == (
+        "Who is ahead in encounters detected and severity rests on one recording."
+    )
+    result = missing([], [(0, 4), (2, 4)])
+    assert other_leads_text(result) == "With any one left out, X stays ahead in severity."

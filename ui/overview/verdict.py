@@ -17,7 +17,7 @@ from nvcore.report.tiles import tiles
 from nvcore.report.verdict import verdict
 from nvcore.report.words import sampling_note
 from nvcore.sentences.facts import Fact
-from nvcore.tables.influence import lead_text
+from nvcore.tables.influence import lead_text, other_leads_text
 from nvcore.wording import count_text
 from ui.overview.tiles import tiles_html
 from ui.session import state
@@ -66,7 +66,7 @@ class Room:
         """What the measures support, how much more it would take, and what it depends on."""
         result = self._result
         conclusion = verdict(result, findings, evidence=evidence, companions=companions, plan=plan)
-        reasons = f"{conclusion.reason} {lead_text(result)}"
+        reasons = " ".join([conclusion.reason, lead_text(result), other_leads_text(result)])
         words = plain(conclusion.in_short), plain(reasons)
         self._words().markdown("## {}\n\n{}".format(*words))
         state.note_shown_verdict()

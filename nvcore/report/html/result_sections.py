@@ -22,7 +22,7 @@ from nvcore.report.words import (
 )
 from nvcore.sentences import say
 from nvcore.subjects import contributed
-from nvcore.tables.influence import lead_text
+from nvcore.tables.influence import lead_text, other_leads_text
 from nvcore.tables.loss_strip import loss_strip
 from nvcore.tables.result import (
     recordings_table,
@@ -67,7 +67,7 @@ def similarity_section(result: Result) -> Section:
     """Mean similarity by recording, and the worst intervals."""
     recordings = recordings_table(result)
     recordings_shown, note = _most_different(recordings)
-    note = f"{note} {lead_text(result)}".strip()
+    note = f"{note} {lead_text(result)} {other_leads_text(result)}".strip()
     rows = [
         (
             row["recording"],
