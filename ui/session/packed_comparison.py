@@ -26,6 +26,7 @@ from nvcore.metrics.proximity import in_use
 from nvcore.params import Params
 from nvcore.schema import DetectionState
 from nvcore.scoring import weigh_misses
+from nvcore.stages import DISTANCES, ENCOUNTERS, SEVERITY
 
 LIVE: Final = (
     *("alpha", "midpoint", "spread", "midpoint_m", "spread_m"),
@@ -41,7 +42,7 @@ KINDS: Final = {"f": "<f8", "i": "<i4"}
 def version_of(result: Result) -> str:
     """What `pack_comparison` gives depends on this and on nothing else."""
     defaults: dict[str, Any] = {name: getattr(Params(), name) for name in LIVE}
-    fixed = replace(result.params, **defaults)
+    fixed = replace(result.params.only_for(DISTANCES, ENCOUNTERS, SEVERITY), **defaults)
     text = f"{result.dataset.fingerprint}{fixed!r}\0{result.x.name}\0{result.y.name}"
     return hashlib.sha256(text.encode()).hexdigest()[:12]
 

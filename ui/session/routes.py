@@ -139,7 +139,8 @@ async def comparison(request: Request, space: Workspace | None) -> Response:
     if compared is None or not can_pack(compared.result):
         return not_found("the session has ended, or nothing is compared yet")
     if request.query_params.get("v") != version_of(compared.result):
-        return not_found("another comparison is open by now")
+        # another comparison is open by now, of which the page will tell
+        return Response(status_code=HTTPStatus.NO_CONTENT, headers=NOT_CACHED)
     content = await run_in_threadpool(pack_comparison, compared.result)
     return Response(content, media_type="application/octet-stream", headers=CACHED)
 

@@ -213,7 +213,7 @@ async function load() {
   url = live.url;
   comparison = null;
   const answer = await fetch(url).catch(() => null);
-  if (!answer?.ok) {
+  if (answer?.status !== 200) {
     url = "";
     return;
   }
