@@ -21,20 +21,24 @@ def draw(result: Result) -> None:
             detectability=docs_link("Detectability", "whom-he-sees", doc="driver"),
         )
     )
-    run.draw_notes()
     if not driver_in(result).has_any:
+        run.draw_notes()
         missing.draw()
         run.draw(is_known=False)
         missing.draw_commands()
         return
-    run.draw(is_known=True)
     draw_warnings(result)
     draw_operating_point(result)
     for doubt in no_claim(result):
         st.warning(plain(state.say(doubt)), icon=":material/warning:")
-    st.markdown("\n\n".join(plain(state.say(fact)) for fact in view_facts(result)))
-    st.caption(state.say(counts(result)))
+    first, *others = view_facts(result)
+    st.markdown(plain(state.say(first)))
     region = regions.draw(result)
+    with st.expander("What this rests on"):
+        st.markdown("\n".join(f"- {plain(state.say(fact))}" for fact in others))
+        st.caption(state.say(counts(result)))
+    run.draw_notes()
+    run.draw(is_known=True)
     threshold.draw(result)
     encounter = listed.draw(result, region)
     if encounter is not None:
