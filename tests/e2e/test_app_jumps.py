@@ -162,7 +162,6 @@ IN_THE_SAMPLE: Final = (
     Jump(SALIENCY, "Saliency", "Timeline", row("saliency_events_")),
     Jump(SALIENCY, "Saliency", "Timeline", plot("saliency_curve")),
     Jump(SALIENCY, "Saliency", "Timeline", plot("saliency_plane")),
-    Jump("ui/systems/pairs.py:draw_only_pair", "Systems", "Data", press("add_system")),
     Jump("ui/data/audit/entries.py:_go", "Data", "Timeline", open_case),
     Jump("ui/timeline/listed.py:draw", "Timeline", "Data", press("listed_back")),
     Jump("ui/timeline/panel.py:_chosen", "Timeline", "Encounters", choose_pedestrian),
@@ -174,10 +173,13 @@ WITH_THREE: Final = (
     Jump("ui/systems/pairs.py:_open", "Systems", "Overview", press("pair_1")),
     Jump("ui/overview/verdict.py:_draw_doubt", "Overview", "Data", press("see_findings")),
 )
+WITH_TWO: Final = (
+    Jump("ui/systems/pairs.py:draw_only_pair", "Systems", "Data", press("add_system")),
+)
 WITH_ONE: Final = (
     Jump("ui/shell/messages.py:_one_system_only", "Saliency", "Data", press("open_data_page")),
 )
-WALKED: Final = (*IN_THE_SAMPLE, *WITH_THREE, *WITH_ONE)
+WALKED: Final = (*IN_THE_SAMPLE, *WITH_THREE, *WITH_TWO, *WITH_ONE)
 ELSEWHERE: Final = {
     "ui/data/opening.py:_draw_opened": "other files were opened, with settings of their own",
     "ui/detectors/finished.py:_open": "as above: the session that it opens has the settings",
@@ -226,7 +228,9 @@ def test_every_way_in_the_sample_keeps_settings_and_tags(visit, first):
     walk(one, IN_THE_SAMPLE[first : first + WALK], OF_THE_SAMPLE)
 
 
-@pytest.mark.parametrize(("systems", "jumps"), [("xyz", WITH_THREE), ("x", WITH_ONE)])
+@pytest.mark.parametrize(
+    ("systems", "jumps"), [("xyz", WITH_THREE), ("xy", WITH_TWO), ("x", WITH_ONE)]
+)
 def test_every_way_between_many_systems_and_with_one_keeps_settings(
     systems: str,
     jumps: Sequence[Jump],

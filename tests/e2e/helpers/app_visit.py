@@ -105,7 +105,11 @@ class Visit:
             if not self.keyed("tabs").count():
                 self.switch_to("Encounters")
             return self.keyed("tabs").get_by_role("link", name=title)
-        return self.keyed("navigation").get_by_role("link", name=title, exact=True)
+        entry = self.keyed("navigation").get_by_role("link", name=title, exact=True)
+        if not entry.count():  # the comparison has no data for it
+            self.keyed("navigation").get_by_role("button", name=GROUPS[0]).click()
+            return self.page.get_by_test_id("stPopoverBody").get_by_role("link", name=title)
+        return entry
 
     def look_closer(self, part: str) -> None:
         """Unfold a part of the Overview."""
