@@ -55,11 +55,12 @@ COUNT = (
     + SEEN
     + """;
   let last = "";
-  window.counted = { painted: 0, changed: 0 };
+  const own = (window.counted = { painted: 0, changed: 0 });
   (function look() {
-    counted.painted += 1;
+    if (window.counted !== own) return; // the next drag is counted
+    own.painted += 1;
     const now = seen();
-    if (now !== last) counted.changed += 1;
+    if (now !== last) own.changed += 1;
     last = now;
     requestAnimationFrame(look);
   })(); }"""
