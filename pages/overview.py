@@ -15,7 +15,8 @@ def draw(result: Result) -> None:
     """The verdict, then what it rests on."""
     draw_operating_point(result)
     room, before = verdict.Room(result), known_evidence(result)
-    if not room.holds_last():  # else what it shows stays until there is something newer
+    is_new = not room.holds_last()  # else what it shows stays until there is something newer
+    if is_new:
         room.draw_known(before)
     left, right = st.columns([1.5, 1], gap="large")
     with left:
@@ -24,7 +25,7 @@ def draw(result: Result) -> None:
         venn.draw_worst(result)
     strip.draw(result)
     table = scorecard.Scorecard(result)
-    if before is None and not room.holds_last():
+    if before is None and is_new:
         table.draw(None)
     measured = measure_evidence(result)
     table.draw(measured)

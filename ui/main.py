@@ -76,7 +76,8 @@ except Exception as error:  # noqa: BLE001  # the sidebar is drawn, or its widge
 forget_clicks()
 if wrong_params is not None and not is_participant():  # something is open
     try:
-        sidebar.draw(wrong_params, shown_on(page), own=own_of(page), is_folded=is_folded_on(page))
+        shown = shown_on(page)
+        sidebar.draw(wrong_params, shown, own=own_of(page), is_folded=is_folded_on(page, shown))
     except Exception as error:  # noqa: BLE001  # what follows is drawn
         if failure is None:
             error_banner(error)

@@ -13,25 +13,17 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-import tempfile
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
+from playwright.sync_api import Browser, Locator, Page, expect
 
-from bench.csv_files import write_csv
 from bench.measure import report
-from bench.sets import make_set
 from bench.web.scene import FPS, READER, is_whole, write_scene
-from bench.web.server import serve
+from bench.web.server import CHROMIUM, folder_of_set, open_chromium, serve
 from bench.web.tables import put_section, web_section
 
-CHROMIUM = os.environ.get("NVCORE_CHROMIUM", "/usr/bin/chromium-headless-shell")
-FLAGS = (
-    *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
-    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
-)
 SLIDERS = {
     "alpha": ("Misses against false alarms (alpha)", "ArrowLeft"),
     "sigmoid midpoint": ("Counts half at (px)", "ArrowRight"),
@@ -181,23 +173,18 @@ def main() -> None:
         report(failed=f"{CHROMIUM} is missing: apt-get install chromium-headless-shell")
         return
     figures: dict[str, Any] = {"load": os.getloadavg()[0], "sets": {}}
-    with sync_playwright() as playwright, tempfile.TemporaryDirectory() as parent:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
+    with open_chromium() as (browser, parent):
         figures["chromium"] = browser.version
         for n in options.frames:
-            folder = Path(parent) / str(n)
-            folder.mkdir()
-            if n:
-                write_csv(make_set(n), folder, one_recording=options.one_recording)
+            folder = folder_of_set(parent, n, one_recording=options.one_recording)
             print(f"in the browser, {n:,} frames ..." if n else "sample ...", file=sys.stderr)
             with serve(folder, options.port) as (url, _):
                 figures["sets"][n] = measure_set(browser, url, options.repeat, is_sample=not n)
             print(figures["sets"][n], file=sys.stderr)
-        folder = Path(parent) / "scene"
+        folder = parent / "scene"
         write_scene(folder)
         with serve(folder, options.port) as (url, _):
             figures["playing"] = measure_playing(browser, url)
-        browser.close()
     if options.out:
         put_section(options.out, web_section(figures))
     report(**figures)

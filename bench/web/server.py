@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import tempfile
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
@@ -12,7 +13,35 @@ from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic, sleep
 
+from playwright.sync_api import Browser, sync_playwright
+
+from bench.csv_files import write_csv
+from bench.sets import make_set
+
+CHROMIUM = os.environ.get("NVCORE_CHROMIUM", "/usr/bin/chromium-headless-shell")
+FLAGS = (
+    *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
+    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
+)
 ROOT = Path(__file__).resolve().parent.parent.parent
+
+
+@contextmanager
+def open_chromium() -> Iterator[tuple[Browser, Path]]:
+    """The browser, and a folder for what it is shown."""
+    with sync_playwright() as playwright, tempfile.TemporaryDirectory() as parent:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
+        yield browser, Path(parent)
+        browser.close()
+
+
+def folder_of_set(parent: Path, n: int, *, one_recording: bool = False) -> Path:
+    """A new folder with the set of `n` frames; an empty one for 0, the sample."""
+    folder = parent / str(n)
+    folder.mkdir()
+    if n:
+        write_csv(make_set(n), folder, one_recording=one_recording)
+    return folder
 
 
 @contextmanager

@@ -12,19 +12,16 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-import tempfile
 from pathlib import Path
 from statistics import median
 from typing import Any
 
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page
 
-from bench.csv_files import write_csv
 from bench.measure import report
-from bench.sets import make_set
 from bench.tables import table
-from bench.web.__main__ import CHROMIUM, FLAGS, go_to, open_set, settle
-from bench.web.server import ROOT, serve
+from bench.web.__main__ import go_to, open_set, settle
+from bench.web.server import ROOT, folder_of_set, open_chromium, serve
 from bench.web.tables import put_section
 
 EMPTY = Path(__file__).with_name("empty_app.py")
@@ -194,21 +191,16 @@ def main() -> None:
     }
     roots = {THIS: ROOT} | ({BEFORE: options.before.resolve()} if options.before else {})
     apps: dict[str, dict[int, Any]] = {name: {} for name in (*roots, NOTHING)}
-    with sync_playwright() as playwright, tempfile.TemporaryDirectory() as parent:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
+    with open_chromium() as (browser, parent):
         figures["chromium"] = browser.version
         for n in options.frames:
-            folder = Path(parent) / str(n)
-            folder.mkdir()
-            if n:
-                write_csv(make_set(n), folder)
+            folder = folder_of_set(parent, n)
             for name, root in roots.items():
                 with serve(folder, options.port, root=root) as (url, _):
                     apps[name][n] = measure(browser, url, n, options.repeat, is_empty=False)
                 print(name, n, apps[name][n], file=sys.stderr)
-        with serve(Path(parent), options.port, script=EMPTY) as (url, _):
+        with serve(parent, options.port, script=EMPTY) as (url, _):
             apps[NOTHING][0] = measure(browser, url, 0, options.repeat, is_empty=True)
-        browser.close()
     figures["apps"] = apps
     if options.out:
         put_section(options.out, section(figures))

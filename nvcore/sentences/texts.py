@@ -23,21 +23,24 @@ _BY_ITSELF: Final = (
     "it is tested by itself at 5 %, and other differences are claimed only if it shows one."
 )
 
+_APART: Final = "{n_recordings!n:{noun}} do not tell X and Y apart"
+_NONE_SHOWN: Final = "no difference is shown to be more than chance"
+_PRIMARY_NOT_SHOWN: Final = "no difference in {primary} is shown to be more than chance"
+_TOO_LITTLE: Final = "too little data to tell X and Y apart"
+_TOO_FEW: Final = "too few {noun}s to tell X and Y apart"
 CONCLUSIONS: Final = {
     "claimed": "{better}: more than chance over {n_recordings!n:{noun}}{remarks}",
     "untested": "whether X and Y differ by more than chance has not been tested",
     "pending": "nothing is claimed before X and Y are compared at equal false alarms",
-    "few": "too few {noun}s to tell X and Y apart ({n_recordings} of the {n_needed} needed)",
+    "few": f"{_TOO_FEW} ({{n_recordings}} of the {{n_needed}} needed)",
     "within": "{better} within {n_recordings!n:{noun}}{remarks}, too few to say so of "
     "others ({n_needed} are needed)",
-    "untestable": "too little data to tell X and Y apart",
+    "untestable": _TOO_LITTLE,
     "unsure": "nothing is claimed: these are too few, or too uneven between recordings",
     "withheld": "no difference between X and Y is claimed: each that is more than chance fails "
     "another check",
-    "not shown": "{n_recordings!n:{noun}} do not tell X and Y apart: no difference is shown "
-    "to be more than chance",
-    "primary not shown": "{n_recordings!n:{noun}} do not tell X and Y apart: no difference "
-    "in {primary} is shown to be more than chance",
+    "not shown": f"{_APART}: {_NONE_SHOWN}",
+    "primary not shown": f"{_APART}: {_PRIMARY_NOT_SHOWN}",
 }
 HEADLINES: Final = {
     "alike": "{conclusion}.",
@@ -189,13 +192,13 @@ IN_SHORT: Final[Texts] = {
         "claimed": "{better}",
         "untested": "X and Y have not been tested against each other",
         "pending": "X and Y are not yet compared at equal false alarms",
-        "few": "too few {noun}s to tell X and Y apart",
-        "within": "too few {noun}s to tell X and Y apart",
-        "untestable": "too little data to tell X and Y apart",
+        "few": _TOO_FEW,
+        "within": _TOO_FEW,
+        "untestable": _TOO_LITTLE,
         "unsure": "too few false alarms to tell X and Y apart",
         "withheld": "no difference between X and Y passes every check",
-        "not shown": "{n_recordings!n:{noun}} do not tell X and Y apart",
-        "primary not shown": "{n_recordings!n:{noun}} do not tell X and Y apart",
+        "not shown": _APART,
+        "primary not shown": _APART,
     },
     facts.Headline: {
         "alike": "{conclusion}.",
@@ -216,8 +219,8 @@ BECAUSE: Final[Texts] = {
         "untestable": "no measure has enough recordings that differ for a test",
         "unsure": "false alarms are too few, or too uneven between recordings",
         "withheld": "each difference that is more than chance fails another check",
-        "not shown": "no difference is shown to be more than chance",
-        "primary not shown": "no difference in {primary} is shown to be more than chance",
+        "not shown": _NONE_SHOWN,
+        "primary not shown": _PRIMARY_NOT_SHOWN,
     },
     facts.Headline: {
         **HEADLINES,

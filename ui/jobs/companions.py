@@ -24,12 +24,6 @@ def is_quick(result: Result) -> bool:
     return len(result.dataset.boxes) <= QUICK_BOXES
 
 
-def known_companions(result: Result) -> Companions | None:
-    """The companions of the comparison, if they are computed already."""
-    companions: Companions | None = state.known(KIND, comparison_key(result))
-    return companions
-
-
 def wait_for_companions(result: Result, evidence: pd.DataFrame) -> Companions | None:
     """The companions of the comparison; None while they are computed in the background."""
     protocol = state.protocol()  # not to be asked in the background

@@ -54,22 +54,21 @@ def known_plan(result: Result) -> tuple[Fact, ...]:
 
 def draw(result: Result, evidence: pd.DataFrame, companions: Companions | None) -> None:
     """The question, the button that computes the answer, and the answer."""
-    with st.container():
-        if not evidence["unit"].isin(WHOLE).any():
-            n_independent, _ = count_whole(result.dataset)
-            reason = too_few_for_pilot(count_recordings(result), n_independent)
-            st.markdown(f"{capitalised(reason)}.")
-            return
-        asked = _ask(result, evidence)
-        if companions is None and are_unequal(result):
-            st.markdown("Possible once the comparison at equal false alarms is known.")
-        elif asked is not None:
-            _draw_answer(result, evidence, companions, asked)
-        st.caption(
-            "Studies are simulated from these recordings, each drawn as a whole, and tested as in "
-            "the table above: computed when asked for, within seconds "
-            f"({docs_link('Significance', 'how-much-more-would-it-take', doc='significance')})."
-        )
+    if not evidence["unit"].isin(WHOLE).any():
+        n_independent, _ = count_whole(result.dataset)
+        reason = too_few_for_pilot(count_recordings(result), n_independent)
+        st.markdown(f"{capitalised(reason)}.")
+        return
+    asked = _ask(result, evidence)
+    if companions is None and are_unequal(result):
+        st.markdown("Possible once the comparison at equal false alarms is known.")
+    elif asked is not None:
+        _draw_answer(result, evidence, companions, asked)
+    st.caption(
+        "Studies are simulated from these recordings, each drawn as a whole, and tested as in "
+        "the table above: computed when asked for, within seconds "
+        f"({docs_link('Significance', 'how-much-more-would-it-take', doc='significance')})."
+    )
 
 
 def _ask(result: Result, evidence: pd.DataFrame) -> PlanArguments | None:

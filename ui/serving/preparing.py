@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import gc
 import threading
+from functools import cache
 
 from nvcore.comparison import compare
 from nvcore.errors import NvcoreError
@@ -17,19 +18,15 @@ from ui.session.results.evidence import comparison_key, evidence_kept_by, miss_r
 from ui.session.results.findings import findings_kept_by
 from ui.session.state import shared_start
 
-_is_settled = False
 
-
+@cache
 def settle_memory() -> None:
-    """After the first page: what it has loaded stays, and is not looked through any more.
+    """After the first page, once: what it has loaded stays, and is not looked through any more.
 
     Streamlit collects garbage after every run, which then takes a third of the time.
     """
-    global _is_settled
-    if not _is_settled:
-        _is_settled = True
-        gc.collect()
-        gc.freeze()
+    gc.collect()
+    gc.freeze()
 
 
 def start_preparing() -> None:

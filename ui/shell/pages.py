@@ -110,9 +110,9 @@ def own_of(page: StreamlitPage) -> tuple[Stage, ...]:
     return OWN.get(page.url_path, ())
 
 
-def is_folded_on(page: StreamlitPage) -> bool:
-    """Whether the sidebar's settings are folded away until they are asked for."""
-    return page.url_path in FOLDED or not shown_on(page)
+def is_folded_on(page: StreamlitPage, shown: tuple[Stage, ...]) -> bool:
+    """Whether the sidebar's settings are folded away, as they move little or nothing shown."""
+    return page.url_path in FOLDED or not shown
 
 
 def draw_bar(pages: dict[str, list[StreamlitPage]], current: StreamlitPage) -> None:

@@ -97,19 +97,17 @@ class Visit:
 
     def find_entry(self, title: str) -> Locator:
         """A page's link in the navigation, in its group unfolded or among the tabs of a page."""
-        for group in GROUPS:
-            if title in SECTIONS[group].values():
-                self.keyed("navigation").get_by_role("button", name=group).click()
-                return self.page.get_by_test_id("stPopoverBody").get_by_role("link", name=title)
+        bar, groups = self.keyed("navigation"), [g for g in GROUPS if title in SECTIONS[g].values()]
         if title == "Saliency":
             if not self.keyed("tabs").count():
                 self.switch_to("Encounters")
             return self.keyed("tabs").get_by_role("link", name=title)
-        entry = self.keyed("navigation").get_by_role("link", name=title, exact=True)
-        if not entry.count():  # the comparison has no data for it
-            self.keyed("navigation").get_by_role("button", name=GROUPS[0]).click()
-            return self.page.get_by_test_id("stPopoverBody").get_by_role("link", name=title)
-        return entry
+        entry = bar.get_by_role("link", name=title, exact=True)
+        if not groups and entry.count():
+            return entry
+        # of a group, or last in the first one, as the comparison has no data for it
+        bar.get_by_role("button", name=(groups or GROUPS)[0]).click()
+        return self.page.get_by_test_id("stPopoverBody").get_by_role("link", name=title)
 
     def look_closer(self, part: str) -> None:
         """Unfold a part of the Overview."""

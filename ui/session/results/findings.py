@@ -36,14 +36,6 @@ def input_findings() -> tuple[Finding, ...]:
     return worst_first([*findings, *of_pictures])
 
 
-def known_findings() -> tuple[Finding, ...] | None:
-    """The findings if all are cached; else None."""
-    known: tuple[Finding, ...] | None = state.known(
-        "findings", _key(state.params(), *state.systems())
-    )
-    return known
-
-
 def findings_kept_by(
     cached: Cached, dataset: Dataset, params: Params, x: str, y: str | None
 ) -> tuple[Finding, ...]:

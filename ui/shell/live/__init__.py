@@ -18,7 +18,7 @@ import streamlit as st
 from nvcore.errors import ParameterError
 from nvcore.measures.table import MEASURES
 from nvcore.params import SETTINGS
-from nvcore.stages import ENCOUNTERS, SALIENT, SEVERITY
+from nvcore.stages import ENCOUNTERS, SALIENT, SEVERITY, Stage
 from ui.session import settings, state
 from ui.session.packed_comparison import LIVE, can_pack, has_mixed_scores, n_bytes, version_of
 from ui.session.routes import address
@@ -27,14 +27,20 @@ KEY: Final = "live"
 _ANSWERED: Final = "live_answered"
 SMALL_BYTES: Final = 2_000_000
 """So much is fetched before a slider is reached for."""
-STAGES_OF: Final = {
-    "venn": (ENCOUNTERS, SEVERITY),
-    "viewer": (),
-    "lanes": (ENCOUNTERS, SALIENT),
-    "encounters_plot": (ENCOUNTERS, SEVERITY),
-}
-"""What parts of pages show, by their key: settings that do not move it leave them as they are. The
+
+
+def _moving(*stages: Stage) -> list[str]:
+    """Live settings that move the results of these stages."""
+    return [name for name in LIVE if SETTINGS[name].moves(stages)]
+
+
+MOVES: Final = {measure.key: _moving(*measure.stages) for measure in MEASURES}
+"""Which live settings move each measure."""
+STILL: Final[dict[str, list[str]]] = {"venn": _moving(ENCOUNTERS, SEVERITY), "viewer": []}
+"""Parts of pages by their key, and what moves them: other settings leave them as they are. The
 viewer follows by itself, but for the counts in its legend."""
+COUNTS: Final = _moving(ENCOUNTERS, SALIENT)
+"""What moves those counts."""
 FOLDER: Final = Path(__file__).parent
 SCRIPTS: Final = ("comparison.js", "numbers.js", "plots.js", "sliders.js")
 _COMPONENT = st.components.v2.component(
@@ -64,7 +70,8 @@ def _live() -> dict[str, Any] | None:
     if result is None or not can_pack(result):
         return None
     as_set = state.params()
-    unknown = ("threshold_x", "threshold_y") if has_mixed_scores(result) else ()
+    is_mixed = state.cached("mixed_scores", state.systems(), lambda: has_mixed_scores(result))
+    unknown = ("threshold_x", "threshold_y") if is_mixed else ()
     return {
         "url": f"{address(state.workspace())}/comparison?v={version_of(result)}",
         "is_small": n_bytes(result) <= SMALL_BYTES,
@@ -74,14 +81,9 @@ def _live() -> dict[str, Any] | None:
             **{name: getattr(as_set, name) for name in ("proximity", "pairing", "coverage")},
             "point": state.operating_point(),
         },
-        "moves": {
-            measure.key: [name for name in LIVE if measure.depends_on(name)] for measure in MEASURES
-        },
-        "still": {
-            key: [name for name in LIVE if SETTINGS[name].moves(stages)]
-            for key, stages in STAGES_OF.items()
-        },
-        "counts": [name for name in LIVE if SETTINGS[name].moves((ENCOUNTERS, SALIENT))],
+        "moves": MOVES,
+        "still": STILL,
+        "counts": COUNTS,
         "recording": state.recording(),
         "window_s": as_set.window,
     }

@@ -209,6 +209,7 @@ class Comparison {
   // a threshold adds or takes a detection are measured anew for it.
   update(settings) {
     this.settings = settings;
+    this.values = null;
     const thresholds = this.thresholdsShown(settings);
     const weights = ["midpoint", "spread", "midpoint_m", "spread_m"].map((name) => settings[name]).join();
     for (const letter of ["x", "y"]) {
@@ -228,9 +229,11 @@ class Comparison {
 
   // What the settings make of both systems, by measure and system.
   measures() {
+    if (this.values) return this.values;
     this.ofEncounters ??= this.weighFailures();
     const [x, y] = [this.x, this.y].map((system, i) => ({ ...this.ofFrames(system), ...this.ofEncounters[i] }));
-    return Object.fromEntries(Object.keys(x).map((key) => [key, { x: x[key], y: y[key] }]));
+    this.values = Object.fromEntries(Object.keys(x).map((key) => [key, { x: x[key], y: y[key] }]));
+    return this.values;
   }
 
   // The thresholds of the comparison that is shown: where X and Y are set unequally, one is moved.

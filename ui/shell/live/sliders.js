@@ -135,8 +135,7 @@ function follow(main, sliders) {
   const isNew = key !== painted;
   if (isKnown && isNew) comparison.update(settings);
   const hasNumbers = main.querySelector("[data-measure]") !== null;
-  if (isKnown && hasNumbers && (isNew || !comparison.values)) comparison.values = comparison.measures();
-  paintMeasures(main, moved, live.moves, isKnown ? comparison.values : null);
+  if (hasNumbers) paintMeasures(main, moved, live.moves, isKnown ? comparison.measures() : null);
   if (isNew || !isKnown) paintFigures(main, isKnown, settings);
   painted = key;
 }

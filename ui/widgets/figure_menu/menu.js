@@ -188,9 +188,6 @@ function closesItself(details) {
   details.addEventListener("focusout", (event) => {
     if (event.relatedTarget && !details.contains(event.relatedTarget)) details.open = false;
   });
-  document.addEventListener("pointerdown", (event) => {
-    if (!details.contains(event.target)) details.open = false;
-  });
 }
 
 function nameHelp(details) {
@@ -240,6 +237,11 @@ export default function () {
     followTime();
   };
   document.addEventListener("nvcore-time", followTime);
+  document.addEventListener("pointerdown", ({ target }) => {
+    document.querySelectorAll(":is(.nv-take, .nv-help)[open]").forEach((details) => {
+      if (!details.contains(target)) details.open = false;
+    });
+  });
   new MutationObserver(() => {
     if (isAsked) return;
     isAsked = true;

@@ -63,12 +63,11 @@ class Viewer extends Looking {
     this.settleTimer = 0;
     this.loadingTimer = 0;
     listen(this);
-    document.addEventListener("nvcore-similarity", ({ detail }) => {
-      if (!this.root.isConnected || this.sent?.recording !== detail.recording || !this.strip.traces) return;
-      this.strip.follow(detail);
-      this.root.classList.toggle("counts-old", detail.areCountsOld);
-      this.isStale = true;
-      this.wake();
+    const own = new WeakRef(this); // the document must not keep a viewer whose page is left
+    document.addEventListener("nvcore-similarity", function follow({ detail }) {
+      const viewer = own.deref();
+      if (viewer) viewer.follow(detail);
+      else document.removeEventListener("nvcore-similarity", follow);
     });
   }
 
@@ -78,6 +77,15 @@ class Viewer extends Looking {
   }
 
   // ---- what Python sends
+
+  // Similarity of every row while a slider moves, and whether the legend's counts are older.
+  follow({ recording, areCountsOld, ...similarity }) {
+    if (!this.root.isConnected || this.sent?.recording !== recording || !this.strip.traces) return;
+    this.strip.follow(similarity);
+    this.root.classList.toggle("counts-old", areCountsOld);
+    this.isStale = true;
+    this.wake();
+  }
 
   // report(row settled on); reportChoice(encounter chosen); reportLook(choice of the pictures)
   update(sent, report, reportChoice = null, reportLook = null) {
