@@ -132,10 +132,8 @@ class ColumnLook:
     ----------
     heading
         Its heading, without the system's letter; empty: what follows from its name.
-    width
-        In a window of 1280, px; None: as wide as needed.
     form
-        Format of a number, as `st.column_config.NumberColumn` has it.
+        Format of a number that is not whole.
     is_share
         Whether it is shown in percent.
     words
@@ -143,7 +141,6 @@ class ColumnLook:
     """
 
     heading: str = ""
-    width: int | None = None
-    form: str = "%.2f"
+    form: str = ".2f"
     is_share: bool = False
     words: Callable[[str], str | None] | None = None

@@ -73,12 +73,7 @@ def plot(key: str, place: str = FIRST_MARK, arg: object = None) -> Click:
 def row(key: str) -> Click:
     """Click the first row of the table whose key begins so."""
 
-    def click(one: Visit) -> None:
-        table = one.page.locator(f"[class*='st-key-{key}'] [data-testid=stDataFrame]")
-        table.scroll_into_view_if_needed()
-        table.click(position={"x": 120, "y": 52})
-
-    return click
+    return lambda one: one.table(key).get_by_role("rowheader").first.click()
 
 
 def open_case(one: Visit) -> None:
@@ -92,9 +87,7 @@ def choose_pedestrian(one: Visit) -> None:
     """Choose who is in the frame, if nobody is chosen, and open the page about him."""
     chosen = one.page.locator(".st-key-open_chosen button")
     if not chosen.count():
-        one.page.locator(".st-key-pedestrians [data-testid=stDataFrame]").click(
-            position={"x": 150, "y": 52}
-        )
+        one.table("pedestrians").get_by_role("gridcell").first.click()
     chosen.click()
 
 

@@ -22,9 +22,8 @@ from ui.detection.protocol import filtered
 from ui.session import state
 from ui.session.results.evidence import miss_rate_evidence
 from ui.widgets.charts import clicked_chart
-from ui.widgets.choices import choose_side_by_side, draw_measures
-from ui.widgets.html import HEAD
-from ui.widgets.table_columns import measures_as_text
+from ui.widgets.choices import choose_side_by_side
+from ui.widgets.html import measures_html, score_row
 from ui.widgets.text import docs_link, plain
 
 KIND_WORDS: Final[dict[CurveKind, str]] = {
@@ -213,8 +212,7 @@ def _windows(result: Result, protocol: Protocol) -> float | None:
 
 def _draw_table(summaries: list[CurveSummary]) -> None:
     st.header("In numbers")
-    widths = {"measure": 380} | dict.fromkeys(HEAD, 90)
-    draw_measures(measures_as_text(curve_rows(*summaries)), "curve_figures", widths)
+    st.html(measures_html([score_row(row) for row in curve_rows(*summaries)], key="curve_figures"))
     for letter, summary in zip("XY", summaries, strict=True):
         if summary.why_undefined is not None:
             why = plain(summary.why_undefined)

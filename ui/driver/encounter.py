@@ -46,10 +46,8 @@ FILTER: Final = EncounterFilter(
 COLUMNS: Final = ("driver_sees", "within_sd")
 """What most people look for."""
 LOOKS: Final = {
-    "detectability_sd": ColumnLook("SD", 52),
-    "within_sd": ColumnLook("Open", 56),
-    "driver_sees": ColumnLook(width=88),
-    "driver_seen_frames": ColumnLook("Frames seen", 92),
+    "detectability_sd": ColumnLook("SD"),
+    "within_sd": ColumnLook("Open"),
+    "driver_seen_frames": ColumnLook("Frames seen"),
     "driver_frame": ColumnLook("Driver sees in frame"),
-    "driver_in_time": ColumnLook(width=98),
 }

@@ -18,9 +18,9 @@ from nvcore.wording import count_text
 from ui.driver.course import first_shown
 from ui.session import state
 from ui.session.chosen import choose_encounter, chosen_encounter, name_of
-from ui.widgets.clicks import clicked_row
-from ui.widgets.table_columns import MOST_ROWS, as_shown, column_config, rows_told, table_height
-from ui.widgets.text import UNDEFINED, plain
+from ui.widgets.table import TableColumn, draw_table
+from ui.widgets.table_columns import MOST_ROWS, as_shown, columns_of, rows_told
+from ui.widgets.text import plain
 
 COLUMNS: Final = (
     *("recording", "track", "driver_region", "detectability", "detectability_sd", "within_sd"),
@@ -49,25 +49,21 @@ def draw(result: Result, region: DriverRegion | None) -> int | None:
         return None
     shown = listed.head(MOST_ROWS)
     rows = shown.index.to_numpy(np.int64).tolist()
-    key = f"driver_list_{hash(tuple(rows))}"
+    chosen = chosen_encounter(result)
     who = shown["driver_region"].map(REGION_NAMES.__getitem__)
     is_unknown = shown["driver_region"] == DriverRegion.UNKNOWN
     who = who.mask(is_unknown, "unknown; " + shown["category"].map(DETECTED_BY))
-    st.dataframe(
-        as_shown(shown[list(COLUMNS)].assign(driver_region=who)),
-        hide_index=True,
-        column_config=column_config("encounters.csv")
-        | {"driver_region": st.column_config.TextColumn("Seen by")},
-        height=table_height(len(shown)),
-        key=key,
-        placeholder=UNDEFINED,
-        selection_mode=("single-row", "single-cell"),
-        on_select=partial(_choose, result, key, rows),
+    draw_table(
+        as_shown(shown).assign(driver_region=who),
+        columns_of("encounters.csv", *COLUMNS) | {"driver_region": TableColumn("Seen by")},
+        key=f"driver_list_{hash(tuple(rows))}",
+        name="Encounters, the least detectable first",
+        on_click=partial(_choose, result, rows),
+        selected=None if chosen not in rows else rows.index(chosen),
     )
     n = count_text(len(listed), "encounter")
     told = rows_told(len(listed), "least detectable")
     st.caption(f"{n}. Click a row to see its course. {told}")
-    chosen = chosen_encounter(result)
     if chosen is None or chosen in rows:
         return rows[0] if chosen is None else chosen
     st.caption(plain(_why_not_listed(result, chosen, region)))
@@ -87,9 +83,7 @@ def _why_not_listed(result: Result, encounter: int, region: DriverRegion | None)
     return f"{state.say('{One}')} {track} of {recording} is chosen, but is not in this list: {why}."
 
 
-def _choose(result: Result, key: str, rows: list[int]) -> None:
-    row = clicked_row(key)
-    if row is not None:
-        choose_encounter(result, rows[row])
-        shown = first_shown(detectability_course(result, rows[row]))
-        state.go_to(*state.place_of(shown), writes=False)
+def _choose(result: Result, rows: list[int], row: int, _column: str) -> None:
+    choose_encounter(result, rows[row])
+    shown = first_shown(detectability_course(result, rows[row]))
+    state.go_to(*state.place_of(shown), writes=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Final
 
 import streamlit as st
 
@@ -13,17 +13,17 @@ from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
 from ui.session import state
 from ui.widgets.charts import clicked_chart
-from ui.widgets.table_columns import as_shown
+from ui.widgets.table import TableColumn, draw_table
 
 REGION: Final = "driver_region"
 """Key of the choice of a region; None: all."""
 USEFUL: Final = (DriverRegion.X, DriverRegion.Y)
 """Where one of the systems is worth most: their meaning is told unless another is chosen."""
-HEADINGS: Final[dict[str, Any]] = {
-    "who": "Seen by",
-    "encounters": "Encounters",
-    "severity_x": st.column_config.NumberColumn("Severity X (s)", format="%.2f"),
-    "severity_y": st.column_config.NumberColumn("Severity Y (s)", format="%.2f"),
+COLUMNS: Final = {
+    "who": TableColumn("Seen by", is_head=True),
+    "encounters": TableColumn("Encounters"),
+    "severity_x": TableColumn("Severity X (s)", form=".2f"),
+    "severity_y": TableColumn("Severity Y (s)", form=".2f"),
 }
 
 
@@ -42,11 +42,7 @@ def draw(result: Result) -> DriverRegion | None:
     has_unknown = driver_in(result).venn.counts[DriverRegion.UNKNOWN] > 0
     table = table if has_unknown else table[table["region"] != DriverRegion.UNKNOWN]
     with right:
-        st.dataframe(
-            as_shown(table[list(HEADINGS)]),
-            hide_index=True,
-            column_config=HEADINGS,
-        )
+        draw_table(table, COLUMNS, key="driver_regions", name="Who sees", is_sortable=False)
         chosen: DriverRegion | None = st.selectbox(
             "Encounters seen by",
             [DriverRegion(region) for region in table["region"]],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from functools import partial
 from typing import Final
 
 import pandas as pd
@@ -15,11 +16,11 @@ from nvcore.tables.encounters.miss_classes import ALL_CLASSES, fusion_table, mis
 from ui.encounters.filters import set_classes
 from ui.session import state
 from ui.widgets.charts import draw_chart
-from ui.widgets.clicks import clicked_cell, clicked_point
+from ui.widgets.clicks import clicked_point
+from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.table_columns import class_words
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
-TABLE_PX: Final = 800
 MANY_BOXES: Final = 300_000
 """Boxes of all sources from which on a fusion is computed only on request."""
 
@@ -64,37 +65,28 @@ def draw_exclusivity(result: Result) -> None:
         "p: how often chance alone gives so uneven a split. The filters have no effect here."
     )
     st.markdown("**Miss class of X (rows) against that of Y (columns)**")
-    st.dataframe(
-        _class_table(result),
+    counts = miss_class_totals(result)
+    kinds = [*counts.index]
+    draw_table(
+        counts.set_axis([f"X {_class_name(kind)}" for kind in kinds]).reset_index(names="x"),
+        {"x": TableColumn("Miss class", is_head=True)}
+        | {str(kind): TableColumn(f"Y {_class_name(kind)}") for kind in counts},
         key="encounters_pairs",
-        selection_mode="single-cell",
-        on_select=_choose_pair,
-        width=TABLE_PX,
+        name="Miss classes",
+        on_click=partial(_choose_pair, kinds),
+        clicks="cell",
+        is_sortable=False,
     )
     st.caption("Click a count to list these encounters.")
-
-
-def _class_table(result: Result) -> pd.DataFrame:
-    counts = miss_class_totals(result)
-    names = [f"X {_class_name(kind)}" for kind in counts.index]
-    counts.index = pd.Index(names, name="Miss class")
-    return counts.rename(columns={kind: f"Y {_class_name(kind)}" for kind in counts})
 
 
 def _class_name(kind: Hashable) -> str:
     return ALL_CLASSES if kind == ALL_CLASSES else class_words(kind) or UNDEFINED
 
 
-def _choose_pair() -> None:
-    clicked = clicked_cell("encounters_pairs")
-    result = state.result()
-    if clicked is None or result is None:
-        return
-    row, heading = clicked
-    kinds = list(miss_class_totals(result).index)
-    y = next((kind for kind in kinds if f"Y {_class_name(kind)}" == heading), ALL_CLASSES)
-    x = kinds[row]
-    set_classes(*(None if kind == ALL_CLASSES else kind for kind in (x, y)))
+def _choose_pair(kinds: list[str], row: int, column: str) -> None:
+    y = column if column in kinds else ALL_CLASSES
+    set_classes(*(None if kind == ALL_CLASSES else kind for kind in (kinds[row], y)))
 
 
 def draw_fusion(result: Result) -> None:
@@ -122,22 +114,15 @@ def draw_fusion(result: Result) -> None:
         gains = (state.say(gain) for gain in fusion_gains(fusion))
         st.markdown("\n".join(f"- {sentence}" for sentence in gains))
         st.caption(plain(FUSION_RULE))
-        st.dataframe(
-            _fusion_shown(fusion),
-            hide_index=True,
-            placeholder=UNDEFINED,
-            column_config={
-                "Mean similarity": st.column_config.NumberColumn(format="%.3f"),
+        draw_table(
+            fusion.assign(system=fusion["system"].map(LABELS)),
+            {
+                "system": TableColumn("System", is_head=True),
+                "encounters_detected": TableColumn("Encounters"),
+                "false_alert_episodes": TableColumn("False-alert episodes"),
+                "mean_similarity": TableColumn("Mean similarity", form=".3f"),
             },
+            key="encounters_fusion_table",
+            name="What a fusion brings",
+            is_sortable=False,
         )
-
-
-def _fusion_shown(fusion: pd.DataFrame) -> pd.DataFrame:
-    return pd.DataFrame(
-        {
-            "System": [LABELS[kind] for kind in fusion["system"]],
-            "Encounters": fusion["encounters_detected"],
-            "False-alert episodes": fusion["false_alert_episodes"],
-            "Mean similarity": fusion["mean_similarity"],
-        }
-    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from itertools import chain
-from typing import Any, Final
+from typing import Final
 
 import pandas as pd
 import streamlit as st
@@ -16,15 +16,14 @@ from ui.session import state
 from ui.subjects import contributed
 from ui.widgets.charts import draw_chart
 from ui.widgets.clicks import clicked_point
+from ui.widgets.table import SortedBy, draw_table
 from ui.widgets.table_columns import (
     MOST_ROWS,
     as_shown,
-    column_config,
+    columns_of,
     heading,
     rows_told,
-    table_height,
 )
-from ui.widgets.text import UNDEFINED
 
 FIRST_COLUMNS: Final = (
     "recording",
@@ -99,39 +98,33 @@ def draw(listed: pd.DataFrame, encounter: int) -> None:
     at_category = FIRST_COLUMNS.index("category") + 1  # beside who detects the pedestrian
     first = [*FIRST_COLUMNS[:at_category], *added, *FIRST_COLUMNS[at_category:]]
     others = [str(name) for name in listed if name not in first]
-    table = as_shown(listed[[*first, *others]].head(MOST_ROWS))
+    table = as_shown(listed.head(MOST_ROWS))
     if len(state.recording_names()) == 1:  # its name says nothing there, and takes room
         first.remove("recording")
-    # a key for these rows: a selection must not move to another pedestrian
-    key = f"encounters_table_{hash(tuple(table.index))}"
-    at = selection.place_of(listed, encounter)
-    st.session_state[key] = {
-        "selection": {"rows": [at] if at < len(table) else [], "columns": [], "cells": []}
-    }
-    st.dataframe(
+    shown = [*first, *others] if st.session_state[ALL_COLUMNS] else first
+    at, by = selection.place_of(listed, encounter), order()
+    draw_table(
         table,
-        hide_index=True,
-        column_config=column_config("encounters.csv"),
-        height=table_height(len(table)),
-        placeholder=UNDEFINED,
-        key=key,
-        column_order=(*first, *others) if st.session_state[ALL_COLUMNS] else first,
-        selection_mode=("single-row", "single-cell", "single-column"),
-        on_select=partial(_click, key, table.index),
+        columns_of("encounters.csv", *shown),
+        # a key for these rows: a click must not mean another pedestrian
+        key=f"encounters_table_{hash(tuple(table.index))}",
+        name="Encounters",
+        on_click=partial(_click, table.index),
+        selected=at if at < len(table) else None,
+        sorted_by=SortedBy(by.by, by.is_descending),
+        on_sort=_sort,
     )
     st.caption(f"{rows_told(len(listed), 'first')} {state.say(NOTE)}".strip())
 
 
-def _click(key: str, index: pd.Index) -> None:
-    """A heading sorts by it, or turns its order round; a row, or a cell of it, is selected."""
-    selected: Any = st.session_state[key]["selection"]
-    if selected["columns"]:
-        by, before = str(selected["columns"][0]), order()
-        take_order(Order(by, not before.is_descending if before.by == by else True))
-        return
-    rows = [row for row, _ in selected["cells"]] or selected["rows"]
-    if rows:
-        selection.choose_clicked(int(index[rows[0]]))
+def _sort(by: str) -> None:
+    """A heading sorts by it, or turns its order round."""
+    before = order()
+    take_order(Order(by, not before.is_descending if before.by == by else True))
+
+
+def _click(index: pd.Index, row: int, _column: str) -> None:
+    selection.choose_clicked(int(index[row]))
 
 
 def draw_map(encounters: pd.DataFrame) -> None:

@@ -19,8 +19,7 @@ from ui.session import drawing, state
 from ui.shell.navigate import open_row
 from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side
-from ui.widgets.clicks import clicked_cell, clicked_row
-from ui.widgets.table_columns import table_height
+from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.text import docs_link, plain
 
 KINDS: Final = {
@@ -32,21 +31,21 @@ KINDS: Final = {
 _OF_WINDOW: Final = {
     "lost_s_per_min": (
         "lost (s/min)",
-        "%.2f",
+        ".2f",
         "What {letter} loses of its similarity: the sum of (1 - similarity) * time step, in "
         "seconds per minute of recording. 0 is best, 60 a similarity of 0 throughout.",
     ),
     "window_similarity": (
         "worst window",
-        "%.3f",
+        ".3f",
         "The lowest mean similarity of {letter} in any {window}; 1 is best.",
     ),
     "window_lost_s": (
         "lost there (s)",
-        "%.2f",
+        ".2f",
         "What {letter} loses in that window, in seconds.",
     ),
-    "window_time_s": ("at (s)", "%.2f", "Time of the window's middle in its recording."),
+    "window_time_s": ("at (s)", ".2f", "Time of the window's middle in its recording."),
 }
 """Label, format and help of the columns of each system's worst window."""
 WINDOW_COLUMNS: Final = {
@@ -88,14 +87,13 @@ def worst_windows(result: Result) -> None:
     if table.empty:
         st.info("There is no evaluated frame.")
         return
-    st.dataframe(
-        table[list(WINDOW_COLUMNS)],
-        hide_index=True,
-        height=table_height(len(table)),
+    draw_table(
+        table,
+        {name: _window_column(name, result) for name in WINDOW_COLUMNS},
         key="windows",
-        column_config={name: _window_column(name, result) for name in WINDOW_COLUMNS},
-        selection_mode=("single-row", "single-cell"),
-        on_select=partial(_ask_for_window, table),
+        name="Worst windows",
+        on_click=partial(_ask_for_window, table),
+        clicks="cell",
     )
     st.caption(
         f"{plain(worst_windows_text(table))} Click a value of X or Y to open the middle of that "
@@ -108,12 +106,9 @@ def worst_windows(result: Result) -> None:
         open_row(row)
 
 
-def _ask_for_window(table: pd.DataFrame) -> None:
+def _ask_for_window(table: pd.DataFrame, row: int, column: str) -> None:
     """Remember the frame that was clicked: pages are opened only while one is drawn."""
-    cell, row = clicked_cell("windows"), clicked_row("windows")
-    if row is not None:
-        column = cell[1] if cell is not None and cell[0] == row else ""
-        st.session_state[WINDOW] = window_row(table, row, column)
+    st.session_state[WINDOW] = window_row(table, row, column)
 
 
 def window_row(table: pd.DataFrame, row: int, column: str) -> int:
@@ -125,15 +120,13 @@ def window_row(table: pd.DataFrame, row: int, column: str) -> int:
     return int(values[f"window_row_{letter}"])
 
 
-def _window_column(name: str, result: Result) -> Any:
+def _window_column(name: str, result: Result) -> TableColumn:
     """Heading, format and help of a column; the systems' columns end with their letter."""
     if name == "recording":
-        return st.column_config.TextColumn("Recording", width=150, pinned=True)
+        return TableColumn("Recording", is_head=True)
     (label, form, text), letter = WINDOW_COLUMNS[name], name[-1].upper()
     window = f"{result.params.window:g} s"
-    return st.column_config.NumberColumn(
-        f"{letter} {label}", format=form, help=text.format(letter=letter, window=window)
-    )
+    return TableColumn(f"{letter} {label}", text.format(letter=letter, window=window), form)
 
 
 def _moment(result: Result, kind: str, title: str, moment: Mapping[Hashable, Any]) -> None:

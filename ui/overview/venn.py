@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from dataclasses import replace
 from functools import partial
 from typing import Final
 
@@ -17,9 +18,9 @@ from ui.session import state
 from ui.shell.navigate import open_encounters, open_row
 from ui.widgets.buttons import button
 from ui.widgets.charts import clicked_chart, kept_figure
-from ui.widgets.clicks import clicked_row
-from ui.widgets.table_columns import as_shown, column_config
-from ui.widgets.text import UNDEFINED, docs_link
+from ui.widgets.table import draw_table
+from ui.widgets.table_columns import as_shown, columns_of
+from ui.widgets.text import docs_link
 
 WORDS: Final = {"both": "Both", "x_only": "Only X", "y_only": "Only Y", "neither": "Neither"}
 OF_VERSIONS: Final = {
@@ -28,8 +29,7 @@ OF_VERSIONS: Final = {
 }
 """What a region means where two versions of one system are compared, as in `nvcore gate`."""
 N_WORST: Final = 5
-WORST_COLUMNS: Final = {"recording": 104, "track": 80, "severity_s_x": 66, "severity_s_y": 66}
-"""Columns of the heaviest failures and their widths, px: in all, that of half a small window."""
+WORST_COLUMNS: Final = ("recording", "track", "severity_s_x", "severity_s_y")
 SEVERITIES: Final = {"severity_s_x": "X (s)", "severity_s_y": "Y (s)"}
 """Headings where the table's title says what is listed."""
 OPEN: Final = "overview_open"
@@ -101,21 +101,13 @@ def draw_worst(result: Result) -> None:
             "which the other system detects the {one}, if there are any."
         ),
     )
-    configs = column_config("encounters.csv")
-    config = {
-        name: configs[name]
-        | {"width": width, "label": SEVERITIES.get(name, configs[name]["label"])}
-        for name, width in WORST_COLUMNS.items()
-    }
-    key = f"overview_worst_{hash(tuple(worst['shown_row']))}"
-    st.dataframe(
-        as_shown(worst[list(WORST_COLUMNS)]),
-        hide_index=True,
-        column_config=config,
-        key=key,
-        placeholder=UNDEFINED,
-        selection_mode=("single-row", "single-cell"),
-        on_select=partial(_ask_for_row, key, worst["shown_row"].tolist()),
+    columns = columns_of("encounters.csv", *WORST_COLUMNS)
+    draw_table(
+        as_shown(worst),
+        columns | {name: replace(columns[name], label=to) for name, to in SEVERITIES.items()},
+        key=f"overview_worst_{hash(tuple(worst['shown_row']))}",
+        name="Heaviest failures",
+        on_click=partial(_ask_for_row, worst["shown_row"].tolist()),
     )
     if button(
         f"Review all {len(encounters):,} one by one",
@@ -126,10 +118,8 @@ def draw_worst(result: Result) -> None:
         open_encounters(category=",".join(WORDS))
 
 
-def _ask_for_row(key: str, rows: list[int]) -> None:
-    row = clicked_row(key)
-    if row is not None:
-        st.session_state[OPEN] = rows[row]
+def _ask_for_row(rows: list[int], row: int, _column: str) -> None:
+    st.session_state[OPEN] = rows[row]
 
 
 def _in_words(result: Result) -> str:

@@ -19,6 +19,7 @@ from ui.ratings.sessions import SESSIONS, shown_thresholds
 from ui.session import state
 from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side, download_csv
+from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.text import plain
 
 RESULTS: Final = "Results"
@@ -139,16 +140,14 @@ def _draw_progress(study: Study) -> None:
     columns[1].metric("have rated all clips", f"{n_done:,}")
     columns[2].metric("ratings so far", f"{n_ratings:,}")
     if len(people):
-        st.dataframe(
+        draw_table(
             people,
-            hide_index=True,
-            key="rating_progress",
-            column_config={
-                "participant": st.column_config.TextColumn("Participant"),
-                "n_rated": st.column_config.ProgressColumn(
-                    f"Rated, of {n_clips}", min_value=0, max_value=n_clips, format="%d"
-                ),
+            {
+                "participant": TableColumn("Participant", is_head=True),
+                "n_rated": TableColumn(f"Rated, of {n_clips}"),
             },
+            key="rating_progress",
+            name="Participants",
         )
     else:
         st.caption("Nobody has joined yet. This is looked up every five seconds.")

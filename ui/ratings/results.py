@@ -28,7 +28,7 @@ from ui.ratings.source import RatingSource
 from ui.session import state
 from ui.widgets.charts import draw_chart
 from ui.widgets.choices import download_csv
-from ui.widgets.table_columns import table_height
+from ui.widgets.table import TableColumn, draw_table, own_headings
 from ui.widgets.text import UNDEFINED, docs_link, number, plain
 
 STRONG: Final = 0.7
@@ -202,8 +202,13 @@ def _against_saliency(result: Result, clips: pd.DataFrame) -> None:
         "resampling the recordings. Named: the clips more than three robust standard deviations "
         "(1.4826 times the median distance) from it, five at most.",
     )
-    st.dataframe(
-        _correlations(correlations), hide_index=True, key="rating_correlations", row_height=32
+    table = _correlations(correlations)
+    draw_table(
+        table,
+        own_headings(table),
+        key="rating_correlations",
+        name="Ratings against saliency",
+        is_sortable=False,
     )
     st.caption(
         "1: the more annoying people find a clip, the higher its saliency; 0: no connection. "
@@ -212,20 +217,17 @@ def _against_saliency(result: Result, clips: pd.DataFrame) -> None:
         f"somewhat too small ({METHOD})."
     )
     with st.expander("Mean rank of each clip", key="rating_clips_open"):
-        st.dataframe(
+        draw_table(
             clips.sort_values("mean_rank", ascending=False, kind="stable"),
-            hide_index=True,
-            key="rating_clips",
-            height=table_height(len(clips)),
-            column_config={
-                "clip": st.column_config.TextColumn("Recording"),
-                "system": st.column_config.TextColumn("Boxes of"),
-                "mean_rank": st.column_config.NumberColumn(
-                    "Mean rank", format="%.1f", help="1 is the least annoying clip."
-                ),
-                "n_ratings": st.column_config.NumberColumn("Ratings"),
-                "saliency_s": st.column_config.NumberColumn("Saliency (s)", format="%.2f"),
+            {
+                "clip": TableColumn("Recording", is_head=True),
+                "system": TableColumn("Boxes of"),
+                "mean_rank": TableColumn("Mean rank", "1 is the least annoying clip.", ".1f"),
+                "n_ratings": TableColumn("Ratings"),
+                "saliency_s": TableColumn("Saliency (s)", form=".2f"),
             },
+            key="rating_clips",
+            name="Mean rank of each clip",
         )
 
 
@@ -233,14 +235,14 @@ def _correlations(correlations: list[Correlation]) -> pd.DataFrame:
     """The coefficients as text; undefined ones with the reason."""
     table = pd.DataFrame(
         {
-            "coefficient": [row.name for row in correlations],
-            "value": [number(row.value, ".2f") for row in correlations],
+            "Coefficient": [row.name for row in correlations],
+            "Value": [number(row.value, ".2f") for row in correlations],
             "95 % interval": [
                 f"{row.low:.2f} to {row.high:.2f}" if np.isfinite(row.low) else UNDEFINED
                 for row in correlations
             ],
             "p": [UNDEFINED if not np.isfinite(row.p) else f"{row.p:.2g}" for row in correlations],
-            "why there is none": [row.note for row in correlations],
+            "Why there is none": [row.note for row in correlations],
         }
     )
     return table if any(row.note for row in correlations) else table.iloc[:, :-1]

@@ -16,10 +16,9 @@ from ui.saliency.figures import CLICKED_RECORDING, OPEN
 from ui.session import state
 from ui.session.chosen import recordings_key
 from ui.shell.navigate import open_row
+from ui.widgets import table
 from ui.widgets.choices import choose_side_by_side
-from ui.widgets.clicks import clicked_row
-from ui.widgets.table_columns import MOST_ROWS, as_shown, column_config, rows_told, table_height
-from ui.widgets.text import UNDEFINED
+from ui.widgets.table_columns import MOST_ROWS, as_shown, columns_of, rows_told
 
 BOTH: Final = "both"
 
@@ -63,17 +62,12 @@ def draw_table(result: Result, recording: int | None) -> None:
         return
     n_events = len(events)
     events, first_row = events.head(MOST_ROWS), first_row[:MOST_ROWS]
-    key = f"saliency_events_{hash(tuple(first_row))}"
-    st.dataframe(
+    table.draw_table(
         as_shown(events.assign(system=events["system"].str.upper())),
-        hide_index=True,
-        column_config=column_config("events.csv"),
-        column_order=_shown_columns(result.params),
-        height=table_height(len(events)),
-        key=key,
-        placeholder=UNDEFINED,
-        selection_mode=("single-row", "single-cell"),
-        on_select=partial(_ask_for_row, key, first_row),
+        columns_of("events.csv", *_shown_columns(result.params)),
+        key=f"saliency_events_{hash(tuple(first_row))}",
+        name="Events, the most salient first",
+        on_click=partial(_ask_for_row, first_row),
     )
     st.caption(
         "Click an event here or in a figure to open its first frame in the Timeline. "
@@ -102,7 +96,5 @@ def _events(
     return events[column_names("events.csv")], events["first_row"].tolist()
 
 
-def _ask_for_row(key: str, first_row: list[int]) -> None:
-    row = clicked_row(key)
-    if row is not None:
-        st.session_state[OPEN] = first_row[row]
+def _ask_for_row(first_row: list[int], row: int, _column: str) -> None:
+    st.session_state[OPEN] = first_row[row]

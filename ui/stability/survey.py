@@ -15,6 +15,7 @@ from nvcore.stability.survey import SURVEY_PLANES, SurveyRow, held_text, survey_
 from nvcore.stability.words import CRITERIA, PLANES
 from ui.jobs.computed import Computation
 from ui.session import state
+from ui.widgets.table import draw_table, own_headings
 
 AT_ONCE: Final = 5_000
 """Frames up to which the table is there within a second or so: it is drawn without asking."""
@@ -29,12 +30,13 @@ def draw(result: Result) -> None:
     survey = _survey_rows(result)
     if survey is None:
         return
-    st.dataframe(
-        shown_survey(survey),
-        hide_index=True,
+    table = shown_survey(survey)
+    draw_table(
+        table,
+        own_headings(table),
         key="stability_survey_table",
-        height="content",
-        row_height=30,
+        name="Where the verdict depends on settings",
+        is_sortable=False,
     )
     st.caption(
         "Who is better as analysed, and in which share of the plausible range of these settings "

@@ -9,9 +9,8 @@ import pandas as pd
 import streamlit as st
 
 from ui.session import state
-from ui.widgets.clicks import clicked_row
-from ui.widgets.table_columns import MOST_ROWS, as_shown, column_config, rows_told, table_height
-from ui.widgets.text import UNDEFINED
+from ui.widgets.table import TableColumn, draw_table
+from ui.widgets.table_columns import MOST_ROWS, as_shown, columns_of, rows_told
 
 OPEN: Final = "time_left_open"
 """Encounter and frame row that were clicked in the list."""
@@ -32,22 +31,15 @@ def draw(urgent: pd.DataFrame) -> None:
     """The fastest impact first; a click opens the last chance."""
     shown = urgent.head(MOST_ROWS)
     places = list(zip(shown.index.tolist(), shown["urgent_row"].tolist(), strict=True))
-    key = f"time_left_list_{hash(tuple(places))}"
     first = COLUMNS if len(state.recording_names()) > 1 else COLUMNS[1:]
-    meaning = "Time to contact at the last chance, s."
-    config = column_config("encounters.csv") | {
-        TTC: st.column_config.NumberColumn("Contact in (s)", help=meaning, format="%.2f", width=92)
-    }
-    st.dataframe(
-        as_shown(shown[list(COLUMNS)]),
-        hide_index=True,
-        column_config=config,
-        column_order=first,
-        height=table_height(len(shown)),
-        key=key,
-        placeholder=UNDEFINED,
-        selection_mode=("single-row", "single-cell"),
-        on_select=partial(_ask, key, places),
+    of_ttc = TableColumn("Contact in (s)", "Time to contact at the last chance, s.", ".2f")
+    of_file = columns_of("encounters.csv", *(name for name in first if name != TTC))
+    draw_table(
+        as_shown(shown),
+        {name: of_file.get(name, of_ttc) for name in first},
+        key=f"time_left_list_{hash(tuple(places))}",
+        name="Urgent encounters, the fastest impact first",
+        on_click=partial(_ask, places),
     )
     st.caption(
         "Click a row to open its last chance in the Timeline. All of them, and why others are not "
@@ -56,7 +48,5 @@ def draw(urgent: pd.DataFrame) -> None:
     )
 
 
-def _ask(key: str, places: list[tuple[int, int]]) -> None:
-    row = clicked_row(key)
-    if row is not None:
-        st.session_state[OPEN] = places[row]
+def _ask(places: list[tuple[int, int]], row: int, _column: str) -> None:
+    st.session_state[OPEN] = places[row]

@@ -12,11 +12,11 @@ def _spaced(value: str) -> str:
 
 
 LOOKS: Final = {
-    "time_left": ColumnLook("confirms", 76, words=_spaced),
-    "margin_s": ColumnLook("margin (s)", 84, "%+.2f"),
-    "impact_kmh": ColumnLook("impact (km/h)", 100, "%.0f"),
+    "time_left": ColumnLook("confirms", words=_spaced),
+    "margin_s": ColumnLook("margin (s)", "+.2f"),
+    "impact_kmh": ColumnLook("impact (km/h)", ".0f"),
     "confirmed_frame": ColumnLook("confirmed in frame"),
     "min_ttc_s": ColumnLook("Least to contact (s)"),
     "urgency": ColumnLook(words=_spaced),
-    "urgent_frame": ColumnLook("Last chance", 88),
+    "urgent_frame": ColumnLook("Last chance"),
 }

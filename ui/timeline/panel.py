@@ -24,15 +24,11 @@ from ui.session import drawing, state
 from ui.session.chosen import choose_encounter, chosen_encounter, name_of
 from ui.shell.navigate import open_encounters
 from ui.widgets.buttons import button
-from ui.widgets.clicks import clicked_cell
+from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.text import UNDEFINED, number, plain
 
 MOST_BOXES: Final = 40
 """Boxes of a table; those with smaller terms are counted."""
-LABEL_PX: Final = 80
-BOX_PX: Final = 46
-ROW_PX: Final = 26
-HEAD_PX: Final = 36
 FORMS: Final = {"term": ".2f", "cost": ".2f", "k": ".2f", "score": ".2f"}
 """Format of a column by the first part of its name; other numbers are whole."""
 
@@ -108,14 +104,13 @@ def _chosen(result: Result, row: int) -> None:
             open_encounters(encounter=name_of(result, encounter))
 
 
-def _choose(result: Result, tracks: list[int], row: int) -> None:
+def _choose(result: Result, tracks: list[int], row: int, _line: int, column: str) -> None:
     """The pedestrian of a clicked column becomes the chosen one."""
-    clicked = clicked_cell("{many}")
-    if clicked is None or not clicked[1].isdigit():
+    if not column:  # the names of the lines
         return
     truth = result.dataset.truth
     rows = truth.rows_of(row, row + 1)
-    is_chosen = result.tracks.track[rows] == tracks[int(clicked[1])]
+    is_chosen = result.tracks.track[rows] == tracks[int(column)]
     for encounter in result.encounters.encounter_of[rows][is_chosen & ~truth.ignore[rows]][:1]:
         choose_encounter(result, int(encounter))
 
@@ -129,10 +124,10 @@ def _boxes(result: Result, facts: FrameSummary) -> None:
         _table(
             facts.pedestrians,
             PEDESTRIAN_WORDS,
-            "{many}",
+            "pedestrians",
             state.say("{Many} by term"),
-            selection_mode="single-cell",
-            on_select=partial(_choose, result, tracks, facts.row),
+            clicks="cell",
+            on_click=partial(_choose, result, tracks, facts.row),
         )
     if facts.detections.empty:
         st.caption("Neither system has a detection that counts in this frame.")
@@ -141,7 +136,7 @@ def _boxes(result: Result, facts: FrameSummary) -> None:
 
 
 def _table(
-    boxes: pd.DataFrame, words: Mapping[str, Words], key: str, title: str, **selection: Any
+    boxes: pd.DataFrame, words: Mapping[str, Words], key: str, title: str, **clicking: Any
 ) -> None:
     """A column for each box, the largest term first: a narrow window shows all of the first ones.
 
@@ -153,20 +148,17 @@ def _table(
     shown = boxes.head(MOST_BOXES).to_dict("records")
     columns = {str(i): [_text(name, box[name]) for name in names] for i, box in enumerate(shown)}
     labels = [words[name].label for name in names]
-    config: dict[str, Any] = {
-        str(i): st.column_config.TextColumn(
-            _text(heading, box[heading]), width=BOX_PX, alignment="right"
-        )
+    heads = {
+        str(i): TableColumn(_text(heading, box[heading]), is_number=True)
         for i, box in enumerate(shown)
     }
-    config["_index"] = st.column_config.TextColumn(state.say(words[heading].label), width=LABEL_PX)
-    st.dataframe(
-        pd.DataFrame(columns, index=labels),
-        height=HEAD_PX + ROW_PX * len(names),
-        row_height=ROW_PX,
+    draw_table(
+        pd.DataFrame({"": labels, **columns}),
+        {"": TableColumn(state.say(words[heading].label), is_head=True), **heads},
         key=key,
-        column_config=config,
-        **selection,
+        name=title,
+        is_sortable=False,
+        **clicking,
     )
     if n_left := len(boxes) - len(shown):
         st.caption(f"{count_text(n_left, 'box', 'boxes')} with smaller terms left out.")

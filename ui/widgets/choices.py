@@ -49,21 +49,6 @@ def choose_first(label: str, n: int, most: int, key: str, **more: Any) -> int:
     return first
 
 
-def draw_measures(
-    table: pd.DataFrame, key: str, widths: Mapping[str, int], first: str = ""
-) -> None:
-    """A table of measures as text, whole; its first column is called `first`, if given."""
-    name, *others = widths
-    config = {
-        other: st.column_config.TextColumn(width=widths[other], alignment="right")
-        for other in others
-    }
-    config[name] = st.column_config.TextColumn(first or None, width=widths[name])
-    st.dataframe(
-        table, hide_index=True, key=key, height="content", row_height=30, column_config=config
-    )
-
-
 def download_csv(label: str, make: Callable[[], pd.DataFrame], file_name: str, key: str) -> None:
     """A button that downloads a table, which is made only then."""
     st.download_button(

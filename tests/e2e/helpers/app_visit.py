@@ -166,6 +166,10 @@ class Visit:
         """The widget or container with this key in the script."""
         return self.page.locator(f".st-key-{key}")
 
+    def table(self, key: str) -> Locator:
+        """The table whose key begins so."""
+        return self.page.locator(f"[class*='st-key-{key}']").get_by_role("grid")
+
     def click_plot(self, key: str, find_place: str, arg: Any = None) -> Any:
         """Click into a plot.
 

@@ -15,7 +15,7 @@ from streamlit.testing.v1 import AppTest
 from nvcore.findings import Cases, Finding, Severity
 from nvcore.pictures import open_pictures
 from nvcore.pictures.recordings import RecordingPictures
-from pages import checked, press, texts
+from pages import checked, press, tables, texts
 from ui.data.audit import entries
 
 TRUTH = b"frame,x,y,w,h\n0,9,9,40,90\n1,9,9,40,90\n2,9,9,40,90\n"
@@ -32,7 +32,7 @@ def page() -> AppTest:
 
 
 def listed(page: AppTest):
-    (table,) = [one.value for one in page.dataframe if "seen" in one.value]
+    (table,) = [one for one in tables(page) if "seen" in one]
     return table
 
 
@@ -43,11 +43,10 @@ def test_a_finding_opens_the_list_of_all_boxes_that_it_counts(page: AppTest):
     assert (table["seen"] == "").all()
     (button,) = [button for button in page.button if button.label == "Hide the list"]
     press(page, button.key)
-    assert not any("seen" in one.value for one in page.dataframe)
+    assert not any("seen" in one for one in tables(page))
 
 
 def test_an_entry_leads_to_its_frame_and_is_then_seen(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(entries, "clicked_row", lambda _: 1)
     wishes: list[str] = []
     monkeypatch.setattr(entries, "ask_for_page", wishes.append)
     draw = entries.draw
@@ -55,7 +54,7 @@ def test_an_entry_leads_to_its_frame_and_is_then_seen(monkeypatch: pytest.Monkey
     def draw_and_click(finding, number):
         draw(finding, number)
         if finding.code == CODE and not wishes:
-            entries._go("table", finding)
+            entries._go(finding, 1, "frame")
 
     monkeypatch.setattr(entries, "draw", draw_and_click)
     page = open_files(sent(TRUTH, ("a.csv", BOTH), ("b.csv", BOTH + THIRD)))

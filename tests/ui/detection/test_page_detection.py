@@ -17,6 +17,7 @@ from nvcore.inputs.session_toml import read_session
 from nvcore.protocols import PROTOCOLS
 from nvcore.tables.scorecard import curve_rows
 from ui.session.state import SAMPLE
+from ui.widgets.html import score_row
 
 OWN = "own filters"
 OF_SESSION = "filters of the session"
@@ -48,7 +49,7 @@ def to_page(app: AppTest, name: str) -> AppTest:
 
 
 def figures(page: AppTest) -> pd.Series:
-    return page.dataframe[0].value.set_index("measure")["X"]
+    return pd.Series({name: x for name, (x, *_) in pages.measures(page, "curve_figures").items()})
 
 
 def told(page: AppTest) -> str:
@@ -76,10 +77,10 @@ def test_the_table_holds_the_librarys_figures_and_a_threshold_moves_those_at_it_
     summary = summarise_curve(curve, params.threshold_x)
     page = opened()
     before = figures(page)
-    assert before.tolist() == [format(row.x, row.form) for row in curve_rows(summary, summary)]
-    differences = page.dataframe[0].value["X − Y"]  # with the sign that is as wide as a plus
-    assert differences.str.startswith("−").any()
-    assert not differences.str.contains("-").any()
+    assert before.tolist() == [score_row(row).cells[0] for row in curve_rows(summary, summary)]
+    differences = [cells[2] for cells in pages.measures(page, "curve_figures").values()]
+    assert any(text.startswith("−") for text in differences)  # as wide as a plus
+    assert not any("-" in text for text in differences)
     assert not page.warning
     ends = "Log-average miss rate of X: the curve ends at 0.477 false positives per image"
     assert ends in told(page)  # and does not reach the references

@@ -23,7 +23,7 @@ from nvcore.driver.writing import WrittenEstimates
 from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source
 from nvcore.pictures.recordings import RecordingPictures
-from pages import FRAMES, TIMEOUT_S, alone, begin_with, checked, opened, texts, write
+from pages import FRAMES, TIMEOUT_S, alone, begin_with, checked, opened, tables, texts, write
 from ui.driver import run
 from ui.driver.finished import with_estimates
 from ui.driver.run import lost_words
@@ -69,7 +69,7 @@ def page(folder: Path):
 
 
 def test_regions_and_encounters_say_who_sees_whom(page):
-    regions, encounters = (table.value for table in page.dataframe)
+    regions, encounters = tables(page)
     counts = dict(zip(regions["who"], regions["encounters"], strict=True))
     assert {who: n for who, n in counts.items() if n} == {"driver, X and Y": 1, "Y alone": 1}
     assert encounters["detectability"].tolist() == [0.2, 0.8]
@@ -100,7 +100,7 @@ def test_at_unequal_operating_points_the_page_shows_what_the_verdict_shows(unequ
     assert "At equal false alarms (X with scores of" in texts(page)
     of_verdict = "of the 1 not seen, X detects 0 and Y 1"
     assert of_verdict in texts(page)
-    counts = page.dataframe[0].value.set_index("who")["encounters"]
+    counts = tables(page)[0].set_index("who")["encounters"]
     assert (counts["Y alone"], counts["X and Y"]) == (1, 0)
     overview = checked(opened("overview"))
     assert of_verdict in texts(overview)
@@ -115,7 +115,7 @@ def test_at_equal_operating_points_there_is_one_comparison_to_show(page):
 
 def test_a_region_is_chosen_and_its_encounters_are_listed(page):
     checked(page.selectbox(key="driver_region").set_value(DriverRegion.DRIVER_X_Y).run())
-    assert page.dataframe[1].value["detectability"].tolist() == [0.8]
+    assert tables(page)[1]["detectability"].tolist() == [0.8]
     checked(page.selectbox(key="driver_region").set_value(DriverRegion.NOBODY).run())
     assert "No pedestrian is seen so." in texts(page)
 
@@ -165,7 +165,7 @@ def test_without_detectability_the_page_says_how_to_get_it():
     page = checked(alone("driver").run())
     assert "Whether the driver sees the pedestrians is not known yet" in texts(page)
     assert "nvcore driver estimate" in page.code[0].value
-    assert not page.dataframe
+    assert not tables(page)
 
 
 @pytest.fixture
@@ -212,7 +212,7 @@ def estimated(page):
 
 def test_an_estimator_that_was_sent_is_run_and_says_whom_the_driver_sees(visible):
     page = estimated(sent(visible))
-    regions, encounters = (table.value for table in page.dataframe)
+    regions, encounters = tables(page)
     counts = dict(zip(regions["who"], regions["encounters"], strict=True))
     assert {who: n for who, n in counts.items() if n} == {"driver, X and Y": 1, "X alone": 1}
     assert encounters["detectability"].tolist() == pytest.approx([0.1, 0.8], abs=0.01)
@@ -221,12 +221,12 @@ def test_an_estimator_that_was_sent_is_run_and_says_whom_the_driver_sees(visible
     content = small_estimator.write_model(visible / "dim.npz", 0.2).read_bytes()
     page.file_uploader(key="estimator_file").set_value([("dim.npz", content, "")])
     page = estimated(checked(page.run()))
-    assert page.dataframe[1].value["detectability"].max() < 0.2
+    assert tables(page)[1]["detectability"].max() < 0.2
 
 
 def test_the_list_says_in_words_who_is_open_and_whether_the_driver_is_in_time(visible):
     page = estimated(sent(visible, late=0.65))
-    encounters = page.dataframe[1].value
+    encounters = tables(page)[1]
     assert encounters["detectability"].round(2).tolist() == [0.06, 0.52]
     assert encounters["within_sd"].tolist() == ["no", "yes"]
     assert set(encounters["driver_in_time"].dropna()) <= {"yes", "no"}

@@ -11,12 +11,11 @@ import small_estimator
 from streamlit.testing.v1 import AppTest
 
 import pages
-from pages import alone, begin_with, checked, press, session, shown, texts
+from pages import alone, begin_with, checked, press, session, shown, tables, texts
 from ui.encounters import details, figures, table
 from ui.encounters.address import Choice, from_address, to_address
 from ui.encounters.filters import Filters
 from ui.encounters.order import Order
-from ui.session import state
 from ui.session.chosen import CHOSEN, encounter_of, name_of
 from ui.session.workspace import Opened
 from ui.time_left import encounter
@@ -32,7 +31,7 @@ def only(page: AppTest, name: str) -> str:
 
 
 def listed(page: AppTest) -> pd.DataFrame:
-    return page.dataframe[0].value
+    return tables(page)[0]
 
 
 def widget(page: AppTest, kind: str, label: str):
@@ -59,11 +58,9 @@ def test_all_encounters_of_the_sample_are_listed_the_heaviest_failures_first():
     assert "encounters_clear" not in [button.key for button in page.button]
     assert "X does not detect 8 and Y does not detect 11" in texts(page)
     assert "“X or Y” detects 35 of 38 encounters, 5 more than X alone" in texts(page)
-    # a few columns, until all are asked for
-    assert {"lag_s_y", "gap_s_x", "tail_s_x", "peak_k", "aspect_z", "occluded_share"} <= {*rows}
-    assert list(page.dataframe[0].proto.column_order) == list(table.FIRST_COLUMNS)
-    checked(page.toggle(key="encounters_columns").set_value(True).run())
-    assert len(page.dataframe[0].proto.column_order) == len(listed(page).columns)
+    assert list(rows) == list(table.FIRST_COLUMNS)  # until all are asked for
+    more = listed(checked(page.toggle(key="encounters_columns").set_value(True).run()))
+    assert {"lag_s_y", "gap_s_x", "tail_s_x", "peak_k", "aspect_z", "occluded_share"} <= {*more}
 
 
 def test_what_the_measures_of_one_encounter_mean_stands_below_them():
@@ -116,7 +113,7 @@ def test_tags_set_no_filter_and_take_back_none():
     before = listed(checked(page.run()))
     assert page.query_params["height"] == "60:"
     with_tags("rural")
-    assert set(listed(page)["recording"]) == {"rural_road"}
+    assert "recording" not in listed(page)  # it is one only
     assert listed(page)["peak_height"].min() >= 60
     with_tags()
     assert listed(page).equals(before)
@@ -157,8 +154,8 @@ def test_a_chosen_encounter_opens_where_the_heavier_failure_costs_most(
     assert values.index.name == "Measure"  # no table has an empty heading
     assert values.loc["Matched"].tolist() == ["51 of 51 frames (100%)", "8 of 51 frames (16%)"]
     assert values.loc["Severity"].tolist() == ["0.00 s", "0.64 s"]
-    pairs = [table.value for table in page.dataframe if "Y never" in table.value]
-    assert [table.index.name for table in pairs] == ["Miss class"]
+    (pairs,) = [pairs for pairs in tables(page) if "never" in pairs]
+    assert pairs["x"].tolist()[0] == "X never"
     checked(page.button(key="encounters_show").click().run())
     checked(page.button(key="encounters_show_y").click().run())  # first missed by Y
     assert shown == [result.y.failures["peak_row"][2], 40]
@@ -305,7 +302,7 @@ def test_filters_and_the_selection_hold_when_recordings_are_chosen_by_tag():
     page = opened(only="rural_road,urban_crossing", encounter="rural_road:4")
     page.session_state["workspace"].look_at(tagged(page, "rural_road"))
     checked(page.run())
-    assert set(listed(page)["recording"]) == {"rural_road"}
+    assert "recording" not in listed(page)  # it is one only
     assert only(page, "only") == "rural_road"
     assert "Pedestrian 4 in rural_road" in texts(page)
 
@@ -333,12 +330,11 @@ def test_an_encounter_is_named_by_its_recording_and_track():
         assert encounter_of(result, other) is None
 
 
-def test_a_heading_sorts_and_the_selection_stays_with_its_pedestrian(monkeypatch):
-    state_of_table = {"selection": {"rows": [1], "columns": ["peak_height"], "cells": []}}
-    monkeypatch.setattr(table.st, "session_state", {"t": state_of_table})
-    table._click("t", pd.Index([4, 9]))
+def test_a_heading_sorts_and_turns_the_order_round(monkeypatch):
+    monkeypatch.setattr(table.st, "session_state", {})
+    table._sort("peak_height")
     assert table.order() == Order("peak_height")
-    table._click("t", pd.Index([4, 9]))
+    table._sort("peak_height")
     assert table.order() == Order("peak_height", is_descending=False)
 
 
@@ -357,11 +353,9 @@ def test_a_pair_of_miss_classes_is_listed_by_a_click(monkeypatch: pytest.MonkeyP
     page = opened()
     chosen: list[tuple[str | None, str | None]] = []
     monkeypatch.setattr(figures, "set_classes", lambda x, y: chosen.append((x, y)))
-    result = page.session_state["workspace"].result
-    monkeypatch.setattr(state, "result", lambda: result)
-    for cell in ((5, "Y lost early"), (6, "Y late"), (0, "Y all")):
-        monkeypatch.setattr(figures, "clicked_cell", lambda _, cell=cell: cell)
-        figures._choose_pair()
+    (pairs,) = [pairs for pairs in tables(page) if "never" in pairs]
+    for row, column in ((5, "lost_early"), (6, "late"), (0, "all")):
+        figures._choose_pair([*pairs][1:], row, column)
     assert chosen == [("none", "lost_early"), (None, "late"), ("never", None)]
 
 
@@ -384,9 +378,9 @@ def test_the_column_of_recordings_is_left_out_where_there_is_one(tmp_path, monke
     begin_with(one, monkeypatch)
     page = opened()
     assert "Pedestrian 1 in urban" in texts(choose(page, 0))
-    assert list(page.dataframe[0].proto.column_order) == list(table.FIRST_COLUMNS[1:])
+    assert list(tables(page)[0]) == list(table.FIRST_COLUMNS[1:])
     checked(page.toggle(key="encounters_columns").set_value(True).run())
-    assert "recording" not in page.dataframe[0].proto.column_order
+    assert "recording" not in tables(page)[0]
 
 
 def test_of_very_many_encounters_the_first_are_listed_and_a_fusion_waits_to_be_asked_for(
@@ -517,7 +511,7 @@ def test_encounters_are_listed_by_what_the_driver_sees(seen_and_not: AppTest):
 
 
 def test_the_list_says_beside_who_detects_whether_the_driver_sees(seen_and_not: AppTest):
-    order = [*seen_and_not.dataframe[0].proto.column_order]
+    order = [*tables(seen_and_not)[0]]
     assert order[order.index("category") :][:3] == ["category", "driver_sees", "within_sd"]
     assert listed(seen_and_not)["driver_sees"].dropna().tolist() == ["yes"]
 

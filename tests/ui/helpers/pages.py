@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 from typing import Any, Final
 from xml.etree.ElementTree import Element, fromstring
 
+import pandas as pd
 import pytest
 from inputs import drive, session_of
 from places import ROOT
@@ -84,6 +86,18 @@ def texts(page: AppTest) -> str:
     )
     shown = "\n".join(item.value for kind in kinds for item in kind)
     return shown.replace("\\", "").replace(":small[]", "")
+
+
+def tables(page: AppTest) -> list[pd.DataFrame]:
+    """Rows and columns of the tables on the page, as the browser gets them; `attrs`: headings."""
+    found = []
+    for item in page.get("bidi_component"):
+        data = json.loads(item.proto.json or "{}")
+        if "nRows" in (data or {}):
+            table = pd.DataFrame(dict(zip(data["names"], data["values"], strict=True)))
+            table.attrs["labels"] = [column["label"] for column in data["columns"]]
+            found.append(table)
+    return found
 
 
 def measures(page: AppTest, key: str) -> dict[str, tuple[str, ...]]:

@@ -7,7 +7,7 @@ from places import ROOT
 from streamlit.testing.v1 import AppTest
 
 import pages
-from pages import checked, texts
+from pages import checked, tables, texts
 from ui.ratings import source
 
 SIMULATED = ROOT / "sample_data" / "ratings_simulated.csv"
@@ -53,4 +53,4 @@ def from_file(content: bytes, name: str = "ratings.csv", page: AppTest | None = 
 
 
 def table(page: AppTest, column: str) -> pd.DataFrame:
-    return next(one.value for one in page.dataframe if column in one.value)
+    return next(one for one in tables(page) if column in one)

@@ -30,8 +30,8 @@ def test_the_samples_simulated_ratings_are_shown_as_such_and_without_who_is_left
     }
     assert "The participants agree moderately" in words(page)
     assert f"{CONTRARY}: ranks the clips another way" in words(page)
-    correlations = table(page, "coefficient")
-    assert correlations["value"].tolist() == ["0.86", "0.84", "0.66"]
+    correlations = table(page, "Coefficient")
+    assert correlations["Value"].tolist() == ["0.86", "0.84", "0.66"]
     assert correlations["95 % interval"][0] == "0.59 to 0.95"
     assert len(table(page, "mean_rank")) == 20
     checked(page.multiselect(key="ratings_left_out").set_value([CONTRARY]).run())
@@ -76,9 +76,9 @@ def test_too_few_clips_give_no_figure_but_the_reason():
         b"participant,clip,system,rating\nA,odd_pose,FIR,1\nA,rural_child,FIR,2\n"
         b"B,odd_pose,FIR,2\nB,rural_child,FIR,5\n"
     )
-    shown = table(page, "coefficient")
-    assert set(shown["value"]) == {"–"}
-    assert "a correlation needs 5" in shown["why there is none"][0]
+    shown = table(page, "Coefficient")
+    assert set(shown["Value"]) == {"–"}
+    assert "a correlation needs 5" in shown["Why there is none"][0]
     assert metrics(page)["Kendall's W"] == "–"
     assert "two participants and three clips at least" in words(page)
     assert "needs 5 rated recordings; there are 2" in words(press(page, "rating_fit"))

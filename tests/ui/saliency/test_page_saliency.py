@@ -7,7 +7,7 @@ import pytest
 from streamlit.testing.v1 import AppTest
 
 from nvcore.params import Params
-from pages import alone, begin_with, checked, session, texts
+from pages import alone, begin_with, checked, session, tables, texts
 from ui.saliency import events, figures
 
 
@@ -16,7 +16,7 @@ def opened() -> AppTest:
 
 
 def listed(page: AppTest) -> pd.DataFrame:
-    return page.dataframe[0].value
+    return tables(page)[0]
 
 
 def test_the_number_of_each_system_is_taken_apart_and_its_events_are_listed():
@@ -38,7 +38,7 @@ def test_the_page_says_what_saliency_is_with_the_settings_at_hand():
     page = opened()
     assert "missing both can come out below missing one" in texts(page)
     assert "share that has passed of the recording" in texts(page)
-    assert "tau" in page.dataframe[0].proto.column_order
+    assert "tau" in tables(page)[0]
     page.session_state["params"] = Params(
         recency_unit="seconds", saliency_weight="risk", saliency_of="each"
     )
@@ -47,7 +47,7 @@ def test_the_page_says_what_saliency_is_with_the_settings_at_hand():
     assert "one pedestrian is missed by more than the tolerance" in texts(page)
     assert "by its weighted distance, summed over time, times its" in texts(page)
     assert "seconds left of the recording" in texts(page)
-    order = page.dataframe[0].proto.column_order
+    order = tables(page)[0]
     assert {"weight_s", "rest_s"} <= set(order)
     assert "tau" not in order
 

@@ -7,7 +7,7 @@ from inputs import write
 from streamlit.testing.v1 import AppTest
 
 import pages
-from pages import begin_with, session
+from pages import begin_with, session, tables
 from ui.jobs.background import JobState
 from ui.session import sample
 from ui.stability import survey, verdict_map
@@ -93,12 +93,12 @@ def test_single_frames_are_not_tested_as_if_they_were_persons(tmp_path, monkeypa
 
 def test_the_table_of_many_frames_is_made_on_a_wish():
     page = opened()
-    assert not page.dataframe
+    assert not tables(page)
     checked(page.button(key="stability_survey_start").click().run())
     job = page.session_state["workspace"].job(survey.JOB)
     job.join()
     assert job.state is JobState.DONE
-    table = checked(page.run()).dataframe[0].value.set_index("What is varied")
+    table = tables(checked(page.run()))[0].set_index("What is varied")
     expected = ["X better, in 64 %", "X better, in 70 %", "X better, in 61 %"]
     assert table.loc["Both thresholds"].tolist() == expected
 

@@ -16,7 +16,8 @@ from nvcore.evidence.measures import Evidence
 from nvcore.evidence.units import BLOCKS
 from nvcore.time_left.steps import time_left_in
 from nvcore.wording import Footnotes
-from pages import HEAD, alone, begin_with, checked, opened, texts
+from pages import HEAD, alone, begin_with, checked, opened, tables, texts
+from ui.session.chosen import encounter_of
 from ui.time_left import listed
 from ui.time_left.numbers import with_interval
 from ui.widgets.html import MeasureRow
@@ -35,7 +36,7 @@ def headings(page: AppTest) -> list[str]:
 
 
 def table(page: AppTest) -> pd.DataFrame:
-    return page.dataframe[0].value
+    return tables(page)[0]
 
 
 def csv(boxes: list[Box], *, has_tracks: bool) -> str:
@@ -103,14 +104,15 @@ def test_the_list_has_the_fastest_impact_first_and_opens_the_last_chance(
     assert worst.is_monotonic_decreasing
     assert table(page)["time_left_y"].iloc[0] == "late"
     result = page.session_state["workspace"].result
-    encounter = int(table(page).index[0])
+    first = table(page).iloc[0]
+    encounter = encounter_of(result, f"{first['recording']}:{first['track']}")
     row = int(time_left_in(result).urgency["urgent_row"].iloc[encounter])
     page.session_state[listed.OPEN] = encounter, row
     checked(page.run())
     checked(page.run())
     assert shown == [row]
     chosen = page.session_state["encounters_chosen"][1]
-    assert chosen == f"rural_road:{result.encounters.track[encounter]}"
+    assert chosen == f"rural_road:{first['track']}"
 
 
 def test_the_speed_stands_first_in_the_sidebar_and_moves_all():
@@ -142,7 +144,7 @@ def test_a_few_encounters_are_called_few_and_a_system_that_is_never_sure_hits_at
     page = alone_on()
     assert "The only urgent encounter says what happened in these recordings" in texts(page)
     assert pages.measures(page, "time-left")["median margin, where both confirm (s)"][0] != "–"
-    assert "recording" not in page.dataframe[0].proto.column_order
+    assert "recording" not in tables(page)[0]
 
 
 def test_where_the_recordings_state_their_speed_the_assumed_one_moves_nothing(
@@ -167,7 +169,7 @@ def test_where_nobody_is_urgent_the_page_says_why_and_what_the_speed_would_chang
     page = alone_on()
     assert "Nobody is urgent at 50 km/h (assumed)." in texts(page)
     assert "neither system is better in that" in texts(page)
-    assert not page.dataframe
+    assert not tables(page)
     assert not page.header
     assert not headings(page)
 

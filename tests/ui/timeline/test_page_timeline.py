@@ -11,7 +11,7 @@ from streamlit.testing.v1 import AppTest
 
 from nvcore.findings import Cases, Finding, Severity
 from nvcore.pictures.recordings import RecordingPictures
-from pages import checked, opened, press, texts, to_page
+from pages import checked, opened, press, tables, texts, to_page
 from ui.session.chosen import CHOSEN
 from ui.shell.review import Review
 from ui.timeline import plots
@@ -47,7 +47,8 @@ def test_how_frames_are_numbered_is_said_only_where_it_is_unusual(monkeypatch):
 
 def test_another_recording_starts_at_its_first_frame_with_those_missed_in_it():
     app = checked(opened("timeline", recording="rural_child", frame="57"))
-    pedestrians, detections = (table.value for table in app.dataframe)
+    pedestrians, detections = tables(app)
+    pedestrians, detections = (table.set_index("") for table in (pedestrians, detections))
     for terms in (pedestrians.loc[["term X", "term Y"]], detections.loc[["term"]]):
         assert terms.astype(float).max().is_monotonic_decreasing
     assert set(pedestrians.loc["border (px)"]) == {"320"}  # on a rural road
@@ -55,10 +56,9 @@ def test_another_recording_starts_at_its_first_frame_with_those_missed_in_it():
     checked(choice.set_value(0).run())
     assert app.query_params["recording"] == "urban_crossing"
     assert any("**Frame 0**" in text.value for text in app.markdown)
-    (table,) = app.dataframe  # nothing is detected
-    headings = [column["label"] for column in json.loads(table.proto.columns).values()]
-    assert sorted(headings) == ["1", "2", "5", "ped"]
-    assert set(table.value.loc["missed by"]) == {"X, Y"}
+    (table,) = tables(app)  # nothing is detected
+    assert table.attrs["labels"] == ["ped", "1", "2", "5"]
+    assert set(table.set_index("").loc["missed by"]) == {"X, Y"}
 
 
 def test_a_high_similarity_with_nobody_matched_is_explained_beside_it():

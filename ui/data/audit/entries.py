@@ -21,9 +21,8 @@ from ui.session.workspace import Workspace
 from ui.shell import review
 from ui.shell.messages import path_remover
 from ui.shell.navigate import ask_for_page
-from ui.widgets.clicks import clicked_row
-from ui.widgets.table_columns import MOST_ROWS, rows_told, table_height
-from ui.widgets.text import UNDEFINED
+from ui.widgets.table import TableColumn, draw_table
+from ui.widgets.table_columns import MOST_ROWS, rows_told
 
 _OPEN: Final = "entries_open"
 """The finding whose list is open."""
@@ -35,18 +34,17 @@ NOUNS: Final = {
     "left_out": ("row", "rows"),
 }
 """What the cases of a finding are, by their table; one frame of each recording stands for that."""
-COLUMNS: Final = ("seen", "recording", "frame", "x", "y", "w", "h", "score", "track", "line")
-CONFIG: Final = {
-    "seen": st.column_config.TextColumn("Seen", width=50, help="Looked at in this tab."),
-    "recording": st.column_config.TextColumn("Recording"),
-    "frame": st.column_config.NumberColumn("Frame", format="%d"),
-    "x": st.column_config.NumberColumn("x (px)", format="%.1f"),
-    "y": st.column_config.NumberColumn("y (px)", format="%.1f"),
-    "w": st.column_config.NumberColumn("Width (px)", format="%.1f"),
-    "h": st.column_config.NumberColumn("Height (px)", format="%.1f"),
-    "score": st.column_config.NumberColumn("Score", format="%.4g"),
-    "track": st.column_config.NumberColumn("Track id", format="%d"),
-    "line": st.column_config.NumberColumn("Line of the file", format="%d"),
+COLUMNS: Final = {
+    "seen": TableColumn("Seen", "Looked at in this tab."),
+    "recording": TableColumn("Recording", is_head=True),
+    "frame": TableColumn("Frame"),
+    "x": TableColumn("x (px)", form=".1f"),
+    "y": TableColumn("y (px)", form=".1f"),
+    "w": TableColumn("Width (px)", form=".1f"),
+    "h": TableColumn("Height (px)", form=".1f"),
+    "score": TableColumn("Score", form=".4g"),
+    "track": TableColumn("Track id"),
+    "line": TableColumn("Line of the file"),
 }
 
 
@@ -96,28 +94,20 @@ def _draw_list(finding: Finding, cases: Cases) -> None:
     )
     if st.session_state.pop(_NO_FRAME, False):
         st.info("That frame is not evaluated: there is nothing to show.", icon=":material/info:")
-    key = f"entries_table_{finding.code}_{finding.subject}_{name[-1]}"
-    st.dataframe(
+    draw_table(
         shown,
-        hide_index=True,
-        column_config=CONFIG,
-        column_order=[name for name in COLUMNS if name == "seen" or shown[name].notna().any()],
-        height=table_height(len(shown)),
-        placeholder=UNDEFINED,
-        key=key,
-        selection_mode=("single-row", "single-cell"),
-        on_select=partial(_go, key, finding),
+        {of: c for of, c in COLUMNS.items() if of == "seen" or shown[of].notna().any()},
+        key=f"entries_table_{finding.code}_{finding.subject}_{name[-1]}",
+        name="Entries",
+        on_click=partial(_go, finding),
     )
     if note := rows_told(len(table), "first"):
         st.caption(note)
     _draw_downloads(finding, cases, table)
 
 
-def _go(key: str, finding: Finding) -> None:
+def _go(finding: Finding, row: int, _column: str) -> None:
     """Walk through the list on the Timeline, from the row that was clicked."""
-    row = clicked_row(key)
-    if row is None:
-        return
     if review.begin(finding, row):
         ask_for_page("timeline")
     else:

@@ -25,6 +25,7 @@ from ui.people.one_participant import draw_one_participant
 from ui.people.studies import enter
 from ui.widgets.buttons import button
 from ui.widgets.choices import download_csv
+from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.text import docs_link, plain
 
 COMMANDS: Final = """\
@@ -122,15 +123,15 @@ def _draw_progress(study: DetectabilityStudy) -> None:
     if people.empty:
         st.caption("Nobody has joined yet. This is looked up every five seconds.")
         return
-    st.dataframe(
-        people[["subject", "joined", "n_trials", "n_answered", "n_marked"]],
-        hide_index=True,
-        key="study_progress",
-        column_config={
-            "subject": st.column_config.TextColumn("Participant"),
-            "joined": st.column_config.TextColumn("Joined"),
-            "n_trials": st.column_config.NumberColumn("Trials"),
-            "n_answered": st.column_config.NumberColumn("Answered"),
-            "n_marked": st.column_config.NumberColumn("Marked"),
+    draw_table(
+        people,
+        {
+            "subject": TableColumn("Participant", is_head=True),
+            "joined": TableColumn("Joined"),
+            "n_trials": TableColumn("Trials"),
+            "n_answered": TableColumn("Answered"),
+            "n_marked": TableColumn("Marked"),
         },
+        key="study_progress",
+        name="Participants",
     )

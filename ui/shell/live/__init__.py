@@ -42,10 +42,13 @@ viewer follows by itself, but for the counts in its legend."""
 COUNTS: Final = _moving(ENCOUNTERS, SALIENT)
 """What moves those counts."""
 FOLDER: Final = Path(__file__).parent
-SCRIPTS: Final = ("comparison.js", "numbers.js", "plots.js", "sliders.js")
+SCRIPTS: Final = (
+    FOLDER.parents[1] / "widgets" / "number_format.js",
+    *(FOLDER / name for name in ("comparison.js", "numbers.js", "plots.js", "sliders.js")),
+)
 _COMPONENT = st.components.v2.component(
     "nvcore_live",
-    js="".join((FOLDER / name).read_text(encoding="utf-8") for name in SCRIPTS),
+    js="".join(path.read_text(encoding="utf-8") for path in SCRIPTS),
 )
 
 

@@ -1,20 +1,6 @@
 // Numbers of the page that follow the sliders: cells marked with their measure and its format.
 
-const UNDEFINED = "–";
 const originals = new WeakMap(); // what the server drew, by element
-
-function grouped(text) {
-  const [whole, ...rest] = text.split(".");
-  return [whole.replace(/\B(?=(\d{3})+$)/g, ","), ...rest].join(".");
-}
-
-// As Python's format of ".3f", ".1%", "d" and the like, with commas between thousands.
-function formatted(value, form) {
-  if (Number.isNaN(value)) return UNDEFINED;
-  if (form === "d") return grouped(value.toFixed(0));
-  const decimals = Number(/\.(\d+)/.exec(form)[1]);
-  return form.endsWith("%") ? `${grouped((100 * value).toFixed(decimals))}%` : grouped(value.toFixed(decimals));
-}
 
 function difference(x, y, form) {
   if (Number.isNaN(x) || Number.isNaN(y)) return UNDEFINED;

@@ -1,0 +1,156 @@
+"""Tables of rows: accessible HTML, of which only the rows in sight are elements.
+
+A Streamlit component. Headings sort in the browser, or ask the page to; where a table can be
+clicked, Python is told the row and the column. Tables of measures are `ui.widgets.html`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, Final, Literal
+
+import pandas as pd
+import streamlit as st
+from pandas.api.types import is_numeric_dtype
+
+FOLDER: Final = Path(__file__).parent
+SCRIPTS: Final = (FOLDER.parent / "number_format.js", FOLDER / "table.js")
+MOST_LINES: Final = 10
+_COMPONENT = st.components.v2.component(
+    "nvcore_table",
+    css=(FOLDER / "table.css").read_text(encoding="utf-8"),
+    js="\n".join(path.read_text(encoding="utf-8") for path in SCRIPTS),
+)
+
+
+@dataclass(frozen=True)
+class TableColumn:
+    """How a column of a table looks.
+
+    Attributes
+    ----------
+    label
+        Its heading.
+    help
+        What it holds, shown when the mouse is over the heading.
+    form
+        Format of its numbers: ``.2f``, ``+.2f``, ``.0%``, ``d``, ``.4g``; empty: as they are.
+    is_head
+        Whether it names the row: it stays in sight when the table is pushed sideways.
+    is_number
+        Whether it stands to the right though its values are texts.
+    """
+
+    label: str
+    help: str = ""
+    form: str = ""
+    is_head: bool = False
+    is_number: bool = False
+
+
+@dataclass(frozen=True)
+class SortedBy:
+    """The column by which the page has sorted the rows."""
+
+    column: str
+    is_descending: bool
+
+
+def draw_table(
+    table: pd.DataFrame,
+    columns: Mapping[str, TableColumn],
+    *,
+    key: str,
+    name: str,
+    on_click: Callable[[int, str], None] | None = None,
+    clicks: Literal["row", "cell"] = "row",
+    selected: int | None = None,
+    sorted_by: SortedBy | None = None,
+    on_sort: Callable[[str], None] | None = None,
+    is_sortable: bool = True,
+    most_lines: int = MOST_LINES,
+) -> None:
+    """Draw the rows of `table`, at most `most_lines` of them in sight.
+
+    Parameters
+    ----------
+    table : DataFrame
+        Any number of rows; undefined values are shown as "–".
+    columns
+        The columns that are shown, in this order.
+    key
+        Streamlit's key; one for these rows, if `on_click` is bound to them.
+    name
+        What the table holds, for those who cannot see it.
+    on_click
+        Called before the next run with the clicked row's place in `table` and the column's name.
+    clicks : {"row", "cell"}
+        Whether a click means a row or a cell.
+    selected
+        Place of the row that is marked and brought into sight; None: none.
+    sorted_by, on_sort
+        The order in which the page gives the rows, and what is called with the column whose
+        heading was clicked. None: headings sort the rows in the browser.
+    is_sortable
+        Whether headings sort at all.
+    """
+    shown = {column: table[column] for column in columns}
+    _COMPONENT(
+        key=key,
+        data={
+            "name": name,
+            "nRows": len(table),
+            "columns": [
+                {
+                    "label": column.label,
+                    "help": column.help,
+                    "form": column.form,
+                    "isHead": column.is_head,
+                    "isNumber": column.is_number or is_numeric_dtype(shown[of]),
+                }
+                for of, column in columns.items()
+            ],
+            "names": [*columns],
+            "values": [_values(values) for values in shown.values()],
+            "clicks": clicks if on_click is not None else None,
+            "selected": selected,
+            "isSortable": is_sortable and len(table) > 1,
+            "sortedBy": None
+            if sorted_by is None
+            else {"column": sorted_by.column, "isDescending": sorted_by.is_descending},
+            "lines": min(max(len(table), 1), most_lines),
+        },
+        on_clicked_change=partial(_tell, key, len(table), [*columns], on_click, on_sort),
+    )
+
+
+def own_headings(table: pd.DataFrame) -> dict[str, TableColumn]:
+    """All columns under their own names; the first names the row."""
+    return {str(name): TableColumn(str(name), is_head=not i) for i, name in enumerate(table)}
+
+
+def _values(values: pd.Series) -> list[Any]:
+    listed: list[Any] = values.astype(object).where(values.notna(), None).tolist()  # no NaN in JSON
+    return listed
+
+
+def _tell(
+    key: str,
+    n_rows: int,
+    names: list[str],
+    on_click: Callable[[int, str], None] | None,
+    on_sort: Callable[[str], None] | None,
+) -> None:
+    """Pass on what was clicked, if a browser can have meant it."""
+    known = st.session_state.get(key)
+    clicked = known.get("clicked") if isinstance(known, Mapping) else None
+    if not isinstance(clicked, Mapping) or clicked.get("column") not in names:
+        return
+    row, column = clicked.get("row"), str(clicked["column"])
+    if row is None and on_sort is not None:
+        on_sort(column)
+    elif type(row) is int and 0 <= row < n_rows and on_click is not None:
+        on_click(row, column)
