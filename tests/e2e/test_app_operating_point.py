@@ -75,7 +75,9 @@ def agree(texts: list[str], pair: tuple[float, float]) -> bool:
 
 def rows_of(one: Visit, key: str) -> dict[str, list[str]]:
     """Numbers of X and Y in a table of measures, by the label without arrows and marks."""
-    rows = one.page.locator(f"table.nv-{key} tbody tr").evaluate_all(ROWS)
+    lines = one.page.locator(f"table.nv-{key} tbody tr")
+    lines.first.wait_for()  # it is unfolded a run after the click
+    rows = lines.evaluate_all(ROWS)
     return {
         re.split(r"\s*[↑↓]", label)[0].strip(): [re.sub(r"[^\d.,]", "", cell) for cell in cells[:2]]
         for label, *cells in rows
