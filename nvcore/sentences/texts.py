@@ -215,7 +215,7 @@ IN_SHORT: Final[Texts] = {
 BECAUSE: Final[Texts] = {
     facts.Conclusion: {
         **CONCLUSIONS,
-        "few": "a test needs {n_needed} {noun}s, here are {n_recordings}",
+        "few": "a test needs {n_needed} {noun}s and has {n_recordings}",
         "untestable": "no measure has enough recordings that differ for a test",
         "unsure": "false alarms are too few, or too uneven between recordings",
         "withheld": "each difference that is more than chance fails another check",
