@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -61,6 +62,7 @@ class McNemar:
     reason: str
 
 
+@lru_cache(maxsize=64)
 def mcnemar(venn: Venn) -> McNemar:
     """Exact McNemar test with effect sizes, from the counts of encounters.
 

@@ -55,13 +55,13 @@ def count_contexts(contexts: Iterable[float]) -> str:
     Examples
     --------
     >>> count_contexts([0, 0, 1, math.nan])
-    '2 urban, 1 rural and 1 without (as urban)'
+    '2 urban, 1 rural and 1 unstated (as urban)'
     """
     values = [float(value) for value in contexts]
     counts = {
         "urban": values.count(0.0),
         "in between": sum(0 < value < 1 for value in values),
         "rural": values.count(1.0),
-        "without (as urban)": sum(map(math.isnan, values)),
+        "unstated (as urban)": sum(map(math.isnan, values)),
     }
     return listed([f"{count:,} {word}" for word, count in counts.items() if count])

@@ -168,15 +168,15 @@ TEXTS: Final[Texts] = {
     facts.Chip: {
         "better": "{winner!u} better",
         "unequal": "no claim: unequal false alarms",
-        "single": "not tested: a single miss",
+        "single": "not tested: one encounter",
         "short": "not judged: encounters of one frame",
         "withheld": "no claim: {reason}",
         "untested": "not tested",
         "testing": "being tested",
-        "few": "not shown: {n!n:{noun}}, {n_needed} needed",
+        "few": "not tested: {n!n:{noun}}, {n_needed} needed",
         "unsure": "not tested: too few or too uneven false alarms",
         "same": "the same",
-        "not shown": "not shown",
+        "not shown": "may be chance",
     },
     facts.Doubt: {
         "known": "this depends on what the audit found: {known!c}.",

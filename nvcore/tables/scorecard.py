@@ -9,7 +9,14 @@ from typing import NamedTuple
 from nvcore.comparison import Result
 from nvcore.detection.curve_summary import CurveSummary
 from nvcore.measures.entry import Better, Measure, MeasureTable
-from nvcore.measures.table import applies_to, doubt_of, label_words, measures_in, shown_as
+from nvcore.measures.table import (
+    applies_to,
+    doubt_of,
+    label_words,
+    measure_of,
+    measures_in,
+    shown_as,
+)
 
 
 class ScoreRow(NamedTuple):
@@ -69,20 +76,23 @@ def score_rows(
         Only these, each by its full name; None: all.
     """
     words = label_words(result)
+    if keys is not None:
+        return [
+            row._replace(label=result.objects.say(measure_of(row.key).label, **words), level=0)
+            for row in score_rows(result, table)
+            if row.key in keys
+        ]
     rows: list[ScoreRow] = []
     tracked: set[int] = set()  # rows that need tracks, by the row that they are a part of
     whole = 0
     for measure in measures_in(table):
         if measure.of is None or not applies_to(result, measure):
             continue
-        if keys is not None and measure.key not in keys:
-            continue
         if measure.inference is not None and shown_as(measure.key, result)[0] != 1:
             tracked |= {whole} if measure.inference.needs_tracks else set()
             continue  # the number, of which it is a part, says as much
         # no row is a part of another in the table of false alerts
-        is_whole = table is MeasureTable.FALSE_ALERTS or keys is not None
-        part = "" if is_whole else measure.part
+        part = "" if table is MeasureTable.FALSE_ALERTS else measure.part
         x, y = (measure.of(result, system) for _, system in result.sides)
         label = result.objects.say(part or measure.label, **words)
         whole = whole if part else len(rows)

@@ -25,7 +25,7 @@ ROWS = "rows => rows.map(row => [...row.querySelectorAll('td, th')].map(cell => 
 TILES = {
     "Pedestrians found": "encounters_detected",
     "Time missed": "severity_s_per_encounter",
-    "False alerts": "false_alert_episodes",
+    "False-alert episodes": "false_alert_episodes",
     "Worst miss": "worst_severity_s",
 }
 SCORECARD = {

@@ -46,7 +46,7 @@ def test_the_values_are_those_of_the_scorecard(
 ):
     four = tiles(*sample)
     assert [tile.title for tile in four] == [
-        "Pedestrians found", "Time missed", "False alerts", "Worst miss"
+        "Pedestrians found", "Time missed", "False-alert episodes", "Worst miss"
     ]  # fmt: skip
     found, _, _, worst = four
     assert (found.x, found.y, found.difference, found.better) == ("30", "27", "+3", "x")

@@ -54,7 +54,12 @@ class Scorecard:
             score_row(row, width=widths.get(row.key, math.nan), is_short=self._result.is_short)
             for row in score_rows(self._result, keys=keys)
         ]
-        return measures_html(rows, key="scorecard" if keys else "all_measures")
+        little = f" {SHORT_ROWS}." if self._result.is_short else ""
+        return measures_html(
+            rows,
+            key="scorecard" if keys else "all_measures",
+            note=f"● better in these recordings, by chance or not.{little}",
+        )
 
 
 def _widths(evidence: pd.DataFrame) -> dict[str, float]:

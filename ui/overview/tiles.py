@@ -41,7 +41,7 @@ def _bar(tile: Tile) -> str:
         return '<div class="bar"></div>'
     low, middle, high = (100 * end for end in tile.bar)
     return (
-        '<div class="bar" title="Left: Y better. Right: X better."><span class="axis"></span>'
+        '<div class="bar known" title="Left: Y better. Right: X better."><span class="axis"></span>'
         f'<span class="span" style="left:{low:.1f}%;width:{high - low:.1f}%"></span>'
         f'<span class="dot" style="left:{middle:.1f}%"></span></div>'
     )

@@ -103,7 +103,7 @@ def _short_extent(result: Result) -> str:
         f"X is {plain(result.x.name)}, Y {plain(result.y.name)}; "
         f"{count_text(len(result.dataset.recordings), 'recording')}, "
         f"{count_text(len(result.dataset.frames), 'frame')}, {result.duration_s:,.1f} s. "
-        "Bars: 95 % interval of X − Y, on the right of the line X is better."
+        "Bars: 95 % interval of X − Y, drawn from Y better (left) to X better (right)."
     )
 
 

@@ -243,7 +243,7 @@ def _is_set(name: str, setting: Setting) -> bool:
     )
     if is_unset and name == "edge_weight":
         contexts = state.opened().dataset.frame_columns.context
-        st.caption(f"Recordings: {count_contexts(contexts)}.")
+        st.caption(f"Context of recordings: {count_contexts(contexts)}.")
     return not is_unset
 
 

@@ -137,15 +137,21 @@ def interval_cell(of: Evidence, notes: Footnotes) -> tuple[str, str]:
 
 
 def measures_html(
-    rows: Sequence[MeasureRow], *, key: str, head: Sequence[str] = HEAD, first: str = "Measure"
+    rows: Sequence[MeasureRow],
+    *,
+    key: str,
+    head: Sequence[str] = HEAD,
+    first: str = "Measure",
+    note: str = "",
 ) -> str:
-    """The table as HTML; its class is `key`."""
+    """The table as HTML; its class is `key`. A note stands below it."""
     heads = "".join(f'<th scope="col">{_text(cell)}</th>' for cell in head)
     body = "".join(_row(row) for row in rows)
+    below = f'<p class="nv-note">{_text(note)}</p>' if note else ""
     return (
         f'<div class="nv-wide">{stamp_html()}<table class="nv-measures nv-{key}">'
         f'<thead><tr><th scope="col">{_text(first)}</th>{heads}</tr></thead>'
-        f"<tbody>{body}</tbody></table></div>"
+        f"<tbody>{body}</tbody></table>{below}</div>"
     )
 
 

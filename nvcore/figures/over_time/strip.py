@@ -76,11 +76,13 @@ def loss_strip_plot(result: Result, strip: LossStrip, *, theme: Theme) -> go.Fig
     extent = count_text(strip.n_recordings, "recording")
     if strip.n_recordings > n_strips:
         extent += f", the {n_strips} in which most is lost drawn"
+    if n_strips > 1:
+        extent += ", most lost per minute on top"
     return draw(
         [heat, _clicks(result, strip)],
         theme,
         title="Where to look first",
-        subtitle=f"{extent}, most lost per minute on top; colour: the worse system's largest loss "
+        subtitle=f"{extent}; colour: the worse system's largest loss "
         f"in each {strip.bin_s:.2g} s{which_is_which(theme)}",
         height=132 + strips_px,
         hoverdistance=-1,

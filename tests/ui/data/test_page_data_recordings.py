@@ -203,7 +203,7 @@ def test_the_traffic_context_is_stated_and_taken_back(tmp_path: Path, edit: Edit
     before = space_of(page).opened.dataset.fingerprint
     edit.apply(page, context="rural")
     assert contexts(page) == ["rural", ""]
-    assert "1 rural and 1 without (as urban)." in texts(page)
+    assert "1 rural and 1 unstated (as urban)." in texts(page)
     assert space_of(page).opened.dataset.fingerprint != before
     edit.apply(page, context="")
     assert space_of(page).opened.dataset.fingerprint == before
