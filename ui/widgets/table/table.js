@@ -30,6 +30,7 @@ class Table {
     this.at = [-1, 0]; // the cell that Tab leads to: its line, -1 for the headings, and its column
     this.sort = null;
     this.scroller.addEventListener("scroll", () => this.drawRows());
+    new ResizeObserver(() => this.setHeight()).observe(this.head); // it is out of sight at first, or wraps
     this.table.addEventListener("click", (event) => this.onClick(event));
     this.table.addEventListener("keydown", (event) => this.onKey(event));
   }
@@ -49,7 +50,7 @@ class Table {
     this.order();
     this.setWidths();
     this.drawHead();
-    this.scroller.style.maxHeight = `${this.head.offsetHeight + ROW_PX * data.lines + 2}px`;
+    this.setHeight();
     if (isNewRow && data.selected !== null) this.reveal(this.rows.indexOf(data.selected));
     this.drawRows();
   }
@@ -59,6 +60,21 @@ class Table {
     if (value === null) return UNDEFINED;
     const { form } = this.data.columns[column];
     return typeof value === "number" && form ? formatted(value, form) : String(value).replace(/^-/, "−");
+  }
+
+  // The longest text of a column; of numbers with a format it is that of the least or the largest.
+  longest(column) {
+    const values = this.data.values[column];
+    let rows = [...values.keys()];
+    if (this.data.columns[column].form) {
+      const known = rows.filter((row) => values[row] !== null);
+      const end = (way) => known.reduce((a, b) => (way * (values[b] - values[a]) > 0 ? b : a), known[0] ?? rows[0]);
+      rows = rows.length ? [end(1), end(-1)] : [];
+    }
+    return rows.reduce((long, row) => {
+      const text = this.text(column, row);
+      return text.length > long.length ? text : long;
+    }, "");
   }
 
   // What cannot be compared is last, whichever way the others stand.
@@ -74,19 +90,18 @@ class Table {
     });
   }
 
+  setHeight() {
+    this.scroller.style.maxHeight = `${this.head.offsetHeight + ROW_PX * this.data.lines + 2}px`;
+  }
+
   setWidths() {
     const { font, fontFamily, fontSize } = getComputedStyle(this.root);
     pen.font = font || `${fontSize} ${fontFamily}`;
     this.px = this.data.columns.map((column, i) => {
-      let longest = column.label.split(" ").reduce((long, word) => (word.length > long.length ? word : long), "");
-      let width = 1.1 * pen.measureText(longest).width + (this.data.isSortable ? ARROW_PX : 0);
-      longest = "";
-      for (let row = 0; row < this.data.nRows; row += 1) {
-        const text = this.text(i, row);
-        if (text.length > longest.length) longest = text;
-      }
-      width = Math.max(width, Math.min(1.04 * pen.measureText(longest).width, MOST_TEXT_PX));
-      return Math.ceil(width + PADDING_PX);
+      const word = column.label.split(" ").reduce((long, part) => (part.length > long.length ? part : long), "");
+      const ofHead = 1.1 * pen.measureText(word).width + (this.data.isSortable ? ARROW_PX : 0);
+      const ofRows = Math.min(1.04 * pen.measureText(this.longest(i)).width, MOST_TEXT_PX);
+      return Math.ceil(Math.max(ofHead, ofRows) + PADDING_PX);
     });
     const whole = this.px.reduce((sum, px) => sum + px, 0);
     this.scroller.style.width = `min(100%, ${Math.round(MOST_STRETCH * whole)}px)`;
