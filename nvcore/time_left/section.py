@@ -8,7 +8,16 @@ import pandas as pd
 
 from nvcore.comparison import Result
 from nvcore.params import Params
-from nvcore.report.html.blocks import Chart, Intro, Section, SectionOf, Sentences, Table, table
+from nvcore.report.html.blocks import (
+    Chart,
+    Fold,
+    Intro,
+    Section,
+    SectionOf,
+    Sentences,
+    Table,
+    table,
+)
 from nvcore.report.html.result_sections import names_of
 from nvcore.sentences import say
 from nvcore.time_left.encounters import urgent_encounters
@@ -33,13 +42,18 @@ def _section(result: Result) -> Section:
         f"{say(urgent(result) or NobodyMet(), result.objects)}.",
         *(say(fact, result.objects) for fact in facts),
     )
-    blocks: list[Sentences | Chart | Table] = [Sentences(sentences)]
+    blocks: list[Sentences | Chart | Table | Fold] = [Sentences(sentences)]
     if not encounters.empty:
         figure = approach_plot(result, encounters, theme=result.scheme("light"))
         in_words = "For each urgent encounter the last chance and when X and Y confirm"
-        blocks += [Chart("approach", figure, in_words), _listing(result, encounters)]
+        listing = _listing(result, encounters)
+        blocks += [
+            Chart("approach", figure, in_words),
+            Fold(listing.title, (listing,), "in encounters.csv"),
+        ]
     if curve["urgent"].any():
-        blocks += [_over_speed(result, curve, measure) for measure in LOOKS]
+        charts = tuple(_over_speed(result, curve, measure) for measure in LOOKS)
+        blocks.append(Fold("Share in time and impact speed over the speed of the car", charts))
     return Section("time-left", "Time left", _introduction(result.params), tuple(blocks))
 
 

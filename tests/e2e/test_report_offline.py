@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -9,12 +10,26 @@ from pathlib import Path
 import pytest
 from app_server import PATIENCE_MS
 from inputs import drive, session_of
+from places import SAMPLE
 from playwright.sync_api import BrowserContext, Page, expect
 
 from nvcore.comparison import compare
 from nvcore.inputs.load import load
+from nvcore.inputs.session_toml import read_session
 from nvcore.report.html import write_html_report
 
+PAPER_PX = 695
+"""Width of A4 less the margins."""
+LEAST_LETTERS_PX = 8 / 72 * 96
+ON_PAPER = """addEventListener("beforeprint", () => {
+  window.onPaper = [...document.querySelectorAll(".chart:not(details .chart)")].map((chart) => ({
+    width: chart.querySelector(".main-svg")?.getBoundingClientRect().width,
+    shapes: chart.querySelectorAll(".main-svg path").length,
+    letters_px: Math.min(...[...chart.querySelectorAll(".main-svg text")].map(
+      (text) => parseFloat(getComputedStyle(text).fontSize))),
+  }));
+})"""
+"""Notes how the charts are when the page's own listener has made them ready for paper."""
 HOSTILE = "</script><img src=x onerror=document.title=1>{{ 7*7 }}$x^2$"
 
 
@@ -59,10 +74,15 @@ def test_every_chart_is_drawn(seen):
     page, _, _ = seen
     charts = page.locator(".chart")
     assert charts.count() == 11
+    page.locator("details").evaluate_all("all => all.forEach((one) => { one.open = true; })")
     for i in range(charts.count()):
         expect(charts.nth(i).locator(".main-svg").first).to_be_visible()
     drawn = page.locator("#chart-venn").locator("path").count()
     assert drawn > 3
+    labels = page.locator(".plot[role=img]").evaluate_all("all => all.map((one) => one.ariaLabel)")
+    assert len(labels) == charts.count()
+    assert all(label.endswith(f"; X: {HOSTILE}, Y: nir") for label in labels)
+    page.locator("details").evaluate_all("all => all.forEach((one) => { one.open = false; })")
 
 
 def test_names_with_markup_are_shown_as_text(seen):
@@ -85,32 +105,69 @@ def test_evidence_frames_are_pictures(seen):
     assert set(widths) == {880}
 
 
-def test_it_prints_to_pdf_with_its_charts(seen):
+def test_on_paper_nothing_is_wider_than_the_page(seen):
     page, _, _ = seen
     page.emulate_media(media="print")
-    for image in page.locator(".printed").all():
-        expect(image).to_be_visible()
-    assert page.locator(".plot").first.is_hidden()
-    # on paper nothing may stick out at the side: A4 less the margins is 695 px wide
-    page.set_viewport_size({"width": 695, "height": 1000})
-    assert page.evaluate("document.documentElement.scrollWidth") <= 695
-    meaning = page.locator("#parameters td:last-child").first.bounding_box()
-    assert meaning["width"] > 0.4 * 695
+    page.set_viewport_size({"width": PAPER_PX, "height": 1000})
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert page.evaluate("document.documentElement.scrollWidth") <= PAPER_PX
     # a table of long texts that was kept whole would leave most of the page before it empty
     assert page.locator("table.short").count() > 5
     assert "short" not in page.locator("table:has(caption:text-is('How they were made'))").evaluate(
         "table => [...table.classList]"
     )
-    pdf = page.pdf(prefer_css_page_size=True)
-    assert pdf.startswith(b"%PDF")
-    assert len(pdf) > 50_000
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
     page.emulate_media(media="screen")
     page.set_viewport_size({"width": 1280, "height": 800})
 
 
+@pytest.fixture(scope="module")
+def printed(
+    chromium: BrowserContext, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[bytes, list[dict]]:
+    """The sample's report, printed as soon as it is parsed, and its charts as they were then."""
+    path, session = tmp_path_factory.mktemp("sample") / "report.html", read_session(SAMPLE)
+    write_html_report(compare(load(session)), session, (), path)
+    page = chromium.browser.new_page(viewport={"width": 1280, "height": 800})
+    page.goto(path.as_uri(), wait_until="domcontentloaded")
+    page.evaluate(ON_PAPER)
+    pdf = page.pdf(prefer_css_page_size=True)
+    charts = page.evaluate("onPaper")
+    page.close()
+    return pdf, charts
+
+
+def test_printed_at_once_every_chart_is_there_as_wide_as_the_page(printed):
+    _, charts = printed
+    assert len(charts) >= 10
+    for chart in charts:
+        assert chart["width"] == PAPER_PX
+        assert chart["shapes"] > 3
+        assert chart["letters_px"] >= LEAST_LETTERS_PX
+
+
+def test_a_drive_like_the_sample_prints_on_a_dozen_pages(printed):
+    pdf, _ = printed
+    assert 8 <= len(re.findall(rb"/Type\s*/Page\b", pdf)) <= 13
+
+
+def test_what_paper_leaves_out_is_named_there_and_unfolds_on_the_screen(seen):
+    page, _, _ = seen
+    fold = page.locator("#significance details")
+    summary, table = fold.locator("summary"), fold.locator("table")
+    assert table.is_hidden()
+    page.emulate_media(media="print")
+    assert summary.inner_text() == "How they were made: not printed, in significance.csv"
+    page.emulate_media(media="screen")
+    assert summary.inner_text() == "How they were made"
+    summary.click()
+    expect(table).to_be_visible()
+    summary.click()
+
+
 def test_a_browser_that_cannot_unpack_the_charts_says_so_and_shows_the_tables(chromium, report):
     context = chromium.browser.new_context(offline=True)
-    context.add_init_script("delete window.DecompressionStream")
+    context.add_init_script("delete window.TextDecoder")
     page = context.new_page()
     page.goto(report.as_uri())
     page.locator("html[data-charts=failed]").wait_for(timeout=PATIENCE_MS)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
@@ -15,6 +15,10 @@ from nvcore.wording import minus, one_line, shortened
 
 MAX_ROWS = 200
 """Most rows of a table that are shown."""
+MAX_PRINTED: Final = 12
+"""Most rows of a table on paper, unless it says otherwise."""
+IN_THE_FILE: Final = "in the HTML file"
+"""Where a reader of the paper finds what is not printed."""
 MAX_CELL = 400
 MAX_NOTE = 3000
 """Most characters of a cell, and of the note below a table; an ellipsis replaces the rest."""
@@ -51,14 +55,13 @@ class Intro:
         return Intro(*(objects.say(text, **values) for text in texts))
 
     def parts(self) -> list[tuple[str, str]]:
-        """The parts that are not empty, each with its label."""
-        labels = ("What it is", "How it comes about", "Best", "What it does not say")
-        texts = (self.what, self.how, self.best, self.limits)
-        return [(label, text) for label, text in zip(labels, texts, strict=True) if text]
+        """What stands in the appendix, each part with its label."""
+        parts = (("How it comes about", self.how), ("What it does not say", self.limits))
+        return [(label, text) for label, text in parts if text]
 
     @property
     def in_short(self) -> str:
-        """What it is about and which way is better: all that stands in the section itself."""
+        """What it is about and which way is better: what stands in the section itself."""
         best = f" Best: {self.best[:1].lower()}{self.best[1:]}" if self.best else ""
         return f"{self.what}{best}"
 
@@ -94,6 +97,10 @@ class Table:
         Columns aligned to the right: numbers.
     note
         Text below the table; empty: none.
+    printed
+        Most rows on paper.
+    rest
+        Where the others are, after "12 more rows:".
     """
 
     kind: ClassVar[str] = "table"
@@ -102,6 +109,8 @@ class Table:
     rows: tuple[tuple[str, ...], ...]
     right: frozenset[int]
     note: str
+    printed: int = MAX_PRINTED
+    rest: str = IN_THE_FILE
 
 
 @dataclass(frozen=True)
@@ -160,13 +169,32 @@ class Photo:
 
 @dataclass(frozen=True)
 class Photos:
-    """Frames, two in a row."""
+    """Frames, two in a row; the first `printed` on paper, three in a row."""
 
     kind: ClassVar[str] = "photos"
     photos: tuple[Photo, ...]
+    printed: ClassVar[int] = 6
 
 
-Block = Sentences | Points | Table | Chart | Photos
+@dataclass(frozen=True)
+class Fold:
+    """Blocks that the screen shows at a click, and paper if they were unfolded before.
+
+    Attributes
+    ----------
+    title
+        What they are.
+    where
+        Where a reader of the paper finds them.
+    """
+
+    kind: ClassVar[str] = "fold"
+    title: str
+    blocks: tuple[Sentences | Table | Chart, ...]
+    where: str = IN_THE_FILE
+
+
+Block = Sentences | Points | Table | Chart | Photos | Fold
 
 
 @dataclass(frozen=True)
@@ -179,6 +207,26 @@ class Section:
     blocks: tuple[Block, ...]
 
 
+def true_minus(text: str) -> str:
+    """The text with a minus for each hyphen that is the sign of a number, and in X - Y.
+
+    Examples
+    --------
+    >>> true_minus("X - Y of nir-2: -0.2, -3e-05")
+    'X − Y of nir-2: −0.2, −3e-05'
+    """
+    return _SIGN.sub(minus("-"), text).replace("X - Y", "X − Y")
+
+
+def charts_of(blocks: Sequence[Block]) -> Iterator[Chart]:
+    """The charts among the blocks, folded ones too."""
+    for block in blocks:
+        if isinstance(block, Fold):
+            yield from charts_of(block.blocks)
+        elif isinstance(block, Chart):
+            yield block
+
+
 def table(
     title: str,
     head: Sequence[str],
@@ -187,6 +235,8 @@ def table(
     right: Sequence[int] = (),
     note: str = "",
     most: int = MAX_ROWS,
+    printed: int = MAX_PRINTED,
+    rest: str = IN_THE_FILE,
 ) -> Table:
     """A table of any values as text; invisible characters are shown as escapes.
 
@@ -202,13 +252,14 @@ def table(
         tuple(_cell(cell, is_number=column in right) for column, cell in enumerate(row))
         for row in rows[:most]
     )
-    return Table(title, tuple(head), cells, frozenset(right), shortened(" ".join(notes), MAX_NOTE))
+    text = shortened(" ".join(notes), MAX_NOTE)
+    return Table(title, tuple(head), cells, frozenset(right), text, printed, rest)
 
 
 def _cell(cell: object, *, is_number: bool) -> str:
     # a number and its unit stay on one line
     text = shortened(one_line(str(cell)), MAX_CELL).replace(" pp", "\N{NO-BREAK SPACE}pp")
-    return _SIGN.sub(minus("-"), text) if is_number else text
+    return true_minus(text) if is_number else text
 
 
 def _always(_: Result) -> bool:

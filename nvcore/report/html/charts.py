@@ -7,6 +7,8 @@ import gzip
 import json
 from collections.abc import Hashable, Mapping, Sequence
 from functools import cache
+from html import unescape
+from textwrap import wrap
 from typing import Any, Final
 
 import numpy as np
@@ -14,25 +16,56 @@ import pandas as pd
 import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
-from nvcore.figures.style import LOOK, axis, empty_figure, layout, plain, which_is_which
+from nvcore.figures.style import (
+    HEADING_PX,
+    LOOK,
+    axis,
+    empty_figure,
+    layout,
+    plain,
+    split_heading,
+    which_is_which,
+)
 from nvcore.measures.table import evidence_form, inference_of
 from nvcore.palette import Theme
 from nvcore.report.tiles import REACH
-from nvcore.wording import difference, interval_text, minus
+from nvcore.wording import difference, minus
 
-INTERVAL_PX: Final = 82
-WORDS_PX: Final = 30
+INTERVAL_PX: Final = 56
+WORDS_PX: Final = 36
 """Height of a measure's row with an interval, and without."""
-STRIP_PX: Final = (28, 56)
+STRIP_PX: Final = (6, 28)
 """Top and bottom of the axis within its row."""
-MARGIN_PX: Final = (76, 16)
+WORDS_SHARE: Final = 0.47
+"""Share of the width for the words left of the axes."""
+LINE: Final = 38
+"""Characters in a line of them."""
+MARGIN_PX: Final = (62, 16)
 """Above and below the rows."""
+LEAST_TOP_PX: Final = 8
+"""Top margin of a figure whose heading is text of the page."""
 
 
 @cache
 def packed_plotly() -> str:
     """Plotly's JavaScript, compressed, in base64: the page unpacks it."""
     return base64.b64encode(gzip.compress(get_plotlyjs().encode(), 9, mtime=0)).decode()
+
+
+def heading_apart(figure: go.Figure) -> tuple[go.Figure, str, str]:
+    """The figure without heading, its title and its subtitle: as text of the page they wrap."""
+    title, subtitle = split_heading(figure.layout.title.text)
+    if not title:
+        return figure, "", ""
+    apart, layout_before = go.Figure(figure), figure.layout
+    top = max(layout_before.margin.t - HEADING_PX, LEAST_TOP_PX)
+    cut = layout_before.margin.t - top
+    height = layout_before.height - cut
+    if layout_before.legend.yref == "container":  # it keeps its distance to the plot
+        from_top = (1 - layout_before.legend.y) * layout_before.height - cut
+        apart.layout.legend.y = 1 - from_top / height
+    apart.update_layout(title_text=None, margin_t=top, height=height)
+    return apart, unescape(title), unescape(subtitle)
 
 
 def figure_json(figure: go.Figure) -> str:
@@ -68,18 +101,14 @@ def interval_plot(evidence: pd.DataFrame, theme: Theme = "light") -> go.Figure:
         defined.to_dict("records"), (ends - heights).tolist(), has_interval.tolist(), strict=True
     ):
         form = evidence_form(row["figure"])
-        text = (
-            f"{plain(row['label'], max_length=80)}: "
-            f"<b>{minus(difference(row['difference'], 0, form))}</b>"
-        )
+        lines = [plain(line, max_length=LINE) for line in wrap(f"{row['label']}:", LINE)]
+        text = f"{'<br>'.join(lines)} <b>{minus(difference(row['difference'], 0, form))}</b>"
         if has_ends:
-            span = interval_text(row["low"], row["high"], form)
-            text += f"   (95 % interval {minus(span)})"
             _add_axis(
                 figure, row, form, theme, [1 - (top + edge) / total for edge in STRIP_PX[::-1]]
             )
         else:
-            text += "   (no interval can be given)"
+            text += " (no interval can be given)"
         figure.add_annotation(
             text=text,
             x=0,
@@ -89,7 +118,8 @@ def interval_plot(evidence: pd.DataFrame, theme: Theme = "light") -> go.Figure:
             yref="paper",
             yanchor="top",
             showarrow=False,
-            font={"size": 12.5, "color": LOOK[theme].ink},
+            align="left",
+            font={"size": 12, "color": LOOK[theme].ink},
         )
     sides = "every axis has its own scale; right of the line X is better, left of it Y"
     above, below = MARGIN_PX
@@ -139,10 +169,11 @@ def _add_axis(
         theme,
         range=[-sign * reach, sign * reach],
         fixedrange=True,
-        nticks=7,
+        nticks=5,
         zeroline=True,
         zerolinewidth=1.5,
         zerolinecolor=look.muted,
+        domain=[WORDS_SHARE, 1],
         anchor=f"y{key}",
         ticksuffix=" pp" if is_share else "",
     )

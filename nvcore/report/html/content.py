@@ -40,7 +40,6 @@ from nvcore.report.html.result_sections import (
     scorecard_section,
     similarity_section,
 )
-from nvcore.report.words import n_frames_text
 from nvcore.sentences import say
 from nvcore.stability.map import MAPS
 from nvcore.subjects import contributed
@@ -76,7 +75,7 @@ class Content:
     names
         Names of X and Y.
     facts
-        Labels and texts that say what was compared.
+        Labels and texts: protocol, program and fingerprint.
     sections
         Sections, in order.
     theme
@@ -203,31 +202,7 @@ def _as_set(sections: Sequence[Section], result: Result) -> list[Section]:
 
 
 def _facts(result: Result, protocol: Protocol) -> tuple[tuple[str, str], ...]:
-    thresholds = [
-        (
-            letter.upper(),
-            one_line(system.name)
-            + (
-                ", every detection counts"
-                if system.threshold is None
-                else f", detections with a score of {system.threshold:g} or more"
-            ),
-        )
-        for letter, system in result.sides
-    ]
-    n_recordings = len(result.dataset.recordings)
     return (
-        *thresholds,
-        (
-            "Data",
-            f"{n_recordings:,} recording{'' if n_recordings == 1 else 's'}, "
-            f"{n_frames_text(result, 'evaluated frame')}, {result.duration_s:,.1f} s, "
-            f"{int(result.n_truth.sum()):,} {result.objects.singular} boxes",
-        ),
-        (
-            "Encounters",
-            f"{result.venn.n_near:,} that count, {result.venn.distant:,} too far away to count",
-        ),
         ("Protocol of the detection measures", protocol.title),
         ("Program", f"nvcore {__version__}"),
         ("Fingerprint of the inputs", result.dataset.fingerprint or UNDEFINED),

@@ -23,7 +23,7 @@ from nvcore.report.words import n_frames_text, sampling_note
 from nvcore.sentences import phrase
 from nvcore.sentences.facts import Fact
 from nvcore.subjects import contributed
-from nvcore.wording import count_text, duration_text
+from nvcore.wording import count_text, duration_text, one_line
 
 N_PHOTOS: Final = 2
 
@@ -42,10 +42,12 @@ class Cover:
         Which question the report answers.
     headline
         Of the verdict.
+    facts
+        Labels and texts: who X and Y are, and what they are compared on.
     tiles
-        The comparison in short.
+        The comparison in short, without measures that are 0 for both.
     basis
-        Which comparison they are of.
+        Which comparison they are of, and which measures are 0 for both.
     photos
         The two frames that tell most.
     limits
@@ -58,6 +60,7 @@ class Cover:
     byline: str
     question: str
     headline: str
+    facts: tuple[tuple[str, str], ...]
     tiles: tuple[Tile, ...]
     basis: str
     photos: tuple[Photo, ...]
@@ -87,22 +90,44 @@ def cover_of(
     names
         Which systems are compared, in a few words.
     """
-    extent = (
-        f"{count_text(count_recordings(result), 'recording')}, "
-        f"{n_frames_text(result)}, "
-        f"{duration_text(result.duration_s)}"
-    )
+    of_both = tiles(result, evidence, companions)
+    zero = [tile for tile in of_both if not {*tile.x, *tile.y} - set("0.")]
+    alike = f"0 for both: {', '.join(tile.title.lower() for tile in zero)}." if zero else ""
     return Cover(
         subtitle=names if inscription.title else "",
         byline=", ".join(filter(None, (inscription.author, inscription.date))),
         question=inscription.question,
         headline=conclusion.say(conclusion.headline),
-        tiles=tiles(result, evidence, companions),
-        basis=f"{extent}. {conclusion.say(point_note(result))}".strip(),
+        facts=_facts(result),
+        tiles=tuple(tile for tile in of_both if tile not in zero),
+        basis=" ".join(filter(None, (alike, conclusion.say(point_note(result))))),
         photos=_two_kinds(photos),
         limits=_limits(result, conclusion),
         objects=result.objects,
     )
+
+
+def _facts(result: Result) -> tuple[tuple[str, str], ...]:
+    thresholds = [
+        (
+            letter.upper(),
+            one_line(system.name)
+            + (
+                ", every detection counts"
+                if system.threshold is None
+                else f", detections with a score of {system.threshold:g} or more"
+            ),
+        )
+        for letter, system in result.sides
+    ]
+    extent = (
+        f"{count_text(count_recordings(result), 'recording')}, "
+        f"{n_frames_text(result, 'evaluated frame')}, {duration_text(result.duration_s)}, "
+        f"{int(result.n_truth.sum()):,} {result.objects.singular} boxes; "
+        f"{count_text(result.venn.n_near, 'encounter')} that count, "
+        f"{result.venn.distant:,} too far away to count"
+    )
+    return (*thresholds, ("Data", extent))
 
 
 def _two_kinds(photos: Sequence[Photo]) -> tuple[Photo, ...]:

@@ -13,7 +13,7 @@ from nvcore.figures.venn import WORDS, venn_figure
 from nvcore.figures.weightings import weightings_plot
 from nvcore.measures.entry import MeasureTable
 from nvcore.report.html import words
-from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table, table
+from nvcore.report.html.blocks import MAX_ROWS, Chart, Fold, Section, Sentences, Table, table
 from nvcore.report.html.result_sections import names_of
 from nvcore.report.words import (
     FUSION_RULE,
@@ -35,6 +35,8 @@ from nvcore.wording import UNDEFINED, count_text, number
 
 N_HEAVIEST = 10
 """How many of the encounters that weigh most are listed."""
+IN_ENCOUNTERS = "in encounters.csv"
+"""Where paper's reader finds other encounters."""
 
 
 def encounters_section(result: Result) -> Section:
@@ -47,6 +49,7 @@ def encounters_section(result: Result) -> Section:
             score_rows(result, MeasureTable.MISS_CLASSES), MISS_CLASS_TEXT, strict=True
         )
     ]
+    missed = table("How they were missed", ("Class", "X", "Y", "Meaning"), classes, right=(1, 2))
     facts = (*misses(result), lead(result))
     sentences = tuple(said(fact, result.objects) for fact in facts)
     fusion = fusion_table(result)
@@ -95,10 +98,12 @@ def encounters_section(result: Result) -> Section:
                 ),
                 "How many encounters each system fails in which way",
             ),
-            table("How they were missed", ("Class", "X", "Y", "Meaning"), classes, right=(1, 2)),
-            _boxes(result),
+            Fold(missed.title, (missed,)),
             Sentences(tuple(said(gain, result.objects) for gain in fusion_gains(fusion))),
-            _fusion(fusion),
+            Fold(
+                "X and Y as one system; boxes by who matches them",
+                (_fusion(fusion), _boxes(result)),
+            ),
         ),
     )
 
@@ -140,7 +145,7 @@ def _heaviest(result: Result, encounters: pd.DataFrame) -> Table:
     return table(title, head, rows, right=range(3, 8), note=note)
 
 
-def _weightings(result: Result, encounters: pd.DataFrame) -> tuple[Chart | Table, ...]:
+def _weightings(result: Result, encounters: pd.DataFrame) -> tuple[Fold, ...]:
     """The heaviest encounter as height, horizon and distance weigh it; empty: nobody is missed."""
     heaviest = encounters[encounters["severity_s"] > 0].head(1)
     if heaviest.empty:
@@ -165,10 +170,8 @@ def _weightings(result: Result, encounters: pd.DataFrame) -> tuple[Chart | Table
     one = result.objects.singular
     note = f"{UNDEFINED}: the horizon, or this {one}'s distance, is not known."
     title = "The heaviest encounter, weighed by height, horizon and distance"
-    return (
-        Chart("weightings", figure, "The heaviest encounter's weight over time, by each"),
-        table(title, head, rows, right=range(1, 6), note=note),
-    )
+    chart = Chart("weightings", figure, "The heaviest encounter's weight over time, by each")
+    return (Fold(title, (chart, table(title, head, rows, right=range(1, 6), note=note))),)
 
 
 def _boxes(result: Result) -> Table:
@@ -258,4 +261,5 @@ def only_one_section(result: Result) -> Section:
     left_out = len(exclusive) - len(rows)
     note = f"The heaviest {len(rows):,} are shown, {left_out:,} are left out." if left_out else ""
     listing = table(title, head, rows, right=range(3, 10), note=note)
-    return Section("only-one", "Encounters that only one detects", words.ONLY_ONE, (listing,))
+    fold = Fold(title, (listing,), IN_ENCOUNTERS)
+    return Section("only-one", "Encounters that only one detects", words.ONLY_ONE, (fold,))

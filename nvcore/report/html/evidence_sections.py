@@ -31,8 +31,10 @@ from nvcore.progress import Progress, no_progress
 from nvcore.protocols import Protocol
 from nvcore.report.html import words
 from nvcore.report.html.blocks import (
+    IN_THE_FILE,
     Block,
     Chart,
+    Fold,
     Photo,
     Photos,
     Points,
@@ -71,6 +73,7 @@ CURVES: Final[dict[CurveKind, tuple[str, str]]] = {
     "precision_recall": ("Precision against recall", "higher is better"),
 }
 STABILITY_TITLE: Final = "Does the verdict depend on the settings"
+IN_SUBGROUPS: Final = "in subgroups.csv"
 AT_ONCE: Final = 20_000
 """Most frames for which the stability maps are computed by default."""
 
@@ -121,16 +124,23 @@ def significance_section(result: Result, evidence: pd.DataFrame, theme: Theme) -
         "Is the difference real",
         words.SIGNIFICANCE,
         (
-            table("Differences and tests", head, rows, right=range(1, 8), note=note),
+            table(
+                "Differences and tests",
+                head,
+                rows,
+                right=range(1, 8),
+                note=note,
+                printed=len(rows),
+            ),
             Chart(
                 "intervals", interval_plot(evidence, theme), "Differences with their 95 % intervals"
             ),
-            table(
+            Fold(
                 "How they were made",
-                ("Measure", "From", "Method", "Note"),
-                ways,
-                note=INTERVAL_RULE if np.isfinite(evidence["low"]).any() else "",
+                (table("How they were made", ("Measure", "From", "Method", "Note"), ways),),
+                "in significance.csv",
             ),
+            *([Sentences((INTERVAL_RULE,))] if np.isfinite(evidence["low"]).any() else []),
         ),
     )
 
@@ -138,7 +148,10 @@ def significance_section(result: Result, evidence: pd.DataFrame, theme: Theme) -
 def subgroups_section(subgroups: pd.DataFrame, theme: Theme) -> Section:
     """Every measure for parts of the encounters, and who detects more of which."""
     is_detected = subgroups["figure"] == DETECTED
+    is_shown = subgroups[["low", "p"]].notna().any(axis=1) | (subgroups["factor"] == ALL)
+    n_left_out = int((np.isfinite(subgroups["x"]) & ~is_shown).sum())
     detection_rows = subgroups[is_detected]
+    shown_rows = subgroups[is_detected & is_shown]
     head = (
         "Factor",
         "Group",
@@ -155,9 +168,19 @@ def subgroups_section(subgroups: pd.DataFrame, theme: Theme) -> Section:
     counts = ("n", "both", "x_only", "y_only", "neither")
     rows = [
         (*_group_of(row), *(row[name] for name in counts), *_evidence_of(row))
-        for row in detection_rows.to_dict("records")
+        for row in shown_rows.to_dict("records")
     ]
-    others = [rows for _, rows in subgroups[~is_detected].groupby("figure", sort=False)]
+    title = "Encounters detected by subgroup"
+    detected = table(title, head, rows, right=range(2, 11), note=_notes_of(shown_rows))
+    others = tuple(
+        _table_by_subgroup(of_measure)
+        for _, of_measure in subgroups[~is_detected & is_shown].groupby("figure", sort=False)
+        if len(of_measure) > 1
+    )
+    left_out = (
+        f"{count_text(n_left_out, 'row')} with too little data for an interval or a test left "
+        f"out of these tables: {IN_SUBGROUPS}."
+    )
     return Section(
         "subgroups",
         "Subgroups",
@@ -170,25 +193,14 @@ def subgroups_section(subgroups: pd.DataFrame, theme: Theme) -> Section:
                 subgroup_forest(detection_rows, theme=theme),
                 "Difference in the share detected by group",
             ),
-            table(
-                "Encounters detected by subgroup",
-                head,
-                rows,
-                right=range(2, 11),
-                note=_notes_of(detection_rows),
-            ),
-            *(
-                _table_by_subgroup(of_measure)
-                for of_measure in others
-                if np.isfinite(of_measure["x"].iloc[1:]).any()
-            ),
+            Fold("All measures by subgroup", (detected, *others), IN_SUBGROUPS),
+            *([Sentences((left_out,))] if n_left_out else []),
         ),
     )
 
 
 def _table_by_subgroup(subgroups: pd.DataFrame) -> Table:
-    """One measure, for the groups that have it."""
-    defined_rows = subgroups[np.isfinite(subgroups["x"])]
+    """One measure, for all encounters and the groups given."""
     head = ("Factor", "Group", "From", "X", "Y", "X − Y", "95 % interval", "p", "p (Holm)")
     form = evidence_form(subgroups["figure"].iloc[0])
     rows = [
@@ -198,11 +210,11 @@ def _table_by_subgroup(subgroups: pd.DataFrame) -> Table:
             *(number(row[letter], form) for letter in "xy"),
             *_evidence_of(row),
         )
-        for row in defined_rows.to_dict("records")
+        for row in subgroups.to_dict("records")
     ]
     label = subgroups["label"].iloc[0]
     title = f"{capitalised(label)}, by subgroup"
-    return table(title, head, rows, right=range(3, 9), note=_notes_of(defined_rows))
+    return table(title, head, rows, right=range(3, 9), note=_notes_of(subgroups))
 
 
 def _group_of(row: Mapping[Hashable, Any]) -> tuple[str, str]:
@@ -262,7 +274,7 @@ def detection_section(result: Result, protocol: Protocol) -> Section:
     protocol_text = f"Protocol {protocol.title}: {result.objects.say(protocol.text)} {filters}"
     blocks: list[Block] = [Sentences((protocol_text.strip(), _left_out(result, protocol), *notes))]
     blocks.append(table("Detection measures", MEASURES_HEAD, rows, right=(1, 2, 3)))
-    blocks += [
+    miss_rate, precision_recall = (
         _curve(
             curves,
             thresholds,
@@ -271,7 +283,8 @@ def detection_section(result: Result, protocol: Protocol) -> Section:
             result,
         )
         for kind in CURVES
-    ]
+    )
+    blocks += [miss_rate, Fold(CURVES["precision_recall"][0], (precision_recall,))]
     return Section("detection", "Detection curves", words.DETECTION, tuple(blocks))
 
 
@@ -329,7 +342,8 @@ def stability_section(
         return Section("stability", STABILITY_TITLE, intro, (why_not,))
     with ThreadPoolExecutor() as pool:
         rows = survey_stability(result, executor=pool, progress=progress)
-    survey = survey_table(rows)[["settings", "by", "verdict", "share", "nearest"]]
+    order = sorted(range(len(rows)), key=lambda number: _holds(rows[number]))  # the others first
+    survey = survey_table(rows)[["settings", "by", "verdict", "share", "nearest"]].iloc[order]
     head = (
         "Settings",
         "Better by",
@@ -338,20 +352,38 @@ def stability_section(
         "Nearest setting that overturns it",
     )
     blocks: list[Block] = [
-        table("Verdict and settings", head, survey.to_numpy().tolist()),
-        Sentences((*_chance_of_each(rows, evidence), *_at_equal_alarms(rows))),
+        table(
+            "Verdict and settings",
+            head,
+            survey.to_numpy().tolist(),
+            printed=len(rows) - sum(map(_holds, rows)),
+            rest=f"the verdict holds throughout the plausible range, {IN_THE_FILE}",
+        ),
+        Fold(
+            "Is that more than chance, and at equal false alarms",
+            (Sentences((*_chance_of_each(rows, evidence), *_at_equal_alarms(rows))),),
+        ),
     ]
     first = rows[0]  # alpha and midpoint, by mean similarity
     assert first.stability is not None
     sentences = describe_stability(first.stability)
     title = f"{PLANES[first.plane]}, by {CRITERIA[first.criterion]}: {sentences[0]}"
     blocks += [
-        Sentences((title, *sentences[1:])),
+        Sentences((title,)),
         Chart(
             "stability", stability_map(first.stability, theme=result.scheme("light")), sentences[0]
         ),
+        Fold("This map in words", (Sentences(sentences[1:]),)),
     ]
     return Section("stability", STABILITY_TITLE, intro, tuple(blocks))
+
+
+def _holds(row: SurveyRow) -> bool:
+    """Whether the verdict holds in all of the plausible range."""
+    stability = row.stability
+    if stability is None or stability.verdict == "undefined":
+        return False
+    return not row.is_dependent or stability.share_held == 1
 
 
 def _at_equal_alarms(rows: Sequence[SurveyRow]) -> tuple[str, ...]:

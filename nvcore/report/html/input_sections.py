@@ -21,7 +21,7 @@ from nvcore.metrics.linking import LINK_GAP, LINK_IOU
 from nvcore.metrics.proximity import in_use
 from nvcore.params import SETTINGS
 from nvcore.report.html import words
-from nvcore.report.html.blocks import Block, Section, Sentences, Table, table
+from nvcore.report.html.blocks import Block, Fold, Section, Sentences, Table, table, true_minus
 from nvcore.subjects import contributed
 from nvcore.tables.inputs import inputs_table, left_out_table
 from nvcore.wording import UNDEFINED, capitalised, count_text, number
@@ -63,9 +63,8 @@ def inputs_section(result: Result, pictures: pd.DataFrame) -> Section:
     blocks: list[Block] = []
     if len(dataset.inputs):
         blocks += _files(result)
-    blocks.append(_recordings(result))
-    if len(pictures):
-        blocks.append(_pictures(pictures))
+    recordings = (_recordings(result), *([_pictures(pictures)] if len(pictures) else []))
+    blocks.append(Fold("Recordings: size, rate, horizon, tags and pictures", recordings))
     if dataset.notes:
         blocks.append(Sentences(tuple(f"{capitalised(note)}." for note in dataset.notes)))
     n_linked = len(result.tracks.linked_recordings)
@@ -117,8 +116,13 @@ def _files(result: Result) -> list[Block]:
     )
     files = dataset.inputs[["subject", "file", "sha256"]].to_numpy().tolist()
     return [
-        table("Sources", head, sources, right=(5, 6)),
-        table("Files", ("Source", "File", "SHA-256"), files, most=MOST_FILES),
+        Fold(
+            "Sources and files, with conversions and hashes",
+            (
+                table("Sources", head, sources, right=(5, 6)),
+                table("Files", ("Source", "File", "SHA-256"), files, most=MOST_FILES),
+            ),
+        ),
         Sentences((f"Fingerprint of all: {dataset.fingerprint}",)),
     ]
 
@@ -197,8 +201,9 @@ def parameters_section(result: Result) -> Section:
         changed = "" if value == setting.default else ", changed"
         default = _value(setting.default)
         meaning = result.objects.say(setting.meaning)
-        rows.append((name, f"{in_unit}{changed}", default, setting.range_text, meaning))
+        rows.append((name, f"{in_unit}{changed}", default, true_minus(setting.range_text), meaning))
     head = ("Parameter", "Value", "Default", "Range", "Meaning")
+    rows_changed = [row for row in rows if row[1].endswith(", changed")]
     constants = (
         ("weight of nearness from which a frame counts", f"{RELEVANT_K:g}"),
         ("share of a detection on an ignored region that absorbs it", f"{ABSORB_SHARE:g}"),
@@ -215,8 +220,12 @@ def parameters_section(result: Result) -> Section:
         "Parameters",
         words.PARAMETERS,
         (
-            table("Parameters", head, rows),
-            table("Fixed numbers", ("What", "Value"), constants, right=(1,)),
+            table("Parameters that are not at their defaults", head, rows_changed),
+            Fold("All parameters", (table("Parameters", head, rows),)),
+            Fold(
+                "Fixed numbers",
+                (table("Fixed numbers", ("What", "Value"), constants, right=(1,)),),
+            ),
         ),
     )
 

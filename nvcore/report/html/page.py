@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from functools import cache
+from itertools import chain
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,8 +14,8 @@ from markupsafe import Markup
 
 from nvcore.figures.style import CONFIG
 from nvcore.pictures import picture_address
-from nvcore.report.html.blocks import Chart, Section, Table
-from nvcore.report.html.charts import figure_json, packed_plotly
+from nvcore.report.html.blocks import Section, Table, charts_of, true_minus
+from nvcore.report.html.charts import figure_json, heading_apart, packed_plotly
 from nvcore.wording import shortened
 
 TEMPLATES: Final = Path(__file__).parent / "templates"
@@ -46,12 +47,11 @@ def render_page(
     more
         What this template needs besides.
     """
-    charts = {
-        block.name: Markup(figure_json(block.figure))  # noqa: S704  # figure_json escapes it
-        for section in sections
-        for block in section.blocks
-        if isinstance(block, Chart)
-    }
+    charts = {}
+    for chart in chain.from_iterable(charts_of(section.blocks) for section in sections):
+        figure, *heading = heading_apart(chart.figure)
+        json = Markup(figure_json(figure))  # noqa: S704  # figure_json escapes it
+        charts[chart.name] = (json, *heading)
     nonce = hashlib.sha256(f"{fingerprint} {version}".encode()).hexdigest()[:32]
     return (
         _environment()
@@ -86,6 +86,7 @@ def _environment() -> Environment:
         "is_short": _is_short,
         "css_text": css_text,
     }
+    environment.filters["true_minus"] = true_minus
     return environment
 
 

@@ -12,7 +12,7 @@ from nvcore.figures.paired import recordings_plot
 from nvcore.figures.saliency import plane_plot
 from nvcore.measures.entry import MeasureTable
 from nvcore.report.html import words
-from nvcore.report.html.blocks import MAX_ROWS, Chart, Section, Sentences, Table, table
+from nvcore.report.html.blocks import MAX_ROWS, Chart, Fold, Section, Sentences, Table, table
 from nvcore.report.html.input_sections import span_in_use
 from nvcore.report.terminal import SHORT_ROWS
 from nvcore.report.words import (
@@ -49,7 +49,9 @@ def scorecard_section(result: Result) -> Section:
     """All measures side by side."""
     rows = scorecard_cells(result, indent=PART, mark=_mark(result))
     little = f"{SHORT_ROWS}." if result.is_short else ""
-    measures = table("Measures of X and Y", MEASURES_HEAD, rows, right=(1, 2, 3), note=little)
+    measures = table(
+        "Measures of X and Y", MEASURES_HEAD, rows, right=(1, 2, 3), note=little, printed=len(rows)
+    )
     notes = tuple(
         say(fact, result.objects)
         for remarks in contributed("remarks")
@@ -67,7 +69,6 @@ def similarity_section(result: Result) -> Section:
     """Mean similarity by recording, and the worst intervals."""
     recordings = recordings_table(result)
     recordings_shown, note = _most_different(recordings)
-    note = f"{note} {lead_text(result)} {other_leads_text(result)}".strip()
     rows = [
         (
             row["recording"],
@@ -80,6 +81,8 @@ def similarity_section(result: Result) -> Section:
     ]
     low = f"below {result.params.low:g}"
     head = ("Recording", "Frames", "Mean X", "Mean Y", "X − Y", f"{low}, X", f"{low}, Y")
+    by_recording = table("Similarity by recording", head, rows, right=range(1, 7), note=note)
+    leads = tuple(filter(None, (lead_text(result), other_leads_text(result))))
     return Section(
         "similarity",
         "Similarity",
@@ -97,7 +100,8 @@ def similarity_section(result: Result) -> Section:
                 loss_strip_plot(result, loss_strip(result), theme=result.scheme("light")),
                 "What the worse system loses over the time of every recording",
             ),
-            table("Similarity by recording", head, rows, right=range(1, 7), note=note),
+            Fold(by_recording.title, (by_recording,), "in recordings.csv"),
+            Sentences(leads),
             _windows(result),
             _intervals(result),
         ),
@@ -117,7 +121,7 @@ def _most_different(recordings: pd.DataFrame) -> tuple[pd.DataFrame, str]:
     return recordings.loc[largest], note
 
 
-def _windows(result: Result) -> Table:
+def _windows(result: Result) -> Fold:
     """Lost similarity and the worst window of every recording."""
     columns = ("lost_s_per_min", "window_similarity", "window_lost_s", "window_time_s")
     forms = (".2f", ".4f", ".3f", ".2f")
@@ -142,7 +146,7 @@ def _windows(result: Result) -> Table:
     if len(windows):
         note += f" {worst_windows_text(windows)}"
     title = "Lost similarity and the worst window, most lost first"
-    return table(title, head, rows, right=range(1, len(head)), note=note)
+    return Fold(title, (table(title, head, rows, right=range(1, len(head)), note=note),))
 
 
 def _intervals(result: Result) -> Table:

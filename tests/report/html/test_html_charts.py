@@ -17,7 +17,7 @@ from plotly.offline import get_plotlyjs
 from nvcore.evidence.measures import significance_table
 from nvcore.evidence.subgroup_table import subgroup_table
 from nvcore.figures.style import LOOK
-from nvcore.report.html.blocks import Table
+from nvcore.report.html.blocks import Fold, Sentences, Table
 from nvcore.report.html.charts import figure_json, interval_plot, packed_plotly
 from nvcore.report.html.evidence_sections import subgroups_section
 
@@ -76,9 +76,7 @@ def test_intervals_are_those_of_the_table_shares_in_percentage_points(evidence):
     figure = interval_plot(evidence)
     lines = [trace for trace in figure.data if trace.mode == "lines"]
     assert list(lines[0].x) == pytest.approx([100 * known.low, 100 * known.high])
-    shown = f"{100 * known.low:+.1f} pp to {100 * known.high:+.1f} pp".replace("-", "−")
-    label = "share of encounters detected, within these recordings"
-    text = f"{label}: <b>+50.0 pp</b>   (95 % interval {shown})"
+    text = "share of encounters detected, within<br>these recordings: <b>+50.0 pp</b>"
     assert text in annotations(figure)
 
 
@@ -107,7 +105,24 @@ def test_an_axis_of_no_difference_still_has_ticks_that_differ(evidence):
 
 def test_who_detects_more_is_of_encounters_detected_alone():
     section = subgroups_section(subgroup_table(met((ALL, LATE), (ALL, ALL))), "light")
-    tables = {block.title: block for block in section.blocks if isinstance(block, Table)}
+    (fold,) = [block for block in section.blocks if isinstance(block, Fold)]
+    tables = {block.title: block for block in fold.blocks if isinstance(block, Table)}
     groups = [row[:2] for row in tables["Encounters detected by subgroup"].rows]
     assert len(groups) == len(set(groups))
     assert tables["Encounters detected by subgroup"].rows[0][2:5] == ("2", "1", "1")
+
+
+def test_groups_with_neither_interval_nor_test_are_left_out_and_counted():
+    whole = subgroup_table(met((ALL, LATE), (ALL, ALL)))
+    overall = whole[whole["figure"] == "mean_similarity"].head(1)
+    tested = overall.assign(factor="tag", group="night", p=0.5, low=np.nan)
+    unknown = tested.assign(group="day", p=np.nan)
+    rows = pd.concat([whole[whole["factor"] == "all"], tested, unknown], ignore_index=True)
+    section = subgroups_section(rows, "light")
+    (fold,) = [block for block in section.blocks if isinstance(block, Fold)]
+    _, similarity = fold.blocks
+    assert [row[:2] for row in similarity.rows] == [("all", ""), ("tag", "night")]
+    assert section.blocks[-1] == Sentences(
+        ("1 row with too little data for an interval or a test left out of these tables: in "
+         "subgroups.csv.",)
+    )  # fmt: skip
