@@ -91,7 +91,7 @@ KINDS: Final = (
         "severity_s_per_encounter",
         "severity_s_per_encounter",
         "Time missed",
-        "severity per encounter, s",
+        "severity per encounter, s, of {n_near:,}",
         ".2f",
     ),
     _Kind(

@@ -32,7 +32,7 @@ from nvcore.report.tiles import REACH
 from nvcore.wording import difference, minus
 
 INTERVAL_PX: Final = 56
-WORDS_PX: Final = 36
+WORDS_PX: Final = 48
 """Height of a measure's row with an interval, and without."""
 STRIP_PX: Final = (6, 28)
 """Top and bottom of the axis within its row."""

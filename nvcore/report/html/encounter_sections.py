@@ -49,11 +49,21 @@ def encounters_section(result: Result) -> Section:
             score_rows(result, MeasureTable.MISS_CLASSES), MISS_CLASS_TEXT, strict=True
         )
     ]
+    names = names_of(result)
+    classes_chart = Chart(
+        "classes",
+        miss_classes_plot(
+            encounters_table(result),
+            names,
+            theme=result.scheme("light"),
+            objects=result.objects,
+        ),
+        "How many encounters each system fails in which way",
+    )
     missed = table("How they were missed", ("Class", "X", "Y", "Meaning"), classes, right=(1, 2))
     facts = (*misses(result), lead(result))
     sentences = tuple(said(fact, result.objects) for fact in facts)
     fusion = fusion_table(result)
-    names = names_of(result)
     encounters = weighed_encounters(result)
     return Section(
         "encounters",
@@ -88,17 +98,7 @@ def encounters_section(result: Result) -> Section:
             _heaviest(result, encounters),
             *_weightings(result, encounters),
             Sentences(sentences),
-            Chart(
-                "classes",
-                miss_classes_plot(
-                    encounters_table(result),
-                    names,
-                    theme=result.scheme("light"),
-                    objects=result.objects,
-                ),
-                "How many encounters each system fails in which way",
-            ),
-            Fold(missed.title, (missed,)),
+            Fold(missed.title, (classes_chart, missed)),
             Sentences(tuple(said(gain, result.objects) for gain in fusion_gains(fusion))),
             Fold(
                 "X and Y as one system; boxes by who matches them",

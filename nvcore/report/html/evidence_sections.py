@@ -369,11 +369,10 @@ def stability_section(
     sentences = describe_stability(first.stability)
     title = f"{PLANES[first.plane]}, by {CRITERIA[first.criterion]}: {sentences[0]}"
     blocks += [
-        Sentences((title,)),
         Chart(
             "stability", stability_map(first.stability, theme=result.scheme("light")), sentences[0]
         ),
-        Fold("This map in words", (Sentences(sentences[1:]),)),
+        Fold("This map in words", (Sentences((title, *sentences[1:])),)),
     ]
     return Section("stability", STABILITY_TITLE, intro, tuple(blocks))
 

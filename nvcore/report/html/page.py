@@ -20,6 +20,8 @@ from nvcore.wording import shortened
 
 TEMPLATES: Final = Path(__file__).parent / "templates"
 LONG_WORD: Final = 24
+SHORT_NAME: Final = 16
+"""Most characters of a name with hyphens that stays in one line."""
 SHORT_ROWS: Final = 12
 SHORT_SIGNS: Final = 900
 CHART_CONFIG: Final = {**CONFIG, "responsive": True}
@@ -82,7 +84,7 @@ def _environment() -> Environment:
     )
     environment.globals |= {  # also in the macros of blocks.html
         "picture_address": picture_address,
-        "is_long": _is_long,
+        "cell_class": _cell_class,
         "is_short": _is_short,
         "css_text": css_text,
     }
@@ -105,6 +107,10 @@ def _is_short(block: Table) -> bool:
     return len(block.rows) < SHORT_ROWS and n_signs < SHORT_SIGNS
 
 
-def _is_long(cell: str) -> bool:
-    """Whether it has a word that may be broken anywhere, such as a hash or a path."""
-    return max(map(len, cell.split()), default=0) > LONG_WORD
+def _cell_class(cell: str, *, is_number: bool) -> str:
+    """How the cell is aligned and broken: a hash or a path anywhere, a short name nowhere."""
+    if is_number:
+        return "right between" if " to " in cell else "right"
+    if max(map(len, cell.split()), default=0) > LONG_WORD:
+        return "long"
+    return "whole" if "-" in cell and len(cell) <= SHORT_NAME else ""

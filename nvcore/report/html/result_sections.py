@@ -140,7 +140,7 @@ def _windows(result: Result) -> Fold:
     labels = ("lost (s per minute)", "worst window", "lost in it (s)", "its middle (s)")
     head = ("Recording", *(f"{letter}: {label}" for letter in "XY" for label in labels))
     note = (
-        "Lost: the sum of (1 - similarity) * time step. The worst window is the "
+        "Lost: the sum of (1 − similarity) × time step. The worst window is the "
         f"{result.params.window:g} s with the lowest mean similarity, which is given."
     )
     if len(windows):

@@ -292,7 +292,7 @@ def test_changed_parameters_and_the_protocol_are_told_and_the_stability_map_may_
     session = replace(session, protocol=PROTOCOLS["reasonable"])
     page = Page(written(tmp_path / "r.html", changed, session, stability=False))
     assert page.row("Parameters", "alpha")[:2] == ["0.625, changed", "0.9"]
-    assert "1 - (0.625 × D(truth, system) + 0.375 × D(system, truth))" in page.text
+    assert "1 − (0.625 × D(truth, system) + 0.375 × D(system, truth))" in page.text
     assert "1 for everybody" in page.text
     assert "at most 2 % of the picture's width" in page.text
     assert "Protocol reasonable:" in page.text

@@ -4,7 +4,8 @@
   const root = document.documentElement;
   const PAPER_PX = 695; // A4 less the margins of page.css
   const LEGEND_ROW_PX = 22;
-  const PAPER_HEIGHT = 0.7; // of a chart's height on the screen, if its scales are free
+  const LEAST_PX = 250;
+  const PAPER_HEIGHT = 0.67; // of its height on the screen, if a chart's scales are free
 
   /** The bytes of a gzip member without extra fields (RFC 1951, 1952). */
   const gunzip = (packed) => {
@@ -81,7 +82,9 @@
       const { data, layout } = JSON.parse(chart.querySelector("script").textContent);
       if (onPaper) {
         layout.width = PAPER_PX;
-        if (!layout.yaxis?.scaleanchor) layout.height *= PAPER_HEIGHT;
+        if (!layout.yaxis?.scaleanchor) {
+          layout.height = Math.max(PAPER_HEIGHT * layout.height, Math.min(layout.height, LEAST_PX));
+        }
         if (layout.margin.autoexpand === false) { // room for one more row of the legend
           layout.margin.t += LEGEND_ROW_PX;
           layout.height += LEGEND_ROW_PX;

@@ -38,7 +38,8 @@ def reading(params: Params, theme: Theme) -> tuple[str, ...]:
         f"{RELEVANT_K:g} or more, see Similarity); an encounter without any is too far to count, "
         "in short: distant.",
         f"In the charts {' and '.join(drawn)}: each system has its colour and line, whichever is "
-        "X. A dash in a table means not defined, never zero.",
+        "X. A dash in a table means not defined, never zero. Files such as encounters.csv are "
+        "tables of the same comparison.",
     )
 
 
@@ -136,9 +137,9 @@ def similarity(params: Params, midpoint: str, spread: str) -> Intro:
     a = params.alpha
     borrowed = " ({a_one}'s own, else one that {his} matches report)" if borrows(params) else ""
     weights = {
-        "height": "1 / (1 + exp(-(height of the box - midpoint) / spread))",
-        "horizon": "1 / (1 + exp(-(foot point below the horizon - midpoint) / spread))",
-        "distance": f"1 / (1 + exp((distance{borrowed} - midpoint_m) / spread_m)), by the height "
+        "height": "1 / (1 + exp(−(height of the box − midpoint) / spread))",
+        "horizon": "1 / (1 + exp(−(foot point below the horizon − midpoint) / spread))",
+        "distance": f"1 / (1 + exp((distance{borrowed} − midpoint_m) / spread_m)), by the height "
         "of the box where the distance is unknown",
         "none": "1 for {everybody}",
     }
@@ -162,7 +163,7 @@ def similarity(params: Params, midpoint: str, spread: str) -> Intro:
         how="Of all {many} of a frame the one is taken that is worst represented: its "
         "distance to the nearest detection, or to the border where that is nearer, times its "
         "weight of nearness. That is D(truth, system); D(system, truth) is the same for the "
-        "detection that is farthest from any {one}. Similarity is 1 - "
+        "detection that is farthest from any {one}. Similarity is 1 − "
         f"({a:g} × D(truth, system) + {1 - a:.4g} × D(system, truth)) / (half the picture's "
         "width). "
         f"The weight of nearness is {weights[params.proximity]}{in_use}. The border is the nearer "
@@ -206,11 +207,11 @@ def saliency(params: Params) -> Intro:
 def _recency(params: Params, scope: str) -> str:
     if params.recency_unit == "seconds":
         return (
-            f"1 / (1 + exp((t - {params.recency_midpoint_s:g}) / {params.recency_spread_s:g})), t "
+            f"1 / (1 + exp((t − {params.recency_midpoint_s:g}) / {params.recency_spread_s:g})), t "
             f"being the seconds left to the end of the {scope}"
         )
     return (
-        f"1 / (1 + exp(-(t - {params.recency_midpoint:g}) / {params.recency_spread:g})), t being "
+        f"1 / (1 + exp(−(t − {params.recency_midpoint:g}) / {params.recency_spread:g})), t being "
         f"the share of the {scope} that has passed"
     )
 
