@@ -35,8 +35,6 @@ from nvcore.wording import UNDEFINED, count_text, number
 
 N_HEAVIEST = 10
 """How many of the encounters that weigh most are listed."""
-IN_ENCOUNTERS = "in encounters.csv"
-"""Where paper's reader finds other encounters."""
 
 
 def encounters_section(result: Result) -> Section:
@@ -261,5 +259,5 @@ def only_one_section(result: Result) -> Section:
     left_out = len(exclusive) - len(rows)
     note = f"The heaviest {len(rows):,} are shown, {left_out:,} are left out." if left_out else ""
     listing = table(title, head, rows, right=range(3, 10), note=note)
-    fold = Fold(title, (listing,), IN_ENCOUNTERS)
+    fold = Fold(title, (listing,), "in encounters.csv")
     return Section("only-one", "Encounters that only one detects", words.ONLY_ONE, (fold,))

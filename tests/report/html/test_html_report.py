@@ -35,6 +35,7 @@ from nvcore.report.html import (
 from nvcore.report.html.blocks import (
     MAX_CELL,
     MAX_NOTE,
+    MAX_PRINTED,
     MAX_ROWS,
     Chart,
     Sentences,
@@ -127,6 +128,34 @@ def test_the_first_page_has_verdict_tiles_frames_and_limits(content, result):
     assert "2 recordings: what others would show is open (6 are needed)." in first
     assert "Bars: " not in first  # so few recordings have no intervals
     assert 'class="dot"' not in first
+
+
+def test_the_first_page_says_who_x_and_y_are_and_on_what_they_are_compared(content):
+    first = Page(cover(content)).text
+    assert "fir, every detection counts" in first
+    assert "nir, every detection counts" in first
+    assert "2 recordings, 40 evaluated frames, 2 s, 40 pedestrian boxes; 2 encounters" in first
+
+
+def test_measures_that_are_0_for_both_have_a_sentence_instead_of_a_tile(tmp_path):
+    truth = [at(frame, 50, track=1) for frame in range(8)]
+    result = result_of(make_dataset(truth, truth, truth))
+    content = written(tmp_path / "r.html", result, session_of(tmp_path), stability=False)
+    first = cover(content)
+    assert first.count('class="tile"') == 1
+    assert "0 for both: time missed, false alerts, worst miss." in first
+
+
+def test_negative_numbers_have_a_minus_and_no_hyphen(page):
+    text = " ".join(words for words in page.words if not words.startswith("\n:root"))  # no style
+    assert re.search(r"−\d", text)
+    assert re.findall(r"(?<![\w.])-(?=\.?\d)|X - Y", text) == []
+
+
+def test_long_tables_say_on_paper_how_many_rows_are_left_out_and_where_they_are(content, page):
+    n_left_out = len(page.tables["Parameters"]) - 1 - MAX_PRINTED
+    assert content.count('<tr class="screen">') >= n_left_out > 0
+    assert f'<p class="note paper">{n_left_out} more: in the HTML file.</p>' in content
 
 
 def test_what_the_author_writes_stands_on_the_first_page_as_text(result, session, tmp_path):
