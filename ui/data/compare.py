@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -29,16 +30,19 @@ from ui.shell import operating_point, systems
 from ui.widgets.charts import draw_chart
 from ui.widgets.text import docs_link, number, plain
 
+EXACT_OPEN: Final = "exact_thresholds"
+"""Whether the fields for exact thresholds are unfolded."""
 LOWEST: Final = "threshold_at_lowest"
 """System and threshold typed just now, if that is its lowest score or less."""
 MOST_KEPT: Final = 32
 """Curves and points that are kept for all sessions."""
+PLOT_PX: Final = 250
+"""Height of a plot, with its heading."""
 
 
 def draw() -> None:
-    """Choice of X and Y, then one column for each."""
+    """Choice of X and Y, what their thresholds leave, then one column of plots for each."""
     st.header("Compare")
-    _draw_choice()
     x, y = state.systems()
     if y is None:
         st.info(
@@ -46,29 +50,32 @@ def draw() -> None:
             icon=":material/info:",
         )
     else:
-        _draw_same_point(x, y)
-        _draw_primary()
-    st.caption(
-        state.say(
-            "False alarms here are single detections that match {nobody}, counted in every frame. "
-            "What a driver would notice is on the Overview: false-alert episodes, false alarms "
-            "linked over frames ({link}).",
-            link=docs_link("more", "false-alarms"),
-        )
+        _draw_choice(x, y)
+    named = [(letter, name) for letter, name in zip("xy", (x, y), strict=True) if name is not None]
+    with st.container(horizontal=True, vertical_alignment="center"):
+        if y is not None:
+            _draw_same_point(x, y)
+        _draw_exact(named)
+    if y is not None:
+        operating_point.draw_change("data")
+    st.table(_points(named), width="stretch", hide_index=True)
+    notes = (
+        "Thresholds are set in the sidebar. False alarms here are single detections that match "
+        "{nobody}, counted in every frame. What a driver would notice is on the Overview: "
+        "false-alert episodes, false alarms linked over frames ({link}).",
+        sampling_note(state.opened().dataset.frame_columns),
     )
-    columns = st.columns(2)
-    for column, letter, name in zip(columns, "xy", (x, y), strict=True):
-        if name is not None:
-            with column:
-                _draw_system(letter, name)
+    link = docs_link("more", "false-alarms")
+    st.caption(" ".join(state.say(note, link=link) for note in notes if note))
+    for column, (letter, name) in zip(st.columns(2), named, strict=False):
+        with column:
+            _draw_plots(letter, name)
 
 
-def _draw_choice() -> None:
+def _draw_choice(x: str, y: str) -> None:
+    """Who is X, who is Y, and the measure by which they are compared."""
     names = list(state.opened().dataset.systems)
-    x, y = state.systems()
-    if y is None:
-        return
-    left, middle, right = st.columns([5, 2, 5], vertical_alignment="bottom")
+    left, middle, right, last = st.columns([4, 2, 4, 5], vertical_alignment="bottom")
     # the widgets show what is open, however it was changed
     st.session_state["choice_x"], st.session_state["choice_y"] = x, y
     left.selectbox("System X", names, key="choice_x", on_change=_choose, args=("x",))
@@ -80,13 +87,9 @@ def _draw_choice() -> None:
         key="swap_systems",
     )
     right.selectbox("System Y", names, key="choice_y", on_change=_choose, args=("y",))
-
-
-def _draw_primary() -> None:
-    """The measure by which the comparison is decided."""
     primary = primary_of(state.opened().dataset)
     st.session_state["choice_primary"] = primary.key
-    st.selectbox(
+    last.selectbox(
         "Decide by",
         list(CLAIMABLE.values()),
         key="choice_primary",
@@ -125,46 +128,30 @@ def _choose(letter: str) -> None:
         systems.compare(y if chosen == x and y is not None else x, chosen)
 
 
-def _draw_system(letter: str, name: str) -> None:
-    dataset, params = state.opened().dataset, state.params()
-    field = f"threshold_{letter}"
-    threshold: float | None = getattr(params, field)
-    st.markdown(f"**{letter.upper()}: {plain(name)}**")
-    if state.score_span(name) is None:
-        st.caption("The detections of this system have no scores that differ: every one counts.")
-    else:
-        key = f"data_{field}"
-        st.session_state[key] = threshold
-        st.number_input(
-            f"Score threshold of {letter.upper()}",
-            key=key,
-            value=None,
-            step=0.01,
-            format="%.4g",
-            placeholder="every detection counts",
-            on_change=_take_threshold,
-            args=(letter,),
-            help="Detections with a lower score are left out. Empty: every detection counts.",
-        )
-        _draw_lowest(letter)
-    point = _point(dataset, name, params, threshold)
-    n_all = len(dataset.system(name))
-    detections, alarms = st.columns(2)
-    detections.metric("Detections kept", f"{point.n_kept:,} of {n_all:,}")
-    alarms.metric(
-        "False alarms per minute",
-        number(point.false_alarms_per_minute, ".1f"),
-        help=state.say("Detections that match {nobody}, per minute of the recordings."),
+def _draw_exact(named: Sequence[tuple[str, str]]) -> None:
+    """Fields for values between the steps of the sidebar's sliders, folded away."""
+    scored = [letter for letter, name in named if state.score_span(name) is not None]
+    place = st.popover(
+        "Type exact thresholds", disabled=not scored, key=EXACT_OPEN, on_change="rerun"
     )
-    alarms.caption(
-        f"{number(point.false_alarms_per_frame, '.3g')} per frame; {point.n_false_alarms:,} in all"
-    )
-    if note := sampling_note(dataset.frame_columns):
-        alarms.caption(note)
-    if state.score_span(name) is not None:
-        scores, alarms_left = _plots(letter, name, threshold)
-        draw_chart(scores, f"scores_{letter}")
-        draw_chart(alarms_left, f"alarms_{letter}")
+    if not place.open:  # a field out of sight would send its old value after others changed it
+        return
+    with place:
+        for letter in scored:
+            key = f"data_threshold_{letter}"
+            st.session_state[key] = getattr(state.params(), f"threshold_{letter}")
+            st.number_input(
+                f"Score threshold of {letter.upper()}",
+                key=key,
+                value=None,
+                step=0.01,
+                format="%.4g",
+                placeholder="every detection counts",
+                on_change=_take_threshold,
+                args=(letter,),
+                help="Detections with a lower score are left out. Empty: every detection counts.",
+            )
+            _draw_lowest(letter)
 
 
 def _draw_lowest(letter: str) -> None:
@@ -178,6 +165,37 @@ def _draw_lowest(letter: str) -> None:
         )
 
 
+def _points(named: Sequence[tuple[str, str]]) -> pd.DataFrame:
+    """What the thresholds leave, a row for each of X and Y; names are Markdown."""
+    dataset, params = state.opened().dataset, state.params()
+    rows = []
+    for letter, name in named:
+        threshold: float | None = getattr(params, f"threshold_{letter}")
+        point = _point(dataset, name, params, threshold)
+        all_count = "every detection counts"
+        if state.score_span(name) is None:
+            all_count = "no scores that differ: every detection counts"
+        rows.append(
+            {
+                "System": f"**{letter.upper()}**: {plain(name)}",
+                "Score threshold": all_count if threshold is None else f"{threshold:.4g}",
+                "Detections kept": f"{point.n_kept:,} of {len(dataset.system(name)):,}",
+                "False alarms": f"{point.n_false_alarms:,}",
+                "per frame": number(point.false_alarms_per_frame, ".3g"),
+                "per minute": number(point.false_alarms_per_minute, ".1f"),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _draw_plots(letter: str, name: str) -> None:
+    if state.score_span(name) is None:
+        return
+    threshold: float | None = getattr(state.params(), f"threshold_{letter}")
+    for figure, kind in zip(_plots(letter, name, threshold), ("scores", "alarms"), strict=True):
+        draw_chart(figure, f"{kind}_{letter}")
+
+
 def _plots(letter: str, name: str, threshold: float | None) -> tuple[go.Figure, go.Figure]:
     """Scores of a system, and the false alarms that each threshold leaves."""
     dataset, matching, theme = state.opened().dataset, state.params().only_for(MATCH), state.theme()
@@ -186,8 +204,10 @@ def _plots(letter: str, name: str, threshold: float | None) -> tuple[go.Figure, 
         "threshold_plots",
         (letter, name, threshold, matching, theme),
         lambda: (
-            score_plot(score_histogram(dataset, name), **shown),
-            false_alarm_plot(_false_alarm_curve(dataset, name, matching), **shown),
+            score_plot(score_histogram(dataset, name), **shown).update_layout(height=PLOT_PX),
+            false_alarm_plot(_false_alarm_curve(dataset, name, matching), **shown).update_layout(
+                height=PLOT_PX
+            ),
         ),
         most=8,
     )
@@ -221,7 +241,6 @@ def _draw_same_point(x: str, y: str) -> None:
         st.caption("Neither system has scores that differ: there is no threshold to move.")
     elif operating_point.why_fixed(fixed):
         st.caption(f"{fixed.upper()} has no scores that differ: only {moved.upper()} can be moved.")
-    operating_point.draw_change("data")
 
 
 def _which_moves(x: str, y: str) -> str | None:

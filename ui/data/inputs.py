@@ -30,7 +30,7 @@ IMAGES: Final = "single pictures sent"
 def draw() -> None:
     """Inputs, recordings and notes of the open comparison."""
     space, dataset = state.workspace(), state.opened().dataset
-    st.subheader("What was read")
+    st.header("What was read")
     st.table(_inputs(dataset), width="stretch", hide_index=True)
     left_out = left_out_table(dataset)
     if not left_out.empty:
@@ -42,12 +42,16 @@ def draw() -> None:
         st.caption(plain(note[:1].upper() + note[1:]))
     with st.expander("Change the names of the systems"):
         names.draw_systems()
-    st.subheader("Recordings")
     draw_trouble("session")
     names.draw_done()
     _draw_picture_troubles(space)
     notes = {state.recording_names()[row]: note for row, note in space.pictures.notes.items()}
-    editor.draw(*_all_pictures(space), notes)
+    with st.expander(
+        "Recordings: names, sizes, frame rates, traffic, tags and pictures",
+        key="recordings",
+        on_change="rerun",  # then it stays unfolded when its table is applied
+    ):
+        editor.draw(*_all_pictures(space), notes)
     horizon.draw()
 
 

@@ -16,20 +16,32 @@ from nvcore.evidence.operating_points import equal_setting, find_equal_alarms
 from nvcore.report.words import sampling_note
 from pages import checked, texts, to_page
 from pages import opened as opened_app
+from ui.data.compare import EXACT_OPEN
 
 
 def n_kept(page) -> int:
-    return int(page.metric[0].value.split(" of ")[0].replace(",", ""))
+    return int(page.table[0].value["Detections kept"][0].split(" of ")[0].replace(",", ""))
+
+
+def thresholds(page) -> list[str]:
+    return page.table[0].value["Score threshold"].tolist()
+
+
+def with_fields(page):
+    """The page with its fields for exact thresholds unfolded."""
+    page.session_state[EXACT_OPEN] = True
+    return checked(page.run())
 
 
 def test_thresholds_change_what_is_kept_and_go_with_their_systems():
-    page = opened()
-    before, of_y = n_kept(page), page.number_input(key="data_threshold_y").value
-    checked(page.number_input(key="data_threshold_x").set_value(0.7).run())
+    page = with_fields(opened())
+    before, (_, of_y) = n_kept(page), thresholds(page)
+    checked(page.number_input(key="data_threshold_x").set_value(0.705).run())
     assert n_kept(page) < before
+    assert thresholds(page) == ["0.705", of_y]
     press(page, "swap_systems")
-    assert page.number_input(key="data_threshold_y").value == 0.7
-    assert page.number_input(key="data_threshold_x").value == of_y
+    assert thresholds(page) == [of_y, "0.705"]
+    assert page.number_input(key="data_threshold_y").value == 0.705
     # choosing X as Y swaps them as well
     checked(page.selectbox(key="choice_y").set_value("NIR").run())
     chosen = page.selectbox(key="choice_x").value, page.selectbox(key="choice_y").value
@@ -40,12 +52,11 @@ def test_the_same_operating_point_may_lie_above_the_highest_score(tmp_path: Path
     truth, fir, nir = drive_files(tmp_path)
     nir += b"rural,5,500,200,40,100,0.95\n"  # the best score is a false alarm
     page = open_files(sent(truth, ("fir.csv", fir), ("nir.csv", nir)))
-    checked(page.number_input(key="data_threshold_x").set_value(0.75).run())
+    checked(page.slider(key="threshold_x").set_value(0.75).run())
     press(page, "same_point")
     assert page.session_state["params"].threshold_y > 0.95
     assert "Y: threshold" in texts(page)
-    rates = [metric.value for metric in page.metric if "False alarms" in metric.label]
-    assert rates == ["0.0", "0.0"]
+    assert page.table[0].value["per minute"].tolist() == ["0.0", "0.0"]
 
 
 def drive_files(folder: Path) -> tuple[bytes, bytes, bytes]:
@@ -98,7 +109,7 @@ def test_the_same_operating_point_is_that_of_the_verdict(tmp_path: Path):
 
 
 def test_a_threshold_at_the_lowest_score_says_that_every_detection_counts(tmp_path: Path):
-    page = opened_drive(tmp_path, "fir.csv", "nir.csv")
+    page = with_fields(opened_drive(tmp_path, "fir.csv", "nir.csv"))
     checked(page.number_input(key="data_threshold_x").set_value(0.8).run())
     said = "of X has a score below"
     assert said not in texts(page)
@@ -117,8 +128,9 @@ def test_after_opening_the_next_step_stands_first_and_thresholds_are_asked_for(t
     assert banner.value.startswith("**Opened: Uploaded files.**")
     assert button.label == "Next: see the comparison"
     assert "until thresholds are set under “Compare”" in texts(page)
+    assert thresholds(page) == ["every detection counts"] * 2
     assert not page.button(key="same_point").disabled
-    checked(page.number_input(key="data_threshold_x").set_value(0.8).run())
+    checked(page.slider(key="threshold_x").set_value(0.8).run())
     assert "Opened: Uploaded files" in texts(page)  # it stays while one works on the page
     press(page, "see_opened")
     assert page.session_state["wanted_page"] == "overview"

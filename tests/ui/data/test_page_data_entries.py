@@ -72,7 +72,7 @@ def test_other_thresholds_list_other_boxes():
     (button,) = [button for button in page.button if button.label == "Show all 2 boxes"]
     page = press(page, button.key)
     assert listed(page)["frame"].tolist() == [1, 2]
-    page.number_input(key="data_threshold_x").set_value(0.4)
+    page.slider(key="threshold_x").set_value(0.4)
     assert listed(checked(page.run()))["frame"].tolist() == [1]
 
 

@@ -38,7 +38,7 @@ KINDS: Final = {
     Severity.NOTE: ("remark to look at", "remarks to look at"),
 }
 MOST_SHOWN: Final = 4
-"""Findings that stand open; the rest is folded."""
+"""Errors and warnings that stand open, or else one remark; the rest is folded."""
 
 
 def draw() -> None:
@@ -47,26 +47,22 @@ def draw() -> None:
     label, n = state.opened().label, len(state.recording_names())
     which = filter_text() or f"{n:,} recording{'s' if n > 1 else ''}"
     st.header(f"Open now: {plain(label)} ({plain(which)})")
-    st.subheader("What to mind before trusting the numbers")
     if not findings:
         st.success(
             f"The audit of {plain(label)} found nothing to mind.", icon=":material/check_circle:"
         )
         return
-    urgent = [finding for finding in findings if finding.severity is not Severity.NOTE]
-    if urgent:
+    n_urgent = sum(finding.severity is not Severity.NOTE for finding in findings)
+    if n_urgent:
+        st.subheader("What to mind before trusting the numbers")
         st.caption(_counts(findings))
-    for number, finding in enumerate(urgent[:MOST_SHOWN]):
+    n_shown = min(n_urgent, MOST_SHOWN) or 1
+    for number, finding in enumerate(findings[:n_shown]):
         _draw_one(findings, finding, number)
-    further = [
-        *urgent[MOST_SHOWN:],
-        *(finding for finding in findings if finding.severity is Severity.NOTE),
-    ]
-    if further:
-        title = f"{'And ' if urgent else ''}{_counts(further)}"
+    if further := findings[n_shown:]:
         has_open_list = any(entries.is_open(finding) for finding in further)
-        with st.expander(title, expanded=not urgent or has_open_list):
-            for number, finding in enumerate(further, start=MOST_SHOWN):
+        with st.expander(f"And {_counts(further)}", expanded=has_open_list):
+            for number, finding in enumerate(further, start=n_shown):
                 _draw_one(findings, finding, number)
 
 
