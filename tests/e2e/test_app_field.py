@@ -30,7 +30,7 @@ ROW = "frame,x,y,w,h,track\n"
 
 def send(one: Visit, folder: Path, files: dict[str, tuple[str, bytes]]) -> None:
     """Choose the files of each field, and wait until the page has looked at them."""
-    one.page.get_by_role("tab", name="Upload").click()
+    one.open_way("Upload")
     for key, (name, content) in files.items():
         path = folder / key / name
         path.parent.mkdir()

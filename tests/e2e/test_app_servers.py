@@ -68,7 +68,7 @@ def test_a_deep_link_shows_pictures_and_boxes(one):
 def test_a_video_is_uploaded(one, tmp_path):
     video = write_files(tmp_path).video
     show(one, "Data")
-    one.page.get_by_role("tab", name="Upload").click()
+    one.open_way("Upload")
     one.keyed("upload_pictures").locator("input[type=file]").set_input_files(video)
     expect(one.page.get_by_text(f"Here: {video.name}")).to_be_visible()
 

@@ -86,6 +86,28 @@ def test_a_page_gets_the_files_that_another_has_once_that_one_has_gone(visit, tm
     expect(new.recording_field(RECORDING)).to_have_count(1)
 
 
+def test_what_was_typed_before_an_upload_is_no_threshold_of_it_and_the_form_is_folded(
+    visit, tmp_path: Path
+):
+    one: Visit = visit("data")
+    one.page.get_by_role("button", name="Type exact thresholds").click()
+    field = one.page.get_by_role("spinbutton", name="Score threshold of X")
+    field.fill("0.805")
+    field.press("Enter")
+    one.query("threshold_x", "0.805")
+    one.wait_until_drawn()
+    send(one, write_files(tmp_path, 40))
+    form = one.keyed("open_upload")
+    expect(form).to_be_hidden()
+    one.keyed("recordings").get_by_text(re.compile("^Recordings: ")).click()
+    one.keyed("apply_recordings").get_by_role("button").click()
+    expect(one.page.get_by_text("Nothing was changed")).to_be_visible()  # what was sent has arrived
+    one.wait_until_drawn()
+    for letter in "XY":
+        expect(one.page.get_by_text(f"Every detection of {letter} counts.")).to_be_visible()
+    expect(form).to_be_hidden()
+
+
 @pytest.fixture
 def stranger(chromium: BrowserContext) -> Iterator[BrowserContext]:
     """Windows without the cookies and the cache of the others."""
@@ -126,7 +148,7 @@ def test_pictures_that_are_refused_are_told_at_once(visit, tmp_path):
     wrong = tmp_path / "walk.mp4"
     wrong.write_text("no video\n")
     one: Visit = visit("data")
-    one.page.get_by_role("tab", name="Upload").click()
+    one.open_way("Upload")
     with one.page.expect_console_message(lambda message: "415" in message.text):
         one.keyed("upload_pictures").locator("input[type=file]").set_input_files(wrong)
     told = one.page.get_by_role("alert").filter(has_text="walk.mp4")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Final
 
@@ -14,7 +14,7 @@ from ui.data import local, upload
 from ui.data.form import forget_outcome
 from ui.data.inputs import sent_pictures
 from ui.data.missing_inputs import MissingInputs, ask_for_missing
-from ui.data.opening import draw_trouble, try_to_open
+from ui.data.opening import WAYS, WAYS_OPEN, draw_trouble, has_trouble, try_to_open
 from ui.session import state
 from ui.session.local_files import LocalRoot, local_root
 from ui.session.opening import uploaded_session
@@ -32,19 +32,21 @@ SAMPLE_TEXT = (
 
 
 def draw() -> None:
-    """The tabs; folded once something was opened, since what matters then stands below."""
-    is_as_started = state.opened().label == state.shared_start().opened.label
-    with st.expander("Open another comparison", expanded=is_as_started):
+    """The ways, folded but where something is left to do there."""
+    if WAYS_OPEN not in st.session_state:  # the page is new
+        st.session_state[WAYS_OPEN] = has_trouble() or upload.has_lost(state.workspace())
+    with st.expander(WAYS, key=WAYS_OPEN, on_change="rerun"):
         _draw_tabs()
 
 
 def _draw_tabs() -> None:
     root, trouble = _root()
-    tabs = {"Sample": _draw_sample, "Upload": upload.draw, "Session file": draw_session_form}
-    if start_file() is not None:
-        tabs = {"Start": _draw_start, **tabs}
+    tabs: dict[str, Callable[[], None]] = {"Upload": upload.draw}
     if root is not None:
         tabs["Local folder"] = partial(local.draw, root)
+    tabs |= {"Session file": draw_session_form, "Sample": _draw_sample}
+    if start_file() is not None:
+        tabs["Start"] = _draw_start
     if trouble:
         st.warning(plain(trouble), icon=":material/warning:")
     for tab, draw_tab in zip(st.tabs(list(tabs)), tabs.values(), strict=True):

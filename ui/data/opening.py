@@ -21,6 +21,10 @@ _OPENED: Final = "data_opened"
 _SHOWN_OPENING: Final = "data_opened_shown"
 _SEE: Final = "see_opened"
 _DRAWN: Final = "data_drawn"
+WAYS: Final = "Open your own files or another comparison"
+"""Label of the box with all ways to open something."""
+WAYS_OPEN: Final = "data_ways"
+"""Whether that box is unfolded."""
 SESSION: Final = "session"
 """The part of the page that changes the open comparison, rather than opening another."""
 MISSING_WORDS: Final = {
@@ -87,6 +91,11 @@ def trouble_of(place: str) -> Trouble | None:
     return trouble
 
 
+def has_trouble() -> bool:
+    """Whether something could not be opened, and the choice that made trouble is as it was."""
+    return any(str(key).startswith(f"{_KEY}_") for key in st.session_state)
+
+
 def forget_trouble(place: str) -> None:
     """To be called when the choice that made trouble has changed."""
     st.session_state.pop(_key(place), None)
@@ -126,6 +135,8 @@ def _draw_opened(label: str) -> None:
         del st.session_state[_OPENED]
         return
     st.session_state[_SHOWN_OPENING] = n_opened
+    if is_first:
+        st.session_state[WAYS_OPEN] = False
     st.success(
         f"**Opened: {plain(label)}.** Below: what to mind and what was read.{_on_thresholds()}",
         icon=":material/check_circle:",
@@ -169,8 +180,7 @@ def _on_thresholds() -> str:
     if not is_open:
         return ""
     return (
-        " Every detection counts, however low its score, until thresholds are set under “Compare” "
-        "below."
+        " Every detection counts, however low its score, until thresholds are set in the sidebar."
     )
 
 

@@ -149,6 +149,11 @@ def draw() -> None:
             st.button("Empty the form", key="empty_upload", on_click=_empty, args=(space,))
 
 
+def has_lost(space: Workspace) -> bool:
+    """Whether files were chosen and not opened before the page was loaded again."""
+    return _CHOSEN in space.notes and not st.session_state.get(_CHOSEN, False)
+
+
 def _key(name: str) -> str:
     """Key of a widget of the form; each form has its own."""
     form = state.workspace().form

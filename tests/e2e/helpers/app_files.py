@@ -83,7 +83,7 @@ def send_annotations(one: Visit, key: str, path: Path) -> None:
 
 def send(one: Visit, files: Sent) -> None:
     """Upload all files and answer what the app asks."""
-    one.page.get_by_role("tab", name="Upload").click()
+    one.open_way("Upload")
     for key, path in (
         ("upload_truth", files.truth), ("upload_system_0", files.x), ("upload_system_1", files.y),
     ):  # fmt: skip

@@ -114,6 +114,12 @@ class Visit:
         self.keyed("overview_more").get_by_text(part, exact=True).click()
         self.wait_until_drawn()
 
+    def open_way(self, way: str) -> None:
+        """Unfold the ways to open something on Data, and choose one."""
+        self.keyed("data_ways").get_by_text("Open your own files").click()
+        self.page.get_by_role("tab", name=way).click()
+        self.wait_until_drawn()
+
     def prefer(self, theme: Literal["light", "dark"]) -> None:
         """Change the person's theme; plots and viewer have it a run later."""
         self.page.emulate_media(color_scheme=theme)

@@ -45,7 +45,7 @@ def test_the_page_opens_on_the_sample():
     assert page.table[0].value["False alarms"].tolist() == ["57", "58"]
     assert "frame is evaluated" not in texts(page)
     # the files of the machine are out of reach unless asked for
-    assert [tab.label for tab in page.tabs] == ["Sample", "Upload", "Session file"]
+    assert [tab.label for tab in page.tabs] == ["Upload", "Session file", "Sample"]
 
 
 def test_a_time_offset_found_is_applied_with_one_click(tmp_path: Path):

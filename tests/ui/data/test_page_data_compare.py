@@ -127,7 +127,7 @@ def test_after_opening_the_next_step_stands_first_and_thresholds_are_asked_for(t
     assert (banner.type, button.type) == ("success", "button")
     assert banner.value.startswith("**Opened: Uploaded files.**")
     assert button.label == "Next: see the comparison"
-    assert "until thresholds are set under “Compare”" in texts(page)
+    assert "until thresholds are set in the sidebar" in texts(page)
     assert thresholds(page) == ["every detection counts"] * 2
     assert not page.button(key="same_point").disabled
     checked(page.slider(key="threshold_x").set_value(0.8).run())

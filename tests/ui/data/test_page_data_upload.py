@@ -32,6 +32,7 @@ from inputs import drive, mot_layout
 from streamlit.testing.v1 import AppTest
 
 from pages import checked, texts
+from ui.data.opening import WAYS_OPEN
 from ui.session import uploads
 
 
@@ -113,6 +114,20 @@ def test_three_systems_can_be_sent_and_any_two_compared(tmp_path: Path):
     open_files(checked(page.run()))
     checked(page.selectbox(key="choice_y").set_value("third").run())
     assert page.table[-1].value["Source"].tolist() == ["Truth", "X: fir", "nir", "Y: third"]
+
+
+def test_the_ways_are_folded_after_success_and_stay_open_after_failure(tmp_path: Path):
+    page = sent_drive(tmp_path, "fir.csv", "nir.csv")
+    assert not page.session_state[WAYS_OPEN]
+    page.session_state[WAYS_OPEN] = True
+    press(page, "open_upload")
+    assert "Not opened" in texts(page)  # the size is not known
+    assert page.session_state[WAYS_OPEN]
+    open_files(page)
+    assert "Opened: Uploaded files" in texts(page)
+    assert not page.session_state[WAYS_OPEN]
+    page.session_state[WAYS_OPEN] = True
+    assert checked(page.run()).session_state[WAYS_OPEN]
 
 
 def test_what_is_still_to_be_chosen_is_said_first_and_what_is_open_is_named(tmp_path: Path):

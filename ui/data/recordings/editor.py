@@ -20,7 +20,7 @@ from nvcore.inputs.session import RecordingEntry, Session
 from nvcore.params.traffic import count_contexts
 from nvcore.settings import MAX_FPS, MIN_FPS
 from nvcore.wording import MOST_NAMED, count_text, listed
-from ui.data.opening import try_to_open
+from ui.data.opening import WAYS, try_to_open
 from ui.data.recordings.edited import (
     COLUMNS,
     NAMES_ALONE,
@@ -119,7 +119,7 @@ def edit(
         "Pictures",
         options=[NO_PICTURES, *pictures],
         required=True,
-        help="Send pictures under “Open another comparison”, Upload; they appear here.",
+        help=f"Send pictures under “{WAYS}”, Upload; they appear here.",
     )
     edited: pd.DataFrame = st.data_editor(
         table,
@@ -227,7 +227,7 @@ def _filled(table: pd.DataFrame, file: SentFile, choices: Mapping[str, str | Non
     if lost:
         st.warning(
             f"The file names pictures that are not here: {plain(listed(lost, most=MOST_NAMED))}. "
-            "Send them under “Open another comparison”, Upload, and fill the table again.",
+            f"Send them under “{WAYS}”, Upload, and fill the table again.",
             icon=":material/warning:",
         )
     return filled_in
