@@ -125,11 +125,11 @@ def test_on_paper_nothing_is_wider_than_the_page(seen):
 def printed(
     chromium: BrowserContext, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[bytes, list[dict]]:
-    """The sample's report, printed as soon as it is parsed, and its charts as they were then."""
+    """The sample's report, printed as soon as it is loaded, and its charts as they were then."""
     path, session = tmp_path_factory.mktemp("sample") / "report.html", read_session(SAMPLE)
     write_html_report(compare(load(session)), session, (), path)
     page = chromium.browser.new_page(viewport={"width": 1280, "height": 800})
-    page.goto(path.as_uri(), wait_until="domcontentloaded")
+    page.goto(path.as_uri())
     page.evaluate(ON_PAPER)
     pdf = page.pdf(prefer_css_page_size=True)
     charts = page.evaluate("onPaper")
@@ -167,7 +167,7 @@ def test_what_paper_leaves_out_is_named_there_and_unfolds_on_the_screen(seen):
 
 def test_a_browser_that_cannot_unpack_the_charts_says_so_and_shows_the_tables(chromium, report):
     context = chromium.browser.new_context(offline=True)
-    context.add_init_script("delete window.TextDecoder")
+    context.add_init_script("delete window.DecompressionStream")
     page = context.new_page()
     page.goto(report.as_uri())
     page.locator("html[data-charts=failed]").wait_for(timeout=PATIENCE_MS)

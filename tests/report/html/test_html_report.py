@@ -143,7 +143,7 @@ def test_measures_that_are_0_for_both_have_a_sentence_instead_of_a_tile(tmp_path
     content = written(tmp_path / "r.html", result, session_of(tmp_path), stability=False)
     first = cover(content)
     assert first.count('class="tile"') == 1
-    assert "0 for both: time missed, false alerts, worst miss." in first
+    assert "0 for both: time missed, false-alert episodes, worst miss." in first
 
 
 def test_negative_numbers_have_a_minus_and_no_hyphen(page):
