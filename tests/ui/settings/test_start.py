@@ -50,7 +50,7 @@ def test_every_visitor_starts_with_it_and_shares_what_is_read(night: Path):
 def test_the_data_page_opens_the_sample_and_then_it_again(night: Path):
     page = checked(opened("data"))
     assert "Open now: night.toml (" in texts(page)
-    assert [tab.label for tab in page.tabs] == ["Start", "Sample", "Upload", "Session file"]
+    assert [tab.label for tab in page.tabs] == ["Upload", "Session file", "Sample", "Start"]
     press(page, "open_sample")
     assert "Open now: Sample recordings (" in texts(page)
     press(page, "open_start")
