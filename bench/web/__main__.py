@@ -89,6 +89,9 @@ def open_set(page: Page, url: str) -> float:
     """Open the folder's session file on the Data page; seconds until everything is shown."""
     page.goto(f"{url}/data")
     settle(page)
+    box = page.get_by_text("Open your own files or another comparison")
+    if box.count():  # versions before have it open
+        box.click()
     page.get_by_role("tab", name="Local folder").click(timeout=60_000)
     button = page.get_by_role("button", name="Open session")
     button.wait_for(timeout=60_000)
