@@ -264,9 +264,9 @@ def draw(traces: Any, theme: Theme, **settings: Any) -> go.Figure:
 
 
 def empty_figure(text: str, *, theme: Theme, height: int = 200) -> go.Figure:
-    """A figure without data: one sentence that says why, and what to do."""
+    """A figure without data: one sentence that says why, and what to do; it is its name as well."""
     margin, hidden = dict.fromkeys("lrtb", 8), {"xaxis": HIDDEN_AXIS, "yaxis": HIDDEN_AXIS}
-    figure = draw([], theme, height=height, margin=margin, **hidden)
+    figure = draw([], theme, height=height, margin=margin, meta=("", text), **hidden)
     lines, place = "<br>".join(wrap(text, EMPTY_LINE)), {"x": 0.5, "y": 0.5}
     write(figure, lines, size=14, color=LOOK[theme].muted, xref="paper", yref="paper", **place)
     return figure

@@ -94,7 +94,7 @@ def _draw_heading(
     if time_axis and tuple(figure.layout.meta) != meta:  # it may be drawn by others meanwhile
         figure.layout.meta = meta
     if not title:
-        return None
+        return unescape(subtitle) or None
     text = f'<div class="nv-figure"><p><strong>{title}</strong> <span>{subtitle}</span></p>'
     if help_text:  # between empty lines it is Streamlit's Markdown, whose links open as everywhere
         text += f'<details class="nv-help"><summary>?</summary>\n\n{help_text}\n\n</details>'

@@ -261,8 +261,7 @@ function makeReachable(plot) {
 
 function nameFor(plot) {
   const { title, subtitle } = headingOf(plot);
-  const name = [title, subtitle].filter(Boolean).map(asText).join(": ");
-  if (!name) return; // it has none yet, or says by itself what it lacks
+  const name = [title, subtitle].filter(Boolean).map(asText).join(": ") || "Figure";
   const isClicked = areClicked(plot);
   const keys = isClicked ? ". Arrow keys go from point to point, Enter does what a click does." : "";
   if (plot.getAttribute("aria-label") === name + keys) return;
