@@ -11,8 +11,6 @@ import plotly.graph_objects as go
 
 from nvcore.figures.marks import marks, steady_marker
 from nvcore.figures.style import (
-    LEFT_PX,
-    LEGEND,
     LOOK,
     axis,
     counts_axis,
@@ -193,6 +191,7 @@ def miss_classes_plot(
         bargroupgap=0.08,
         xaxis=axis(
             theme,
+            "miss class",
             tickvals=place,
             ticktext=[CLASS_WORDS[kind] for kind in MissClass],
             showgrid=False,
@@ -332,8 +331,6 @@ def position_map(encounters: pd.DataFrame, *, theme: Theme, objects: Objects) ->
         height=430,
         showlegend=True,
         hoverdistance=24,
-        margin={"l": LEFT_PX, "r": 16, "t": 64, "b": 104},
-        legend={**LEGEND, "y": 0, "yref": "container"},
         xaxis=axis(
             theme,
             "mean position in the picture",

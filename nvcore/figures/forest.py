@@ -12,6 +12,7 @@ import plotly.graph_objects as go
 from nvcore.evidence.subgroups import ALL
 from nvcore.figures.marks import marks, still_line, with_gaps
 from nvcore.figures.style import (
+    LETTER_PX,
     LOOK,
     axis,
     draw,
@@ -125,7 +126,7 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
         f"in brackets: p corrected for all groups{which_is_which(theme)}",
         height=130 + ROW_PX * len(table),
         showlegend=False,
-        margin={"l": 190, "r": 260, "t": 64, "b": 48},
+        margin={"r": LETTER_PX * max(len(count["text"]) for count in counts)},
         xaxis=axis(theme, f"difference{_in_unit(scale)} ({side}: X is better)", range=ends),
         yaxis=rows_axis(theme, labels, room=0.5, **fixed),
         annotations=counts,

@@ -11,9 +11,11 @@ import plotly.graph_objects as go
 from nvcore.dataset import Dataset
 from nvcore.figures.marks import line_up
 from nvcore.figures.style import (
+    EDGE_PX,
     HEADING_PX,
     LOOK,
     axis,
+    begins_at,
     draw,
     empty_figure,
     faded,
@@ -83,7 +85,7 @@ def score_plot(
         bargap=0,
         barmode="overlay",
         showlegend=False,
-        xaxis=axis(theme, "score", showgrid=False),
+        xaxis=axis(theme, f"score{begins_at(low[0])}", range=[low[0], high[-1]], showgrid=False),
         yaxis=axis(theme, "detections", rangemode="tozero", fixedrange=True),
     )
     _threshold_line(figure, threshold, theme)
@@ -123,7 +125,7 @@ def false_alarm_plot(
         height=280,
         hovermode="x",
         showlegend=False,
-        xaxis=axis(theme, "score threshold"),
+        xaxis=axis(theme, f"score threshold{begins_at(curve['threshold'].min())}"),
         yaxis=axis(theme, "false alarms per minute", rangemode="tozero", fixedrange=True),
     )
     _threshold_line(figure, threshold, theme)
@@ -197,7 +199,7 @@ def proximity_plot(dataset: Dataset, params: Params, *, theme: Theme) -> go.Figu
         theme,
         title="Proximity weight",
         height=SMALL_PX + HEADING_PX,
-        margin={"l": 34, "r": 8, "t": 8 + HEADING_PX, "b": 38},
+        margin={"l": 0, "r": EDGE_PX},
         bargap=0,
         xaxis=axis(theme, title, range=[edges[0], end], fixedrange=True, showgrid=False),
         yaxis=axis(theme, "weight", range=[0, 1.05], fixedrange=True, tickvals=[0, 0.5, 1]),

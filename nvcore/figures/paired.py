@@ -121,5 +121,5 @@ def recordings_plot(
         height=150 + ROW_PX * len(largest),
         hoverdistance=-1,
         xaxis=axis(theme, look.axis_title + begins_at(start), range=[start, high + margin]),
-        yaxis=rows_axis(theme, labels, tickvals=place, fixedrange=True, automargin=True),
+        yaxis=rows_axis(theme, labels, tickvals=place, fixedrange=True),
     )

@@ -12,7 +12,6 @@ from nvcore.comparison import Result
 from nvcore.figures.marks import marks, steady_marker, still_line, with_gaps
 from nvcore.figures.style import (
     CLEAR,
-    LEGEND,
     LOOK,
     axis,
     begins_at,
@@ -34,8 +33,6 @@ MANY_EVENTS: Final = 40
 """Events of a system above which the marks on the curve are small and open."""
 N_PARTS: Final = 6
 """Events of each system that are taken apart."""
-LEGEND_PX: Final = 66
-"""How far below the top of the figure the legend of the parts begins."""
 CURVE_POINTS: Final = 201
 SHIFT: Final = 0.03
 """How far from the curve the marks of X and Y stand apart from each other."""
@@ -196,21 +193,16 @@ def parts_plot(
         return empty_figure(result.objects.say(NO_EVENTS), theme=theme)
     is_risk = result.params.saliency_weight == "risk"
     what = "the largest counts" if result.params.saliency_aggregate == "max" else "their sum counts"
-    height = 150 + 24 * len(labels)
-    # placed by the container in both directions: beside long labels there is no room in the plot,
-    # and a legend that is held by one side of it takes more of it away
-    legend = {"xref": "container", "x": 0.01, "yref": "container", "y": 1 - LEGEND_PX / height}
     return draw(
         traces,
         theme,
         title="The number taken apart",
         subtitle=f"{count_text(len(labels), 'largest event')}; pale: "
         f"{'weighted distance' if is_risk else 'duration'}, solid: × recency",
-        height=height,
+        height=150 + 24 * len(labels),
         barmode="overlay",
-        legend=LEGEND | legend | {"yanchor": "top"},
         xaxis=axis(theme, f"seconds; {what}", rangemode="tozero"),
-        yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False, automargin=True),
+        yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False),
     )
 
 

@@ -166,7 +166,6 @@ def _map_axis(setting: Axis, theme: Theme) -> dict[str, Any]:
     more: dict[str, Any] = {
         "showgrid": False,
         "fixedrange": True,
-        "automargin": True,
         "ticks": "outside",
         "ticklen": 8,
         "tickcolor": CLEAR,

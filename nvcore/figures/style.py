@@ -47,18 +47,25 @@ LABEL_GAP_PX: Final = 5
 """Between the label of a row and what is drawn in it, which may begin at the axis."""
 HEADING_PX: Final = 54
 """Height of a figure's title and subtitle."""
+EDGE_PX: Final = 8
+"""Between a figure's edge and what is drawn; labels and legend push the plot further in."""
+LETTER_PX: Final = 6.6
+"""Width of a letter of a label, about."""
 HIDDEN_AXIS: Final = {"visible": False, "fixedrange": True}
 CLEAR: Final = "rgba(0,0,0,0)"
 LEGEND: Final[dict[str, Any]] = {
     "orientation": "h",
     "x": 0,
+    "xref": "container",
     "xanchor": "left",
-    "y": 1,
-    "yanchor": "bottom",
+    "yref": "container",
+    "yanchor": "top",
     "font": {"size": 12},
     "bgcolor": CLEAR,
 }
-"""In a row, on the left, just above the plot."""
+"""In as many rows as it needs, on the left, below the heading."""
+ON_PLOT: Final = {"xref": "paper", "yref": "paper", "y": 1, "yanchor": "bottom"}
+"""Of a legend that stands just above the plot instead."""
 
 
 @dataclass(frozen=True)
@@ -156,6 +163,7 @@ def axis(theme: Theme, title: str = "", **more: Any) -> dict[str, Any]:
     look = LOOK[theme]
     return {
         "title": {"text": title, "font": {"size": 12, "color": look.muted}, "standoff": 8},
+        "automargin": True,
         "gridcolor": look.grid,
         "zeroline": False,
         "showline": False,
@@ -223,10 +231,11 @@ def layout(
     title, subtitle
         What is shown, and how much stands behind it; names in them went through `plain`.
     more
-        Further layout settings, such as axes; they replace those given here.
+        Further layout settings, such as axes; they replace those given here, of margin and legend
+        each by itself.
     """
-    look = LOOK[theme]
-    has_legend = more.get("showlegend", True)
+    look, top = LOOK[theme], EDGE_PX + (HEADING_PX if title else 0)
+    margin = {"l": EDGE_PX, "r": 2 * EDGE_PX, "t": top, "b": EDGE_PX}
     return {
         "height": height,
         "autosize": True,
@@ -245,8 +254,8 @@ def layout(
             "yanchor": "top",
             "pad": {"t": 20, "l": 4},
         },
-        "legend": LEGEND,
-        "margin": {"l": LEFT_PX, "r": 16, "t": 88 if has_legend else 64, "b": 48},
+        "legend": LEGEND | {"y": 1 - top / height} | more.pop("legend", {}),
+        "margin": margin | more.pop("margin", {}),
         "hoverlabel": {
             "bgcolor": look.surface,
             "bordercolor": look.pale,
@@ -265,8 +274,8 @@ def draw(traces: Any, theme: Theme, **settings: Any) -> go.Figure:
 
 def empty_figure(text: str, *, theme: Theme, height: int = 200) -> go.Figure:
     """A figure without data: one sentence that says why, and what to do; it is its name as well."""
-    margin, hidden = dict.fromkeys("lrtb", 8), {"xaxis": HIDDEN_AXIS, "yaxis": HIDDEN_AXIS}
-    figure = draw([], theme, height=height, margin=margin, meta=("", text), **hidden)
+    hidden = {"xaxis": HIDDEN_AXIS, "yaxis": HIDDEN_AXIS}
+    figure = draw([], theme, height=height, meta=("", text), **hidden)
     lines, place = "<br>".join(wrap(text, EMPTY_LINE)), {"x": 0.5, "y": 0.5}
     write(figure, lines, size=14, color=LOOK[theme].muted, xref="paper", yref="paper", **place)
     return figure

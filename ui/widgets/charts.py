@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from html import unescape
-from typing import Any, Final, Literal
+from typing import Any, Literal
 
 import plotly.graph_objects as go
 import streamlit as st
 
-from nvcore.figures.style import CONFIG, HEADING_PX, split_heading
+from nvcore.figures.style import CONFIG, EDGE_PX, HEADING_PX, split_heading
 from ui.session import state
 from ui.widgets.clicks import is_new_click
-
-LEAST_TOP_PX: Final = 10
 
 
 def draw_chart(
@@ -106,10 +104,12 @@ def _without_heading(figure: go.Figure) -> go.Figure:
     """The figure, its title and subtitle moved to ``layout.meta``, where the browser finds them."""
     layout = figure.layout
     heading = split_heading(layout.title.text)
-    top = max(layout.margin.t - HEADING_PX, LEAST_TOP_PX) if any(heading) else layout.margin.t
-    height = None if layout.height is None else layout.height - layout.margin.t + top
-    if layout.legend.yref == "container":  # it keeps its distance to the plot
-        from_top = (1 - layout.legend.y) * layout.height - (layout.margin.t - top)
-        layout.legend.y = 1 - from_top / height
-    figure.update_layout(meta=heading, title_text=None, margin_t=top, height=height)
+    if any(heading):
+        height, top = layout.height - HEADING_PX, layout.margin.t - HEADING_PX
+        if layout.legend.yref == "container":
+            layout.legend.y = 1 - ((1 - layout.legend.y) * layout.height - HEADING_PX) / height
+        else:
+            top = EDGE_PX  # above the plot it makes the room that it needs
+        layout.update(margin_t=top, height=height)
+    figure.update_layout(meta=heading, title_text=None)
     return figure

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from nvcore.detectors.figures.pictures import picture_axes, picture_layer
 from nvcore.figures.marks import click_markers, marks, steady_marker, still_line, with_gaps
-from nvcore.figures.style import HEADING_PX, LEGEND, LOOK, draw, faded, plain
+from nvcore.figures.style import LOOK, draw, faded, plain
 from nvcore.metrics.matching import iou_of_pairs
 from nvcore.palette import Theme, scheme_of
 from nvcore.pictures import Picture
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from nvcore.detectors.base import Detections
 
 HEIGHT_PX: Final = 560
-TOP_PX: Final = HEADING_PX + 34
 SUPPRESSED: Final = 0.25
 """Opacity of boxes that went."""
 MARK_PX: Final = (3, 8)
@@ -121,8 +120,8 @@ def boxes_plot(
         title=title,
         subtitle=_counts(int(is_above.sum()), is_counting, truth, states),
         height=HEIGHT_PX,
-        margin={"l": 4, "r": 4, "t": TOP_PX, "b": 4},
-        legend={**LEGEND, "bgcolor": look.surface, "font": {"size": 12, "color": look.ink}},
+        margin={"l": 0, "r": 0},
+        legend={"bgcolor": look.surface, "font": {"size": 12, "color": look.ink}},
         images=[picture_layer(picture, *own_size)],
         **picture_axes(*own_size, can_zoom=True),
         dragmode="zoom",

@@ -9,7 +9,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from nvcore.figures.marks import marks, steady_marker, still_line
-from nvcore.figures.style import LEFT_PX, LOOK, axis, draw
+from nvcore.figures.style import LOOK, axis, draw
 from nvcore.palette import Theme
 from nvcore.wording import count_text
 
@@ -78,7 +78,6 @@ def confidence_plot(path: WindowPath, *, theme: Theme) -> go.Figure:
         title="Running confidence of the window",
         subtitle=outcome,
         height=HEIGHT_PX,
-        margin={"l": LEFT_PX, "r": 16, "t": 88, "b": 48},
         xaxis=axis(theme, "trees", range=[0, n_trees + 1], fixedrange=True),
         yaxis=axis(theme, "confidence", fixedrange=True, zeroline=True, zerolinecolor=look.pale),
     )
@@ -143,7 +142,6 @@ def traces_plot(
         subtitle=f"{n_through} of {count_text(len(objects), 'object')} came through; "
         f"{count_text(len(background), 'window')} of background rejected",
         height=HEIGHT_PX,
-        margin={"l": LEFT_PX, "r": 16, "t": 88, "b": 48},
         xaxis=axis(theme, "trees", type="log", fixedrange=True),
         yaxis=axis(theme, "confidence", fixedrange=True, zeroline=True, zerolinecolor=look.pale),
     )
@@ -187,7 +185,6 @@ def training_plot(error: np.ndarray, round_ends: np.ndarray, *, theme: Theme) ->
         title="Training error over the rounds",
         subtitle="each round begins anew, with the background that the last one took for objects",
         height=HEIGHT_PX,
-        margin={"l": LEFT_PX, "r": 16, "t": 88, "b": 48},
         xaxis=axis(theme, "trees of the round", rangemode="tozero", fixedrange=True),
         yaxis=axis(theme, "training error", rangemode="tozero", tickformat=".0%", fixedrange=True),
     )

@@ -93,7 +93,6 @@ def pictures_plot(
         images[-1]["source"] = _address(shown, SMALL_PX)
         text = written(plain(name), size=12, color=LOOK[theme].ink, x=left, y=place["y"])
         labels.append({**text, "xanchor": "left", "yanchor": "bottom", "xshift": -2})
-    margin = {"l": 4, "r": 4, "t": HEADING_PX + 8, "b": 4}
     size = columns * step[0] - 0.04 * width, rows * step[1]
     return draw(
         [],
@@ -101,7 +100,7 @@ def pictures_plot(
         title=title,
         subtitle=subtitle,
         height=HEADING_PX + 12 + ROW_PX * rows,
-        margin=margin,
+        margin={"l": 0, "r": 0},
         showlegend=False,
         images=images,
         annotations=labels,

@@ -8,7 +8,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from nvcore.detectors.figures.pictures import picture_axes, picture_layer
-from nvcore.figures.style import HEADING_PX, LOOK, draw, faded
+from nvcore.figures.style import LOOK, draw, faded
 from nvcore.palette import Theme
 from nvcore.pictures import Picture
 from nvcore.wording import count_text
@@ -90,7 +90,7 @@ def score_map_plot(
         f"{settings.window_width * level.across:.0f} × {settings.window_height * level.down:.0f} "
         f"px, {windows.n_through:,} came through",
         height=HEIGHT_PX,
-        margin={"l": 4, "r": 4, "t": HEADING_PX + 8, "b": BAR_PX},
+        margin={"l": 0, "r": 0, "b": BAR_PX},
         images=[picture_layer(picture, width, height)],
         **picture_axes(width, height),
     )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 import plotly.graph_objects as go
 
 from nvcore.figures.marks import still_line
-from nvcore.figures.style import HEADING_PX, HIDDEN_AXIS, LOOK, draw, faded, plain, written
+from nvcore.figures.style import HIDDEN_AXIS, LOOK, draw, faded, plain, written
 from nvcore.palette import Theme
 from nvcore.wording import minus
 
@@ -91,7 +91,6 @@ def tree_plot(
         title=f"Tree {number:,}",
         subtitle=f"what each leaf adds to the confidence{outcome}",
         height=HEIGHT_PX,
-        margin={"l": 4, "r": 4, "t": HEADING_PX + 8, "b": 4},
         showlegend=False,
         shapes=shapes,
         annotations=texts,

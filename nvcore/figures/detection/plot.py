@@ -14,7 +14,7 @@ from nvcore.figures.detection.kinds import KINDS, ON_AXES, CurveKind, Kind
 from nvcore.figures.detection.points import Points
 from nvcore.figures.marks import HOVER, click_markers, marks, steady_marker, system_marker
 from nvcore.figures.rate_axis import LogScale, decades, log_scale
-from nvcore.figures.style import LOOK, axis, draw, empty_figure, plain, system_label
+from nvcore.figures.style import LOOK, axis, begins_at, draw, empty_figure, plain, system_label
 from nvcore.objects import Objects
 from nvcore.palette import Theme
 from nvcore.published import PublishedPoint
@@ -254,5 +254,7 @@ def _axes(
         x |= x_scale.axis()
     elif of.x == "recall":
         x |= {"range": UNIT_RANGE}
+    if y_scale is not None and not y_scale.edge_label:
+        y["title"]["text"] += begins_at(y_scale.low)
     y |= {"range": UNIT_RANGE} if y_scale is None else y_scale.axis()
     return {"xaxis": x, "yaxis": y}

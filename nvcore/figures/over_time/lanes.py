@@ -14,9 +14,10 @@ from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers, line_up, still_line, with_gaps
 from nvcore.figures.over_time.similarity import end_of, time_range
 from nvcore.figures.style import (
+    EDGE_PX,
     LEFT_PX,
-    LEGEND,
     LOOK,
+    ON_PLOT,
     Look,
     axis,
     draw,
@@ -182,10 +183,10 @@ def lanes_figure(
         subtitle=f"{extent}; upper bar {labels[0]}, lower bar {labels[1]}{strip.words}",
         height=AROUND_PX + lanes_px + strip.height_px,
         hoverdistance=-1,
-        margin={"l": LEFT_PX, "r": 16, "t": AROUND_PX - 8, "b": 8},
+        margin={"l": LEFT_PX, "t": AROUND_PX - EDGE_PX},
         # above the lanes, and as wide as that of the similarity over time
         xaxis=along | strip.xaxis,
-        legend=LEGEND | {"y": 1 + AXIS_PX / (lanes_px + strip.height_px)},
+        legend=ON_PLOT | {"y": 1 + AXIS_PX / (lanes_px + strip.height_px)},
         yaxis=rows_axis(theme, pedestrians, fixedrange=True, showgrid=False) | strip.yaxis,
         uirevision=f"{result.dataset.fingerprint} {recording} lanes",
         **strip.more,

@@ -16,7 +16,7 @@ from nvcore.figures.over_time.similarity import (
     evenly,
     time_range,
 )
-from nvcore.figures.style import LEGEND, LOOK, axis, draw, empty_figure, faded, plain, write
+from nvcore.figures.style import LEFT_PX, LOOK, axis, draw, empty_figure, faded, plain, write
 from nvcore.metrics.losses import lost_per_minute
 from nvcore.palette import Theme
 from nvcore.scoring import SystemResult
@@ -94,7 +94,8 @@ def loss_plot(
         subtitle=_subtitle(result, rows),
         height=HEIGHT_PX,
         hoverdistance=-1,
-        legend=LEGEND | {"traceorder": "normal"},
+        margin={"l": LEFT_PX},
+        legend={"traceorder": "normal"},
         uirevision=f"{result.dataset.fingerprint} {recording} losses",
         **_axes(result.sides, end_of(result, recording), top, theme),
     )

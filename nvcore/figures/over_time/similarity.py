@@ -13,6 +13,7 @@ from tsdownsample import MinMaxLTTBDownsampler
 from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers, still_line
 from nvcore.figures.style import (
+    LEFT_PX,
     LOOK,
     axis,
     begins_at,
@@ -234,6 +235,7 @@ def similarity_plot(
         title=f"Similarity over time, {name}",
         subtitle=_subtitle(result, span, counts),
         height=HEIGHT_PX[layout],
+        margin={"l": LEFT_PX},
         barmode="overlay",
         hoverdistance=-1,
         uirevision=f"{result.dataset.fingerprint} {recording} {layout}",

@@ -87,7 +87,6 @@ def loss_strip_plot(result: Result, strip: LossStrip, *, theme: Theme) -> go.Fig
         height=132 + strips_px,
         hoverdistance=-1,
         showlegend=False,
-        margin={"l": 130, "r": 16, "t": 64, "b": 48},
         xaxis=axis(theme, "time (s)", range=[0, end_s], showgrid=False),
         yaxis=rows_axis(
             theme,

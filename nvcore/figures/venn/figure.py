@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 
 from nvcore.figures.marks import click_markers, marks, steady_marker
 from nvcore.figures.style import (
-    HEADING_PX,
+    EDGE_PX,
     HIDDEN_AXIS,
     LOOK,
     Look,
@@ -113,7 +113,7 @@ def venn_figure(
         subtitle=f"{count_text(venn.n_near, 'encounter')} near enough to count; {areas}",
         height=HEIGHT_PX,
         hoverdistance=24,
-        margin={"l": 8, "r": 8, "t": HEADING_PX, "b": 4},
+        margin={"r": EDGE_PX},
         xaxis={**HIDDEN_AXIS, "range": [frame.left, frame.right]},
         yaxis={**HIDDEN_AXIS, "range": [frame.bottom, frame.top], "scaleanchor": "x"},
     )

@@ -12,8 +12,8 @@ from nvcore.comparison import Result
 from nvcore.figures.marks import marks, steady_marker, still_line, system_marker, with_gaps
 from nvcore.figures.style import (
     CLEAR,
-    LEGEND,
     LOOK,
+    ON_PLOT,
     axis,
     draw,
     empty_figure,
@@ -34,13 +34,9 @@ MOST_S: Final = 12.0
 """Time before contact that is drawn at most, unless last chances are earlier; what was before
 that stands at the edge."""
 ROW_PX: Final = 26
-LEGEND_PX: Final = 4
-"""Room between the rows and the legend."""
 TOP_PX: Final = 108
-"""Height of title and legend, which in a narrow window has two rows."""
-BOTTOM_PX: Final = 48
-LETTER_PX: Final = 6.6
-"""Width of a letter of a row's label."""
+"""Height of heading and legend, which in a narrow window has two rows."""
+AXIS_PX: Final = 42
 APART: Final = 0.2
 """How far the mark of X stands above a row's middle, and Y's below, in rows."""
 BAND: Final = 0.4
@@ -91,17 +87,10 @@ def approach_plot(
         theme,
         title="From the first sight to contact",
         subtitle=extent,
-        height=TOP_PX + ROW_PX * n + BOTTOM_PX,
+        height=TOP_PX + ROW_PX * n + AXIS_PX,
         hoverdistance=-1,
-        # margins of Plotly's own choice put a legend of two rows over the data
-        margin={
-            "l": max(76, 16 + LETTER_PX * max(map(len, labels))),
-            "r": RIGHT_PX,
-            "t": TOP_PX,
-            "b": BOTTOM_PX,
-            "autoexpand": False,
-        },
-        legend=LEGEND | {"y": 1 + LEGEND_PX / (ROW_PX * n)},
+        margin={"r": RIGHT_PX, "t": TOP_PX},
+        legend=ON_PLOT,  # right of it are the titles of the impact speeds
         annotations=_impacts(part, theme),
         xaxis=axis(
             theme,

@@ -12,8 +12,6 @@ from nvcore.comparison import Result
 from nvcore.figures.marks import marks, steady_marker, still_line
 from nvcore.figures.style import (
     CLEAR,
-    LEFT_PX,
-    LEGEND,
     LOOK,
     axis,
     draw,
@@ -114,8 +112,6 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
         subtitle=extent,
         height=420,
         hoverdistance=24,
-        margin={"l": LEFT_PX, "r": 16, "t": 64, "b": 88},
-        legend={**LEGEND, "y": 0, "yref": "container"},
         xaxis=_axis("x", result, (low, high, never), ends, theme),
         yaxis=_axis("y", result, (low, high, never), ends, theme),
     )

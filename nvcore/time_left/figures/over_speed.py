@@ -10,7 +10,7 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.figures.marks import HOVER, system_marker
-from nvcore.figures.style import LEFT_PX, LOOK, axis, draw, empty_figure, system_label, write
+from nvcore.figures.style import LOOK, axis, draw, empty_figure, system_label, write
 from nvcore.palette import Theme
 from nvcore.time_left.judging import turning_speeds
 from nvcore.wording import count_text
@@ -102,7 +102,6 @@ def over_speed_plot(
         subtitle=f"{count_text(n[0], 'urgent encounter')} at {speeds[0]:g} km/h, {n[-1]:,} at "
         f"{speeds[-1]:g}; {style.better}",
         height=HEIGHT_PX,
-        margin={"l": LEFT_PX, "r": 16, "t": 88, "b": 48, "autoexpand": False},
         hoverdistance=-1,
         xaxis=axis(
             theme,

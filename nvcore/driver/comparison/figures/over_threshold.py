@@ -9,7 +9,6 @@ import plotly.graph_objects as go
 
 from nvcore.figures.marks import HOVER, line_up, steady_marker, system_marker
 from nvcore.figures.style import (
-    LEFT_PX,
     LOOK,
     axis,
     counts_axis,
@@ -67,7 +66,6 @@ def driver_threshold_plot(
             "{n} of which it is known; the threshold decides {what} the driver sees", n=n
         ),
         height=HEIGHT_PX,
-        margin={"l": LEFT_PX, "r": 16, "t": 106, "b": 48},
         xaxis=axis(
             theme,
             f"threshold: share of drivers who would see the {objects.singular} (driver_threshold)",

@@ -75,7 +75,6 @@ def driver_venn_plot(
         f"{n_unknown:,} unknown, {n_distant:,} distant; circles are not to scale",
         height=HEIGHT_PX,
         showlegend=False,
-        margin={"l": 8, "r": 8, "t": 64, "b": 8},
         shapes=[_circle(who, theme) for who in CENTRES],
         annotations=[*_labels(names, theme), *numbers],
         xaxis=HIDDEN_AXIS | {"range": [-2.0, 2.0]},

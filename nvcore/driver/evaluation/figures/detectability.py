@@ -9,10 +9,12 @@ import plotly.graph_objects as go
 
 from nvcore.driver.evaluation.figures.errors import period_axis
 from nvcore.figures.marks import HOVER
-from nvcore.figures.style import LOOK, axis, draw, empty_figure, written
+from nvcore.figures.style import HEADING_PX, LOOK, axis, draw, empty_figure, written
 from nvcore.palette import Theme
 from nvcore.wording import count_text, percent
 
+TITLES_PX: Final = 26
+"""Height of the periods above the plots."""
 HEIGHT_PX: Final = 340
 GAP: Final = 0.02
 """Between two histograms, as a share of the width."""
@@ -115,7 +117,7 @@ def detectability_histograms_plot(histograms: pd.DataFrame, *, theme: Theme) -> 
         subtitle=f"{count_text(n, 'pedestrian')} at each; 0: nobody saw him, 1: everybody",
         height=HEIGHT_PX,
         showlegend=False,
-        margin={"l": 76, "r": 16, "t": 88, "b": 48},
+        margin={"t": HEADING_PX + TITLES_PX},
         bargap=0.08,
         annotations=titles,
         yaxis=axis(theme, "pedestrians", rangemode="tozero", fixedrange=True, tickformat=",d"),

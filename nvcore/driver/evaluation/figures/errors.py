@@ -68,7 +68,6 @@ def estimator_errors_plot(
         title="Error on pedestrians left out",
         subtitle=f"{count_text(int(rows['n'].max()), 'pedestrian')} at each period; 0 is best",
         height=HEIGHT_PX,
-        margin={"l": 76, "r": 16, "t": 108, "b": 48},
         xaxis=period_axis(theme, rows["period_s"]),
         yaxis=axis(theme, "mean squared error", rangemode="tozero", fixedrange=True),
     )

@@ -62,7 +62,6 @@ def feature_pairs_plot(pairs: pd.DataFrame, *, theme: Theme) -> go.Figure:
         "is the error",
         height=AROUND_PX + ROW_PX * len(error),
         showlegend=False,
-        margin={"l": 310, "r": 16, "t": 64, "b": 48},
         xaxis=axis(
             theme,
             PERIOD,
