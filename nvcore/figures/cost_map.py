@@ -44,7 +44,7 @@ def cost_plot(cost_map: CostMap, *, theme: Theme, objects: Objects) -> go.Figure
         theme,
         title="Cost of a miss",
         height=SMALL_PX + HEADING_PX,
-        margin={"l": 0, "r": 0},
+        margin={"r": 0},
         xaxis=axis(theme, "lateral position (px)", range=across, fixedrange=True, showgrid=False),
         yaxis=axis(theme, f"{feet} (row)", range=down[::-1], fixedrange=True, showgrid=False),
     )

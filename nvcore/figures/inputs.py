@@ -199,7 +199,7 @@ def proximity_plot(dataset: Dataset, params: Params, *, theme: Theme) -> go.Figu
         theme,
         title="Proximity weight",
         height=SMALL_PX + HEADING_PX,
-        margin={"l": 0, "r": EDGE_PX},
+        margin={"r": EDGE_PX},
         bargap=0,
         xaxis=axis(theme, title, range=[edges[0], end], fixedrange=True, showgrid=False),
         yaxis=axis(theme, "weight", range=[0, 1.05], fixedrange=True, tickvals=[0, 0.5, 1]),

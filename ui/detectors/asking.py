@@ -15,6 +15,7 @@ from nvcore.dataset.provenance import About
 from nvcore.detectors.base import Detections
 from nvcore.detectors.training.overlap import training_overlap
 from nvcore.errors import MediaError
+from nvcore.figures.style import plain
 from nvcore.palette import Scheme, scheme_for
 from nvcore.pictures import Picture
 from ui.detectors.confined import DetectorFacts, DetectorSpec, describe, find
@@ -64,6 +65,13 @@ def described(spec: DetectorSpec) -> DetectorFacts:
 def found(spec: DetectorSpec, picture: Picture) -> Detections:
     """All boxes of the detector in the picture of the current frame; errors as `ask`."""
     return ask("boxes", find, spec, picture, key=place())
+
+
+def on_frame(about: About) -> str:
+    """The detector on the current frame, as a figure says what it is of."""
+    dataset, row = state.opened().dataset, state.row_in_all()
+    frame, name = dataset.frame_columns.frame[row], state.recording_names()[state.recording()]
+    return f"{plain(about.name)} on frame {frame} of {plain(name)}"
 
 
 def theme_of(about: About) -> Scheme:

@@ -15,6 +15,7 @@ from nvcore.detectors.figures.tree import tree_plot
 from nvcore.detectors.icf.displays import usable_scales
 from nvcore.detectors.icf.settings import IcfSettings
 from nvcore.errors import NvcoreError, ParameterError
+from nvcore.figures.style import plain
 from nvcore.pictures import Picture
 from ui.detectors import asking
 from ui.detectors.confined import (
@@ -64,6 +65,7 @@ def draw(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
             draw_chart(
                 training_plot(inside.error, inside.round_ends, theme=state.theme().shade),
                 "detector_training",
+                of=plain(asking.described(spec).about.name),
                 help="Share of the training's windows on the wrong side. Each round but the first "
                 "has more background, that which the round before took for objects: it is harder.",
             )
@@ -100,7 +102,8 @@ def _draw_pictures(spec: DetectorSpec, inside: Inside, picture: Picture) -> None
     figure = pictures_plot(
         steps, theme=shade, title="The picture on its way", subtitle=subtitle, columns=3
     )
-    draw_chart(figure, "detector_steps")
+    of = asking.on_frame(asking.described(spec).about)
+    draw_chart(figure, "detector_steps", of=of)
     origin = "" if computed == scale else f", made from those of scale {computed:.3g} as in a run"
     figure = pictures_plot(
         channels,
@@ -110,7 +113,7 @@ def _draw_pictures(spec: DetectorSpec, inside: Inside, picture: Picture) -> None
         "each is stretched",
         stretched=True,
     )
-    draw_chart(figure, "detector_channels")
+    draw_chart(figure, "detector_channels", of=of)
 
 
 def _draw_map(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
@@ -126,6 +129,7 @@ def _draw_map(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
     draw_chart(
         figure,
         "detector_map",
+        of=asking.on_frame(asking.described(spec).about),
         help=f"A window is given to {n_trees:.1f} of {inside.n_trees:,} trees on average: most are "
         "rejected early.",
     )
@@ -158,10 +162,11 @@ def _draw_traces(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
     objects, background = asking.ask(
         "traces", traces_in, spec, picture, truth, scale, key=key, most=asking.LARGE_KEPT
     )
-    theme = asking.theme_of(asking.described(spec).about)
+    about = asking.described(spec).about
     draw_chart(
-        traces_plot(objects, background, theme=theme),
+        traces_plot(objects, background, theme=asking.theme_of(about)),
         "detector_traces",
+        of=asking.on_frame(about),
         help=f"Objects: the window nearest to each of the truth's first {MOST_TRACES} boxes, where "
         "one fits, at the scale of that. Background: windows of the chosen scale that are "
         "rejected, some early and some late. A line ends where its window is rejected.",
@@ -181,14 +186,15 @@ def _draw_window(spec: DetectorSpec, inside: Inside, picture: Picture) -> None:
         f"The box with the score {boxes.score[row]:.3g}, at scale {scale:.3g}; a click in the "
         "picture above chooses another."
     )
-    theme = asking.theme_of(asking.described(spec).about)
+    about = asking.described(spec).about
+    theme, of = asking.theme_of(about), asking.on_frame(about)
     left, right = st.columns(2, gap="medium")
     with left:
-        draw_chart(confidence_plot(path, theme=theme), "detector_confidence")
+        draw_chart(confidence_plot(path, theme=theme), "detector_confidence", of=of)
     with right:
         number = st.number_input("Tree", 1, inside.n_trees, 1, 1, key="detector_tree", width=200)
         tree = asking.ask("tree", tree_of, spec, number - 1, key=number)
         leaf = int(np.asarray(path.leaf)[number - 1])
         window = inside.settings.window_width, inside.settings.window_height
         figure = tree_plot(tree, theme=theme, window=window, number=number, leaf=leaf)
-        draw_chart(figure, "detector_tree_plot")
+        draw_chart(figure, "detector_tree_plot", of=of)

@@ -197,22 +197,21 @@ def _draw_boxes(
     chosen: int | None,
 ) -> Any:
     dataset, recording = state.opened().dataset, state.recording()
-    frames, row = dataset.frame_columns, state.row_in_all()
-    name = what.about.name
+    frames = dataset.frame_columns
     figure = boxes_plot(
         picture,
         boxes,
         is_counting,
         theme=asking.theme_of(what.about),
         threshold=levels.threshold,
-        title=f"{plain(name)} on frame {int(frames.frame[row])}",
+        title=asking.on_frame(what.about),
         truth=outcome.truth,
         ignored=outcome.ignored,
         states=outcome.states,
         size=(float(frames.width[recording]), float(frames.height[recording])),
         chosen=chosen,
     )
-    alt = f"Boxes of {name}: {count_text(int(is_counting.sum()), 'box', 'boxes')} count"
+    alt = f"Boxes of {what.about.name}: {count_text(int(is_counting.sum()), 'box', 'boxes')} count"
     clicked = clicked_chart(figure, "detector_boxes", clicks=CLICKS, alt=alt)
     st.caption("Drag over a part of the picture to enlarge it; a double click shows all of it.")
     return clicked

@@ -11,6 +11,7 @@ from nvcore.comparison import Result
 from nvcore.driver.comparison.encounters import detectability_course, features_of_course
 from nvcore.driver.comparison.figures.course import detectability_course_plot
 from nvcore.driver.illumination.clock import AdaptationClock, unknown_clock, with_change
+from nvcore.figures.style import plain as figure_text
 from ui.driver import basis, panel, tunnel
 from ui.driver.known import (
     caution_of,
@@ -162,6 +163,7 @@ def _draw_plot(
         simulated=None if change is None else change.estimates,
         objects=result.objects,
     )
+    name = state.recording_names()[state.recording()]
     if may_be_another_clock(state.recording()):
         st.caption(OTHER_CLOCK)
     adapting = docs_link("Adapting", "illumination", doc="driver")
@@ -170,6 +172,7 @@ def _draw_plot(
         f"driver_course_{encounter}",
         clicks="driver_course",
         time_axis="x",
+        of=f"{result.objects.singular} {result.encounters.track[encounter]} of {figure_text(name)}",
         help=f"Click a mark to see its frame. {adapting}: seconds from the last change from bright "
         "to dark to the end of the frame; none where the eyes count as adapted, or it is not known."
         f"{BAND if is_estimated(result, state.recording()) else ''}",

@@ -20,12 +20,14 @@ def draw_chart(
     *,
     on_click: Callable[[], None] | None = None,
     help: str | None = None,  # noqa: A002  # as Streamlit calls it
+    of: str = "",
 ) -> None:
     """Draw a chart; `on_click` is called before the page when a point is clicked or released.
 
-    `help` stands behind a question mark beside the heading.
+    `help` stands behind a question mark beside the heading; `of` says at the start of the subtitle
+    what the page shows there, for those who see the figure alone.
     """
-    figure = _ready(figure)
+    figure = _ready(figure, of)
     alt = _draw_heading(figure, help_text=help)
     if on_click is None:
         st.plotly_chart(figure, theme=None, config=CONFIG, key=key, alt=alt)
@@ -49,14 +51,15 @@ def clicked_chart(
     alt: str | None = None,
     time_axis: Literal["x", "y"] | None = None,
     help: str | None = None,  # noqa: A002  # as Streamlit calls it
+    of: str = "",
 ) -> Any:
     """Draw a chart; the `customdata` of a point clicked since then, None: no new click.
 
     Charts that share the name `clicks` share the memory of the last one. `alt` says what the chart
     shows, for those who cannot see it. Along `time_axis`, which is in seconds, the browser marks
-    the frame that the viewer shows. `help` as of `draw_chart`.
+    the frame that the viewer shows. `help` and `of` as of `draw_chart`.
     """
-    figure = _ready(figure)
+    figure = _ready(figure, of)
     heading = _draw_heading(figure, time_axis, help)
     chart = st.plotly_chart(
         figure,
@@ -78,9 +81,9 @@ def kept_figure(kind: str, key: Hashable, make: Callable[[], go.Figure]) -> go.F
     return state.cached(kind, key, lambda: _ready(make()))
 
 
-def _ready(figure: go.Figure) -> go.Figure:
+def _ready(figure: go.Figure, of: str = "") -> go.Figure:
     """The figure without its heading; itself if it is so already."""
-    return figure if figure.layout.meta is not None else _without_heading(figure)
+    return figure if figure.layout.meta is not None else _without_heading(figure, of)
 
 
 def _draw_heading(
@@ -100,16 +103,17 @@ def _draw_heading(
     return unescape(f"{title}: {subtitle}" if subtitle else title)
 
 
-def _without_heading(figure: go.Figure) -> go.Figure:
+def _without_heading(figure: go.Figure, of: str) -> go.Figure:
     """The figure, its title and subtitle moved to ``layout.meta``, where the browser finds them."""
     layout = figure.layout
-    heading = split_heading(layout.title.text)
-    if any(heading):
+    title, subtitle = split_heading(layout.title.text)
+    if title:
         height, top = layout.height - HEADING_PX, layout.margin.t - HEADING_PX
         if layout.legend.yref == "container":
             layout.legend.y = 1 - ((1 - layout.legend.y) * layout.height - HEADING_PX) / height
         else:
             top = EDGE_PX  # above the plot it makes the room that it needs
         layout.update(margin_t=top, height=height)
-    figure.update_layout(meta=heading, title_text=None)
+    subtitle = "; ".join(filter(None, (of, subtitle)))
+    figure.update_layout(meta=(title, subtitle), title_text=None)
     return figure

@@ -170,7 +170,7 @@ def test_a_sent_model_is_described_and_shows_its_inside(model: bytes):
     assert "16 trees over windows of 16 × 32 px" in said
     assert "Trained on: urban_crossing, frames 0:20." in said
     names = [heading.partition(":")[0] for heading in headings(page)]
-    assert names == ["bars on frame 120", "The picture on its way", "Channels"]
+    assert names == ["bars on frame 120 of urban_crossing", "The picture on its way", "Channels"]
     for view, names in {
         "map": ["Trees that each window came through"],
         "window": ["Running confidence of the window", "Tree 1"],
