@@ -8,7 +8,7 @@ import plotly.graph_objects as go
 
 from nvcore.evidence.planning.plan import Plan
 from nvcore.evidence.planning.said import ASSUMPTIONS
-from nvcore.figures.style import LOOK, axis, draw, empty_figure
+from nvcore.figures.style import LOOK, axis, draw, empty_figure, which_is_which
 from nvcore.measures.table import difference_text
 from nvcore.palette import Theme
 from nvcore.wording import count_text, percent
@@ -67,8 +67,9 @@ def power_plot(plan: Plan, *, theme: Theme) -> go.Figure:
         traces,
         theme,
         title="How many recordings would show it",
-        subtitle=f"simulated from {count_text(plan.evidence.n, 'recording')} with "
-        f"{count_text(plan.n_encounters, 'encounter')}",
+        subtitle=f"{plan.evidence.label}; simulated from "
+        f"{count_text(plan.evidence.n, 'recording')} with "
+        f"{count_text(plan.n_encounters, 'encounter')}{which_is_which(theme)}",
         height=340,
         xaxis=axis(
             theme,

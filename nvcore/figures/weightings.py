@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 
 from nvcore.comparison import Result
 from nvcore.figures.marks import marks, steady_marker, still_line
-from nvcore.figures.style import LOOK, axis, draw, plain, system_label
+from nvcore.figures.style import LOOK, axis, draw, plain, system_label, which_is_which
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.palette import Theme
 from nvcore.tables.encounters.weightings import Weightings
@@ -71,7 +71,7 @@ def weightings_plot(
         theme,
         title=f"How near {one} {result.encounters.track[encounter]} of {name} counts",
         subtitle=f"{count_text(len(curves), 'frame')}, which count from k = {RELEVANT_K:g} on; "
-        f"below: those in which X and Y detect the {one}",
+        f"below: those in which X and Y detect the {one}{which_is_which(theme)}",
         height=HEIGHT_PX,
         xaxis=axis(theme, "time (s)", fixedrange=True),
         yaxis=axis(

@@ -13,6 +13,7 @@ from nvcore.figures.marks import marks, still_line, system_marker
 from nvcore.figures.style import (
     LOOK,
     axis,
+    begins_at,
     draw,
     empty_figure,
     faded,
@@ -84,13 +85,14 @@ def rating_plot(
         (f"; {told_in_words(correlation)}" for correlation in correlations if not correlation.note),
         "",
     )
+    ends = [np.floor(clips["mean_rank"].min() - 0.5), np.ceil(clips["mean_rank"].max() + 0.5)]
     figure = draw(
         traces,
         theme,
         title="Saliency against the ratings",
         subtitle=f"{count_text(len(clips), 'clip')}{first}",
         height=420,
-        xaxis=axis(theme, "mean rank (1 = least annoying)"),
+        xaxis=axis(theme, f"mean rank (1 = least annoying){begins_at(ends[0])}", range=ends),
         # from 0, however far down the interval reaches: there is no saliency below
         yaxis=axis(theme, "saliency (s)", range=[0, 1.06 * max(highest_s) or 1]),
     )

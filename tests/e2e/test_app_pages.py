@@ -16,6 +16,20 @@ TITLES = tuple(title for section in SECTIONS.values() for title in section.value
 THEMES = ("light", "dark")
 
 NAMELESS = ".js-plotly-plot:not([role][aria-label])"
+# Names of figures with labels that reach beyond them, or with nothing for 30 px above the plot.
+WASTEFUL = """() => [...document.querySelectorAll(".js-plotly-plot")].filter(plot => {
+  const box = plot.getBoundingClientRect();
+  const isOut = text => {
+    const { left, right, top, bottom, width } = text.getBoundingClientRect();
+    return width && (left < box.left - 1 || right > box.right + 1 || top < box.top - 1
+      || bottom > box.bottom + 1);
+  };
+  const texts = [...plot.querySelectorAll(
+    ":is(.infolayer, .xaxislayer-above, .yaxislayer-above) text")];
+  const above = texts.filter(text => text.getBoundingClientRect().width)
+    .map(text => text.getBoundingClientRect().top - box.top);
+  return texts.some(isOut) || Math.min(plot._fullLayout._size.t, ...above) > 30;
+}).map(plot => plot.getAttribute("aria-label"))"""
 ADDRESSED_FRAME = "new URL(location).searchParams.get('frame')"
 # Place in the plot's area of the marker of the Venn diagram that lies deepest in a region.
 FIND_REGION = """(plot, category) => {
@@ -150,6 +164,7 @@ def test_a_page_has_no_accessibility_fault(shared, theme, title):
     if title == "Timeline":
         one.shows(re.compile("^[0-9]+$"))
     expect(one.page.locator(NAMELESS)).to_have_count(0)
+    assert one.page.evaluate(WASTEFUL) == []
     assert one.accessibility_faults() == []
 
 

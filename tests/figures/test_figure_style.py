@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nvcore.figures.over_time.similarity import decimate, evenly
-from nvcore.figures.style import plain
+from nvcore.figures.style import EDGE_PX, HEADING_PX, empty_figure, layout, plain
 from nvcore.wording import count_text
 
 
@@ -28,6 +28,19 @@ def test_a_name_from_a_file_is_shown_as_plain_text(name: object, shown: str) -> 
 
 def test_a_long_name_is_cut_in_the_middle() -> None:
     assert plain("a" * 20 + "b" * 20, max_length=7) == "aaa…bbb"
+
+
+def test_a_figure_without_data_is_named_by_its_sentence() -> None:
+    assert tuple(empty_figure("Nobody is there.", theme="light").layout.meta)[1] == (
+        "Nobody is there."
+    )
+
+
+def test_of_the_top_only_the_heading_is_fixed() -> None:
+    assert layout("light")["margin"]["t"] == EDGE_PX
+    with_title = layout("light", title="Similarity", height=200, margin={"l": 50})
+    assert with_title["margin"] == {"l": 50, "r": 16, "t": EDGE_PX + HEADING_PX, "b": EDGE_PX}
+    assert with_title["legend"]["y"] * 200 == pytest.approx(200 - EDGE_PX - HEADING_PX)
 
 
 def test_a_count_carries_its_noun() -> None:

@@ -31,7 +31,9 @@ from nvcore.wording import count_text
 
 MOST_MARKS: Final = 150
 """Encounters up to which each has a mark."""
-HEIGHT_PX: Final = 330
+HEIGHT_PX: Final = 358
+BELOW_PX: Final = 24
+"""Room below the frame for how many are too far."""
 GRID: Final = (36, 22)
 """Places that can be clicked, across and down."""
 CLICK_PX: Final = 8
@@ -113,7 +115,7 @@ def venn_figure(
         subtitle=f"{count_text(venn.n_near, 'encounter')} near enough to count; {areas}",
         height=HEIGHT_PX,
         hoverdistance=24,
-        margin={"r": EDGE_PX},
+        margin={"r": EDGE_PX, "b": BELOW_PX},
         xaxis={**HIDDEN_AXIS, "range": [frame.left, frame.right]},
         yaxis={**HIDDEN_AXIS, "range": [frame.bottom, frame.top], "scaleanchor": "x"},
     )
