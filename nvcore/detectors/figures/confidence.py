@@ -142,7 +142,7 @@ def traces_plot(
         subtitle=f"{n_through} of {count_text(len(objects), 'object')} came through; "
         f"{count_text(len(background), 'window')} of background rejected",
         height=HEIGHT_PX,
-        xaxis=axis(theme, "trees", type="log", fixedrange=True),
+        xaxis=axis(theme, "trees, logarithmic", type="log", dtick="D2", fixedrange=True),
         yaxis=axis(theme, "confidence", fixedrange=True, zeroline=True, zerolinecolor=look.pale),
     )
 

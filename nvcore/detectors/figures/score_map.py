@@ -59,6 +59,7 @@ def score_map_plot(
         "thickness": 8,
         "outlinewidth": 0,
         "tickfont": {"size": 11, "color": look.muted},
+        "title": {"text": of, "side": "right", "font": {"size": 11, "color": look.muted}},
         "orientation": "h",
         "len": 0.3,
         "x": 0,

@@ -190,23 +190,29 @@ function closesItself(details) {
   });
 }
 
-function nameHelp(details) {
-  const summary = details.querySelector("summary");
-  const title = details.closest(".nv-figure").querySelector("strong").textContent;
-  summary.setAttribute("aria-label", `About this figure: ${title}`);
-  closesItself(details);
+const NAMES = { "nv-help": "About this figure", "nv-take": "Take this figure away" };
+
+// A heading may be another figure's by now, with what hangs on it.
+function nameParts(heading) {
+  const title = heading.querySelector("strong")?.textContent ?? "";
+  for (const [part, words] of Object.entries(NAMES)) {
+    const summary = heading.querySelector(`.${part} > summary`);
+    const name = `${words}: ${title}`;
+    if (!summary || summary.getAttribute("aria-label") === name) continue;
+    if (!summary.hasAttribute("aria-label")) closesItself(summary.parentElement);
+    summary.setAttribute("aria-label", name);
+  }
+  const menu = heading.querySelector(".nv-take:not(:last-child)");
+  if (menu) heading.append(menu);
 }
 
 function addMenu(heading) {
-  const plot = plotAfter(heading);
-  if (!plot) return;
+  if (!plotAfter(heading)) return;
   const menu = document.createElement("details");
   menu.className = "nv-take";
-  const name = asText(headingOf(plot).title);
   const summary = document.createElement("summary");
   summary.innerHTML = ICON;
-  summary.title = "Take this figure away";
-  summary.setAttribute("aria-label", `Take this figure away: ${name}`);
+  summary.title = NAMES["nv-take"];
   menu.append(summary);
   for (const [format, label] of LABELS) {
     const button = document.createElement("button");
@@ -221,7 +227,6 @@ function addMenu(heading) {
     });
     menu.append(button);
   }
-  closesItself(menu);
   heading.append(menu);
 }
 
@@ -231,8 +236,8 @@ export default function () {
   let isAsked = false;
   const look = () => {
     isAsked = false;
-    document.querySelectorAll(".nv-help > summary:not([aria-label])").forEach((of) => nameHelp(of.parentElement));
     document.querySelectorAll(".nv-figure:not(:has(.nv-take))").forEach(addMenu);
+    document.querySelectorAll(".nv-figure").forEach(nameParts);
     reachPoints();
     followTime();
   };
