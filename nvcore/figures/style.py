@@ -202,6 +202,24 @@ def split_heading(text: str | None) -> tuple[str, str]:
     return title, second.partition(">")[2].removesuffix("</span>")
 
 
+def take_heading(figure: go.Figure) -> tuple[str, str]:
+    """Take title and subtitle out of a figure, with their room; both as HTML.
+
+    As text of the page that the figure is on they wrap.
+    """
+    layout = figure.layout
+    title, subtitle = split_heading(layout.title.text)
+    if title:
+        height, top = layout.height - HEADING_PX, layout.margin.t - HEADING_PX
+        if layout.legend.yref == "container":
+            layout.legend.y = 1 - ((1 - layout.legend.y) * layout.height - HEADING_PX) / height
+        else:
+            top = EDGE_PX  # above the plot it makes the room that it needs
+        layout.update(margin_t=top, height=height)
+    figure.update_layout(title_text=None)
+    return title, subtitle
+
+
 def counts_axis(theme: Theme, **more: Any) -> dict[str, Any]:
     """An upright axis of encounters counted, from 0."""
     return axis(theme, "encounters", rangemode="tozero", fixedrange=True, tickformat=",d", **more)

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import plotly.graph_objects as go
 import streamlit as st
 
-from nvcore.figures.style import CONFIG, EDGE_PX, HEADING_PX, split_heading
+from nvcore.figures.style import CONFIG, take_heading
 from ui.session import state
 from ui.widgets.clicks import is_new_click
 
@@ -105,15 +105,6 @@ def _draw_heading(
 
 def _without_heading(figure: go.Figure, of: str) -> go.Figure:
     """The figure, its title and subtitle moved to ``layout.meta``, where the browser finds them."""
-    layout = figure.layout
-    title, subtitle = split_heading(layout.title.text)
-    if title:
-        height, top = layout.height - HEADING_PX, layout.margin.t - HEADING_PX
-        if layout.legend.yref == "container":
-            layout.legend.y = 1 - ((1 - layout.legend.y) * layout.height - HEADING_PX) / height
-        else:
-            top = EDGE_PX  # above the plot it makes the room that it needs
-        layout.update(margin_t=top, height=height)
-    subtitle = "; ".join(filter(None, (of, subtitle)))
-    figure.update_layout(meta=(title, subtitle), title_text=None)
+    title, subtitle = take_heading(figure)
+    figure.update_layout(meta=(title, "; ".join(filter(None, (of, subtitle)))))
     return figure

@@ -17,13 +17,12 @@ import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
 from nvcore.figures.style import (
-    HEADING_PX,
     LOOK,
     axis,
     empty_figure,
     layout,
     plain,
-    split_heading,
+    take_heading,
     which_is_which,
 )
 from nvcore.measures.table import evidence_form, inference_of
@@ -42,8 +41,6 @@ LINE: Final = 38
 """Characters in a line of them."""
 MARGIN_PX: Final = (62, 16)
 """Above and below the rows."""
-LEAST_TOP_PX: Final = 8
-"""Top margin of a figure whose heading is text of the page."""
 
 
 @cache
@@ -54,18 +51,9 @@ def packed_plotly() -> str:
 
 def heading_apart(figure: go.Figure) -> tuple[go.Figure, str, str]:
     """The figure without heading, its title and its subtitle: as text of the page they wrap."""
-    title, subtitle = split_heading(figure.layout.title.text)
-    if not title:
-        return figure, "", ""
-    apart, layout_before = go.Figure(figure), figure.layout
-    top = max(layout_before.margin.t - HEADING_PX, LEAST_TOP_PX)
-    cut = layout_before.margin.t - top
-    height = layout_before.height - cut
-    if layout_before.legend.yref == "container":  # it keeps its distance to the plot
-        from_top = (1 - layout_before.legend.y) * layout_before.height - cut
-        apart.layout.legend.y = 1 - from_top / height
-    apart.update_layout(title_text=None, margin_t=top, height=height)
-    return apart, unescape(title), unescape(subtitle)
+    apart = go.Figure(figure)
+    title, subtitle = map(unescape, take_heading(apart))
+    return apart, title, subtitle
 
 
 def figure_json(figure: go.Figure) -> str:
