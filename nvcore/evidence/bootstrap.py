@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Final
 
 import numpy as np
@@ -37,6 +38,8 @@ much."""
 ROUNDING: Final = 1e-12
 """Differences smaller than this share of the values count as rounding."""
 
+KEPT_BYTES: Final = 65_536
+"""Of units up to this size the interval is remembered."""
 Statistic = Callable[[np.ndarray], np.ndarray]
 """A measure from sums over units: shape (..., *columns) to shape (...)."""
 
@@ -131,6 +134,24 @@ def bootstrap_difference(
     >>> round(interval.difference, 3), interval.low > 0
     (0.125, True)
     """
+    arrays = (x, y) if shift is None else (x, y, shift)
+    packed = tuple((array.tobytes(), array.dtype.str, array.shape) for array in arrays)
+    is_small = sum(array.nbytes for array in arrays) <= KEPT_BYTES
+    make = _bootstrap_difference if is_small else _bootstrap_difference.__wrapped__
+    return make(packed, statistic, n_resamples, seed, units)
+
+
+@lru_cache(maxsize=256)
+def _bootstrap_difference(
+    packed: tuple[tuple[bytes, str, tuple[int, ...]], ...],
+    statistic: Statistic,
+    n_resamples: int,
+    seed: int,
+    units: str,
+) -> BootstrapDifference:
+    """Of the bytes of `x`, `y` and `shift`: a setting that moves leaves most measures alone."""
+    x, y, *shifts = (np.frombuffer(of, kind).reshape(shape) for of, kind, shape in packed)
+    shift = shifts[0] if shifts else None
     n = len(x)
     shape = x.shape[1:]
     value_x, value_y = float(statistic(x.sum(axis=0))), float(statistic(y.sum(axis=0)))

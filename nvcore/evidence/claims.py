@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any, Final
@@ -98,7 +98,8 @@ def find_claims(
     basis = Basis.AS_SET if is_as_set else Basis.EQUAL_ALARMS
     if tested is None:
         return Support(basis)
-    doubts, candidates = _doubts(tested), _candidates(about, tested)
+    rows = _significant_rows(tested)
+    doubts, candidates = _doubts(rows), _candidates(about, rows)
     if companions is None:
         withheld = dict.fromkeys(candidates, Reason("pending"))
         return Support(basis, withheld=withheld | doubts)
@@ -165,10 +166,10 @@ def _widening(n: int, n_intervals: int) -> float:
     return float(student.isf(alpha / n_intervals, n - 1) / student.isf(alpha, n - 1))
 
 
-def _candidates(result: Result, evidence: pd.DataFrame) -> dict[str, Claim]:
+def _candidates(result: Result, rows: Sequence[Mapping[Hashable, Any]]) -> dict[str, Claim]:
     """Differences over recordings that are more than chance and not in doubt, by key."""
     claims = {}
-    for row in _significant_rows(evidence):
+    for row in rows:
         key = str(row["figure"])
         if row["doubt"] or (result.is_short and inference_of(key).needs_tracks):
             continue
@@ -177,12 +178,10 @@ def _candidates(result: Result, evidence: pd.DataFrame) -> dict[str, Claim]:
     return claims
 
 
-def _doubts(evidence: pd.DataFrame) -> dict[str, Reason]:
+def _doubts(rows: Sequence[Mapping[Hashable, Any]]) -> dict[str, Reason]:
     """Why differences that seem more than chance are in doubt, by key."""
     return {
-        str(row["figure"]): Reason("doubt", doubt=str(row["doubt"]))
-        for row in _significant_rows(evidence)
-        if row["doubt"]
+        str(row["figure"]): Reason("doubt", doubt=str(row["doubt"])) for row in rows if row["doubt"]
     }
 
 
@@ -207,7 +206,7 @@ def _not_confirmed(
     """Why differences as set do not hold at equal false alarms, by key."""
     if companions.evidence is None:
         return _not_dominant(result, candidates)
-    confirmed = _candidates(result, companions.evidence)
+    confirmed = _candidates(result, _significant_rows(companions.evidence))
     return {
         key: Reason("equal")
         for key, claim in candidates.items()

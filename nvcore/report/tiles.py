@@ -91,7 +91,7 @@ KINDS: Final = (
         "severity_s_per_encounter",
         "severity_s_per_encounter",
         "Time missed",
-        "severity per encounter, s, of {n_near:,}",
+        "severity per encounter (of {n_near:,}), s",
         ".2f",
     ),
     _Kind(

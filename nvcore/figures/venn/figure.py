@@ -31,7 +31,7 @@ from nvcore.wording import count_text
 
 MOST_MARKS: Final = 150
 """Encounters up to which each has a mark."""
-HEIGHT_PX: Final = 358
+HEIGHT_PX: Final = 342
 BELOW_PX: Final = 24
 """Room below the frame for how many are too far."""
 GRID: Final = (36, 22)
