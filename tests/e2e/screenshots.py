@@ -32,6 +32,7 @@ PAGES = {
     "detection": "detection",
     "detectors": "detectors?recording=urban_crossing&frame=120",
     "stability": "stability",
+    "systems": "systems",
     "driver": "driver",
     "ratings": "ratings",
     "study": "study",
