@@ -11,7 +11,7 @@ import numpy as np
 from nvcore.errors import ParameterError
 from nvcore.params import SETTINGS, Params
 from nvcore.settings import OperatingPoint, operating_point
-from nvcore.stages import Setting
+from nvcore.stages import THRESHOLD, Setting
 
 PLACE: Final = ("x", "y", "tags", "point", "recording", "frame")
 """What an address says besides the parameters: systems, tags and operating point, if not as the app
@@ -109,9 +109,14 @@ def read_parameters(query: Mapping[str, str]) -> tuple[dict[str, float | str | N
 
 
 def _value(text: str, setting: Setting) -> float | str | None:
-    if setting.unset and text == NO_VALUE:
+    if _can_clear(setting) and text == NO_VALUE:
         return None
     return _finite(text) if setting.words is None else text
+
+
+def _can_clear(setting: Setting) -> bool:
+    """Whether an address can say that it has no value, though what is open gives it one."""
+    return bool(setting.unset) or setting.stage is THRESHOLD
 
 
 def _finite(text: str) -> float:
@@ -136,6 +141,8 @@ def changed_parameters(live: Params, *starts: Params) -> dict[str, str]:
         texts |= {
             name: NO_VALUE
             for name, setting in SETTINGS.items()
-            if setting.unset and getattr(live, name) is None and getattr(start, name) is not None
+            if _can_clear(setting)
+            and getattr(live, name) is None
+            and getattr(start, name) is not None
         }
     return texts

@@ -434,6 +434,10 @@ def _follow_link() -> None:
     place, wrong = read_place(get("recording"), get("frame"), recording_names(), frame_numbers)
     query = st.session_state["page_link"] = st.query_params.to_dict()
     values, impossible = address.read_parameters(query)
+    for letter, name in zip("xy", systems(), strict=True):
+        span = None if name is None else score_span(name)
+        if span is not None and values.get(f"threshold_{letter}", span) is None:
+            values[f"threshold_{letter}"] = span[0]  # the slider's left end: every detection counts
     st.session_state["new_params"] = values
     wrong += wrong_systems + wrong_tags + wrong_point + impossible
     st.session_state["place"] = place

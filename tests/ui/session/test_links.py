@@ -79,9 +79,9 @@ def test_what_stands_in_the_address_is_read_back():
     assert (given["midpoint"], given["distance"]) == (31.5, "ground")
 
 
-def test_a_cleared_traffic_context_is_in_the_link_and_no_other_setting_can_be_cleared():
-    start, live = Params(edge_weight=0.7), Params()
-    assert changed_parameters(live, start) == {"edge_weight": "none"}
+def test_a_cleared_context_or_threshold_is_in_the_link_and_no_other_setting_can_be_cleared():
+    start, live = Params(edge_weight=0.7, threshold_y=0.5), Params()
+    assert changed_parameters(live, start) == {"edge_weight": "none", "threshold_y": "none"}
     given, wrong = read_parameters({"edge_weight": "none", "midpoint": "none", "alpha": "none"})
     assert given == {"edge_weight": None}
     assert len(wrong) == 2

@@ -228,6 +228,16 @@ def test_a_link_can_clear_the_traffic_context_of_a_session(
     assert live(app(edge_weight="none")).edge_weight is None
 
 
+def test_a_link_of_which_every_detection_counts_does_so_where_a_threshold_is_open(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    session = write(tmp_path, {"one": SCORED, "two": SCORED}, truth=rows(300))
+    session.write_text(session.read_text() + "[parameters]\nthreshold_x = 0.5\n")
+    begin_with(session, monkeypatch)
+    assert live(app()).threshold_x == 0.5
+    assert live(app(threshold_x="none")).threshold_x is None
+
+
 def test_recency_shows_the_sliders_of_its_unit():
     page = app(recency_unit="seconds", recency_midpoint_s="5", recency_midpoint="0.7")
     page.session_state["advanced"] = True
