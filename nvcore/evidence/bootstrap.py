@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Final
@@ -135,22 +135,27 @@ def bootstrap_difference(
     (0.125, True)
     """
     arrays = (x, y) if shift is None else (x, y, shift)
-    packed = tuple((array.tobytes(), array.dtype.str, array.shape) for array in arrays)
-    is_small = sum(array.nbytes for array in arrays) <= KEPT_BYTES
-    make = _bootstrap_difference if is_small else _bootstrap_difference.__wrapped__
-    return make(packed, statistic, n_resamples, seed, units)
+    choices = (statistic, n_resamples, seed, units)
+    if sum(array.nbytes for array in arrays) > KEPT_BYTES:
+        return _resample(arrays, *choices)
+    return _remembered(tuple((of.tobytes(), of.dtype.str, of.shape) for of in arrays), *choices)
 
 
 @lru_cache(maxsize=256)
-def _bootstrap_difference(
-    packed: tuple[tuple[bytes, str, tuple[int, ...]], ...],
-    statistic: Statistic,
-    n_resamples: int,
-    seed: int,
-    units: str,
+def _remembered(
+    packed: tuple[tuple[bytes, str, tuple[int, ...]], ...], *choices: Any
 ) -> BootstrapDifference:
-    """Of the bytes of `x`, `y` and `shift`: a setting that moves leaves most measures alone."""
-    x, y, *shifts = (np.frombuffer(of, kind).reshape(shape) for of, kind, shape in packed)
+    """As `_resample`, once for the same units: most settings move only some of the measures."""
+    return _resample(
+        [np.frombuffer(of, kind).reshape(shape) for of, kind, shape in packed], *choices
+    )
+
+
+def _resample(
+    arrays: Sequence[np.ndarray], statistic: Statistic, n_resamples: int, seed: int, units: str
+) -> BootstrapDifference:
+    """As `bootstrap_difference`; of `x`, `y` and, if it is not None, `shift`."""
+    x, y, *shifts = arrays
     shift = shifts[0] if shifts else None
     n = len(x)
     shape = x.shape[1:]

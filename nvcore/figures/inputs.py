@@ -76,6 +76,7 @@ def score_plot(
             )
         )
     left_out = "" if threshold is None else "; pale: left out by the threshold"
+    ends = [low[0], high[-1]] + ([] if threshold is None else [threshold])
     figure = draw(
         traces,
         theme,
@@ -85,7 +86,9 @@ def score_plot(
         bargap=0,
         barmode="overlay",
         showlegend=False,
-        xaxis=axis(theme, f"score{begins_at(low[0])}", range=[low[0], high[-1]], showgrid=False),
+        xaxis=axis(
+            theme, f"score{begins_at(min(ends))}", range=[min(ends), max(ends)], showgrid=False
+        ),
         yaxis=axis(theme, "detections", rangemode="tozero", fixedrange=True),
     )
     _threshold_line(figure, threshold, theme)

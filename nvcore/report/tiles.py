@@ -98,7 +98,7 @@ KINDS: Final = (
         "false_alert_episodes_per_hour",
         "false_alert_episodes_per_hour",
         "False-alert episodes",
-        "runs of false boxes per hour, from {episodes} in {duration}",
+        "runs of false alarms per hour, from {episodes} in {duration}",
         ".0f",
     ),
     _Kind("worst_severity_s", "", "Worst miss", "severity of one encounter, s", ".1f"),
@@ -148,7 +148,7 @@ def _tile(
     if kind.key == kind.judged:
         factor, per = shown_as(kind.key, shown)
         if factor != 1:
-            x, y, times, unit = factor * x, factor * y, factor, f"runs of false boxes{per}"
+            x, y, times, unit = factor * x, factor * y, factor, f"runs of false alarms{per}"
     text_x, text_y = (number(value, form) for value in (x, y))
     measure = measure_of(kind.key)
     is_lower = measure.better == "lower"

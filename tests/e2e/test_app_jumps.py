@@ -115,7 +115,7 @@ IN_THE_SAMPLE: Final = (
     Jump(f"{VENN}:_open", "Overview", "Encounters", press("open_y_only")),
     Jump(f"{VENN}:_open", "Overview", "Encounters", plot("venn", REGION, "both")),
     Jump(f"{VENN}:draw", "Overview", "Timeline", plot("venn", LARGEST_MARK)),
-    Jump(f"{VENN}:draw_worst", "Overview", "Timeline", row("overview_worst_")),
+    Jump(f"{VENN}:draw_worst", "Overview", "Timeline", row("overview_worst")),
     Jump(f"{VENN}:draw_worst", "Overview", "Encounters", press("overview_review")),
     Jump(
         "ui/overview/strip.py:draw", "Overview", "Timeline", plot("loss_strip", SHARE, [0.6, 0.1])
@@ -148,11 +148,11 @@ IN_THE_SAMPLE: Final = (
         "Timeline",
         press("encounters_show_chance"),
     ),
-    Jump("pages/time_left.py:draw", "Time left", "Timeline", row("time_left_list_")),
+    Jump("pages/time_left.py:draw", "Time left", "Timeline", row("time_left_list")),
     Jump(LAST_CHANCE, "Time left", "Timeline", plot("time_left_approaches")),
     Jump(LAST_CHANCE, "Time left", "Timeline", plot("time_left_margins")),
     Jump("ui/saliency/figures.py:_draw_way", "Saliency", "Timeline", press("saliency_show_x")),
-    Jump(SALIENCY, "Saliency", "Timeline", row("saliency_events_")),
+    Jump(SALIENCY, "Saliency", "Timeline", row("saliency_events")),
     Jump(SALIENCY, "Saliency", "Timeline", plot("saliency_curve")),
     Jump(SALIENCY, "Saliency", "Timeline", plot("saliency_plane")),
     Jump("ui/data/audit/entries.py:_go", "Data", "Timeline", open_case),

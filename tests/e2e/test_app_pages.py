@@ -15,7 +15,9 @@ from ui.shell.pages import SECTIONS
 TITLES = tuple(title for section in SECTIONS.values() for title in section.values())
 THEMES = ("light", "dark")
 
-NAMELESS = ".js-plotly-plot:not([role][aria-label])"
+NAMELESS = (
+    ".js-plotly-plot:is(:not([role][aria-label]), [aria-label=Figure], [aria-label^='Figure.'])"
+)
 # Names of figures with labels that reach beyond them, or with nothing for 30 px above the plot.
 WASTEFUL = """() => [...document.querySelectorAll(".js-plotly-plot")].filter(plot => {
   const box = plot.getBoundingClientRect();

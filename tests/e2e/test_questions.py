@@ -116,7 +116,7 @@ def test_night_only(asker):
 
 def test_who_is_hit_hardest_is_shown_with_the_settings_kept(visit):
     asker = Asker(visit("time_left?speed_kmh=70"))
-    asker.click(asker.visit.table("time_left_list_").get_by_role("rowheader").first)
+    asker.click(asker.visit.table("time_left_list").get_by_role("rowheader").first)
     expect(asker.visit.heading("Timeline", level=1)).to_be_visible()
     asker.visit.query("speed_kmh", "70")
     assert asker.clicks == 1

@@ -113,7 +113,7 @@ def test_on_paper_nothing_is_wider_than_the_page(seen):
     assert page.evaluate("document.documentElement.scrollWidth") <= PAPER_PX
     # a table of long texts that was kept whole would leave most of the page before it empty
     assert page.locator("table.short").count() > 5
-    assert "short" not in page.locator("table:has(caption:text-is('How they were made'))").evaluate(
+    assert "short" not in page.locator("table:has(caption:text-is('Methods'))").evaluate(
         "table => [...table.classList]"
     )
     page.evaluate("dispatchEvent(new Event('afterprint'))")
@@ -157,9 +157,9 @@ def test_what_paper_leaves_out_is_named_there_and_unfolds_on_the_screen(seen):
     summary, table = fold.locator("summary"), fold.locator("table")
     assert table.is_hidden()
     page.emulate_media(media="print")
-    assert summary.inner_text() == "How they were made: not printed, in significance.csv"
+    assert summary.inner_text() == "Methods: not printed, in significance.csv"
     page.emulate_media(media="screen")
-    assert summary.inner_text() == "How they were made"
+    assert summary.inner_text() == "Methods"
     summary.click()
     expect(table).to_be_visible()
     summary.click()

@@ -223,7 +223,7 @@ def _take_threshold(letter: str) -> None:
 
 
 def _draw_same_point(x: str, y: str) -> None:
-    """The button that sets both systems alike, as the verdict does; the sidebar has the others."""
+    """The button that sets both systems alike, as the verdict does; the sidebar has other ways."""
     letter = _which_moves(x, y)
     moved, fixed = (letter, "yx"["xy".index(letter)]) if letter is not None else ("y", "x")
     st.button(

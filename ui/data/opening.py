@@ -93,7 +93,7 @@ def trouble_of(place: str) -> Trouble | None:
 
 def has_trouble() -> bool:
     """Whether something could not be opened, and the choice that made trouble is as it was."""
-    return any(str(key).startswith(f"{_KEY}_") for key in st.session_state)
+    return any(str(key).startswith(f"{_KEY}_") and key != _key(SESSION) for key in st.session_state)
 
 
 def forget_trouble(place: str) -> None:

@@ -56,7 +56,7 @@ def draw(result: Result, region: DriverRegion | None) -> int | None:
     draw_table(
         as_shown(shown).assign(driver_region=who),
         columns_of("encounters.csv", *COLUMNS) | {"driver_region": TableColumn("Seen by")},
-        key=f"driver_list_{hash(tuple(rows))}",
+        key="driver_list",
         name="Encounters, the least detectable first",
         on_click=partial(_choose, result, rows),
         selected=None if chosen not in rows else rows.index(chosen),

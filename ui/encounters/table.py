@@ -106,8 +106,7 @@ def draw(listed: pd.DataFrame, encounter: int) -> None:
     draw_table(
         table,
         columns_of("encounters.csv", *shown),
-        # a key for these rows: a click must not mean another pedestrian
-        key=f"encounters_table_{hash(tuple(table.index))}",
+        key="encounters_table",
         name="Encounters",
         on_click=partial(_click, table.index),
         selected=at if at < len(table) else None,

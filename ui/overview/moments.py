@@ -32,7 +32,7 @@ _OF_WINDOW: Final = {
     "lost_s_per_min": (
         "lost (s/min)",
         ".2f",
-        "What {letter} loses of its similarity: the sum of (1 - similarity) * time step, in "
+        "What {letter} loses of its similarity: the sum of (1 − similarity) × time step, in "
         "seconds per minute of recording. 0 is best, 60 a similarity of 0 throughout.",
     ),
     "window_similarity": (

@@ -105,7 +105,7 @@ def draw_worst(result: Result) -> None:
     draw_table(
         as_shown(worst),
         columns | {name: replace(columns[name], label=to) for name, to in SEVERITIES.items()},
-        key=f"overview_worst_{hash(tuple(worst['shown_row']))}",
+        key="overview_worst",
         name="Heaviest failures",
         on_click=partial(_ask_for_row, worst["shown_row"].tolist()),
     )

@@ -21,7 +21,7 @@ from nvcore.ratings.validation import (
     mean_delay,
     split_known,
 )
-from nvcore.wording import count_text
+from nvcore.wording import count_text, minus
 from ui.ratings import applied_fit, fit, source
 from ui.ratings.applied_fit import AppliedFit
 from ui.ratings.source import RatingSource
@@ -238,7 +238,7 @@ def _correlations(correlations: list[Correlation]) -> pd.DataFrame:
             "Coefficient": [row.name for row in correlations],
             "Value": [number(row.value, ".2f") for row in correlations],
             "95 % interval": [
-                f"{row.low:.2f} to {row.high:.2f}" if np.isfinite(row.low) else UNDEFINED
+                minus(f"{row.low:.2f} to {row.high:.2f}") if np.isfinite(row.low) else UNDEFINED
                 for row in correlations
             ],
             "p": [UNDEFINED if not np.isfinite(row.p) else f"{row.p:.2g}" for row in correlations],

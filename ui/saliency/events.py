@@ -65,7 +65,7 @@ def draw_table(result: Result, recording: int | None) -> None:
     table.draw_table(
         as_shown(events.assign(system=events["system"].str.upper())),
         columns_of("events.csv", *_shown_columns(result.params)),
-        key=f"saliency_events_{hash(tuple(first_row))}",
+        key="saliency_events",
         name="Events, the most salient first",
         on_click=partial(_ask_for_row, first_row),
     )

@@ -37,7 +37,7 @@ def draw(urgent: pd.DataFrame) -> None:
     draw_table(
         as_shown(shown),
         {name: of_file.get(name, of_ttc) for name in first},
-        key=f"time_left_list_{hash(tuple(places))}",
+        key="time_left_list",
         name="Urgent encounters, the fastest impact first",
         on_click=partial(_ask, places),
     )

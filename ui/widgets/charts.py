@@ -83,7 +83,12 @@ def kept_figure(kind: str, key: Hashable, make: Callable[[], go.Figure]) -> go.F
 
 def _ready(figure: go.Figure, of: str = "") -> go.Figure:
     """The figure without its heading; itself if it is so already."""
-    return figure if figure.layout.meta is not None else _without_heading(figure, of)
+    if figure.layout.meta is None:
+        return _without_heading(figure, of)
+    title, subtitle, *more = figure.layout.meta
+    if of and not subtitle.startswith(of):  # without data: its sentence stands for both
+        figure.layout.meta = (title, f"{of}: {subtitle}", *more)
+    return figure
 
 
 def _draw_heading(

@@ -7,13 +7,21 @@ function grouped(text) {
   return [whole.replace(/\B(?=(\d{3})+$)/g, ","), ...rest].join(".");
 }
 
-// As Python's format of ".3f", "+.2f", ".1%", "d", ".4g" and the like, with commas between thousands
-// and a minus sign that is as wide as a plus; what is rounded to zero has no sign.
+// A half is rounded to the even digit, as Python does; only such numbers are exact in binary.
+function rounded(size, decimals) {
+  const scaled = size * 10 ** decimals;
+  const isHalf = (size * 2 ** (decimals + 1)) % 1 === 0 && scaled % 1 === 0.5;
+  return (isHalf ? (2 * Math.round(scaled / 2)) / 10 ** decimals : size).toFixed(decimals);
+}
+
+// As Python's format of ".3f", "+.2f", ".1%", "d" and the like, with commas between thousands and a
+// minus sign that is as wide as a plus; what is rounded to zero has no sign. ".4g" has no exponents.
 function formatted(value, form) {
   if (value === null || Number.isNaN(value)) return UNDEFINED;
   const decimals = Number(/\.(\d+)|$/.exec(form)[1] ?? 0);
   const size = Math.abs(value) * (form.endsWith("%") ? 100 : 1);
-  const digits = form.endsWith("g") ? String(Number(size.toPrecision(decimals))) : grouped(size.toFixed(decimals));
+  if (size === Infinity) return value > 0 ? "∞" : "−∞";
+  const digits = form.endsWith("g") ? String(Number(size.toPrecision(decimals))) : grouped(rounded(size, decimals));
   const sign = !/[1-9]/.test(digits) ? "" : value < 0 ? "−" : form.startsWith("+") ? "+" : "";
   return sign + digits + (form.endsWith("%") ? "%" : "");
 }

@@ -100,7 +100,7 @@ class Table:
     printed
         Most rows on paper.
     rest
-        Where the others are, after "12 more rows:".
+        Where the others are, after "12 more:".
     """
 
     kind: ClassVar[str] = "table"

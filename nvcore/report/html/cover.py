@@ -10,6 +10,7 @@ import pandas as pd
 
 from nvcore.arguments.report import Inscription
 from nvcore.comparison import Result
+from nvcore.evidence.claims import values_of
 from nvcore.evidence.companions import Companions
 from nvcore.evidence.operating_points import alarms_as_set, are_unequal, point_note
 from nvcore.evidence.units import MIN_RECORDINGS
@@ -91,7 +92,7 @@ def cover_of(
         Which systems are compared, in a few words.
     """
     of_both = tiles(result, evidence, companions)
-    zero = [tile for tile in of_both if not {*tile.x, *tile.y} - set("0.")]
+    zero = [tile for tile in of_both if values_of(tile.key, result) == (0, 0)]
     alike = f"0 for both: {', '.join(tile.title.lower() for tile in zero)}." if zero else ""
     return Cover(
         subtitle=names if inscription.title else "",

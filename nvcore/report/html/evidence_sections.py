@@ -136,8 +136,8 @@ def significance_section(result: Result, evidence: pd.DataFrame, theme: Theme) -
                 "intervals", interval_plot(evidence, theme), "Differences with their 95 % intervals"
             ),
             Fold(
-                "How they were made",
-                (table("How they were made", ("Measure", "From", "Method", "Note"), ways),),
+                "Methods",
+                (table("Methods", ("Measure", "From", "Method", "Note"), ways),),
                 "in significance.csv",
             ),
             *([Sentences((INTERVAL_RULE,))] if np.isfinite(evidence["low"]).any() else []),

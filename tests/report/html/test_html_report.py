@@ -348,7 +348,7 @@ def test_frames_rather_than_persons_are_no_evidence_of_their_own(tmp_path, page)
     short = Page(content)
     label = "share of encounters detected, within these recordings"
     assert short.row("Differences and tests", f"{label} ↑")[3:7] == ["–"] * 4
-    assert short.row("How they were made", label)[1] == "–"
+    assert short.row("Methods", label)[1] == "–"
     assert {row[-2] for row in short.tables["Encounters detected by subgroup"][1:]} == {"–"}
     assert "one pedestrian may stand" not in page.text
     # recordings of two sizes have two midpoints

@@ -92,12 +92,16 @@ def tables(page: AppTest) -> list[pd.DataFrame]:
     """Rows and columns of the tables on the page, as the browser gets them; `attrs`: headings."""
     found = []
     for item in page.get("bidi_component"):
-        data = json.loads(item.proto.json or "{}")
+        data = json.loads(item.proto.json or "{}", parse_constant=_refuse)
         if "nRows" in (data or {}):
             table = pd.DataFrame(dict(zip(data["names"], data["values"], strict=True)))
             table.attrs["labels"] = [column["label"] for column in data["columns"]]
             found.append(table)
     return found
+
+
+def _refuse(constant: str) -> None:
+    raise AssertionError(f"{constant} is no JSON")
 
 
 def measures(page: AppTest, key: str) -> dict[str, tuple[str, ...]]:

@@ -12,13 +12,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final, Literal
 
+import numpy as np
 import pandas as pd
 import streamlit as st
-from pandas.api.types import is_numeric_dtype
+from pandas.api.types import is_float_dtype, is_numeric_dtype
 
 FOLDER: Final = Path(__file__).parent
 SCRIPTS: Final = (FOLDER.parent / "number_format.js", FOLDER / "table.js")
 MOST_LINES: Final = 10
+INFINITE: Final = "∞"
 _COMPONENT = st.components.v2.component(
     "nvcore_table",
     css=(FOLDER / "table.css").read_text(encoding="utf-8"),
@@ -82,11 +84,12 @@ def draw_table(
     columns
         The columns that are shown, in this order.
     key
-        Streamlit's key; one for these rows, if `on_click` is bound to them.
+        Streamlit's key.
     name
         What the table holds, for those who cannot see it.
     on_click
-        Called before the next run with the clicked row's place in `table` and the column's name.
+        Called before the next run with the clicked row's place in `table` and the column's name,
+        unless other rows are there by then.
     clicks : {"row", "cell"}
         Whether a click means a row or a cell.
     selected
@@ -98,10 +101,12 @@ def draw_table(
         Whether headings sort at all.
     """
     shown = {column: table[column] for column in columns}
+    version = int(pd.util.hash_pandas_object(table[[*columns]], index=False).sum() % 2**32)
     _COMPONENT(
         key=key,
         data={
             "name": name,
+            "version": version,
             "nRows": len(table),
             "columns": [
                 {
@@ -123,7 +128,7 @@ def draw_table(
             else {"column": sorted_by.column, "isDescending": sorted_by.is_descending},
             "lines": min(max(len(table), 1), most_lines),
         },
-        on_clicked_change=partial(_tell, key, len(table), [*columns], on_click, on_sort),
+        on_clicked_change=partial(_tell, key, version, len(table), [*columns], on_click, on_sort),
     )
 
 
@@ -133,12 +138,17 @@ def own_headings(table: pd.DataFrame) -> dict[str, TableColumn]:
 
 
 def _values(values: pd.Series) -> list[Any]:
-    listed: list[Any] = values.astype(object).where(values.notna(), None).tolist()  # no NaN in JSON
+    """The values, which JSON can hold: None for NaN, a text for what is infinite."""
+    known = values.astype(object).where(values.notna(), None)
+    if is_float_dtype(values):
+        known = known.replace({np.inf: INFINITE, -np.inf: f"−{INFINITE}"})
+    listed: list[Any] = known.tolist()
     return listed
 
 
 def _tell(
     key: str,
+    version: int,
     n_rows: int,
     names: list[str],
     on_click: Callable[[int, str], None] | None,
@@ -147,7 +157,9 @@ def _tell(
     """Pass on what was clicked, if a browser can have meant it."""
     known = st.session_state.get(key)
     clicked = known.get("clicked") if isinstance(known, Mapping) else None
-    if not isinstance(clicked, Mapping) or clicked.get("column") not in names:
+    if not isinstance(clicked, Mapping) or clicked.get("version") != version:
+        return
+    if clicked.get("column") not in names:
         return
     row, column = clicked.get("row"), str(clicked["column"])
     if row is None and on_sort is not None:

@@ -10,6 +10,10 @@ const byText = new Intl.Collator(undefined, { numeric: true }).compare;
 const pen = document.createElement("canvas").getContext("2d");
 const tables = new WeakMap();
 
+// JSON has no infinite numbers: they come as texts.
+const INFINITE = { "∞": Infinity, "−∞": -Infinity };
+const numeric = (value) => INFINITE[value] ?? value;
+
 function element(tag, parent, properties = {}) {
   return parent.appendChild(Object.assign(document.createElement(tag), properties));
 }
@@ -20,6 +24,7 @@ class Table {
     this.scroller = element("div", this.root, { className: "nv-rows" });
     this.table = element("table", this.scroller);
     this.table.setAttribute("role", "grid");
+    this.table.tabIndex = -1;
     this.widths = element("colgroup", this.table);
     this.head = element("tr", element("thead", this.table));
     [this.above, this.body, this.below] = ["space", "rows", "space"].map((className) => {
@@ -37,7 +42,8 @@ class Table {
 
   update(data, tell) {
     const isNewRow = data.selected !== this.data?.selected;
-    Object.assign(this, { data, tell });
+    this.data = { ...data, values: data.values.map((values, i) => (data.columns[i].isNumber ? values.map(numeric) : values)) };
+    this.tell = (clicked) => tell({ ...clicked, version: data.version });
     const { sortedBy } = data;
     if (sortedBy) this.sort = { column: data.names.indexOf(sortedBy.column), isDescending: sortedBy.isDescending };
     else if (this.sort && this.sort.column >= data.columns.length) this.sort = null;
@@ -59,7 +65,8 @@ class Table {
     const value = this.data.values[column][row];
     if (value === null) return UNDEFINED;
     const { form } = this.data.columns[column];
-    return typeof value === "number" && form ? formatted(value, form) : String(value).replace(/^-/, "−");
+    if (typeof value !== "number") return value;
+    return form || !Number.isFinite(value) ? formatted(value, form) : String(value).replace("-", "−");
   }
 
   // The longest text of a column; of numbers with a format it is that of the least or the largest.
@@ -86,7 +93,8 @@ class Table {
     this.rows.sort((a, b) => {
       const [one, other] = [values[a], values[b]];
       if (one === null || other === null) return (one === null) - (other === null);
-      return way * (typeof one === "number" ? one - other : byText(one, other));
+      if (one === other) return 0;
+      return way * (typeof one !== "number" ? byText(one, other) : one > other ? 1 : -1);
     });
   }
 
@@ -117,12 +125,14 @@ class Table {
     cell.setAttribute("aria-colindex", column + 1);
     if (isHead) {
       cell.classList.add("head");
-      cell.style.left = `${this.px.slice(0, column).reduce((sum, px) => sum + px, 0)}px`;
+      const before = this.px.slice(0, column).filter((_, i) => this.data.columns[i].isHead);
+      cell.style.left = `${before.reduce((sum, px) => sum + px, 0)}px`;
     }
     return cell;
   }
 
   drawHead() {
+    const hadFocus = this.head.contains(this.root.getRootNode().activeElement);
     this.head.replaceChildren();
     this.head.setAttribute("aria-rowindex", 1);
     this.data.columns.forEach((column, i) => {
@@ -133,9 +143,10 @@ class Table {
       if (this.sort?.column === i) cell.setAttribute("aria-sort", this.sort.isDescending ? "descending" : "ascending");
     });
     this.mark();
+    if (hadFocus) this.cellAt(...this.at)?.focus({ preventScroll: true });
   }
 
-  // Lines of the table that are elements: those in sight, some around them, and the one with the focus.
+  // Lines of the table that are elements: those in sight, and some around them.
   drawRows() {
     const { nRows: n, lines, columns, selected } = this.data;
     const top = Math.floor(this.scroller.scrollTop / ROW_PX);
@@ -150,6 +161,7 @@ class Table {
     this.rows.slice(first, end).forEach((row, i) => {
       const line = element("tr", this.body);
       line.setAttribute("aria-rowindex", first + i + 2);
+      line.classList.toggle("last", first + i === n - 1);
       if (this.data.clicks === "row") line.setAttribute("aria-selected", row === selected);
       columns.forEach((column, j) => {
         const text = this.text(j, row);
@@ -159,7 +171,8 @@ class Table {
       });
     });
     this.mark();
-    if (hadFocus) this.cellAt(...this.at)?.focus({ preventScroll: true });
+    // keys go on from the cell that had the focus, also where it is out of sight
+    if (hadFocus) (this.cellAt(...this.at) ?? this.table).focus({ preventScroll: true });
   }
 
   cellAt(line, column) {
@@ -215,7 +228,6 @@ class Table {
       this.order();
       this.drawHead();
       this.drawRows();
-      this.cellAt(...this.at)?.focus({ preventScroll: true });
     }
   }
 

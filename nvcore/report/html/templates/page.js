@@ -2,7 +2,6 @@
 (async () => {
   const root = document.documentElement;
   const PAPER_PX = 695; // A4 less the margins of page.css
-  const LEGEND_ROW_PX = 22;
   const LEAST_PX = 250;
   const PAPER_HEIGHT = 0.67; // of its height on the screen, if a chart's scales are free
 
@@ -23,7 +22,6 @@
     script.textContent = await unpack(document.getElementById("plotly").textContent);
     document.head.append(script);
     const config = JSON.parse(document.getElementById("config").textContent);
-    const drawn = new Set();
     const draw = (chart, onPaper = false) => {
       const { data, layout } = JSON.parse(chart.querySelector("script").textContent);
       if (onPaper) {
@@ -31,20 +29,16 @@
         if (!layout.yaxis?.scaleanchor) {
           layout.height = Math.max(PAPER_HEIGHT * layout.height, Math.min(layout.height, LEAST_PX));
         }
-        if (layout.margin.autoexpand === false) { // room for one more row of the legend
-          layout.margin.t += LEGEND_ROW_PX;
-          layout.height += LEGEND_ROW_PX;
-        }
       }
       Plotly.newPlot(chart.querySelector(".plot"), data, layout, config);
-      drawn.add(chart);
     };
-    const drawAll = (onPaper) => drawn.forEach((chart) => draw(chart, onPaper));
-    for (const chart of document.querySelectorAll(".chart")) {
-      const fold = chart.closest("details");
-      if (fold) fold.addEventListener("toggle", () => draw(chart), { once: true });
-      else draw(chart);
+    const isSeen = (chart) => chart.closest("details")?.open ?? true;
+    const charts = [...document.querySelectorAll(".chart")];
+    const drawAll = (onPaper) => charts.filter(isSeen).forEach((chart) => draw(chart, onPaper));
+    for (const chart of charts) {
+      chart.closest("details")?.addEventListener("toggle", () => isSeen(chart) && draw(chart));
     }
+    drawAll(false);
     addEventListener("beforeprint", () => drawAll(true));
     addEventListener("afterprint", () => drawAll(false));
     root.dataset.charts = "drawn";
