@@ -91,9 +91,14 @@ def trouble_of(place: str) -> Trouble | None:
     return trouble
 
 
+def _trouble_keys() -> list[str]:
+    """Where the session's state has the trouble of each part of the page that has one."""
+    return [str(key) for key in st.session_state if str(key).startswith(f"{_KEY}_")]
+
+
 def has_trouble() -> bool:
     """Whether something could not be opened, and the choice that made trouble is as it was."""
-    return any(str(key).startswith(f"{_KEY}_") and key != _key(SESSION) for key in st.session_state)
+    return any(key != _key(SESSION) for key in _trouble_keys())
 
 
 def forget_trouble(place: str) -> None:
@@ -110,7 +115,7 @@ def _opened() -> tuple[str, str] | None:
 
 def draw_outcome() -> None:
     """At the top of the page: what was opened, or could not be and is not what the page shows."""
-    keys = [key for key in st.session_state if str(key).startswith(f"{_KEY}_")]
+    keys = _trouble_keys()
     opened = _opened()
     if opened is not None:
         for key in keys:
