@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 from nvcore.comparison import Result
@@ -62,26 +62,19 @@ class ScoreRow(NamedTuple):
         return "x" if (self.x > self.y) == (self.better == "higher") else "y"
 
 
-def score_rows(
-    result: Result,
-    table: MeasureTable = MeasureTable.SCORECARD,
-    *,
-    keys: Collection[str] | None = None,
-) -> list[ScoreRow]:
-    """The measures of a table: the scorecard, miss classes of near encounters, false alerts.
-
-    Parameters
-    ----------
-    keys
-        Only these, each by its full name; None: all.
-    """
+def pick_rows(result: Result, rows: Sequence[ScoreRow], keys: Collection[str]) -> list[ScoreRow]:
+    """Some of the `rows` of `score_rows`, each by its full name instead of as a part."""
     words = label_words(result)
-    if keys is not None:
-        return [
-            row._replace(label=result.objects.say(measure_of(row.key).label, **words), level=0)
-            for row in score_rows(result, table)
-            if row.key in keys
-        ]
+    return [
+        row._replace(label=result.objects.say(measure_of(row.key).label, **words), level=0)
+        for row in rows
+        if row.key in keys
+    ]
+
+
+def score_rows(result: Result, table: MeasureTable = MeasureTable.SCORECARD) -> list[ScoreRow]:
+    """The measures of a table: the scorecard, miss classes of near encounters, false alerts."""
+    words = label_words(result)
     rows: list[ScoreRow] = []
     tracked: set[int] = set()  # rows that need tracks, by the row that they are a part of
     whole = 0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Sequence
 from typing import Final
 
 import pandas as pd
@@ -15,7 +15,7 @@ from nvcore.measures.entry import MeasureTable
 from nvcore.measures.table import count_recordings, measures_in
 from nvcore.report.terminal import SHORT_ROWS
 from nvcore.tables.result import recordings_table
-from nvcore.tables.scorecard import score_rows
+from nvcore.tables.scorecard import ScoreRow, pick_rows, score_rows
 from ui.session import state
 from ui.shell.navigate import open_frame
 from ui.widgets.charts import clicked_chart, kept_figure
@@ -35,8 +35,10 @@ class Scorecard:
         self._result = result
         st.header("Scorecard", help=_help(result))
         self._place = st.empty()
-        n_rows = len(score_rows(result))
-        every = st.expander(f"All {n_rows} measures", key="all_measures", on_change="rerun")
+        self._rows = score_rows(result)
+        every = st.expander(
+            f"All {len(self._rows)} measures", key="all_measures", on_change="rerun"
+        )
         self._whole = every.empty() if every.open else None
         if every.open:
             with every:
@@ -44,20 +46,21 @@ class Scorecard:
 
     def draw(self, evidence: pd.DataFrame | None) -> None:
         """The table; with evidence, without the decimals that the intervals do not leave."""
-        self._place.html(self._table(evidence, keys=LEADING))
+        leading = pick_rows(self._result, self._rows, LEADING)
+        self._place.html(self._table(evidence, leading, "scorecard"))
         if self._whole is not None:
-            self._whole.html(self._table(evidence, keys=None))
+            self._whole.html(self._table(evidence, self._rows, "all_measures"))
 
-    def _table(self, evidence: pd.DataFrame | None, keys: Collection[str] | None) -> str:
+    def _table(self, evidence: pd.DataFrame | None, of: Sequence[ScoreRow], key: str) -> str:
         widths = {} if evidence is None else _widths(evidence)
         rows = [
             score_row(row, width=widths.get(row.key, math.nan), is_short=self._result.is_short)
-            for row in score_rows(self._result, keys=keys)
+            for row in of
         ]
         little = f" {SHORT_ROWS}." if self._result.is_short else ""
         return measures_html(
             rows,
-            key="scorecard" if keys else "all_measures",
+            key=key,
             note=f"● better in these recordings, by chance or not.{little}",
         )
 
