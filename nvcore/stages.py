@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from itertools import chain
 from typing import Any, Final
 
@@ -34,7 +34,7 @@ class Stage:
     after: tuple[Stage, ...] = ()
     result: str = ""
 
-    @property
+    @cached_property
     def before(self) -> frozenset[Stage]:
         """The stage itself and all that come before it."""
         return frozenset({self}.union(*(stage.before for stage in self.after)))

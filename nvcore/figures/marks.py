@@ -49,10 +49,12 @@ def system_marker(letter: str, size: float, theme: Theme, *, rim: float = 1) -> 
 
 
 def click_markers(x: Any, y: Any, texts: Any, **more: Any) -> go.Scatter:
-    """Invisible markers: Plotly reports clicks on markers only, never on lines or areas."""
-    return marks(
-        x, y, texts, showlegend=False, **steady_marker(opacity=0, size=8, color="#000"), **more
-    )
+    """Invisible markers: Plotly reports clicks on markers only, never on lines or areas.
+
+    All answer to the mouse; one is drawn, as hundreds would take longer than all the rest.
+    """
+    looks = steady_marker(opacity=0, size=8, color="#000", maxdisplayed=1)
+    return marks(x, y, texts, showlegend=False, **looks, **more)
 
 
 def line_up(figure: go.Figure, x: float, name: str, theme: Theme) -> None:
