@@ -22,7 +22,7 @@ from nvcore.palette import (
 )
 
 FONT: Final = "Source Sans, Source Sans Pro, sans-serif"
-LEFT_PX: Final = 76
+LEFT_PX: Final = 84
 """Left margin of the figures over time, so that they line up below each other."""
 MAX_NAME: Final = 32
 """Characters of a name from a file that are shown."""
@@ -48,8 +48,13 @@ LABEL_GAP_PX: Final = 5
 HEADING_PX: Final = 54
 """Height of a figure's title and subtitle."""
 EDGE_PX: Final = 8
-"""Between a figure's edge and what is drawn; labels and legend push the plot further in."""
-LETTER_PX: Final = 6.6
+"""Between a figure's edge and what is drawn; labels and legend push the plot further in, which
+takes as long as drawing it a second time: what is known of them is left free from the start."""
+AXIS_PX: Final = 45
+"""Height of an axis's labels and title."""
+LEGEND_PX: Final = 52
+"""Height of a legend in one row, with what is left free around it."""
+LETTER_PX: Final = 7.3
 """Width of a letter of a label, about."""
 HIDDEN_AXIS: Final = {"visible": False, "fixedrange": True}
 CLEAR: Final = "rgba(0,0,0,0)"
@@ -253,7 +258,10 @@ def layout(
         each by itself.
     """
     look, top = LOOK[theme], EDGE_PX + (HEADING_PX if title else 0)
-    margin = {"l": EDGE_PX, "r": 2 * EDGE_PX, "t": top, "b": EDGE_PX}
+    labels = more.get("yaxis", {}).get("ticktext", ())
+    left = EDGE_PX + LABEL_GAP_PX + LETTER_PX * max(map(len, labels)) if len(labels) else EDGE_PX
+    bottom = AXIS_PX if more.get("xaxis", {}).get("title", {}).get("text") else EDGE_PX
+    margin = {"l": left, "r": 2 * EDGE_PX, "t": top, "b": bottom}
     return {
         "height": height,
         "autosize": True,

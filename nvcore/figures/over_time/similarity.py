@@ -13,7 +13,9 @@ from tsdownsample import MinMaxLTTBDownsampler
 from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers, still_line
 from nvcore.figures.style import (
+    HEADING_PX,
     LEFT_PX,
+    LEGEND_PX,
     LOOK,
     axis,
     begins_at,
@@ -235,7 +237,7 @@ def similarity_plot(
         title=f"Similarity over time, {name}",
         subtitle=_subtitle(result, span, counts),
         height=HEIGHT_PX[layout],
-        margin={"l": LEFT_PX},
+        margin={"l": LEFT_PX, "t": HEADING_PX + LEGEND_PX},
         barmode="overlay",
         hoverdistance=-1,
         uirevision=f"{result.dataset.fingerprint} {recording} {layout}",

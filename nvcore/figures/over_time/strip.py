@@ -29,6 +29,8 @@ FEW: Final = 20
 """Recordings up to which rows are not narrow."""
 BAR_PX: Final = (80, 220)
 """Least and largest length of the colour bar."""
+SCALE_PX: Final = 76
+"""Width of the colour bar with its labels."""
 MAX_CLICKS: Final = 400
 """Places that can be clicked, over all strips; the browser draws a marker for each."""
 LEAST_TOP: Final = 0.2
@@ -85,6 +87,7 @@ def loss_strip_plot(result: Result, strip: LossStrip, *, theme: Theme) -> go.Fig
         subtitle=f"{extent}; colour: the worse system's largest loss "
         f"in each {strip.bin_s:.2g} s{which_is_which(theme)}",
         height=132 + strips_px,
+        margin={"r": SCALE_PX},
         hoverdistance=-1,
         showlegend=False,
         xaxis=axis(theme, "time (s)", range=[0, end_s], showgrid=False),
