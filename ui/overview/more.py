@@ -25,7 +25,12 @@ KEY: Final = "overview_more"
 def draw(result: Result, measured: pd.DataFrame, companions: Companions | None) -> None:
     """The part that is chosen; none at first, and what is not chosen costs nothing."""
     part = st.segmented_control(
-        "Look closer", list(PARTS), format_func=PARTS.__getitem__, key=KEY, persist_state="session"
+        "Look closer",
+        list(PARTS),
+        format_func=PARTS.__getitem__,
+        key=KEY,
+        persist_state="session",
+        on_change=_note_question,
     )
     match part:
         case "moments":
@@ -40,3 +45,7 @@ def draw(result: Result, measured: pd.DataFrame, companions: Companions | None) 
             evidence.draw_subgroups(result, measured)
         case "plan":
             plan.draw(result, measured, companions)
+
+
+def _note_question() -> None:
+    st.session_state[plan.ASKED] = st.session_state[KEY] == "plan"

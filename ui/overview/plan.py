@@ -1,4 +1,4 @@
-"""Overview page: how many recordings would show a difference, computed when asked for."""
+"""Overview page: how many recordings would show a difference, computed once it is unfolded."""
 
 from __future__ import annotations
 
@@ -32,6 +32,8 @@ from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import docs_link, plain
 
 JOB: Final = "study_plan"
+ASKED: Final = "plan_asked"
+"""Whoever opens this part asks its first question; later ones, of settings moved, cost a click."""
 MOST: Final = 8
 DIFFERENCE: Final = "difference"
 QUESTIONS: Final = {
@@ -66,7 +68,7 @@ def draw(result: Result, evidence: pd.DataFrame, companions: Companions | None) 
         _draw_answer(result, evidence, companions, asked)
     st.caption(
         "Studies are simulated from these recordings, each drawn as a whole, and tested as in "
-        "the table above: computed when asked for, within seconds "
+        "the table above: computed within seconds when this part is opened "
         f"({docs_link('Significance', 'how-much-more-would-it-take', doc='significance')})."
     )
 
@@ -131,6 +133,8 @@ def _draw_answer(
         doing="Simulating studies",
         most=MOST,
     )
+    if st.session_state.pop(ASKED, False) and state.known(JOB, work.key) is None:
+        work.start()
     answer, is_to_start = work.draw(is_quick=False)
     if is_to_start:
         icon = ":material/query_stats:"

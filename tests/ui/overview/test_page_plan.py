@@ -26,14 +26,13 @@ def verdict(app: AppTest) -> str:
 
 
 def computed(app: AppTest) -> AppTest:
-    checked(app.button(key=f"{plan.JOB}_start").click().run())
     job = app.session_state["workspace"].job(plan.JOB)
     job.join()
     assert job.state is JobState.DONE
     return checked(app.run())
 
 
-def test_studies_are_simulated_when_asked_for_and_the_verdict_then_says_how_many(app: AppTest):
+def test_unfolding_the_question_asks_it_and_the_verdict_then_says_how_many(app: AppTest):
     assert "recordings like these" not in texts(app)
     app = computed(app)
     said = texts(app).replace("\\", "")
@@ -41,8 +40,9 @@ def test_studies_are_simulated_when_asked_for_and_the_verdict_then_says_how_many
     assert "difference in the severity of missed pedestrians per encounter as large as here" in said
     plots = [plot.proto.spec for plot in app.get("plotly_chart")]
     assert any("How many recordings would show it" in spec for spec in plots)
-    checked(app.slider(key="alpha").set_value(0.5).run())  # another comparison, another plan
+    checked(app.slider(key="alpha").set_value(0.5).run())  # another comparison: asked for anew
     assert "would show" not in texts(app)
+    assert app.button(key=f"{plan.JOB}_start")
 
 
 def test_a_margin_asks_whether_a_system_is_at_most_so_much_worse(app: AppTest):
@@ -50,6 +50,7 @@ def test_a_margin_asks_whether_a_system_is_at_most_so_much_worse(app: AppTest):
     assert "Give the margin" in texts(app)
     checked(app.selectbox(key="plan_measure").set_value("encounters_detected").run())
     checked(app.number_input(key="plan_y_encounters_detected").set_value(30.0).run())
+    checked(app.button(key=f"{plan.JOB}_start").click().run())
     said = texts(computed(app)).replace("\\", "")
     assert "It is shown that Y is at most 30.0 pp worse than X" in said
     assert "If X and Y are equal, about" in said
