@@ -1,10 +1,8 @@
 from __future__ import annotations
 
-import numpy as np
 from builders import Box, Place, at, make_dataset
 
 from nvcore.dataset import Dataset
-from nvcore.metrics.kernels.linking import assign, assign_in_parts
 from nvcore.metrics.linking import TruthTracks, track_truth
 
 
@@ -39,22 +37,3 @@ def test_linking_does_not_change_the_dataset() -> None:
     dataset = make_dataset([Box(0, 0, 0, 9, 9), Box(1, 0, 0, 9, 9)])
     tracks(dataset)
     assert dataset.truth.track.tolist() == [-1, -1]
-
-
-def test_boxes_assigned_in_parts_are_assigned_as_all_at_once() -> None:
-    rng = np.random.default_rng(3)
-    for _ in range(300):
-        n_rows, n_columns = rng.integers(1, 12, 2)
-        gain = np.zeros((n_rows, max(n_rows, n_columns)))
-        is_allowed = rng.random((n_rows, n_columns)) < rng.uniform(0.05, 0.6)
-        gain[:, :n_columns] = is_allowed * rng.uniform(0.3, 1, (n_rows, n_columns))
-        assert assign_in_parts(gain).tolist() == assign(gain).tolist()
-
-
-def test_the_best_total_is_found_among_hundreds_of_boxes() -> None:
-    # pairs of neighbours, each with a rival: 0.9 + 0.4 is less than 0.8 + 0.7
-    gain = np.zeros((400, 400))
-    for i in range(0, 400, 2):
-        gain[i, i], gain[i, i + 1], gain[i + 1, i], gain[i + 1, i + 1] = 0.9, 0.8, 0.7, 0.4
-    crossed = np.arange(400).reshape(-1, 2)[:, ::-1].ravel()
-    assert assign_in_parts(gain).tolist() == crossed.tolist()

@@ -10,130 +10,105 @@ import numpy as np
 
 from nvcore.metrics.kernels import compiled, intersection
 
-MOST_AT_ONCE = 32
-"""Tracks up to which all boxes of a frame are assigned at once: looking for parts saves nothing.
-
-Of several assignments with exactly the same total, the two ways may take different ones.
-"""
+MOST_UNSORTED = 24
+"""Boxes of a frame up to which each is held against each track: sorting saves nothing."""
+N_BUCKETS = 64
+"""Into which the boxes of a frame are sorted by their left edges."""
 
 
 @compiled
-def assign(gain):
-    """Assignment of rows to columns with the largest total gain; pairs without gain stay apart.
+def assign(n, m, first, col, gain):
+    """Assignment of rows to columns with the largest total gain; only listed pairs are allowed.
 
     Shortest augmenting paths with potentials (Jonker and Volgenant 1987; the method of
-    ``scipy.optimize.linear_sum_assignment``, which compiled code cannot call).
+    ``scipy.optimize.linear_sum_assignment``, which compiled code cannot call) along the pairs that
+    there are: a row costs as much as the pairs of the group that it is tied to.
 
     Parameters
     ----------
-    gain
-        float64, shape (n, m) with m >= n, not negative; 0 means that the pair is not allowed.
+    n, m
+        Numbers of rows and of columns.
+    first
+        The pairs of row i are ``first[i]:first[i + 1]``; int64, shape (n + 1,).
+    col, gain
+        Column and gain (more than 0) of each pair.
 
     Returns
     -------
     int64, shape (n,): column of each row, or -1.
     """
-    n, m = gain.shape
-    row_price, column_price = np.zeros(n + 1), np.zeros(m + 1)
-    owner = np.zeros(m + 1, np.int64)  # row (1-based) of each column, 0 free
-    way = np.zeros(m + 1, np.int64)
-    least = np.empty(m + 1)
-    is_used = np.zeros(m + 1, np.bool_)
-    for i in range(1, n + 1):
-        owner[0] = i
-        j0 = 0
-        for j in range(m + 1):
-            least[j] = np.inf
-            is_used[j] = False
+    column, owner = np.empty(n, np.int64), np.empty(m, np.int64)  # -1: none
+    row_price, column_price = np.zeros(n), np.zeros(m)
+    least, way = np.empty(m), np.empty(m, np.int64)  # of the paths to columns, and their last row
+    state = np.zeros(m, np.int8)  # 0 not reached, 1 reached, 2 passed
+    reached, passed = np.empty(m, np.int64), np.empty(m, np.int64)
+    for j in range(m):
+        owner[j] = -1
+    for root in range(n):
+        column[root] = -1
+        if first[root] == first[root + 1]:
+            continue
+        n_reached, n_passed = 0, 0
+        i, length = root, 0.0
+        shortest, last, free = np.inf, root, -1  # path that leaves row `last` without a column
         while True:
-            is_used[j0] = True
-            i0, step, j1 = owner[j0], np.inf, 0
-            for j in range(1, m + 1):
-                if is_used[j]:
+            if length - row_price[i] < shortest:
+                shortest, last = length - row_price[i], i
+            for e in range(first[i], first[i + 1]):
+                j = col[e]
+                if state[j] == 2:
                     continue
-                cost = -gain[i0 - 1, j - 1] - row_price[i0] - column_price[j]
+                cost = length - gain[e] - row_price[i] - column_price[j]
+                if state[j] == 0:
+                    state[j], least[j] = 1, np.inf
+                    reached[n_reached] = j
+                    n_reached += 1
                 if cost < least[j]:
-                    least[j] = cost
-                    way[j] = j0
-                if least[j] < step:
-                    step, j1 = least[j], j
-            for j in range(m + 1):
-                if is_used[j]:
-                    row_price[owner[j]] += step
-                    column_price[j] -= step
-                else:
-                    least[j] -= step
-            j0 = j1
-            if owner[j0] == 0:
+                    least[j], way[j] = cost, i
+            best = -1
+            for k in range(n_reached):
+                j = reached[k]
+                if state[j] == 1 and (
+                    best < 0 or least[j] < least[best] or (least[j] == least[best] and j < best)
+                ):
+                    best = j
+            if best < 0 or least[best] >= shortest:
                 break
-        while j0 != 0:
-            owner[j0] = owner[way[j0]]
-            j0 = way[j0]
-    column = np.empty(n, np.int64)
-    for i in range(n):
-        column[i] = -1
-    for j in range(1, m + 1):
-        if owner[j] > 0 and gain[owner[j] - 1, j - 1] > 0.0:
-            column[owner[j] - 1] = j - 1
+            if owner[best] < 0:
+                shortest, free = least[best], best
+                break
+            state[best] = 2
+            passed[n_passed] = best
+            n_passed += 1
+            i, length = owner[best], least[best]
+        row_price[root] += shortest
+        for k in range(n_passed):
+            j = passed[k]
+            row_price[owner[j]] += shortest - least[j]
+            column_price[j] -= shortest - least[j]
+        for k in range(n_reached):
+            state[reached[k]] = 0
+        if free < 0:
+            free, column[last] = column[last], -1
+        while free >= 0:  # each row of the path takes the column after it
+            i = way[free]
+            owner[free], column[i], free = i, free, column[i]
     return column
 
 
 @compiled
-def assign_in_parts(gain):
-    """As `assign`, one part after the other: cubic in the largest part, not in all boxes.
+def bucket_of(value, low, per_bucket):
+    """In which of the buckets of a frame a left edge lies; those outside in the outermost."""
+    return int(min(max((value - low) / per_bucket, 0.0), N_BUCKETS - 1.0))
 
-    Two boxes are of one part if a chain of allowed pairs leads from one to the other: what is
-    assigned in one part changes nothing in another.
-    """
-    n, m = gain.shape
-    part = np.empty(m, np.int64)  # the first column of each column's part
-    part_of_row = np.empty(n, np.int64)
-    for j in range(m):
-        part[j] = j
-    for i in range(n):
-        part_of_row[i] = -1
-        for j in range(m):
-            if gain[i, j] <= 0.0:
-                continue
-            a, b = j, part_of_row[i]
-            while part[a] != a:
-                a = part[a]
-            if b < 0:
-                b = a
-            while part[b] != b:
-                b = part[b]
-            part[max(a, b)] = min(a, b)
-            part_of_row[i] = min(a, b)
-    for j in range(m):  # each column's part comes before it
-        part[j] = part[part[j]]
-    rows, columns, column = np.empty(n, np.int64), np.empty(m, np.int64), np.empty(n, np.int64)
-    for i in range(n):
-        column[i] = -1
-        if part_of_row[i] >= 0:
-            part_of_row[i] = part[part_of_row[i]]
-    for p in range(m):
-        if part[p] != p:
-            continue
-        n_rows, n_columns = 0, 0
-        for i in range(n):
-            if part_of_row[i] == p:
-                rows[n_rows] = i
-                n_rows += 1
-        if n_rows == 0:
-            continue
-        for j in range(p, m):
-            if part[j] == p:
-                columns[n_columns] = j
-                n_columns += 1
-        small = np.zeros((n_rows, max(n_rows, n_columns)))
-        for i in range(n_rows):
-            for j in range(n_columns):
-                small[i, j] = gain[rows[i], columns[j]]
-        best = assign(small)
-        for i in range(n_rows):
-            if best[i] >= 0:
-                column[rows[i]] = columns[best[i]]
-    return column
+
+@compiled
+def grown(values, n):
+    """A copy of the array with room for `n`; its further places are not set."""
+    copy = np.empty(n, values.dtype)
+    for k in range(values.size):
+        copy[k] = values[k]
+    return copy
 
 
 @compiled
@@ -152,6 +127,8 @@ def link_rows(rows, frame_index, recording, x, y, w, h, min_iou, max_gap, track)
         Box columns.
     recording
         Recording of each frame.
+    min_iou
+        More than 0, at most 1.
     track
         int64, shape (n,); written.
 
@@ -162,6 +139,13 @@ def link_rows(rows, frame_index, recording, x, y, w, h, min_iou, max_gap, track)
     n_tracks = 0
     live = np.empty(16, np.int64)  # positions (into rows) of each live track's last box
     n_live = 0
+    # of a frame's boxes
+    order, near = np.empty(16, np.int64), np.empty(17, np.int64)
+    start = np.empty(N_BUCKETS + 2, np.int64)  # of each bucket
+    left, top, right, bottom = np.empty(16), np.empty(16), np.empty(16), np.empty(16)
+    # boxes of the frame that each live track may be linked to, and their IoU
+    of_box, gain_of = np.empty(64, np.int64), np.empty(64)
+    least_share = 0.99 * min_iou  # of the area, and so of the wider one's width
     i = 0
     while i < rows.size:
         f = frame_index[rows[i]]
@@ -180,36 +164,69 @@ def link_rows(rows, frame_index, recording, x, y, w, h, min_iou, max_gap, track)
         for t in range(n_live):
             column[t] = -1
         if n_live > 0:
-            gain = np.zeros((n_live, max(n_live, n_new)))
-            per_new = np.zeros(n_new, np.int64)
+            if n_new > order.size:
+                order, near = np.empty(2 * n_new, np.int64), np.empty(2 * n_new + 1, np.int64)
+                left, top = np.empty(2 * n_new), np.empty(2 * n_new)
+                right, bottom = np.empty(2 * n_new), np.empty(2 * n_new)
+            low, high, widest = np.inf, -np.inf, 0.0
+            for k in range(i, stop):
+                b = rows[k]
+                low, high, widest = min(low, x[b]), max(high, x[b]), max(widest, w[b])
+            per_bucket = (high - low) / N_BUCKETS
+            is_sorted = n_new > MOST_UNSORTED and per_bucket > 0.0
+            if is_sorted:
+                for k in range(N_BUCKETS + 2):
+                    start[k] = 0
+                for k in range(i, stop):
+                    start[bucket_of(x[rows[k]], low, per_bucket) + 2] += 1
+                for k in range(2, N_BUCKETS + 2):
+                    start[k] += start[k - 1]
+            for j in range(n_new):
+                b, k = rows[i + j], j
+                if is_sorted:
+                    bucket = bucket_of(x[b], low, per_bucket) + 1
+                    k = start[bucket]
+                    start[bucket] += 1
+                order[k] = j
+                left[k], right[k], top[k], bottom[k] = x[b], x[b] + w[b], y[b], y[b] + h[b]
+            is_wanted = np.zeros(n_new, np.bool_)
             is_plain = True  # every box has at most one candidate
+            n_pairs = 0
+            first_pair = np.zeros(n_live + 1, np.int64)
             for t in range(n_live):
                 a = rows[live[t]]
-                candidates = 0
-                for j in range(n_new):
+                x0, x1, y0, y1 = x[a], x[a] + w[a], y[a], y[a] + h[a]
+                first, end = 0, n_new
+                if is_sorted:
+                    reach = (1 - least_share) * min(w[a] / least_share, widest)
+                    first = start[bucket_of(x0 - reach, low, per_bucket)]
+                    end = start[bucket_of(x0 + (1 - least_share) * w[a], low, per_bucket) + 1]
+                n_near = 0
+                area = w[a] * h[a]
+                for k in range(np.uint64(first), np.uint64(end)):  # without branches
+                    across = max(min(x1, right[k]) - max(x0, left[k]), 0.0)
+                    shared = across * max(min(y1, bottom[k]) - max(y0, top[k]), 0.0)
+                    both = area + (right[k] - left[k]) * (bottom[k] - top[k]) - shared
+                    near[n_near] = k
+                    n_near += shared >= least_share * both
+                for k in range(n_near):
+                    j = order[near[k]]
                     b = rows[i + j]
                     shared = intersection(x[a], y[a], w[a], h[a], x[b], y[b], w[b], h[b])
-                    if shared <= 0.0:
-                        continue
                     iou = shared / (w[a] * h[a] + w[b] * h[b] - shared)
-                    if iou >= min_iou:
-                        gain[t, j] = iou
-                        column[t] = j
-                        candidates += 1
-                        per_new[j] += 1
-                if candidates > 1:
-                    is_plain = False
-            for j in range(n_new):
-                if per_new[j] > 1:
-                    is_plain = False
+                    if shared > 0.0 and iou >= min_iou:
+                        if n_pairs == gain_of.size:
+                            of_box = grown(of_box, 2 * n_pairs)
+                            gain_of = grown(gain_of, 2 * n_pairs)
+                        of_box[n_pairs], gain_of[n_pairs] = j, iou
+                        n_pairs += 1
+                        is_plain = is_plain and column[t] < 0 and not is_wanted[j]
+                        column[t], is_wanted[j] = j, True
+                first_pair[t + 1] = n_pairs
             if not is_plain:
-                whole = gain.shape[0] <= MOST_AT_ONCE
-                column = assign(gain) if whole else assign_in_parts(gain)
+                column = assign(n_live, n_new, first_pair, of_box, gain_of)
         if n_live + n_new > live.size:
-            grown = np.empty(2 * (n_live + n_new), np.int64)
-            for t in range(n_live):
-                grown[t] = live[t]
-            live = grown
+            live = grown(live, 2 * (n_live + n_new))
         for j in range(n_new):
             track[i + j] = -1
         for t in range(n_live):
