@@ -9,9 +9,7 @@ from functools import lru_cache
 from typing import Any, Final
 
 import numpy as np
-from scipy.special import ndtr
-from scipy.stats import DegenerateDataWarning, bootstrap
-from scipy.stats import t as student
+from scipy.special import ndtr, stdtrit
 
 SEED: Final = 110360
 """Seed of every resampling, so that the same input gives the same numbers."""
@@ -177,6 +175,8 @@ def _resample(
         return without(f"too few {units} for an interval: {n}, at least {MIN_UNITS} are needed")
     if np.array_equal(x, y):
         return without(f"X and Y are the same in all {units}")
+    from scipy.stats import DegenerateDataWarning, bootstrap  # here: it takes a second
+
     sums_of_units = np.concatenate([x.reshape(n, -1), y.reshape(n, -1)], axis=1).astype(float)
     n_columns = sums_of_units.shape[1] // 2
     taken_off = np.zeros(n) if shift is None else shift / n
@@ -191,7 +191,7 @@ def _resample(
         # BCa counts draws below the difference found: those that equal it do so on every machine
         return grain * np.round((apart - counts @ taken_off) / grain)
 
-    level = 1 - 2 * ndtr(-np.sqrt(n / (n - 1)) * student.isf((1 - CONFIDENCE) / 2, n - 1))
+    level = 1 - 2 * ndtr(np.sqrt(n / (n - 1)) * stdtrit(n - 1, (1 - CONFIDENCE) / 2))
     options: dict[str, Any] = {
         "vectorized": True,
         "confidence_level": float(level),

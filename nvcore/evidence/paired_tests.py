@@ -9,7 +9,6 @@ from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
-from scipy.stats import binomtest
 
 from nvcore.evidence.bootstrap import CONFIDENCE, ROUNDING, ROWS_AT_ONCE, SEED, Statistic, ratio
 from nvcore.metrics.shares import share_of
@@ -99,6 +98,8 @@ def mcnemar(venn: Venn) -> McNemar:
             f"{MIN_DISCORDANT} are needed"
         )
     if split:
+        from scipy.stats import binomtest  # here: it takes a second
+
         interval = binomtest(venn.x_only, split).proportion_ci(CONFIDENCE, method="exact")
         odds, odds_low, odds_high = (
             share / (1 - share) if share < 1 else np.inf

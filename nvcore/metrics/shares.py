@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from scipy.stats import binomtest
 
 CONFIDENCE: Final = 0.95
 
@@ -46,5 +45,7 @@ def share_of(n_right: int, n: int) -> Share:
     """
     if not n:
         return Share(0, 0, np.nan, np.nan, np.nan)
+    from scipy.stats import binomtest  # here: it takes a second
+
     ends = binomtest(n_right, n).proportion_ci(CONFIDENCE, method="wilson")
     return Share(n_right, n, n_right / n, float(ends.low), float(ends.high))

@@ -7,8 +7,7 @@ from functools import partial
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from scipy.special import ndtr, ndtri
-from scipy.stats import t as student
+from scipy.special import ndtr, ndtri, stdtrit
 
 from nvcore.evidence.bootstrap import CONFIDENCE, LEAST_SPREAD, ROUNDING, SEED
 from nvcore.evidence.paired_tests import MIN_SWAPPED
@@ -347,7 +346,7 @@ def count_noninferior(
         ratio = (drawn * parts).sum(axis=1) / total
         rest = parts - ratio[:, np.newaxis] * weights
         variance = n_recordings / (n_recordings - 1) * (drawn * rest**2).sum(axis=1)
-        reach = student.isf((1 - CONFIDENCE) / 2, n_recordings - 1) * np.sqrt(variance) / total
+        reach = -stdtrit(n_recordings - 1, (1 - CONFIDENCE) / 2) * np.sqrt(variance) / total
         is_shown = sign * ratio - reach > -margin
     return int(np.count_nonzero(is_shown))
 
