@@ -34,8 +34,9 @@ class Table {
     });
     this.at = [-1, 0]; // the cell that Tab leads to: its line, -1 for the headings, and its column
     this.sort = null;
-    this.scroller.addEventListener("scroll", () => this.drawRows());
+    this.scroller.addEventListener("scroll", () => { this.drawRows(); this.hint(); });
     new ResizeObserver(() => this.setHeight()).observe(this.head); // it is out of sight at first, or wraps
+    new ResizeObserver(() => this.hint()).observe(this.scroller);
     this.table.addEventListener("click", (event) => this.onClick(event));
     this.table.addEventListener("keydown", (event) => this.onKey(event));
   }
@@ -116,6 +117,13 @@ class Table {
     this.table.style.width = `max(${whole}px, 100%)`;
     this.widths.replaceChildren();
     for (const px of this.px) element("col", this.widths).style.width = `${px}px`;
+    this.hint();
+  }
+
+  // Whether there are columns further to the right.
+  hint() {
+    const { scrollLeft, clientWidth, scrollWidth } = this.scroller;
+    this.root.classList.toggle("goes-on", scrollLeft + clientWidth < scrollWidth - 1);
   }
 
   cell(tag, parent, column, text) {
