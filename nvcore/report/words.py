@@ -11,13 +11,13 @@ import pandas as pd
 from nvcore.columns import FrameColumns
 from nvcore.comparison import Result
 from nvcore.dataset import Dataset
-from nvcore.evidence.measures import ODDS_RATIO
+from nvcore.evidence.measures import ODDS_RATIO, Evidence
 from nvcore.evidence.operating_points import are_unequal
 from nvcore.evidence.paired_tests import SIGNIFICANT
-from nvcore.evidence.units import MIN_RECORDINGS, count_whole
+from nvcore.evidence.units import BLOCKS, MIN_RECORDINGS, count_whole
 from nvcore.inputs.evaluated_frames import nth
 from nvcore.measures.entry import MeasureTable
-from nvcore.measures.table import has_several_recordings
+from nvcore.measures.table import evidence_form, has_several_recordings
 from nvcore.measures.values import relevant_share
 from nvcore.params import Params
 from nvcore.scoring import SystemResult
@@ -36,7 +36,15 @@ from nvcore.sentences.facts import AtBest, Fact
 from nvcore.sentences.saliency import End, Event, OnAverage, Relevance, SaliencyOf, Sum, Weight
 from nvcore.tables.classes import names_classes, read_share
 from nvcore.tables.scorecard import ScoreRow, score_rows
-from nvcore.wording import UNDEFINED, count_text, difference, number
+from nvcore.wording import (
+    UNDEFINED,
+    Footnotes,
+    count_text,
+    difference,
+    interval_text,
+    minus,
+    number,
+)
 
 FEW_MISSES: Final = 5
 """Fewest misses of a system for an explanation of phi."""
@@ -50,6 +58,9 @@ FUSION_RULE: Final = (
     "can have more episodes than either system."
 )
 """Why the counts of fused systems are not those of the Venn diagram."""
+WITHIN: Final = "*"
+WITHIN_NOTE: Final = "within these recordings alone"
+"""Mark of an interval that speaks of no others, and what it says."""
 
 
 def score_cells(rows: Iterable[ScoreRow], *, indent: str, mark: str = "") -> list[tuple[str, ...]]:
@@ -75,6 +86,18 @@ def scorecard_cells(result: Result, *, indent: str, mark: str = "") -> list[tupl
         (f"how the {count_text(result.venn.n_near, 'encounter')} went:", "", "", "", ""),
         *score_cells(score_rows(result, MeasureTable.MISS_CLASSES), indent=indent, mark=mark),
     ]
+
+
+def interval_cell(of: Evidence, notes: Footnotes) -> tuple[str, str]:
+    """The interval of a difference, and the mark of why there is none or what it speaks of."""
+    interval = minus(interval_text(of.low, of.high, evidence_form(of.figure)))
+    if interval == UNDEFINED:
+        reason = of.note.partition("; ")[0]
+        return interval, notes.mark(reason) if reason else ""
+    if of.unit == BLOCKS:
+        notes.mark(WITHIN_NOTE, WITHIN)
+        return f"{interval} {WITHIN}", ""
+    return interval, ""
 
 
 def effect_text(row: Mapping[Hashable, Any]) -> str:

@@ -10,10 +10,19 @@ from nvcore.comparison import Result
 from nvcore.evidence.measures import Evidence
 from nvcore.evidence.subgroup_table import judge_groups
 from nvcore.evidence.subgroups import class_groups
+from nvcore.measures.table import evidence_form
+from nvcore.metrics.encounter_classes import shown_class
+from nvcore.report.words import interval_cell
 from nvcore.time_left.steps import is_in_time, time_left_in
+from nvcore.wording import Footnotes, difference, minus, number
 
 SHARE: Final = "in_time_by_unit"
 IMPACT: Final = "mean_impact_kmh"
+CLASS_HEAD: Final = (
+    *("In time X", "In time Y", "X − Y", "95 % interval"),
+    *("Impact X (km/h)", "Impact Y (km/h)", "X − Y", "95 % interval"),
+)
+IMPACT_MEANING: Final = "Impact: mean speed, 0 where the system was in time."
 
 
 class OfClass(NamedTuple):
@@ -25,6 +34,27 @@ class OfClass(NamedTuple):
     in_time_y: int
     share: Evidence
     impact: Evidence
+
+    @property
+    def label(self) -> str:
+        """The class, and how many of it are urgent."""
+        return f"{shown_class(self.name)}, {self.n_urgent:,} urgent"
+
+    def cells(self, notes: Footnotes) -> tuple[tuple[str, ...], str]:
+        """Texts for the columns of `CLASS_HEAD`, and the marks of their notes."""
+        share, share_mark = interval_cell(self.share, notes)
+        impact, impact_mark = interval_cell(self.impact, notes)
+        form = evidence_form(self.impact.figure)
+        cells = (
+            *(f"{self.in_time_x:,}", f"{self.in_time_y:,}", _apart(self.share), share),
+            *(number(value, form) for value in (self.impact.x, self.impact.y)),
+            *(_apart(self.impact), impact),
+        )
+        return cells, " ".join(dict.fromkeys(filter(None, (share_mark, impact_mark))))
+
+
+def _apart(of: Evidence) -> str:
+    return minus(difference(of.x, of.y, evidence_form(of.figure)))
 
 
 def time_left_by_class(result: Result) -> tuple[OfClass, ...]:

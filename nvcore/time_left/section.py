@@ -20,13 +20,14 @@ from nvcore.report.html.blocks import (
 )
 from nvcore.report.html.result_sections import names_of
 from nvcore.sentences import say
+from nvcore.time_left.by_class import CLASS_HEAD, IMPACT_MEANING, time_left_by_class
 from nvcore.time_left.encounters import urgent_encounters
 from nvcore.time_left.facts import NobodyMet
 from nvcore.time_left.figures.approach import MOST_ROWS, approach_plot
 from nvcore.time_left.figures.over_speed import LOOKS, OverSpeed, over_speed_plot
 from nvcore.time_left.said import confirmed, few_urgent, needed, orders, urgent
 from nvcore.time_left.steps import time_left_in
-from nvcore.wording import number
+from nvcore.wording import Footnotes, capitalised, number
 
 
 def _section(result: Result) -> Section:
@@ -50,6 +51,7 @@ def _section(result: Result) -> Section:
         blocks += [
             Chart("approach", figure, in_words),
             Fold(listing.title, (listing,), "in encounters.csv"),
+            *_by_class(result),
         ]
     if curve["urgent"].any():
         charts = tuple(_over_speed(result, curve, measure) for measure in LOOKS)
@@ -76,6 +78,22 @@ def _introduction(params: Params) -> Intro:
         "its speed, which is assumed where the recordings do not state it. Whether a difference is "
         "more than chance: see Is the difference real.",
     )
+
+
+def _by_class(result: Result) -> tuple[Fold, ...]:
+    """A row for each class of urgent encounters; empty: they have none."""
+    rows, notes = [], Footnotes()
+    for row in time_left_by_class(result):
+        cells, marks = row.cells(notes)
+        rows.append((f"{row.label} {marks}".rstrip(), *cells))
+    if not rows:
+        return ()
+    title = result.objects.say("By class of {one}")
+    texts = (f"{mark}: {capitalised(note)}." for note, mark in notes.marks.items())
+    several = result.objects.say("{A_one} may have several classes.")
+    note = " ".join((*texts, several, IMPACT_MEANING))
+    head = ("Class", *CLASS_HEAD)
+    return (Fold(title, (table(title, head, rows, right=range(1, len(head)), note=note),)),)
 
 
 def _over_speed(result: Result, curve: pd.DataFrame, measure: OverSpeed) -> Chart:

@@ -11,8 +11,10 @@ from approach import ALL, LATE, NEVER, met
 
 from nvcore.comparison import Result, compare
 from nvcore.evidence.subgroups import class_groups
+from nvcore.report.html.blocks import Fold, Table
 from nvcore.schema import ATTRIBUTE_DTYPES
 from nvcore.time_left.by_class import OfClass, time_left_by_class
+from nvcore.time_left.section import SECTIONS
 
 
 def with_children(result: Result, *recordings: int) -> Result:
@@ -42,6 +44,31 @@ def test_urgent_encounters_of_a_class_are_counted_alone():
     # X never confirms one of three: 50 km/h; Y confirms one late, at 15 km/h as rounded, one never
     assert row.impact.x == pytest.approx(50 / 3)
     assert 50 / 3 < row.impact.y < 2 * 50 / 3
+
+
+def test_the_report_has_the_table_by_class_and_says_why_there_is_no_interval():
+    result = with_children(met((ALL, ALL), (ALL, LATE), (NEVER, ALL), (ALL, NEVER)), 1, 2, 3)
+    (fold,) = [
+        block
+        for block in SECTIONS[0].make(result).blocks
+        if isinstance(block, Fold) and block.title == "By class of pedestrian"
+    ]
+    (by_class,) = fold.blocks
+    assert isinstance(by_class, Table)
+    assert "Impact: mean speed" in by_class.note
+    (row,) = [row for row in by_class.rows if row[0].startswith("a child")]
+    assert row == (
+        "a child, 3 urgent a",
+        "2",
+        "1",
+        "+33.3\u00a0pp",
+        "–",
+        "16.7",
+        "27.1",
+        "−10.5",
+        "–",
+    )
+    assert by_class.note.startswith("a: Too few blocks for an interval: 3")
 
 
 def test_too_few_recordings_have_no_interval_and_the_reason():

@@ -19,12 +19,13 @@ from nvcore.metrics.encounter_classes import (
     classes_of,
     shown_class,
 )
+from nvcore.report.words import interval_cell
 from nvcore.schema import Category
 from nvcore.tables.encounters.miss_classes import class_counts
 from nvcore.wording import UNDEFINED, Footnotes, capitalised, difference, minus, number
 from ui.session import state
 from ui.session.results.evidence import comparison_key
-from ui.widgets.html import MeasureRow, interval_cell, measures_html
+from ui.widgets.html import MeasureRow, measures_html
 from ui.widgets.text import docs_link, plain
 
 HEAD: Final = (

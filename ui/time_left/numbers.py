@@ -13,6 +13,7 @@ from nvcore.evidence.companions import judge_keys
 from nvcore.evidence.measures import Evidence
 from nvcore.evidence.units import BLOCKS
 from nvcore.measures.table import evidence_form
+from nvcore.report.words import WITHIN, WITHIN_NOTE
 from nvcore.stages import THRESHOLD
 from nvcore.tables.scorecard import score_rows
 from nvcore.time_left.by_class import IMPACT, SHARE
@@ -24,7 +25,7 @@ from nvcore.time_left.steps import time_left_in
 from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number
 from ui.session import state
 from ui.session.results.evidence import comparison_key
-from ui.widgets.html import WITHIN, WITHIN_NOTE, MeasureRow, measures_html, score_row
+from ui.widgets.html import MeasureRow, measures_html, score_row
 from ui.widgets.text import UNDEFINED, docs_link, plain
 
 KEYS: Final = (*(kind.value for kind in TimeLeft), IMPACT, "median_margin_s")

@@ -9,18 +9,13 @@ from dataclasses import dataclass
 from html import escape
 from typing import Final
 
-from nvcore.evidence.measures import Evidence
-from nvcore.evidence.units import BLOCKS
 from nvcore.measures.entry import Better
-from nvcore.measures.table import evidence_form, measure_of
+from nvcore.measures.table import measure_of
 from nvcore.params import SETTINGS
 from nvcore.tables.scorecard import ScoreRow
 from nvcore.wording import (
     ARROWS,
-    UNDEFINED,
-    Footnotes,
     difference,
-    interval_text,
     minus,
     number,
     one_line,
@@ -30,9 +25,6 @@ from ui.session import state
 
 MEANS_LITTLE: Final = " *"
 """Mark of a measure that means little where most encounters are one frame long."""
-WITHIN: Final = "*"
-WITHIN_NOTE: Final = "within these recordings alone"
-"""Mark of an interval that speaks of no others, and what it says."""
 HEAD: Final = ("X", "Y", "X − Y")
 SHORTER: Final = {".4f": ".3f"}
 """Formats of values whose interval is not known."""
@@ -122,18 +114,6 @@ def score_row(row: ScoreRow, *, width: float = math.nan, is_short: bool = False)
         form=form,
         is_marked=not row.is_doubtful,
     )
-
-
-def interval_cell(of: Evidence, notes: Footnotes) -> tuple[str, str]:
-    """The interval of a difference, and the mark of why there is none or what it speaks of."""
-    interval = minus(interval_text(of.low, of.high, evidence_form(of.figure)))
-    if interval == UNDEFINED:
-        reason = of.note.partition("; ")[0]
-        return interval, notes.mark(reason) if reason else ""
-    if of.unit == BLOCKS:
-        notes.mark(WITHIN_NOTE, WITHIN)
-        return f"{interval} {WITHIN}", ""
-    return interval, ""
 
 
 def measures_html(
