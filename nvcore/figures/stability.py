@@ -15,6 +15,7 @@ from nvcore.figures.style import (
     CLEAR,
     LOOK,
     axis,
+    begins_at,
     draw,
     empty_figure,
     faded,
@@ -81,9 +82,8 @@ def _title(stability: StabilityMap, theme: Theme) -> dict[str, Any]:
 
 
 def _axis_title(setting: Axis) -> str:
-    if not setting.unit:
-        return setting.label
-    return f"{setting.label.removesuffix(')')}, {setting.unit})"
+    in_unit = f"{setting.label.removesuffix(')')}, {setting.unit})"
+    return (in_unit if setting.unit else setting.label) + begins_at(setting.values[0])
 
 
 def _texts(stability: StabilityMap) -> list[str]:

@@ -34,7 +34,8 @@ def test_the_map_has_the_differences_in_the_systems_colours(found: StabilityMap)
     ends = (heat.colorscale[0][1], heat.colorscale[-1][1])
     assert ends == (Y_COLOUR["light"], X_COLOUR["light"])
     assert figure.layout.xaxis.title.text == "Misses against false alarms (alpha)"
-    assert figure.layout.yaxis.title.text == "Counts half at (midpoint, px)"
+    start = found.axes[1].values[0]
+    assert figure.layout.yaxis.title.text == f"Counts half at (midpoint, px), from {start:.2g}"
 
 
 def test_a_click_gives_the_cell(found: StabilityMap) -> None:
