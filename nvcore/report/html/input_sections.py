@@ -191,19 +191,21 @@ def _pictures(pictures: pd.DataFrame) -> Table:
 def parameters_section(result: Result) -> Section:
     """Every setting with its meaning, and the constants."""
     stated = result.params.stated(result.dataset)
-    rows = []
+    rows, rows_changed = [], []
     for name, setting in SETTINGS.items():
         if name not in stated:
             continue
         value = getattr(result.params, name)
         shown = _value(value) if value is not None else _fallback(result, name)
         in_unit = f"{shown} {setting.unit}" if setting.unit and shown != NOT_SET else shown
-        changed = "" if value == setting.default else ", changed"
-        default = _value(setting.default)
+        is_changed = value != setting.default
+        text = f"{in_unit}, changed" if is_changed else in_unit
         meaning = result.objects.say(setting.meaning)
-        rows.append((name, f"{in_unit}{changed}", default, true_minus(setting.range_text), meaning))
+        row = name, text, _value(setting.default), true_minus(setting.range_text), meaning
+        rows.append(row)
+        if is_changed:
+            rows_changed.append(row)
     head = ("Parameter", "Value", "Default", "Range", "Meaning")
-    rows_changed = [row for row in rows if row[1].endswith(", changed")]
     constants = (
         ("weight of nearness from which a frame counts", f"{RELEVANT_K:g}"),
         ("share of a detection on an ignored region that absorbs it", f"{ABSORB_SHARE:g}"),
