@@ -101,7 +101,9 @@ def draw_table(
         Whether headings sort at all.
     """
     shown = {column: table[column] for column in columns}
-    version = int(pd.util.hash_pandas_object(table[[*columns]], index=False).sum() % 2**32)
+    version = 0  # of no use without clicks
+    if on_click is not None or on_sort is not None:
+        version = int(pd.util.hash_pandas_object(table[[*columns]], index=False).sum() % 2**32)
     _COMPONENT(
         key=key,
         data={
