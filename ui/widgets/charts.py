@@ -82,12 +82,16 @@ def kept_figure(kind: str, key: Hashable, make: Callable[[], go.Figure]) -> go.F
 
 
 def _ready(figure: go.Figure, of: str = "") -> go.Figure:
-    """The figure without its heading; itself if it is so already."""
-    if figure.layout.meta is None:
-        return _without_heading(figure, of)
-    title, subtitle, *more = figure.layout.meta
-    if of and not subtitle.startswith(of):  # without data: its sentence stands for both
-        figure.layout.meta = (title, f"{of}: {subtitle}", *more)
+    """The figure, its title and subtitle moved to ``layout.meta``, where the browser finds them.
+
+    Itself if it is so already, as one without data is.
+    """
+    title, subtitle, *more = figure.layout.meta or take_heading(figure)
+    if not subtitle.startswith(of):
+        subtitle = "; ".join(filter(None, (of, subtitle)))
+    meta = (title, subtitle, *more)
+    if figure.layout.meta != meta:  # it may be drawn by others meanwhile
+        figure.layout.meta = meta
     return figure
 
 
@@ -106,10 +110,3 @@ def _draw_heading(
         text += f'<details class="nv-help"><summary>?</summary>\n\n{help_text}\n\n</details>'
     st.markdown(f"{text}</div>", unsafe_allow_html=True)
     return unescape(f"{title}: {subtitle}" if subtitle else title)
-
-
-def _without_heading(figure: go.Figure, of: str) -> go.Figure:
-    """The figure, its title and subtitle moved to ``layout.meta``, where the browser finds them."""
-    title, subtitle = take_heading(figure)
-    figure.update_layout(meta=(title, "; ".join(filter(None, (of, subtitle)))))
-    return figure
