@@ -139,7 +139,7 @@ def _draw_exact(named: Sequence[tuple[str, str]]) -> None:
     with place:
         for letter in scored:
             key = f"data_threshold_{letter}"
-            st.session_state[key] = getattr(state.params(), f"threshold_{letter}")
+            st.session_state[key] = state.threshold_of(letter)
             st.number_input(
                 f"Score threshold of {letter.upper()}",
                 key=key,
@@ -170,7 +170,7 @@ def _points(named: Sequence[tuple[str, str]]) -> pd.DataFrame:
     dataset, params = state.opened().dataset, state.params()
     rows = []
     for letter, name in named:
-        threshold: float | None = getattr(params, f"threshold_{letter}")
+        threshold = state.threshold_of(letter)
         point = _point(dataset, name, params, threshold)
         all_count = "every detection counts"
         if state.score_span(name) is None:
@@ -191,8 +191,8 @@ def _points(named: Sequence[tuple[str, str]]) -> pd.DataFrame:
 def _draw_plots(letter: str, name: str) -> None:
     if state.score_span(name) is None:
         return
-    threshold: float | None = getattr(state.params(), f"threshold_{letter}")
-    for figure, kind in zip(_plots(letter, name, threshold), ("scores", "alarms"), strict=True):
+    plots = _plots(letter, name, state.threshold_of(letter))
+    for figure, kind in zip(plots, ("scores", "alarms"), strict=True):
         draw_chart(figure, f"{kind}_{letter}")
 
 

@@ -177,6 +177,12 @@ def set_params(**values: Any) -> None:
     st.session_state["new_params"] = {**st.session_state.get("new_params", {}), **values}
 
 
+def threshold_of(letter: str) -> float | None:
+    """Score threshold of X or Y; None: every detection counts."""
+    threshold: float | None = getattr(params(), f"threshold_{letter}")
+    return threshold
+
+
 def set_threshold(letter: str, threshold: float | None) -> None:
     """Move the threshold slider of X or Y; None moves it to its left end: every score counts."""
     name = systems()["xy".index(letter)]

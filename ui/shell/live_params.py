@@ -120,7 +120,7 @@ def threshold_scale(letter: str) -> tuple[float, float, float] | None:
 
 def counts_all(letter: str) -> bool:
     """Whether every detection of X or Y reaches the live threshold."""
-    threshold: float | None = getattr(state.params(), f"threshold_{letter}")
+    threshold = state.threshold_of(letter)
     system = state.systems()["xy".index(letter)]
     span = None if system is None else state.score_span(system)
     return threshold is None or (span is not None and threshold <= span[0])
