@@ -23,11 +23,9 @@ from nvcore.report.html.classes_section import classes_section
 from nvcore.report.html.cover import Cover, cover_of
 from nvcore.report.html.encounter_sections import encounters_section, only_one_section
 from nvcore.report.html.evidence_sections import (
-    detection_section,
     frames_section,
     planned_verdict,
     significance_section,
-    stability_section,
     subgroups_section,
     verdict_section,
 )
@@ -40,6 +38,7 @@ from nvcore.report.html.result_sections import (
     scorecard_section,
     similarity_section,
 )
+from nvcore.report.html.settings_sections import detection_section, stability_section
 from nvcore.sentences import say
 from nvcore.stability.map import MAPS
 from nvcore.subjects import contributed
