@@ -1,4 +1,4 @@
-"""Systems: every two of the open systems against each other."""
+"""Systems: every pair of the open systems against each other."""
 
 import streamlit as st
 
@@ -16,7 +16,7 @@ def draw(result: Result) -> None:
         pairs.draw_only_pair(result)
         return
     st.caption(
-        "Every two of the open systems, each at its own threshold, by two measures: the share of "
+        "Every pair of the open systems, each at its own threshold, by two measures: the share of "
         "encounters that they detect, and mean similarity. p is corrected for all pairs and both "
         "measures, and a difference is claimed only where it holds at equal false alarms "
         f"as well ({docs_link('Significance', 'three-systems-and-more', doc='significance')})."

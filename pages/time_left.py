@@ -25,8 +25,8 @@ def draw(result: Result) -> None:
     st.caption(
         state.say(
             "Could braking still have helped when a system had found the {one}? An encounter is "
-            "{urgent} if the car comes so near that a warning is too late to stop. Where that "
-            "begins is the last chance: before it the driver has to be told.",
+            "{urgent} if the car comes so near that a warning is too late to stop. From the "
+            "last chance on it is too late: the driver has to be warned before.",
             urgent=docs_link("urgent", "the-last-chance"),
         )
     )

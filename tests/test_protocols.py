@@ -138,11 +138,11 @@ def test_what_is_left_out_is_told_with_how_many_boxes_that_are():
     assert found.n_truth == 1
     found = filter_truth(make_dataset(boxes, **SIZE), PROTOCOLS["kaist-reasonable"])
     assert found.left_out == (
-        "3 ignored: flagged in the ground truth 1, height 2, occlusion 1 (a box that several of "
-        "these leave out is counted for each)"
+        "3 ignored: 1 flagged in the ground truth, 2 by height, 1 by occlusion (a box that "
+        "several of these leave out is counted for each)"
     )
     whole = filter_truth(make_dataset(boxes, **SIZE), PROTOCOLS["all"])
-    assert whole.left_out == "1 ignored: flagged in the ground truth 1"
+    assert whole.left_out == "1 ignored: flagged in the ground truth"
     assert filter_truth(make_dataset([person()], **SIZE), PROTOCOLS["all"]).left_out == ""
 
 

@@ -117,7 +117,7 @@ def test_mot15_has_the_published_misses_and_false_positives_of_the_tracker(
 def test_mot15_evaluates_every_frame_of_seqinfo(realdata: Path):
     summary, code, told = compare(*mot15(realdata))
     assert (summary["recordings"], summary["frames"]) == (4, 71 + 179 + 354 + 795)
-    assert "those that the ground truth lists (1399 in all)" in told
+    assert "those that the ground truth lists (1,399 in all)" in told
     assert code == 0
     assert is_balanced(summary["x"])
     assert is_balanced(summary["y"])

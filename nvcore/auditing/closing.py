@@ -54,8 +54,8 @@ def audit_closing_speed(dataset: Dataset, params: Params) -> list[Finding]:
                 f"distances): {spelled(speeds)}."
             ),
             advice=(
-                "Read last chances to stop and impact speeds as those of a car at the assumed or "
-                "stated speed; for the car that made a recording, give its speed."
+                "Last chances to stop and impact speeds are those of a car at the assumed or "
+                "stated speed; to get those of the car that made a recording, give its speed."
             ),
             # one speed for all would be wrong for others
             steps=(Step(Remedy.OPTION, "", "speed_kmh" if len(names) == 1 else "recordings"),),

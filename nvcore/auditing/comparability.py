@@ -22,7 +22,7 @@ from nvcore.metrics.proximity.borrowing import (
     weighing_truth,
 )
 from nvcore.params import Params
-from nvcore.wording import capitalised, count_text
+from nvcore.wording import capitalised, count_text, percent
 
 MIN_ENCOUNTERS: Final = 10
 """Fewer near encounters than this say little."""
@@ -107,7 +107,7 @@ def audit_weighting(
     shares = [len(own) / n if n else np.nan for own, n in zip(rows, counts, strict=True)]
     least = np.nanmin(shares, initial=1.0)
     of_each = ", ".join(
-        f"{source.name} {share:.0%}"
+        f"{source.name} {percent(share)}"
         for (source, _), share in zip(sources, shares, strict=True)
         if not np.isnan(share)
     )
@@ -142,7 +142,7 @@ def _how_many(n: int, n_boxes: int) -> str:
     """So many of the boxes have."""
     if n == n_boxes:
         return "The only box that counts has" if n == 1 else f"All {n:,} boxes that count have"
-    return f"{n:,} of {n_boxes:,} boxes that count ({n / n_boxes:.0%}) have"
+    return f"{n:,} of {n_boxes:,} boxes that count ({percent(n / n_boxes)}) have"
 
 
 def _whose(source: BoxSource, rows: np.ndarray) -> str:
@@ -187,7 +187,7 @@ def audit_borrowing(dataset: Dataset, params: Params) -> list[Finding]:
             count=borrowed.n_borrowed or borrowed.n_unknown,
             message=(
                 f"{capitalised(borrowed.text)}. Of {n_boxes:,} truth boxes "
-                f"{borrowed.n_unknown:,} ({rest:.0%}) have no distance and weigh by height."
+                f"{borrowed.n_unknown:,} ({percent(rest)}) have no distance and weigh by height."
             ),
             advice=advice or "Nothing to do: X and Y are judged by the same weights.",
             steps=steps,

@@ -10,7 +10,7 @@ from typing import Final
 from nvcore.dataset import Dataset
 from nvcore.dataset.copies import open_copies
 from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
-from nvcore.wording import count_text, listed
+from nvcore.wording import count_text, listed, percent
 
 MOST_NAMED: Final = 3
 """Pairs or recordings that a message spells out."""
@@ -29,7 +29,8 @@ def audit_copies(dataset: Dataset) -> Iterator[Finding]:
     pairs = []
     for copy in copies[:MOST_NAMED]:
         shift = f", {copy.shift_frames:+,} frames apart" if copy.shift_frames else ""
-        extent = f"{count_text(copy.n_shared, 'box', 'boxes')}, {copy.share:.0%} of the smaller"
+        n_shared = count_text(copy.n_shared, "box", "boxes")
+        extent = f"{n_shared}, {percent(copy.share)} of the smaller"
         pairs.append(f"{names[copy.first]} and {names[copy.second]} ({extent}{shift})")
     more = len(copies) - len(pairs)
     if more:

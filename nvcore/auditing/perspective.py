@@ -11,6 +11,7 @@ from nvcore.dataset import Dataset
 from nvcore.findings import TRUTH_NAME, Finding, Remedy, Severity, Step
 from nvcore.metrics.encounters import encounters_of
 from nvcore.params import Params
+from nvcore.wording import percent
 
 MIN_BOXES: Final = 100
 MIN_PEDESTRIANS: Final = 5
@@ -39,7 +40,7 @@ def audit_foot_spread(dataset: Dataset, params: Params) -> list[Finding]:
         TRUTH_NAME,
         odd,
         "foot points spread over many rows of the picture, unlike before a camera in a car (first: "
-        f"their spread is {spread[odd[0]]:.0%} of that sideways)",
+        f"their spread is {percent(spread[odd[0]])} of that sideways)",
         dataset.objects.say(
             "Compare by foot points, too: sideways, {people} above one another in the picture are "
             "in one place."

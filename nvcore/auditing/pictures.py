@@ -190,7 +190,7 @@ def _of_frames(
             steps=() if is_sure else first_picture,
         )
     if mapped is not None and mapped.is_either:
-        other = "less one" if mapped.rule is Rule.NUMBER else "as they are"
+        other = "minus one" if mapped.rule is Rule.NUMBER else "as they are"
         yield _Case(
             Severity.NOTE,
             "either",

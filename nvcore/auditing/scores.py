@@ -6,7 +6,7 @@ import numpy as np
 
 from nvcore.auditing.cases import BoxSource
 from nvcore.findings import Finding, Remedy, Severity, Step
-from nvcore.wording import count_text
+from nvcore.wording import count_text, percent
 
 
 def audit_scores(source: BoxSource) -> list[Finding]:
@@ -37,7 +37,7 @@ def audit_scores(source: BoxSource) -> list[Finding]:
             "missing-score",
             without,
             f"{count_text(len(without), 'detection has', 'detections have')} no score "
-            f"({len(without) / len(score):.0%} of all), while others have one.",
+            f"({percent(len(without) / len(score))} of all), while others have one.",
             "Complete the scores: a detection without one passes every threshold.",
         ),
         *source.findings(

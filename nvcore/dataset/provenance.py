@@ -66,8 +66,11 @@ class TrainedOn:
             return f"crops and scenes ({self.fingerprint[:_SHOWN_DIGITS]})"
         if self.first_frame is None and self.last_frame is None:
             return one_line(self.recording)
-        first, last = ("" if end is None else end for end in (self.first_frame, self.last_frame))
-        return f"{one_line(self.recording)}, frames {first}:{last}"
+        if self.last_frame is None:
+            span = f"from {self.first_frame}"
+        else:
+            span = f"{0 if self.first_frame is None else self.first_frame} to {self.last_frame}"
+        return f"{one_line(self.recording)}, frames {span}"
 
 
 @dataclass(frozen=True)

@@ -68,7 +68,10 @@ class FilteredTruth:
         """How many boxes are ignored and why, in words; "" where none is."""
         if not self.n_ignored:
             return ""
-        parts = [f"{name} {n:,}" for name, n in self.n_left_out.items() if n]
+        n_by = {name: n for name, n in self.n_left_out.items() if n}
+        parts = [name if name == FLAGGED else f"by {name}" for name in n_by]
+        if len(parts) > 1:
+            parts = [f"{n:,} {part}" for n, part in zip(n_by.values(), parts, strict=True)]
         has_several = sum(self.n_left_out.values()) > self.n_ignored
         several = " (a box that several of these leave out is counted for each)"
         return f"{self.n_ignored:,} ignored: {', '.join(parts)}{several if has_several else ''}"

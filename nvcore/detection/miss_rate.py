@@ -9,6 +9,7 @@ import numpy as np
 from nvcore.detection.curves import DetectionCurve
 from nvcore.errors import ParameterError
 from nvcore.objects import Objects
+from nvcore.wording import number
 
 FPPI_REFERENCES: Final = np.logspace(-2.0, 0.0, 9)
 """Nine false positives per image, evenly spaced in logarithm: 10^-2, 10^-1.75, ..., 1."""
@@ -84,7 +85,7 @@ def explain_zero(rates: np.ndarray) -> str:
         return ""
     return (
         f"0 at {np.count_nonzero(is_zero)} of {len(rates)} references: the geometric mean is 0 "
-        f"though at the others up to {rates.max():.1%} are missed"
+        f"though at the others up to {number(rates.max(), '.1%')} are missed"
     )
 
 
@@ -103,17 +104,17 @@ def explain_range(curve: DetectionCurve, rates: np.ndarray) -> tuple[str, ...]:
     if first > FPPI_REFERENCES[0]:
         notes.append(
             f"the curve begins at {first:.3g} false positives per image: at fewer its miss rate "
-            "counts as 100%"
+            "counts as 100 %"
         )
     if not last:
         notes.append(
             "there is no false positive: at every reference the last miss rate counts, "
-            f"{curve.miss_rate[-1]:.1%}"
+            f"{number(curve.miss_rate[-1], '.1%')}"
         )
     elif last < FPPI_REFERENCES[-1]:
         notes.append(
             f"the curve ends at {last:.3g} false positives per image: from there to 1 its last "
-            f"miss rate counts, {curve.miss_rate[-1]:.1%}"
+            f"miss rate counts, {number(curve.miss_rate[-1], '.1%')}"
         )
     return tuple(notes)
 

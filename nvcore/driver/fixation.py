@@ -21,6 +21,7 @@ from nvcore.driver.inputs.picture_boxes import LARGEST
 from nvcore.errors import FormatError, ParameterError
 from nvcore.inputs.readers.parse.table import read_table
 from nvcore.inputs.readers.parse.text import MAX_INTEGER
+from nvcore.wording import percent
 
 GAZE_COLUMNS: Final = ("frame", "x", "y")
 
@@ -111,4 +112,4 @@ class FixedPoint:
         """What is assumed."""
         if (self.x, self.y) == (0.5, 0.5):
             return "the middle of the picture"
-        return f"{self.x:.0%} across and {self.y:.0%} down the picture"
+        return f"{percent(self.x)} across and {percent(self.y)} down the picture"

@@ -16,7 +16,15 @@ from nvcore.driver.evaluation import PUBLISHED_NOTE, Evaluation, evaluation_tabl
 from nvcore.driver.evaluation.tables import errors_table
 from nvcore.driver.trials import TrainingTable
 from nvcore.output.csv_text import to_csv_bytes
-from nvcore.wording import MOST_NAMED, capitalised, count_text, duration_text, number, one_line
+from nvcore.wording import (
+    MOST_NAMED,
+    capitalised,
+    count_text,
+    duration_text,
+    number,
+    one_line,
+    percent,
+)
 
 TABLES: Final = (
     *("errors", "choices", "pairs", "pair_ranks"),
@@ -156,7 +164,7 @@ def render_estimator(estimator: Estimator) -> str:
         f"{count_text(origin.n_pedestrians, 'pedestrian')}",
         _pictures(origin),
         f"a response is right within a square of {origin.square_px:g} px that overlaps the "
-        f"pedestrian's middle ({origin.centre_share:.0%} of his box)",
+        f"pedestrian's middle ({percent(origin.centre_share)} of his box)",
         *_feature_settings(estimator),
         "mean squared error on pedestrians left out, in five folds; 0 is best:",
         *_errors(errors, last="single"),

@@ -94,7 +94,7 @@ def mcnemar(venn: Venn) -> McNemar:
         p = measure_exclusivity(venn).mcnemar_p
     else:
         reasons.append(
-            f"too few encounters tell the two apart for a test: {split}, at least "
+            f"X and Y differ in too few encounters for a test: {split}, at least "
             f"{MIN_DISCORDANT} are needed"
         )
     if split:
@@ -346,7 +346,7 @@ def _why_untested(measure: Paired) -> str:
     n_swapped = int(np.count_nonzero(measure.differs))
     if n_swapped < MIN_SWAPPED:
         return (
-            f"too few recordings tell X and Y apart for a test: {n_swapped}, at least "
+            f"X and Y differ in too few recordings for a test: {n_swapped}, at least "
             f"{MIN_SWAPPED} are needed"
         )
     return ""

@@ -25,7 +25,7 @@ from nvcore.figures.style import (
 from nvcore.measures.entry import AxisScale
 from nvcore.measures.table import inference_of
 from nvcore.palette import Theme
-from nvcore.wording import capitalised, count_text
+from nvcore.wording import capitalised, count_text, number
 
 ROW_PX: Final = 30
 MOST_GROUPS: Final = 40
@@ -108,7 +108,8 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
     ends = _range(difference, low, high, least=scale.least)
     counts = [
         written(
-            f"{row['n']:,}: X {row['x']:{scale.form}}, Y {row['y']:{scale.form}}{_corrected(row)}",
+            f"{row['n']:,}: X {number(row['x'], scale.form.lstrip(','))}, "
+            f"Y {number(row['y'], scale.form.lstrip(','))}{_corrected(row)}",
             size=12,
             color=look.muted,
             x=1.01,
@@ -121,7 +122,7 @@ def subgroup_forest(subgroups: pd.DataFrame, *, theme: Theme) -> go.Figure:
     figure = draw(
         [intervals, differences],
         theme,
-        title=f"{title}: X less Y, by group",
+        title=f"{title}: X minus Y, by group",
         subtitle=f"{n_most}{near}; larger squares: more {unit}; open: no interval; "
         f"in brackets: p corrected for all groups{which_is_which(theme)}",
         height=130 + ROW_PX * len(table),

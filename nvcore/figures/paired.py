@@ -112,7 +112,7 @@ def recordings_plot(
     if len(defined) > 1:
         n_x, n_y = int((gain[defined] > 0).sum()), int((gain[defined] < 0).sum())
         extent += f"; X is better in {n_x:,}, Y in {n_y:,}"
-        extent += "; the better X, the higher up" if has_all else ""  # no room for both
+        extent += "; best for X on top" if has_all else ""  # no room for both
     return draw(
         traces,
         theme,

@@ -170,7 +170,7 @@ def parts_plot(
             events["name"], events["track"], events["start_s"], strict=True
         ):
             where = "" if recording is not None else f"{plain(name, max_length=20)}, "
-            labels.append(f"{where}{short} {plain(track, max_length=8)}, {start:.1f} s")
+            labels.append(f"{where}{short} {plain(track, max_length=8)}, from {start:.1f} s")
         colour = look.of(letter)
         for column, fill in (("weight_s", faded(colour, 0.22)), ("saliency_s", colour)):
             marker = steady_marker(color=fill, line={"width": 1, "color": colour}, cornerradius=2)
@@ -192,7 +192,11 @@ def parts_plot(
     if not labels:
         return empty_figure(result.objects.say(NO_EVENTS), theme=theme)
     is_risk = result.params.saliency_weight == "risk"
-    what = "the largest counts" if result.params.saliency_aggregate == "max" else "their sum counts"
+    what = (
+        "only the largest counts"
+        if result.params.saliency_aggregate == "max"
+        else "their sum counts"
+    )
     return draw(
         traces,
         theme,
@@ -201,7 +205,7 @@ def parts_plot(
         f"{'weighted distance' if is_risk else 'duration'}, solid: × recency",
         height=150 + 24 * len(labels),
         barmode="overlay",
-        xaxis=axis(theme, f"seconds; {what}", rangemode="tozero"),
+        xaxis=axis(theme, f"seconds ({what})", rangemode="tozero"),
         yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False),
     )
 

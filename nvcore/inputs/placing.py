@@ -303,7 +303,7 @@ def _frames(
     counts = dict(zip(recordings["name"], map(len, frames), strict=True))
     notes = [
         f"evaluated frames of {names[0] if len(names) == 1 else f'{len(names)} recordings'}: "
-        f"{reason} ({sum(counts[name] for name in names)} in all)"
+        f"{reason} ({sum(counts[name] for name in names):,} in all)"
         for reason, names in reasons.items()
     ]
     compared = [

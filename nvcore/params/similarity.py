@@ -53,7 +53,7 @@ class SimilaritySettings:
         COST,
         None,
         slider_format="urban %0.2f rural",
-        unset="as the recordings say",
+        unset="as each recording says",
         label="Traffic context",
         meaning="Traffic context. 0 (urban): a miss far to the side costs little; 1 (rural): a "
         "miss at the road's edge costs as much as one straight ahead. Default: as each recording "

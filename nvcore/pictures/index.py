@@ -57,7 +57,7 @@ _TEXTS: Final = {
     Rule.COUNT_FROM_ONE: "picture i, counted from 0, shows frame i + 1: the frames count from 1",
     Rule.TIME: "the time of each picture tells its frame, as pictures are missing in the video",
     Rule.NUMBER: "the number in a picture's name is the frame",
-    Rule.NUMBER_LESS_ONE: "the number in a picture's name, less one, is the frame (names that "
+    Rule.NUMBER_LESS_ONE: "the number in a picture's name, minus one, is the frame (names that "
     "count from 1)",
     Rule.ORDER: "the pictures in their order show the listed frames",
     Rule.ORDER_FROM_ZERO: "the pictures in their order show frame 0, 1, 2 and so on",
@@ -177,7 +177,7 @@ def map_note(
         else _TEXTS[mapped.rule]
     )
     if mapped.is_either:
-        other = "less one" if mapped.rule is Rule.NUMBER else "the number itself"
+        other = "minus one" if mapped.rule is Rule.NUMBER else "the number itself"
         rule += f" ({other} would do as well: if boxes lag behind, give the first frame)"
     note = f"{capitalised(rule)}."
     n_without = int(np.count_nonzero(mapped.index < 0))

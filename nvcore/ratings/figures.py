@@ -171,7 +171,7 @@ def participants_plot(agreement: Agreement, *, theme: Theme) -> go.Figure:
     }
     labels = [plain(name, max_length=24) for name in participants["participant"]]
     n_odd = int(judged["is_outlier"].sum())
-    odd = f"; {n_odd or 'none'} going another way (marked x)" if agreement.knows_outliers else ""
+    odd = f"; {n_odd or 'none'} ranking differently (marked x)" if agreement.knows_outliers else ""
     trace = go.Scatter(
         x=participants["agreement"],
         y=np.arange(len(participants)),

@@ -299,7 +299,7 @@ def _worst(result: Result, letter: str, system: SystemResult) -> str:
     name = f"worst intervals of {letter.upper()} ({system.name})"
     if table.empty:
         return one_line(f"{name}: none below {result.params.low:g}")
-    lines = [f"{name}, weighed by what similarity lacks to {result.params.low:g}:"]
+    lines = [f"{name}, weighted by what similarity lacks to {result.params.low:g}:"]
     lines += [
         f"  {row['recording']}  {row['start_s']:.2f} s to "
         f"{row['start_s'] + row['duration_s']:.2f} s  "

@@ -15,7 +15,7 @@ from nvcore.sentences.caveats import caveats
 from nvcore.sentences.facts import Fact
 from nvcore.sentences.texts import TEXTS, Texts
 from nvcore.subjects import contributed
-from nvcore.wording import capitalised, count_text, duration_text, listed, percent
+from nvcore.wording import capitalised, count_text, duration_text, listed, number, percent
 
 
 def say(fact: Fact, objects: Objects) -> str:
@@ -115,4 +115,6 @@ class _Sentence(Formatter):
         if isinstance(value, tuple):
             parts = [self.format_field(each, "") for each in value]
             return format_spec.join(parts) if format_spec else listed(parts)
+        if format_spec.endswith("%"):
+            return number(value, format_spec)
         return str(super().format_field(value, format_spec))

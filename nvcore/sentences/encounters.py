@@ -215,8 +215,8 @@ TEXTS: Final[Texts] = {
     Correlated: {
         "few": "too few misses to say whether those of X and Y go together (phi {phi:+.2f}).",
         "known": "the correlation of their misses is phi {phi:+.2f} (0: a miss of one says nothing "
-        "about the other; 1: both miss the same {many}; below 0: one rather detects those that the "
-        "other misses).",
+        "about the other; 1: both miss the same {many}; below 0: one tends to detect those that "
+        "the other misses).",
     },
     Parted: {
         "none": "no encounter is detected by one system alone: none tells the two apart.",
@@ -227,7 +227,7 @@ TEXTS: Final[Texts] = {
         "uneven": "{fact.split}: so uneven a split would be unlikely if each of them fell to "
         "either system by chance (exact McNemar test within these drives, p = {p:.2g}; whether "
         "other drives would show it is judged by recordings).",
-        "chance": "{fact.split}: two equally good systems could well differ so much by chance "
+        "chance": "{fact.split}: two equally good systems could well differ this much by chance "
         "(exact McNemar test within these drives, p = {p:.2g}).",
     },
     Split: {

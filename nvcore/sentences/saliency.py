@@ -100,7 +100,7 @@ TEXTS: Final[Texts] = {
     },
     End: {
         "seconds": "ends {at:.1f} s before the end of the {scope}",
-        "share": "ends when {at:.0%} of the {scope} has passed",
+        "share": "ends when {at!p} of the {scope} has passed",
     },
     Event: "lasts {duration_s:.2f} s{weight} and {end}, which gives it the recency {recency:.2f}: "
     "{weight_s:.2f} s × {recency:.2f} = {saliency_s:.2f} s.",
@@ -109,7 +109,7 @@ TEXTS: Final[Texts] = {
     OnAverage: ", {mean_s:.2f} s a recording",
     Relevance: {
         "all": " The missed {many} count (k >= 0.5) throughout.",
-        "part": " In {share:.0%} of the events' time the missed {one} counts (k >= 0.5); in the "
+        "part": " In {share!p} of the events' time the missed {one} counts (k >= 0.5); in the "
         "rest {he} is too far to count.",
     },
     SaliencyOf: {

@@ -96,7 +96,7 @@ TEXTS: Final[Texts] = {
     },
     facts.Tested: {
         "tested": " ({n!n:{noun}}, {p})",
-        "untestable": " (too few {noun}s tell them apart for a test)",
+        "untestable": " (they differ in too few {noun}s for a test)",
         "unsure": " (not tested: too few or too uneven false alarms)",
     },
     facts.Split: {
@@ -111,7 +111,7 @@ TEXTS: Final[Texts] = {
         "one": "the one encounter that only {finder!u} detects costs {loser!u} {seconds:.1f} s",
         "many": "the {n} encounters that only {finder!u} detects cost {loser!u} {seconds:.1f} s",
     },
-    facts.Weights: "weighed by severity, {costs}.",
+    facts.Weights: "weighted by severity, {costs}.",
     facts.WorstFailure: "the worst single failure is {letter!u}'s: {one} {track} in {recording}, "
     "{seconds:.1f} s.",
     facts.Measured: {
@@ -132,7 +132,7 @@ TEXTS: Final[Texts] = {
         "same log_average_miss_rate": "log-average miss rate ({better})",
     },
     facts.Has: {"one": "{system!u} has {measured}.", "both": "both have the same {measured}."},
-    facts.Share: "{share:.0%} of {letter!u}'s",
+    facts.Share: "{share!p} of {letter!u}'s",
     facts.FarAway: "of the time in saliency events, {shares} is about {many} that count; in the "
     "rest, {people} are too far away.",
     facts.Shown: {

@@ -206,7 +206,8 @@ def describe_chance(stability: StabilityMap, evidence: pd.DataFrame) -> str:
             f"{because}: {no_evidence}."
         )
     by = count_text(int(row["n"]), "recording")
-    p = f"by {by}, {p_text(row['p'], row['p_corrected'])}"
+    family = " for all measures" if row["p"] != row["p_corrected"] else ""
+    p = f"by {by}, {p_text(row['p'], row['p_corrected'])}{family}"
     if row["p_corrected"] <= SIGNIFICANT:
         return (
             f"This difference is unlikely to be chance ({p}); whether it may be claimed is up to "

@@ -22,7 +22,7 @@ SIGNIFICANCE_COLUMNS: Final[tuple[Column, ...]] = (
     Column("better", _TEXT, "", "`higher` or `lower`."),
     Column("x", _NUMBER, "measure's", "Of X.", empty="undefined"),
     Column("y", _NUMBER, "measure's", "Of Y.", empty="undefined"),
-    Column("difference", _NUMBER, "measure's", "X less Y.", empty="undefined"),
+    Column("difference", _NUMBER, "measure's", "X minus Y.", empty="undefined"),
     Column("low", _NUMBER, "measure's", "Lower end of its 95 % interval.", empty=_TOO_FEW),
     Column("high", _NUMBER, "measure's", "Upper end.", empty=_TOO_FEW),
     Column(
@@ -172,7 +172,7 @@ MATRIX_COLUMNS: Final[tuple[Column, ...]] = (
     *_of_both(
         Column("detected", _NUMBER, "0..1", "Share of encounters detected.", "high", "none counts")
     ),
-    Column("difference", _NUMBER, "", "First less second.", empty="none counts"),
+    Column("difference", _NUMBER, "", "First minus second.", empty="none counts"),
     Column("low", _NUMBER, "", f"Lower end of its 95 % interval {_WITHIN}.", empty=_NO_MCNEMAR),
     Column("high", _NUMBER, "", "Upper end.", empty=_NO_MCNEMAR),
     Column("odds_ratio", _NUMBER, "", "`x_only` by `y_only`.", empty="undefined or infinite"),
@@ -220,7 +220,9 @@ MATRIX_COLUMNS: Final[tuple[Column, ...]] = (
             "similarity", _NUMBER, "0..1", "Mean similarity.", "high", empty="no evaluated frames"
         )
     ),
-    Column("similarity_difference", _NUMBER, "", "First less second.", empty="no evaluated frames"),
+    Column(
+        "similarity_difference", _NUMBER, "", "First minus second.", empty="no evaluated frames"
+    ),
     Column(
         "similarity_low",
         _NUMBER,

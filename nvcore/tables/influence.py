@@ -74,7 +74,7 @@ def lead_text(result: Result) -> str:
 
 
 def _lead(x: float, y: float) -> float:
-    """X less Y, as shown."""
+    """X minus Y, as shown."""
     return float(format(x - y, f"z{FORM}"))
 
 

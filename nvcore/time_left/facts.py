@@ -291,7 +291,7 @@ TEXTS: Final[Texts] = {
     NobodyMet: "no {one} is met",
     Needed: "at {speed_kmh:g} km/h the car still stops before {a_one} if the warning comes more "
     "than {needed_s:.1f} s before contact: {reaction_s:g} s pass until the brakes act, then it "
-    "brakes with {deceleration:g} m/s². The frame from which on less is left is the last chance.",
+    "brakes with {deceleration:g} m/s². The first frame with less time left is the last chance.",
     FewUrgent: {
         "one": f"the only urgent encounter says {_HAPPENED}",
         "many": f"{{n}} urgent encounters are few: they say {_HAPPENED}",

@@ -63,7 +63,7 @@ def _introduction(params: Params) -> Intro:
     return Intro(
         what="Whether braking could still have helped when a system had found the {one}. An "
         "encounter is urgent if the car comes so near that a warning given then could no longer "
-        "stop it; where that begins is the last chance.",
+        "stop it; the last chance is the first such frame.",
         how="One over the height of {his} box (or {his} distance, where the truth states it) falls "
         "on a line that reaches zero at contact: that gives the time to contact in each frame. The "
         f"last chance is the first frame with less than {params.reaction_s:g} s and half the time "

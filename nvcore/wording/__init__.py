@@ -32,11 +32,13 @@ def number(value: float | None, form: str) -> str:
     --------
     >>> number(2439.4, ".0f"), number(0.31, "+.1f")
     ('2,439', '+0.3')
+    >>> number(0.6274, ".1%")
+    '62.7 %'
     """
     if value is None or math.isnan(value):
         return UNDEFINED
     digits = form.lstrip("+z")
-    return format(value, f"{form.removesuffix(digits)},{digits}")
+    return format(value, f"{form.removesuffix(digits)},{digits}").replace("%", " %")
 
 
 def difference(x: float, y: float, form: str) -> str:
@@ -131,9 +133,10 @@ def interval_text(low: float, high: float, form: str) -> str:
 
 def p_text(p: float, p_corrected: float) -> str:
     """A p by itself, and corrected where that is another: "p = 0.18; 0.6 after correction"."""
+    own, corrected = ("< 0.001" if each < 0.001 else f"= {each:.2g}" for each in (p, p_corrected))
     if p == p_corrected:
-        return f"p = {p:.2g}"
-    return f"p = {p:.2g}; {p_corrected:.2g} after correction"
+        return f"p {own}"
+    return f"p {own}; {corrected.removeprefix('= ')} after correction"
 
 
 def percent(share: float) -> str:

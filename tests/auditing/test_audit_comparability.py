@@ -140,7 +140,7 @@ def test_a_system_without_distances_beside_one_with_them_is_a_warning() -> None:
     assert (finding.severity.value, finding.subject, finding.count) == ("warning", "x", 40)
     assert finding.message == (
         "All 40 boxes that count have no distance and weigh by height: in 1 recording, r0. "
-        "Boxes without a distance, by source: truth 0%, x 100%, y 0%."
+        "Boxes without a distance, by source: truth 0 %, x 100 %, y 0 %."
     )
 
 
@@ -152,7 +152,7 @@ def test_boxes_without_distances_are_no_cases_but_said_by_recording() -> None:
     made = make_dataset(truth, x, drawn(truth, 1.0), places=[Place(range(2))] * 3)
     finding = find(made, "mixed-weighting", BY_DISTANCE)
     assert finding.cases is None
-    assert "4 of 6 boxes that count (67%) have no distance and weigh by height" in finding.message
+    assert "4 of 6 boxes that count (67 %) have no distance and weigh by height" in finding.message
     assert "the others by metres: in 2 recordings, r1, r2." in finding.message
 
 
@@ -227,7 +227,7 @@ def test_borrowed_distances_are_told_and_no_mixed_weighting() -> None:
     finding = find(made, "borrowed-distances", BORROWED)
     assert (finding.severity.value, finding.subject, finding.count) == ("note", "truth", 40)
     assert "as x (40) and y (40) report, 0 between those" in finding.message
-    assert "differ by 0% (median)" in finding.message
+    assert "differ by 0 % (median)" in finding.message
     assert "mixed-weighting" not in codes(made, BORROWED)
 
 
@@ -248,7 +248,7 @@ def test_many_pedestrians_whom_no_distance_reaches_are_a_warning() -> None:
     seen = walk(stop=20, distance_m=20.0)
     finding = find(dataset(truth_walk(), seen, seen), "borrowed-distances", BORROWED)
     assert finding.severity.value == "warning"
-    assert "Of 40 truth boxes 20 (50%) have no distance and weigh by height." in finding.message
+    assert "Of 40 truth boxes 20 (50 %) have no distance and weigh by height." in finding.message
     assert finding.steps == (Step(Remedy.OPTION, "height", "proximity"),)
 
 

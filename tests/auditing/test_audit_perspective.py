@@ -44,7 +44,7 @@ def test_feet_all_over_the_picture_are_noted_with_the_recording() -> None:
     made = dataset(standing(30, 100), standing(50, 100, recording=1))
     (finding,) = audit_foot_spread(made, Params())
     assert (finding.severity.value, finding.code, finding.count) == ("note", "foot-spread", 1)
-    assert "their spread is 50% of that sideways): r1" in finding.message
+    assert "their spread is 50 % of that sideways): r1" in finding.message
     assert finding.steps == (Step(Remedy.OPTION, "ground", "distance"),)
 
 

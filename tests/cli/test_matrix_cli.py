@@ -25,8 +25,8 @@ def test_every_two_systems_are_printed_each_at_its_own_threshold(tmp_path: Path)
     assert "3 systems, 3 pairs, 2 encounters; each system at its own threshold" in ran.stdout
     assert "FIR - NIR: Nothing is claimed: 6 recordings are needed for a p." in ran.stdout
     rows = [line.split() for line in ran.stdout.splitlines()]
-    assert ["NIR", "0.5", "0.025", "50.0%"] in [row[:4] for row in rows]
-    assert ["none", "0.95", "0", "0.0%"] in [row[:4] for row in rows]
+    assert ["NIR", "0.5", "0.025", "50.0", "%"] in [row[:5] for row in rows]
+    assert ["none", "0.95", "0", "0.0", "%"] in [row[:5] for row in rows]
 
 
 def test_json_stands_alone_and_flags_move_x_alone(tmp_path: Path):

@@ -96,7 +96,7 @@ def test_a_zero_is_explained_with_how_many_references_make_it():
     # nobody is missed from 0.5 false positives per image on: at 10^-0.25 and at 1
     rates = miss_rate_at(curve_of([1, 3], [0, 50], n_truth=3), FPPI_REFERENCES)
     assert explain_zero(rates) == (
-        "0 at 2 of 9 references: the geometric mean is 0 though at the others up to 66.7% are "
+        "0 at 2 of 9 references: the geometric mean is 0 though at the others up to 66.7 % are "
         "missed"
     )
     assert explain_zero(np.zeros(9)) == "nothing is missed at any of the 9 references"
@@ -110,13 +110,14 @@ def explained(curve):
 
 def test_it_is_said_what_counts_where_a_curve_does_not_reach_the_references():
     assert explained(curve_of([1, 2], [5, 47], n_truth=4)) == (
-        "the curve begins at 0.05 false positives per image: at fewer its miss rate counts as 100%",
+        "the curve begins at 0.05 false positives per image: at fewer its miss rate counts as "
+        "100 %",
         "the curve ends at 0.47 false positives per image: from there to 1 its last miss rate "
-        "counts, 50.0%",
+        "counts, 50.0 %",
     )
     assert explained(curve_of([1, 2], [1, 100], n_truth=4)) == ()
     assert explained(curve_of([3], [0], n_truth=4)) == (
-        "there is no false positive: at every reference the last miss rate counts, 25.0%",
+        "there is no false positive: at every reference the last miss rate counts, 25.0 %",
     )
 
 

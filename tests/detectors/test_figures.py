@@ -166,7 +166,7 @@ def test_a_tree_shows_its_questions_and_the_way_of_the_window():
     figure = tree_plot(TREE, theme="light", window=(16, 32), number=7, leaf=1)
     assert "Tree 7" in words(figure)
     assert "mean of gradient over 6 × 6 px 0.250?" in words(figure)
-    assert "mean of U less that of V (dotted), 4 × 8 px −0.100?" in words(figure)
+    assert "mean of U minus that of V (dotted), 4 × 8 px −0.100?" in words(figure)
     assert "<b>+0.100</b>" in words(figure)
     thick = [part for part in figure.data if part.line.width == 3]
     assert [part.name for part in thick] == ["below", "at least"]

@@ -37,7 +37,7 @@ def test_features_of_a_session_are_written_with_how_they_were_made(tmp_path: Pat
     )
     assert result.exit_code == 0, result.output
     assert "1,202 boxes in 300 pictures" in result.stdout
-    assert "Fixation assumed: 50% across and 40% down the picture." in result.stdout
+    assert "Fixation assumed: 50 % across and 40 % down the picture." in result.stdout
     rows = rows_of(tmp_path / "out" / "features.csv")
     assert len(rows) == 1202
     assert rows[0]["recording"] == "urban_crossing"

@@ -214,7 +214,7 @@ def test_without_a_gaze_file_a_point_is_assumed_and_said(place: Path):
     settings = settings_from({"fixation": (0.375, 0.375)})
     part = run(place, settings=settings).recordings[0]
     assert part.table["fixation_distance_px"].iloc[0] == 0.0
-    assert "Fixation assumed: 38% across and 38% down the picture." in part.notes
+    assert "Fixation assumed: 38 % across and 38 % down the picture." in part.notes
 
 
 def test_the_adaptation_period_is_that_at_the_end_of_the_frame(place: Path):

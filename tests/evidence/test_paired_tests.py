@@ -68,7 +68,7 @@ def test_swapping_x_and_y_turns_the_sign_and_inverts_the_odds() -> None:
 def test_few_discordant_encounters_have_words_instead_of_a_p_value() -> None:
     found = mcnemar(venn(40, 5, 0, 5))
     assert np.isnan(found.p)
-    assert "too few encounters tell the two apart for a test: 5" in found.reason
+    assert "X and Y differ in too few encounters for a test: 5" in found.reason
     assert found.low < 0.1 < found.high
     assert not np.isnan(mcnemar(venn(40, 6, 0, 5)).p)
     assert mcnemar(venn(40, 6, 0, 5)).p == pytest.approx(2 / 2**6)
@@ -161,7 +161,7 @@ def test_units_in_which_both_are_equal_do_not_count() -> None:
 def test_too_few_units_have_words_instead_of_a_p_value(n: int) -> None:
     found = flip_signs(np.ones(n))
     assert np.isnan(found.p)
-    assert f"too few recordings tell X and Y apart for a test: {n}, at least 6" in found.reason
+    assert f"X and Y differ in too few recordings for a test: {n}, at least 6" in found.reason
 
 
 def test_an_undefined_measure_has_no_p_value() -> None:

@@ -71,7 +71,7 @@ def test_measures_of_a_subgroup_by_hand() -> None:
     assert (far["effect"], far["effect_name"]) == (np.inf, "odds ratio")
     assert near["difference"] == 0
     assert np.isnan(near["p"])
-    assert "too few encounters tell the two apart for a test: 0" in near["note"]
+    assert "X and Y differ in too few encounters for a test: 0" in near["note"]
 
 
 def test_near_is_twice_as_high_as_a_box_that_counts_half() -> None:

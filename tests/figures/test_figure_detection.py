@@ -95,9 +95,9 @@ def test_each_kind_has_its_own_axes(
 @pytest.mark.parametrize(
     ("tp", "words"),
     [
-        ([1, 2], "LAMR 59.9%"),  # (0.75 ** 4 * 0.5 ** 5) ** (1 / 9)
-        ([1, 4], "LAMR 0% (0 at 5 of 9 references)"),
-        ([4, 4], "LAMR 0% (nothing missed)"),
+        ([1, 2], "LAMR 59.9 %"),  # (0.75 ** 4 * 0.5 ** 5) ** (1 / 9)
+        ([1, 4], "LAMR 0 % (0 at 5 of 9 references)"),
+        ([4, 4], "LAMR 0 % (nothing missed)"),
     ],
 )
 def test_the_legend_says_why_a_log_average_is_0(tp: list[int], words: str) -> None:

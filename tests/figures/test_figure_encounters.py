@@ -180,7 +180,7 @@ def test_recordings_are_sorted_by_how_much_better_x_is() -> None:
     assert trace(figure, "X: FIR").x.tolist() == [0.9, 0.5, 0.8]
     assert trace(figure, "Y: NIR").x.tolist() == [0.7, 0.5, 0.9]
     assert figure.layout.yaxis.ticktext == ("0001", "0002", "0000")
-    assert "3 recordings; X is better in 1, Y in 1; the better X, the higher up" in words(figure)
+    assert "3 recordings; X is better in 1, Y in 1; best for X on top" in words(figure)
 
 
 def test_less_saliency_is_better() -> None:

@@ -40,7 +40,7 @@ def test_each_group_stands_with_difference_interval_and_counts(detected: pd.Data
     edge = labels.index("place: edge")
     assert points.x[edge] == pytest.approx(-100 * 4 / 12)
     assert points.marker.color[edge] == LOOK["light"].y
-    assert "12: X 0%, Y 33%" in words(figure)
+    assert "12: X 0 %, Y 33 %" in words(figure)
     assert trace(figure, "95 % interval").x[0] == pytest.approx(100 * detected["low"][0])
     least, most = figure.layout.xaxis.range
     assert least < 100 * detected["low"].min()

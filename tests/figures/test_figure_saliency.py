@@ -49,7 +49,7 @@ def test_events_of_one_recording_alone_can_be_shown() -> None:
     assert len(trace(recency_plot(result, theme="light", recording=1), "X: x").x) == 2
     assert "No saliency events" in words(parts_plot(result, theme="light", recording=0))
     figure = parts_plot(result, theme="light", recording=1, n=1)
-    assert figure.layout.yaxis.ticktext == ("ped 3, 0.8 s",)  # without the recording's name
+    assert figure.layout.yaxis.ticktext == ("ped 3, from 0.8 s",)  # without the recording's name
 
 
 def test_an_event_is_taken_apart_into_duration_and_what_recency_leaves() -> None:
@@ -58,7 +58,7 @@ def test_an_event_is_taken_apart_into_duration_and_what_recency_leaves() -> None
     assert pale.x == pytest.approx([0.2, 0.2])
     assert solid.x == pytest.approx([0.2 * 0.99331, 0.2 * 0.26894], abs=1e-5)
     assert solid.customdata.tolist() == [18, 12]
-    assert figure.layout.yaxis.ticktext[0] == "r1, ped 3, 0.8 s"
+    assert figure.layout.yaxis.ticktext[0] == "r1, ped 3, from 0.8 s"
     assert figure.layout.yaxis.ticklabelstandoff > 0  # bars begin at the axis
     assert "the largest counts" in figure.layout.xaxis.title.text
 
@@ -123,4 +123,4 @@ def test_the_legend_of_the_parts_takes_no_room_from_them_beside_long_labels() ->
     """A legend that one side of the plot holds makes Plotly push the plot away from it."""
     layout = parts_plot(missed(), theme="light").layout
     assert (layout.legend.xref, layout.legend.yref) == ("container", "container")
-    assert layout.xaxis.title.text == "seconds; the largest counts"
+    assert layout.xaxis.title.text == "seconds (only the largest counts)"

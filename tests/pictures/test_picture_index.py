@@ -108,7 +108,7 @@ def test_names_that_count_from_one_are_noticed(tmp_path: Path):
     index, note = index_of([0, 1, 2], pictures)
     assert index == [0, 1, 2]
     assert note == (
-        "The number in a picture's name, less one, is the frame (names that count from 1)."
+        "The number in a picture's name, minus one, is the frame (names that count from 1)."
     )
 
 
@@ -116,7 +116,7 @@ def test_where_both_ways_of_counting_fit_the_note_says_so(tmp_path: Path):
     pictures = folder_of(tmp_path, ["1", "2", "3", "4"])
     index, note = index_of([1, 2, 3], pictures)
     assert index == [0, 1, 2]
-    assert "less one would do as well" in note
+    assert "minus one would do as well" in note
 
 
 def test_missing_picture_files_leave_frames_without_pictures(tmp_path: Path):

@@ -86,4 +86,4 @@ def test_participants_who_go_another_way_are_marked() -> None:
     assert list(figure.data[0].x) == [-0.4, 0.9]
     assert list(figure.data[0].marker.symbol) == ["x", "circle"]
     assert list(figure.layout.yaxis.ticktext) == ["B", "A"]
-    assert "2 participants; 1 going another way" in words(figure)
+    assert "2 participants; 1 ranking differently" in words(figure)

@@ -91,7 +91,7 @@ def test_the_scorecard_line_by_line(result: Result, scorecard: list[str]):
         "",
         "worst intervals of X (x): none below 0.9",
         "",
-        "worst intervals of Y (y), weighed by what similarity lacks to 0.9:",
+        "worst intervals of Y (y), weighted by what similarity lacks to 0.9:",
         "  r0  0.00 s to 2.00 s  (frames 0 to 19): weighs "
         f"{result.y.intervals['depth_s'].iloc[0]:.2f} s, lowest "
         f"{result.y.similarity.min():.3f} at frame {result.y.similarity.argmin()}",
@@ -155,7 +155,7 @@ def test_counts_and_shares_stand_side_by_side_with_their_difference(scorecard: l
     assert not [line for line in scorecard if "per hour" in line]
     assert cells(scorecard, "longest (s)") == ["–", "0.20", "–", "lower"]  # undefined
     (share,) = [line for line in scorecard if line.startswith("frames with")]
-    assert share.split()[-6:] == ["0.9", "0.0%", "100.0%", "-100.0", "pp", "lower"]
+    assert share.split()[-8:] == ["0.9", *(["0.0", "%", "100.0", "%", "-100.0", "pp", "lower"])]
 
 
 def test_a_difference_too_small_to_show_has_no_minus_sign():

@@ -114,7 +114,7 @@ def test_the_measures_stand_side_by_side(better_x: Result):
         ("severity_s_per_encounter", "0.00 s", ""),
         ("saliency", "0.00 s", ""),
         ("false_alert_episodes", "0", " in 1.8 s"),
-        ("log_average_miss_rate", "100.0%", ""),
+        ("log_average_miss_rate", "100.0 %", ""),
     ]
 
 
@@ -310,13 +310,13 @@ def test_a_verdict_in_words(better_x: Result):
     grave = [finding("kitti-size"), finding("ids-odd")]
     text = verdict(better_x, grave, evidence=table, companions=companions, plan=(Advice("fresh"),))
     assert text.sentences == (
-        "X is better on encounters detected (100.0% against 200.0%): more than chance over 12 "
+        "X is better on encounters detected (100.0 % against 200.0 %): more than chance over 12 "
         "recordings.",
         "Severity of missed pedestrians, the primary measure, has no p here: the others are "
         "corrected for one another.",
         "X detects every encounter that Y detects, and 4 more of 6 (12 recordings, p = 0.006; "
         "0.012 after correction).",
-        "Weighed by severity, the 4 encounters that only X detects cost Y 1.2 s.",
+        "Weighted by severity, the 4 encounters that only X detects cost Y 1.2 s.",
         "The worst single failure is Y's: pedestrian 2 in r0, 0.3 s.",
         "X has higher mean similarity (1.000 against 0.398), lower severity per encounter (0.00 "
         "against 0.20 s), lower saliency (0.00 against 0.30 s) and fewer false-alert episodes (0 "

@@ -145,7 +145,7 @@ def missed(**params: object) -> Result:
 
 def test_the_saliency_of_a_recording_is_taken_apart():
     assert [say(each, PEDESTRIAN) for each in saliencies(missed())] == [
-        "X: the most salient of 2 events lasts 0.20 s and ends when 100% of the recording has "
+        "X: the most salient of 2 events lasts 0.20 s and ends when 100 % of the recording has "
         "passed, which gives it the recency 0.99: 0.20 s × 0.99 = 0.20 s. The missed pedestrians "
         "count (k >= 0.5) throughout.",
         "Y misses nobody by more than the tolerance: its saliency is 0.",

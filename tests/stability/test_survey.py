@@ -129,12 +129,12 @@ def evidence(**p_of_figures: float) -> pd.DataFrame:
     [
         ("similarity", {"mean_similarity": 0.58},
          "This difference is not shown to be more than chance (by 12 recordings, p = 0.58; 1 "
-         "after correction): a "
+         "after correction for all measures): a "
          "verdict that holds at "
          "other settings is no evidence against chance."),
         ("saliency", {"saliency": 0.02},
          "This difference is unlikely to be chance (by 12 recordings, p = 0.02; 0.04 after "
-         "correction); "
+         "correction for all measures); "
          "whether it may be claimed is up to the verdict."),
         # encounters are alike within recordings: McNemar's test of them one by one says nothing
         ("encounters", {"encounters_detected": 0.01, "encounters_detected_by_unit": 0.3},

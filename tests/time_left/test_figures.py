@@ -101,7 +101,7 @@ def test_the_curve_over_speed_has_the_numbers_and_marks_speed_and_turn():
     assert x.x.tolist() == urgent["speed_kmh"].tolist()
     assert x.y.tolist() == urgent["share_in_time_x"].tolist()
     place = y.x.tolist().index(50)
-    assert y.text[place].startswith("50 km/h: 1 urgent<br>Y: 0 in time (0%), mean impact 31")
+    assert y.text[place].startswith("50 km/h: 1 urgent<br>Y: 0 in time (0 %), mean impact 31")
     assert shape(figure, "speed").x0 == 50
     assert [one.name for one in figure.layout.shapes] == ["speed"]
     swapped = curve.assign(

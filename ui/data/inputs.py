@@ -47,7 +47,7 @@ def draw() -> None:
     _draw_picture_troubles(space)
     notes = {state.recording_names()[row]: note for row, note in space.pictures.notes.items()}
     with st.expander(
-        "Recordings: names, sizes, frame rates, traffic, tags and pictures",
+        "Recordings: names, sizes, frame rates, speeds, traffic, tags and pictures",
         key="recordings",
         on_change="rerun",  # then it stays unfolded when its table is applied
     ):

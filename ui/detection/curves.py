@@ -113,7 +113,7 @@ def _draw_evidence(result: Result, remarks: list[str]) -> None:
     evidence = miss_rate_evidence(result)
     if np.isnan(evidence.difference):  # the table above says why
         return
-    words = "Difference of the log-average miss rates, X less Y:"
+    words = "Difference of the log-average miss rates, X minus Y:"
     parts = [f"{words} {minus(f'{100 * evidence.difference:+.2f}')} pp"]
     if np.isfinite(evidence.low):
         ends = minus(f"{100 * evidence.low:+.2f} to {100 * evidence.high:+.2f}")

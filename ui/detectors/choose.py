@@ -117,7 +117,8 @@ def _take_model() -> None:
 def _draw_about(what: DetectorFacts) -> None:
     """What it detects, what it was trained on, and its fingerprint."""
     about, inside = what.about, what.inside
-    parts = [f"Detects {plain(listed([*about.labels]))}."]
+    kinds = "class" if len(about.labels) == 1 else "classes"
+    parts = [f"Detects the {kinds} {plain(listed([*about.labels]))}."]
     if inside is not None:
         parts.append(
             f"{inside.n_trees:,} trees over windows of {inside.settings.window_width} × "

@@ -100,7 +100,7 @@ def _draw_pictures(spec: DetectorSpec, inside: Inside, picture: Picture) -> None
     )
     subtitle = f"scale {computed:.3g}"
     figure = pictures_plot(
-        steps, theme=shade, title="The picture on its way", subtitle=subtitle, columns=3
+        steps, theme=shade, title="The picture, step by step", subtitle=subtitle, columns=3
     )
     of = asking.on_frame(asking.described(spec).about)
     draw_chart(figure, "detector_steps", of=of)

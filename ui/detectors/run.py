@@ -104,7 +104,7 @@ def _ask_for_training(about: About) -> list[TrainedOn]:
     """Recordings that it was trained on, where it does not say so itself."""
     known = {part.recording for part in about.trained_on}
     chosen = st.multiselect(
-        "Trained on, where the model does not say so itself",
+        "Also trained on (if the model does not say so)",
         [name for name in state.recording_names() if name not in known],
         key=f"detector_trained_{state.workspace().n_opened}",
         persist_state="session",

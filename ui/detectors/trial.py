@@ -159,7 +159,7 @@ def _draw_outcome(outcome: Outcome) -> None:
     missed.metric("Missed", f"{outcome.n_missed:,}")
     is_by_overlap = params.match == "iou"
     rule = f"an IoU of at least {params.iou:.4g}" if is_by_overlap else "sideways position"
-    st.caption(f"With the truth, as the comparison matches: by {rule}.")
+    st.caption(f"Matched with the truth as in the comparison: by {rule}.")
 
 
 def _draw_chosen(

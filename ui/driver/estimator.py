@@ -22,7 +22,7 @@ SAMPLE_WORDS: Final = "sample: trained on a simulated observer, not on people"
 SIMULATED: Final = {
     "no": "",
     "some": " Part of the subjects were simulated.",
-    "all": " The subjects were **simulated**: this is no person's eye.",
+    "all": " The subjects were **simulated**, not people.",
 }
 LABELS: Final = {feature.key: feature.label for feature in FEATURES}
 

@@ -17,7 +17,8 @@ def draw() -> None:
     """What is missing."""
     text = state.say(
         "Whether the driver sees the {many} is not known yet. Press *Estimate* below: an "
-        "estimator, trained on trials with people, tells it from pictures of visible light."
+        "estimator tells it from pictures of visible light. The supplied one was trained on "
+        "simulated subjects, not on people."
     )
     st.info(text, icon=":material/visibility_off:")
 

@@ -34,7 +34,7 @@ MODEL: Final = "estimator.npz"
 TITLE: Final = "Features and estimate"
 HOW_LONG: Final = (
     "It looks at every {one} in every frame, and goes on while you look at other pages. The "
-    "comparison is then made anew, whichever page you look at. Opening something else, or changing "
+    "comparison is then updated, whichever page is open. Opening something else, or changing "
     "what is compared, ends it."
 )
 

@@ -12,7 +12,7 @@ from nvcore.metrics.encounter_classes import shown_class
 from nvcore.schema import CATEGORY_TEXT, CLASS_SEPARATOR, Category
 from nvcore.tables.moments import NEVER, encounter_time
 from nvcore.wording import listed as listed_words
-from nvcore.wording import minus
+from nvcore.wording import minus, percent
 from ui.encounters import picture, selection, weightings
 from ui.session import state
 from ui.shell.navigate import open_row
@@ -84,7 +84,7 @@ def _both(row: pd.Series[Any]) -> pd.DataFrame:
             "Severity": _seconds(row[f"severity_s_{letter}"]),
             "Peak cost": number(row[f"peak_cost_{letter}"], ".2f"),
             "Miss class": class_words(row[f"miss_class_{letter}"]) or UNDEFINED,
-            "Matched": f"{share} ({coverage:.0%})" if row["n_relevant"] else UNDEFINED,
+            "Matched": f"{share} ({percent(coverage)})" if row["n_relevant"] else UNDEFINED,
             "Lag": _seconds(row[f"lag_s_{letter}"]),
             "Longest gap": _seconds(row[f"gap_s_{letter}"]),
             "Tail": _seconds(row[f"tail_s_{letter}"]),

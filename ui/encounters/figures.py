@@ -61,7 +61,7 @@ def draw_exclusivity(result: Result) -> None:
     st.markdown("\n".join(f"- {plain(state.say(fact))}" for fact in misses(result)))
     st.caption(
         f"{docs_link('Jaccard index', 'exclusivity')}: share of all misses that both have, 0 to "
-        "1. Phi: how much the misses of X and Y go together, -1 to 1, 0 if not at all. McNemar's "
+        "1. Phi: how much the misses of X and Y go together, −1 to 1, 0 if not at all. McNemar's "
         "p: how often chance alone gives so uneven a split. The filters have no effect here."
     )
     st.markdown("**Miss class of X (rows) against that of Y (columns)**")

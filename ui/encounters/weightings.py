@@ -31,7 +31,7 @@ WHERE_FROM: Final = {
 def draw(result: Result, encounter: int) -> None:
     """Three curves of the weight and what follows from each; folded, they cost nothing."""
     place = st.expander(
-        "Weighed by height, horizon and distance", key="encounters_weightings", on_change="rerun"
+        "Weighted by height, horizon and distance", key="encounters_weightings", on_change="rerun"
     )
     if not place.open:
         return

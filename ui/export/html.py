@@ -54,7 +54,7 @@ class ReportKey:
 
 def draw(result: Result) -> None:
     """What is in it, the button, and how far it is."""
-    st.header("Report to hand on")
+    st.header("Report to share")
     st.markdown(
         "One HTML file with verdict, charts, evidence frames, tables, all parameters and hashes of "
         "the inputs. It opens in any browser without network, and prints to PDF."

@@ -32,7 +32,7 @@ def draw() -> None:
     """The link, to be copied, and what it cannot do."""
     st.header("Link")
     place = st.segmented_control(
-        "It opens the",
+        "The link opens",
         list(PLACES),
         default="timeline",
         format_func=PLACES.__getitem__,

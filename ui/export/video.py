@@ -82,7 +82,7 @@ def _draw_form(result: Result, *, is_busy: bool) -> None:
     trouble = why_not(interval)
     st.caption(
         f"{plain(state.recording_names()[recording])}: {interval.n_frames:,} frames at "
-        f"{interval.fps:.3g} per second, {interval.length_s:.1f} s of video (MP4, at most "
+        f"{interval.fps:.3g} per second, {interval.length_s:.2f} s of video (MP4, at most "
         f"{LONGEST_S:.0f} s each). The parameters are in its caption and inside the file."
     )
     if trouble:

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import streamlit as st
 
+from nvcore.wording import percent
 from ui.jobs.background import BackgroundJob, FileJob, JobState
 from ui.widgets.text import plain
 
@@ -81,7 +82,7 @@ def _words(job: BackgroundJob[Any], doing: str, *, with_steps: bool) -> str:
         return "Cancelling"
     if job.state is JobState.WAITING:
         return "Waiting for other work on this server"
-    words = f"{plain(doing)}: {job.share:.0%}"
+    words = f"{plain(doing)}: {percent(job.share)}"
     if not with_steps:
         return words
     steps = filter(None, (plain(job.step), "" if job.share else NO_TIME_YET))

@@ -16,6 +16,7 @@ from nvcore.measures.table import count_recordings, measures_in
 from nvcore.report.terminal import SHORT_ROWS
 from nvcore.tables.result import recordings_table
 from nvcore.tables.scorecard import ScoreRow, pick_rows, score_rows
+from nvcore.wording import percent
 from ui.session import state
 from ui.shell.navigate import open_frame
 from ui.widgets.charts import clicked_chart, kept_figure
@@ -100,7 +101,8 @@ def _rule(result: Result) -> str:
     how = (
         state.say("{whom} it overlaps by an IoU of {iou:g} or more", iou=params.iou)
         if params.match == "iou"
-        else f"at whose sideways position it stands, to {params.lateral_tolerance:.0%} of the width"
+        else "at whose sideways position it stands, to "
+        f"{percent(params.lateral_tolerance)} of the width"
     )
     if params.match_class == "same":
         how += ", and whose class it names"

@@ -18,7 +18,7 @@ from nvcore.report.verdict import verdict
 from nvcore.report.words import sampling_note
 from nvcore.sentences.facts import Fact
 from nvcore.tables.influence import lead_text, other_leads_text
-from nvcore.wording import count_text
+from nvcore.wording import count_text, percent
 from ui.overview.tiles import tiles_html
 from ui.session import state
 from ui.shell.navigate import open_page
@@ -112,7 +112,7 @@ def _extent(result: Result) -> str:
     return state.say(
         "{recordings}, {frames}, {duration_s:,.1f} s. An encounter is one {one} from first to last "
         "annotated frame; {near:,} came near enough to count, {distant:,} stayed distant. A "
-        "system detects it by matching it in at least {coverage:.0%} of the frames in which it is "
+        "system detects it by matching it in at least {coverage} of the frames in which it is "
         "near. Severity: what failures weigh, 1 s for each second that {a_one} straight ahead and "
         "near is missed. p, where given: how often recordings in which X and Y could be exchanged "
         "would differ as much, by itself and corrected for what is tested together ({link}).",
@@ -121,6 +121,6 @@ def _extent(result: Result) -> str:
         duration_s=result.duration_s,
         near=venn.n_near,
         distant=venn.distant,
-        coverage=result.params.coverage,
+        coverage=percent(result.params.coverage),
         link=docs_link("Significance", "other-measures", doc="significance"),
     )

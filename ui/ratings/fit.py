@@ -13,7 +13,7 @@ from nvcore.errors import InputError
 from nvcore.params import SETTINGS, Params
 from nvcore.progress import Progress
 from nvcore.ratings.fit import Fit, fit_saliency
-from nvcore.wording import count_text, minus
+from nvcore.wording import count_text, minus, percent
 from ui.jobs.background import BackgroundJob, JobState, while_open
 from ui.jobs.progress import draw_job
 from ui.ratings import applied_fit
@@ -123,13 +123,13 @@ def _draw_worth(fit: Fit, start: str) -> None:
     """The shares of pairs, by settings that are called `start` and by the fit."""
     st.markdown("**Share of the pairs of clips in the order in which people put them**")
     columns = st.columns(3)
-    columns[0].metric(start, f"{fit.share_default:.0%}")
-    columns[1].metric("fit, on recordings left out", f"{fit.share_fitted:.0%}")
-    columns[2].metric("fit, on what it has seen", f"{fit.share_training:.0%}")
+    columns[0].metric(start, percent(fit.share_default))
+    columns[1].metric("fit, on recordings left out", percent(fit.share_fitted))
+    columns[2].metric("fit, on what it has seen", percent(fit.share_training))
     if fit.reason:
         columns[1].caption(f"No interval: {plain(fit.reason)}.")
     else:
-        columns[1].caption(f"95 %: {fit.low:.0%} to {fit.high:.0%}")
+        columns[1].caption(f"95 %: {percent(fit.low)} to {percent(fit.high)}")
     st.caption(
         f"{count_text(fit.n_pairs, 'pair')} of {count_text(fit.n_clips, 'clip')}, "
         f"{fit.n_settings:,} combinations tried; 50% is chance. **The second number is the "

@@ -21,7 +21,7 @@ from nvcore.ratings.validation import (
     mean_delay,
     split_known,
 )
-from nvcore.wording import count_text, minus
+from nvcore.wording import count_text, minus, p_text
 from ui.ratings import applied_fit, fit, source
 from ui.ratings.applied_fit import AppliedFit
 from ui.ratings.source import RatingSource
@@ -126,7 +126,7 @@ def _people(ratings: pd.DataFrame, digest: int) -> list[str]:
     if len(outliers):
         names = plain(", ".join(outliers.head(MOST_NAMED)))
         st.caption(
-            f"{names}: ranks the clips another way than the others do. Look why before you leave "
+            f"{names}: ranks the clips differently from the others. Find out why before you leave "
             "anybody out."
         )
     draw_chart(participants_plot(everybody, theme=state.theme()), "rating_participants")
@@ -137,7 +137,7 @@ def _concordance(agreement: Agreement) -> str:
     """Kendall's W in plain words."""
     if not np.isfinite(agreement.w):
         return f"{UNDEFINED}: {agreement.method}."
-    p = "p < 0.001" if agreement.p < 0.001 else f"p = {agreement.p:.3f}"
+    p = p_text(agreement.p, agreement.p)
     if not agreement.is_more_than_chance:
         return (
             f"The participants do not agree more than by chance ({p}): their mean ranks mean "
@@ -241,7 +241,12 @@ def _correlations(correlations: list[Correlation]) -> pd.DataFrame:
                 minus(f"{row.low:.2f} to {row.high:.2f}") if np.isfinite(row.low) else UNDEFINED
                 for row in correlations
             ],
-            "p": [UNDEFINED if not np.isfinite(row.p) else f"{row.p:.2g}" for row in correlations],
+            "p": [
+                p_text(row.p, row.p).removeprefix("p ").removeprefix("= ")
+                if np.isfinite(row.p)
+                else UNDEFINED
+                for row in correlations
+            ],
             "Why there is none": [row.note for row in correlations],
         }
     )

@@ -40,8 +40,8 @@ def what_it_is(params: Params) -> str:
     passed = "the seconds left" if params.recency_unit == "seconds" else "the share that has passed"
     scope = "encounter" if params.saliency_scope == "encounter" else "recording"
     return state.say(
-        "How long {many} are missed, in full only late, as late misses are remembered best "
-        "({link}, seconds, 0 is best). A *saliency event* is a run of frames in which one {one} "
+        "How long {many} are missed ({link}, seconds, 0 is best). Late misses count most, as they "
+        "are remembered best. A *saliency event* is a run of frames in which one {one} "
         "{what_of}. It counts by its {weight} times its *recency*, a weight of 0 to 1 that follows "
         "from {passed} of the {scope} when it ends. {Many} far away can have events, too. {caveat}",
         link=docs_link("saliency", "saliency"),

@@ -26,7 +26,7 @@ _SHOWN: Final = "sidebar_shown"
 _CHANGED: Final = "sidebar_changed"
 _OWN: Final = "sidebar_own"
 FOLDED: Final = "show_settings"
-GREY: Final = "Settings in grey act on nothing on this page."
+GREY: Final = "Settings in grey have no effect on this page."
 
 
 def draw(
@@ -98,16 +98,16 @@ def _label(name: str) -> str:
 
 
 def _quiet_settings() -> list[Setting]:
-    """Settings in use that act on nothing on this page."""
+    """Settings in use that have no effect on this page."""
     shown = st.session_state[_SHOWN]
     used = (setting for setting in SETTINGS.values() if live_params.is_used(setting))
     return [setting for setting in used if not setting.moves(shown)]
 
 
 def _quietness(setting: Setting, text: str = "") -> dict[str, Any]:
-    """Help of a widget, and whether it is grey: its setting acts on nothing on this page."""
+    """Help of a widget, and whether it is grey: its setting has no effect on this page."""
     is_quiet = not setting.moves(st.session_state[_SHOWN])
-    start = "Grey, as it acts on nothing on this page. " if is_quiet else ""
+    start = "Grey: no effect on this page. " if is_quiet else ""
     return {
         "help": f"{start}{state.say(text or setting.meaning)} Acts on: {setting.acts_on}.",
         "disabled": is_quiet,
@@ -234,7 +234,7 @@ def _is_set(name: str, setting: Setting) -> bool:
     value = live_params.value_of(name) is None
     key = settings.key_of(f"{name}_unset", value)
     is_unset = st.checkbox(
-        f"{state.say(setting.label)} {setting.unset}",
+        f"{state.say(setting.label)}: {setting.unset}",
         value=value,
         key=key,
         on_change=_switch,

@@ -22,6 +22,12 @@ AT_ONCE: Final = 5_000
 JOB: Final = "stability_survey"
 THREADS: Final = 2
 MOST: Final = 4
+HELD: Final = {
+    "all": " at every setting",
+    "none": " as set only",
+    "does not depend on them": ", whatever they are",
+}
+"""How a verdict holds, by `held_text`."""
 
 
 def draw(result: Result) -> None:
@@ -67,11 +73,9 @@ def _cell(row: SurveyRow) -> str:
     winner = (
         "even" if row.stability.verdict == "even" else f"{row.stability.verdict.upper()} better"
     )
-    return (
-        f"{winner}, in {text}"
-        if text in ("all", "none") or text.endswith("%")
-        else f"{winner}, {text}"
-    )
+    if text.endswith("%"):
+        return f"{winner} in {text} of the range"
+    return f"{winner}{HELD.get(text, f', {text}')}"
 
 
 def _survey_rows(result: Result) -> tuple[SurveyRow, ...] | None:

@@ -45,7 +45,7 @@ def draw(result: Result) -> pd.DataFrame | None:
         key=key,
         compute=partial(_compute, dataset, params, thresholds),
         thing="table",
-        doing="Comparing every two systems",
+        doing="Comparing every pair of systems",
         most=MOST,
     )
     n_pairs = comb(len(dataset.systems), 2)

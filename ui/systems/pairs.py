@@ -31,7 +31,7 @@ def draw_only_pair(result: Result) -> None:
 def draw(table: pd.DataFrame) -> None:
     """A line for each pair, with the button that opens it."""
     st.header("Who is better in what")
-    st.caption("A click opens the pair as X and Y on the Overview, where its details are.")
+    st.caption("A click opens the pair as X and Y on the Overview, with all details.")
     chosen = set(state.systems())
     for number, pair in enumerate(table.to_dict("records")):
         left, right = st.columns([2, 5], vertical_alignment="center")

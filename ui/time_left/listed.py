@@ -32,7 +32,7 @@ def draw(urgent: pd.DataFrame) -> None:
     shown = urgent.head(MOST_ROWS)
     places = list(zip(shown.index.tolist(), shown["urgent_row"].tolist(), strict=True))
     first = COLUMNS if len(state.recording_names()) > 1 else COLUMNS[1:]
-    of_ttc = TableColumn("Contact in (s)", "Time to contact at the last chance, s.", ".2f")
+    of_ttc = TableColumn("Time to contact (s)", "Time to contact at the last chance, s.", ".2f")
     of_file = columns_of("encounters.csv", *(name for name in first if name != TTC))
     draw_table(
         as_shown(shown),

@@ -15,7 +15,7 @@ function rounded(size, decimals) {
 }
 
 // As Python's format of ".3f", "+.2f", ".1%", "d" and the like, with commas between thousands and a
-// minus sign that is as wide as a plus; what is rounded to zero has no sign. ".4g" has no exponents.
+// minus sign that is as wide as a plus, and a space before %; what is rounded to zero has no sign. ".4g" has no exponents.
 function formatted(value, form) {
   if (value === null || Number.isNaN(value)) return UNDEFINED;
   const decimals = Number(/\.(\d+)|$/.exec(form)[1] ?? 0);
@@ -23,5 +23,5 @@ function formatted(value, form) {
   if (size === Infinity) return value > 0 ? "∞" : "−∞";
   const digits = form.endsWith("g") ? String(Number(size.toPrecision(decimals))) : grouped(rounded(size, decimals));
   const sign = !/[1-9]/.test(digits) ? "" : value < 0 ? "−" : form.startsWith("+") ? "+" : "";
-  return sign + digits + (form.endsWith("%") ? "%" : "");
+  return sign + digits + (form.endsWith("%") ? " %" : "");
 }

@@ -106,7 +106,7 @@ def _question(node: Node) -> str:
         return f"mean of {plain(node.channel)}<br>over {size}<br>{node.threshold:.3f}?"
     other = plain(node.minus[0])
     return (
-        f"mean of {plain(node.channel)} less<br>that of {other} (dotted), {size}"
+        f"mean of {plain(node.channel)} minus<br>that of {other} (dotted), {size}"
         f"<br>{minus(f'{node.threshold:.3f}')}?"
     )
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from nvcore.detection.curve_summary import CurveSummary
 from nvcore.detection.miss_rate import FPPI_REFERENCES
+from nvcore.wording import number
 
 CurveKind = Literal["miss_rate", "precision_recall", "roc", "roc_windows", "f1"]
 
@@ -99,6 +100,6 @@ def legend_text(summary: CurveSummary, kind: CurveKind) -> str:
         return ""
     n_zero, n = summary.n_zero_references, len(FPPI_REFERENCES)
     if not n_zero:
-        return f"LAMR {summary.log_average_miss_rate:.1%}"
+        return f"LAMR {number(summary.log_average_miss_rate, '.1%')}"
     why = "nothing missed" if n_zero == n else f"0 at {n_zero} of {n} references"
-    return f"LAMR 0% ({why})"
+    return f"LAMR 0 % ({why})"

@@ -85,7 +85,7 @@ def loss_strip_plot(result: Result, strip: LossStrip, *, theme: Theme) -> go.Fig
         theme,
         title="Where to look first",
         subtitle=f"{extent}; colour: the worse system's largest loss "
-        f"in each {strip.bin_s:.2g} s{which_is_which(theme)}",
+        f"in each {strip.bin_s:.3g} s{which_is_which(theme)}",
         height=132 + strips_px,
         margin={"r": SCALE_PX},
         hoverdistance=-1,

@@ -16,7 +16,7 @@ from nvcore.dataset import Dataset
 from nvcore.metrics.encounters import Encounters, encounters_of
 from nvcore.metrics.matching import match_boxes
 from nvcore.params import Params
-from nvcore.wording import count_text, listed
+from nvcore.wording import count_text, listed, percent
 
 LONGEST_GAP_S: Final = 2.0
 """Between two known distances at most so far apart the pedestrian's is interpolated."""
@@ -74,7 +74,7 @@ class Borrowed:
             return text
         return (
             f"{text}; where several report one ({self.n_compared:,}) they differ by "
-            f"{self.spread:.0%} (median)"
+            f"{percent(self.spread)} (median)"
         )
 
 

@@ -23,7 +23,7 @@ from nvcore.schema import Category, MissClass
 from nvcore.scoring import SystemResult
 from nvcore.tables.frame import PEDESTRIAN_WORDS, frame_summary
 from nvcore.tables.moments import encounter_box, worst_moments
-from nvcore.wording import UNDEFINED, one_line
+from nvcore.wording import UNDEFINED, one_line, percent
 
 MOST: Final = 12
 """Most frames of a report."""
@@ -252,8 +252,8 @@ def _coverage_text(
     failure = "" if kind is MissClass.NONE else f" ({kind.value.replace('_', ' ')})"
     one = result.objects.say("{One}")
     return (
-        f"{one} {result.encounters.track[encounter]}: {winner} matches {coverage[0]:.0%} of "
-        f"the frames that count, {loser} {coverage[1]:.0%}{failure}."
+        f"{one} {result.encounters.track[encounter]}: {winner} matches {percent(coverage[0])} of "
+        f"the frames that count, {loser} {percent(coverage[1])}{failure}."
     )
 
 

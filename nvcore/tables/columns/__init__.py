@@ -85,7 +85,7 @@ _FRAMES = (
             _NUMBER,
             _SHARE,
             "What it loses to false alarms: (1 - `alpha`) * `d_false` over half the width. "
-            "Similarity is 1 less both.",
+            "Similarity is 1 minus both.",
             "low",
         ),
         Column("similarity", _NUMBER, _SHARE, "Similarity M of this frame.", "high"),

@@ -13,7 +13,7 @@ from nvcore.figures.marks import HOVER, system_marker
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, system_label, write
 from nvcore.palette import Theme
 from nvcore.time_left.judging import turning_speeds
-from nvcore.wording import count_text
+from nvcore.wording import count_text, percent
 
 OverSpeed = Literal["share_in_time", "mean_impact_kmh"]
 HEIGHT_PX: Final = 340
@@ -127,7 +127,7 @@ def _texts(curve: pd.DataFrame, letter: str) -> list[str]:
     columns = (f"in_time_{letter}", f"share_in_time_{letter}", f"mean_impact_kmh_{letter}")
     return [
         f"{speed:g} km/h: {urgent} urgent<br>{letter.upper()}: {in_time:.0f} in time "
-        f"({share:.0%}), mean impact {impact:.1f} km/h"
+        f"({percent(share)}), mean impact {impact:.1f} km/h"
         for speed, urgent, in_time, share, impact in zip(
             curve["speed_kmh"], curve["urgent"], *(curve[name] for name in columns), strict=True
         )

@@ -49,7 +49,7 @@ def contact_strip(result: Result, recording: int, lanes_px: int, theme: Theme) -
     look: dict[str, Any] = {"size": 11, "color": LOOK[theme].muted, "yanchor": "bottom"}
     across = axis(
         theme,
-        "contact in (s)",
+        "time to<br>contact (s)",
         range=[0, reach_s],
         domain=[1 - STRIP_PX / whole_px, 1],
         fixedrange=True,

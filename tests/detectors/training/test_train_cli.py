@@ -55,7 +55,7 @@ def test_from_a_session_to_boxes(tmp_path: Path):
     described = nvcore("models", model, "--set", "stride=8").stdout.splitlines()
     assert described[0].startswith("night: Integral Channel Features")
     assert "detects: pedestrian" in described
-    trained_on = "urban_crossing, frames 0:299; winter_frost, frames 0:299"
+    trained_on = "urban_crossing, frames 0 to 299; winter_frost, frames 0 to 299"
     assert f"trained on: {trained_on}" in described
     assert "window: 20x40 px, with an object of 12x32 px" in described
     of_training = described.index("settings of its training, which cannot be changed:")

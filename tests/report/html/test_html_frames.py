@@ -46,7 +46,8 @@ def test_of_an_encounter_that_one_detects_the_frame_that_costs_most_is_shown(los
     first = decisive_moments(missed_by_one(loser, [10, 25, 40, 30, 5]))[0]
     assert (first.row, first.title, first.encounter) == (2, f"Only {winner} detects", 0)
     assert first.text == (
-        f"Pedestrian 7: {winner} matches 100% of the frames that count, {loser.upper()} 0% (never)."
+        f"Pedestrian 7: {winner} matches 100 % of the frames that count, {loser.upper()} 0 % "
+        "(never)."
     )
 
 
@@ -66,7 +67,7 @@ def test_the_encounter_whose_failure_weighs_more_comes_first():
     places = [Place([*range(10)]), Place([*range(5)])]
     first, second = decisive_moments(result_of(make_dataset(truth, x, y, places=places)))[:2]
     assert [first.encounter, second.encounter] == [0, 1]
-    assert second.text == ("Pedestrian 2: X matches 60% of the frames that count, Y 40% (brief).")
+    assert second.text == ("Pedestrian 2: X matches 60 % of the frames that count, Y 40 % (brief).")
 
 
 def test_there_are_a_dozen_at_most_and_no_frame_twice():

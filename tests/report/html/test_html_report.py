@@ -94,7 +94,7 @@ def test_what_classes_were_read_is_counted_by_hand():
     section = classes_section(limits_read())
     read_by_x, figure, counts, read_by_y = section.blocks
     assert read_by_x == Sentences(
-        ("X: 60.0% of 5 matches right, 95 % interval 23.1% to 88.2% (Wilson; as if boxes were "
+        ("X: 60.0 % of 5 matches right, 95 % interval 23.1 % to 88.2 % (Wilson; as if boxes were "
          "independent).",)
     )  # fmt: skip
     assert isinstance(figure, Chart)
@@ -173,7 +173,7 @@ def test_what_the_author_writes_stands_on_the_first_page_as_text(result, session
 
 
 def test_the_heaviest_encounter_is_weighed_by_all_three(page: Page):
-    caption = "The heaviest encounter, weighed by height, horizon and distance"
+    caption = "The heaviest encounter, weighted by height, horizon and distance"
     assert page.row(caption, "height (in use)")[1:] != ["–"] * 4
     assert page.row(caption, "distance") == ["–"] * 5
 
@@ -199,7 +199,7 @@ def test_encounters_have_who_detects_them_and_what_a_fusion_gives(page):
     assert "“X or Y” detects 2 of 2 encounters, as many as X alone" in page.text
     _, row = page.tables["1 encounter that only one system detects"]
     assert row[:4] == ["only X", "rural", "1", "0.00"]
-    assert row[-3:] == ["100%", "0%", "never"]
+    assert row[-3:] == ["100 %", "0 %", "never"]
 
 
 def test_the_encounters_that_weigh_most_are_listed(page, result):

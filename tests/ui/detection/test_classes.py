@@ -22,7 +22,7 @@ def test_a_limit_that_was_read_wrong_is_told(tmp_path: Path, monkeypatch: pytest
     page = detection_page(write_limits(tmp_path), monkeypatch)
     said = texts(page).replace("\\", "")
     assert "Classes" in [header.value for header in page.header]
-    assert "X: 66.7% of 3 matches right, 95 % interval 20.8% to 93.9%" in said
+    assert "X: 66.7 % of 3 matches right, 95 % interval 20.8 % to 93.9 %" in said
     assert "Y names no classes" in said
 
 

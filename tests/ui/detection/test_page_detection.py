@@ -98,7 +98,7 @@ def test_a_protocol_says_what_it_leaves_out_and_own_filters_start_as_it():
     assert WHOLE_SAMPLE in told(page)
     choose(page, "reasonable")
     assert "height 50 or more px" in told(page)
-    assert "ignored: flagged in the ground truth 136, height" in told(page)
+    assert "ignored: 136 flagged in the ground truth, " in told(page)
     assert figures(page).tolist() != before
     filters = filters_told(choose(page, "medium"))
     assert filters_told(choose(page, OWN)) == filters

@@ -168,9 +168,9 @@ def test_a_sent_model_is_described_and_shows_its_inside(model: bytes):
     said = texts(page)
     assert "20 trees" not in said  # the last round alone is the model
     assert "16 trees over windows of 16 × 32 px" in said
-    assert "Trained on: urban_crossing, frames 0:20." in said
+    assert "Trained on: urban_crossing, frames 0 to 20." in said
     names = [heading.partition(":")[0] for heading in headings(page)]
-    assert names == ["bars on frame 120 of urban_crossing", "The picture on its way", "Channels"]
+    assert names == ["bars on frame 120 of urban_crossing", "The picture, step by step", "Channels"]
     for view, names in {
         "map": ["Trees that each window came through"],
         "window": ["Running confidence of the window", "Tree 1"],
@@ -297,7 +297,7 @@ def test_a_run_becomes_a_system_whose_training_the_audit_knows(
 
 def test_what_it_was_trained_on_may_be_said_on_the_page(monkeypatch: pytest.MonkeyPatch):
     page = with_hog()
-    (trained,) = [one for one in page.multiselect if one.label.startswith("Trained on")]
+    (trained,) = [one for one in page.multiselect if one.label.startswith("Also trained on")]
     checked(trained.set_value(["rural_road"]).run())
     timed(page)
     abouts = []

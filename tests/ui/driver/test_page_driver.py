@@ -577,7 +577,7 @@ def test_an_estimate_that_ends_while_another_page_is_open_is_taken_over_there(he
 def test_the_sidebar_of_other_pages_shows_how_far_an_estimate_is(held):
     assert aside(held.page) == []  # the page itself says it
     page = held.look_at("metrics")
-    assert aside(page)[0].startswith("Estimating whom the driver sees: 0%")
+    assert aside(page)[0].startswith("Estimating whom the driver sees: 0 %")
     assert aside(page)[1] == "Driver"
     held.ends()
     assert aside(checked(page.run())) == ["Driver"]

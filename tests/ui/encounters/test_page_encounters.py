@@ -152,7 +152,7 @@ def test_a_chosen_encounter_opens_where_the_heavier_failure_costs_most(
     assert "where Y's failure, the heavier, costs most" in texts(page)
     values = page.table[0].value
     assert values.index.name == "Measure"  # no table has an empty heading
-    assert values.loc["Matched"].tolist() == ["51 of 51 frames (100%)", "8 of 51 frames (16%)"]
+    assert values.loc["Matched"].tolist() == ["51 of 51 frames (100 %)", "8 of 51 frames (16 %)"]
     assert values.loc["Severity"].tolist() == ["0.00 s", "0.64 s"]
     (pairs,) = [pairs for pairs in tables(page) if "never" in pairs]
     assert pairs["x"].tolist()[0] == "X never"

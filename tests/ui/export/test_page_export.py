@@ -347,7 +347,7 @@ def test_while_it_is_cancelled_the_video_says_so():
     page = opened()
     job = put_video(page, write)
     assert is_halfway.wait(TIMEOUT_S)
-    assert progress_of(checked(page.run())) == [r"Making night\.mp4: 50%"]
+    assert progress_of(checked(page.run())) == [r"Making night\.mp4: 50 %"]
     press(page, "video_cancel")
     assert progress_of(page) == ["Cancelling"]
     assert page.button(key="video_cancel").disabled

@@ -20,9 +20,9 @@ draw_job(job, "run", thing="run", doing="Looking", with_steps=True)
 @pytest.mark.parametrize(
     ("share", "step", "words"),
     [
-        (0.0, "", "Looking: 0% (estimating how long it takes)"),
-        (0.0, "a: 0 of 9", "Looking: 0% (a: 0 of 9; estimating how long it takes)"),
-        (0.5, "a: 5 of 9, 2 s left", "Looking: 50% (a: 5 of 9, 2 s left)"),
+        (0.0, "", "Looking: 0 % (estimating how long it takes)"),
+        (0.0, "a: 0 of 9", "Looking: 0 % (a: 0 of 9; estimating how long it takes)"),
+        (0.5, "a: 5 of 9, 2 s left", "Looking: 50 % (a: 5 of 9, 2 s left)"),
     ],
 )
 def test_until_a_time_left_is_known_that_is_said(share: float, step: str, words: str):

@@ -253,17 +253,17 @@ def test_a_page_that_was_asked_for_is_opened(app: AppTest):
 def forest(app: AppTest) -> str:
     """The forest plot of subgroups, as sent to the browser; empty: none is drawn."""
     plots = [plot.proto.spec for plot in app.get("plotly_chart")]
-    return "".join(spec for spec in plots if "X less Y, by group" in spec)
+    return "".join(spec for spec in plots if "X minus Y, by group" in spec)
 
 
 def test_the_figure_that_groups_are_compared_in_can_be_chosen(app: AppTest):
     box = look_closer(app, "groups").selectbox(key="subgroup_figure")
     assert box.value == "encounters_detected"
     label = "Share of encounters detected, within these recordings"
-    assert f"{label}: X less Y, by group" in forest(app)
+    assert f"{label}: X minus Y, by group" in forest(app)
     for measure, title, group in (
         ("saliency", "Saliency of a recording", "place: edge"),
-        ("log_average_miss_rate", "Log-average miss rate: X less Y, by group", "distance: near"),
+        ("log_average_miss_rate", "Log-average miss rate: X minus Y, by group", "distance: near"),
     ):
         checked(app.selectbox(key="subgroup_figure").set_value(measure).run())
         assert title in forest(app)

@@ -29,7 +29,7 @@ def test_the_samples_simulated_ratings_are_shown_as_such_and_without_who_is_left
         "ratings missing": "4",
     }
     assert "The participants agree moderately" in words(page)
-    assert f"{CONTRARY}: ranks the clips another way" in words(page)
+    assert f"{CONTRARY}: ranks the clips differently" in words(page)
     correlations = table(page, "Coefficient")
     assert correlations["Value"].tolist() == ["0.86", "0.84", "0.66"]
     assert correlations["95 % interval"][0] == "0.59 to 0.95"

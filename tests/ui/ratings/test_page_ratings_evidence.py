@@ -38,15 +38,15 @@ def taken() -> AppTest:
 
 def test_a_fit_is_told_honestly_and_marked_as_long_as_it_is_in_use():
     page = press(opened(), "rating_fit")
-    fit = {"fit, on recordings left out": "88%", "fit, on what it has seen": "92%"}
+    fit = {"fit, on recordings left out": "88 %", "fit, on what it has seen": "92 %"}
     assert fit.items() <= metrics(page).items()
     assert "The second number is the result" in words(page)
-    assert "95 %: 78% to 96%" in words(page)
+    assert "95 %: 78 % to 96 %" in words(page)
     assert "gains 5 points (95 %: −1 to +12" in words(page)
     assert "that may be chance" in words(page)
     assert "Least miss for saliency: 0.05 → 0.1" in words(page)
     assert SIMULATED_FIT in words(page)
-    assert metrics(page)["settings in use"] == "83%"
+    assert metrics(page)["settings in use"] == "83 %"
     press(page, "rating_fit_take")
     params = page.session_state["params"]
     assert (params.tolerance, params.midpoint) == (0.1, pytest.approx(36))
@@ -54,7 +54,7 @@ def test_a_fit_is_told_honestly_and_marked_as_long_as_it_is_in_use():
     assert TRAINING in warnings(page)
     assert SIMULATED_FIT in words(page)
     assert "settings in use" not in metrics(page)
-    assert metrics(page)["settings before"] == "83%"  # not those of the fitted settings
+    assert metrics(page)["settings before"] == "83 %"  # not those of the fitted settings
     assert fit.items() <= metrics(page).items()
     assert "Least miss for saliency: 0.05 → 0.1" in words(page)
     assert "rating_fit_take" not in keys(page)
@@ -62,7 +62,7 @@ def test_a_fit_is_told_honestly_and_marked_as_long_as_it_is_in_use():
     assert TRAINING not in warnings(page)
     params = page.session_state["params"]
     assert (params.tolerance, params.midpoint, params.spread) == (0.05, None, None)
-    assert metrics(page)["settings in use"] == "83%"
+    assert metrics(page)["settings in use"] == "83 %"
 
 
 @pytest.mark.usefixtures("few_settings")
@@ -72,7 +72,7 @@ def test_other_settings_beside_a_fit_leave_it_in_use_and_moved_ones_do_not():
     assert TRAINING in warnings(page)
     assert "settings before" not in metrics(page)  # a further fit is not made yet
     press(page, "rating_fit")
-    assert metrics(page)["settings before"] == "84%"
+    assert metrics(page)["settings before"] == "84 %"
     checked(page.slider(key="midpoint").set_value(60.0).run())
     assert TRAINING not in warnings(page)
 
@@ -126,7 +126,7 @@ def test_few_participants_are_told_what_their_ratings_say_of_people(ratings: pd.
     page = from_file(csv(ratings[ratings["participant"].isin(["P12", "P15"])]))
     assert "The participants do not agree more than by chance (p = " in warnings(page)
     assert "a W of 0.50 on average with 2 participants" in warnings(page)
-    assert "another way" not in words(page)
+    assert "differently" not in words(page)
     assert "one participant" not in warnings(page)
     from_file(csv(ratings[ratings["participant"] == "P01"]), page=page)
     assert "These are the ratings of one participant" in warnings(page)

@@ -261,9 +261,9 @@ def test_settings_are_grey_where_they_act_on_nothing(monkeypatch: pytest.MonkeyP
     grey = {name for name, disabled in is_grey.items() if disabled}
     assert {"alpha", "tolerance", "recency_midpoint"} < grey
     assert {"iou", "midpoint", "spread", "threshold_x"}.isdisjoint(grey)
-    assert "Grey, as it acts on nothing on this page." in page.slider(key="alpha").help
+    assert "Grey: no effect on this page." in page.slider(key="alpha").help
     assert "Acts on: matches and false alarms, similarity" in page.slider(key="iou").help
-    assert "grey act on nothing" in texts(page)
+    assert "grey have no effect" in texts(page)
 
 
 def test_grey_settings_are_spoken_of_only_where_some_are_in_sight(monkeypatch: pytest.MonkeyPatch):
@@ -271,9 +271,9 @@ def test_grey_settings_are_spoken_of_only_where_some_are_in_sight(monkeypatch: p
     assert any(not setting.moves(main) for setting in SETTINGS.values())  # advanced ones
     monkeypatch.setitem(pages.SHOWN, "metrics", main)
     page = app()
-    assert "grey act on nothing" not in texts(page)
+    assert "grey have no effect" not in texts(page)
     page.session_state["advanced"] = True
-    assert "grey act on nothing" in texts(checked(page.run()))
+    assert "grey have no effect" in texts(checked(page.run()))
 
 
 def test_every_page_of_a_comparison_has_settings_that_act():

@@ -47,12 +47,12 @@ def test_every_pair_stands_in_words_and_in_both_tables(three: Path):
     detected = pages.measures(page, "pairs-detected")
     assert [label.partition("[")[0] for label in detected] == names
     first = next(iter(detected.values()))
-    assert first[:3] == ("100.0%", "0.0%", "+100.0 pp")
+    assert first[:3] == ("100.0 %", "0.0 %", "+100.0 pp")
     assert first[4:] == ("–", "–")  # all at like operating points: no column says so
     similarity = pages.measures(page, "pairs-similarity")
     assert next(iter(similarity.values()))[0] == "1.0000"
     by_system = pages.measures(page, "systems")
-    assert by_system["all"][1:3] == ("0", "100.0%")
+    assert by_system["all"][1:3] == ("0", "100.0 %")
     assert list(by_system) == list(SYSTEMS)
 
 
@@ -97,10 +97,10 @@ def test_a_threshold_of_the_sidebar_is_that_of_its_system(
     begin_with(write(tmp_path, {**SYSTEMS, "all": mixed}, truth=rows(300)), monkeypatch)
     page = opened()
     assert pages.measures(page, "systems")["all"][0] == "all scores"
-    assert pages.measures(page, "systems")["all"][2] == "100.0%"
+    assert pages.measures(page, "systems")["all"][2] == "100.0 %"
     page = checked(page.slider(key="threshold_x").set_value(0.5).run())
     assert pages.measures(page, "systems")["all"][0] == "0.5"
-    assert pages.measures(page, "systems")["all"][2] == "0.0%"
+    assert pages.measures(page, "systems")["all"][2] == "0.0 %"
 
 
 def test_what_takes_long_is_computed_when_asked_for(three: Path, monkeypatch: pytest.MonkeyPatch):

@@ -73,7 +73,7 @@ def test_the_sample_has_the_numbers_of_an_independent_reading():
     assert measures["as a share[a]"][2] == "+20.0 pp"
     assert measures["as a share[a]"][3].endswith("pp")
     assert measures["confirmed too late ↓"][:2] == ("1", "5")
-    assert "Too few recordings tell X and Y apart for a test: 2" in texts(page)
+    assert "X and Y differ in too few recordings for a test: 2" in texts(page)
     assert "In time means that a warning could have come early enough, not that" in texts(page)
     assert headings(page) == [
         "From the first sight to contact",

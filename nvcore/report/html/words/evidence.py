@@ -31,7 +31,7 @@ SIGNIFICANCE = Intro(
 SUBGROUPS = Intro(
     what="The same measures for some of the encounters: near or far, in the centre or at the "
     "edge of the picture, occluded, in an unusual pose, by tags of the recordings.",
-    how="The plot has the share of encounters that X detects less the share that Y detects, with "
+    how="The plot has the share of encounters that X detects minus the share that Y detects, with "
     "Newcombe's 95 % interval for paired shares and the exact McNemar test, within these "
     "recordings. The other measures are judged as in the section before: for a tag from the "
     "recordings that have it; for a group of {many} saliency from the events of these "

@@ -99,7 +99,7 @@ def who(params: Params) -> Intro:
         "frame that counts in which it misses the {one} (weight of nearness times distance "
         "from the border over half the picture's width, 0 to 1; see Similarity), summed over time. "
         "1 s is {a_one} straight ahead and near, missed for 1 s; peak cost is the largest of "
-        "a frame. Lead time is Y's delay of the first match less X's. Jaccard index: "
+        "a frame. Lead time is Y's delay of the first match minus X's. Jaccard index: "
         "shared misses over all misses. Phi: correlation of the two systems' misses.",
         best="Many in the middle of the diagram, few outside the circles, and little severity. A "
         "system dominates the other if it detects all that the other detects, and more. In the "
