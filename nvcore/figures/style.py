@@ -69,8 +69,6 @@ LEGEND: Final[dict[str, Any]] = {
     "bgcolor": CLEAR,
 }
 """In as many rows as it needs, on the left, below the heading."""
-ON_PLOT: Final = {"xref": "paper", "yref": "paper", "y": 1, "yanchor": "bottom"}
-"""Of a legend that stands just above the plot instead."""
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,6 @@ from nvcore.figures.style import (
     EDGE_PX,
     LEFT_PX,
     LOOK,
-    ON_PLOT,
     Look,
     axis,
     draw,
@@ -34,8 +33,6 @@ from nvcore.wording import count_text
 
 MAX_LANES: Final = 200
 """Encounters drawn, if not fewer are asked for."""
-AXIS_PX: Final = 24
-"""Height of the axis, between the lanes and the legend."""
 AROUND_PX: Final = 120
 """Height of title, legend and axis, which is above the lanes, and of what is below them."""
 MAX_CLICKS: Final = 1500
@@ -186,7 +183,6 @@ def lanes_figure(
         margin={"l": LEFT_PX, "t": AROUND_PX - EDGE_PX},
         # above the lanes, and as wide as that of the similarity over time
         xaxis=along | strip.xaxis,
-        legend=ON_PLOT | {"y": 1 + AXIS_PX / (lanes_px + strip.height_px)},
         yaxis=rows_axis(theme, pedestrians, fixedrange=True, showgrid=False) | strip.yaxis,
         uirevision=f"{result.dataset.fingerprint} {recording} lanes",
         **strip.more,

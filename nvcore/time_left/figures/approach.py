@@ -13,7 +13,6 @@ from nvcore.figures.marks import marks, steady_marker, still_line, system_marker
 from nvcore.figures.style import (
     CLEAR,
     LOOK,
-    ON_PLOT,
     axis,
     draw,
     empty_figure,
@@ -34,9 +33,11 @@ MOST_S: Final = 12.0
 """Time before contact that is drawn at most, unless last chances are earlier; what was before
 that stands at the edge."""
 ROW_PX: Final = 26
-TOP_PX: Final = 108
+TOP_PX: Final = 98
 """Height of heading and legend, which in a narrow window has two rows."""
 AXIS_PX: Final = 42
+HEAD_PX: Final = 32
+"""Height of the titles of the impact speeds, inside the plot: the legend above it may wrap."""
 APART: Final = 0.2
 """How far the mark of X stands above a row's middle, and Y's below, in rows."""
 BAND: Final = 0.4
@@ -73,6 +74,7 @@ def approach_plot(
     look, part = LOOK[theme], urgent.iloc[first : first + most]
     reach = _reach_s(urgent)
     n, row = len(part), np.arange(len(part), dtype=float)
+    ends = [n - 0.4, -0.6 - HEAD_PX / ROW_PX]
     traces = [*_lines(part, row, reach, theme), _last_chances(result, part, row, theme)]
     for letter, _ in result.sides:
         traces += _system_marks(result, part, letter, reach, theme)
@@ -87,10 +89,9 @@ def approach_plot(
         theme,
         title="From the first sight to contact",
         subtitle=extent,
-        height=TOP_PX + ROW_PX * n + AXIS_PX,
+        height=TOP_PX + HEAD_PX + ROW_PX * n + AXIS_PX,
         hoverdistance=-1,
         margin={"r": RIGHT_PX, "t": TOP_PX},
-        legend=ON_PLOT,  # right of it are the titles of the impact speeds
         annotations=_impacts(part, theme),
         xaxis=axis(
             theme,
@@ -101,7 +102,7 @@ def approach_plot(
             zerolinewidth=1.5,
             zerolinecolor=look.ink,
         ),
-        yaxis=rows_axis(theme, labels, fixedrange=True, showgrid=False),
+        yaxis=rows_axis(theme, labels, range=ends, fixedrange=True, showgrid=False),
     )
 
 
@@ -237,7 +238,7 @@ def _impacts(part: pd.DataFrame, theme: Theme) -> list[dict[str, Any]]:
     look = LOOK[theme]
     columns = {"x": 48, "y": RIGHT_PX - 16}
     side: dict[str, Any] = {"xref": "paper", "x": 1, "xanchor": "right", "size": 12}
-    head: dict[str, Any] = {**side, "yref": "paper", "y": 1, "yanchor": "bottom"}
+    head: dict[str, Any] = {**side, "yref": "y", "y": -0.6, "yanchor": "bottom"}
     head["color"] = look.muted
     texts = [written("impact, km/h", xshift=columns["y"], yshift=16, **head)]
     texts += [written(letter.upper(), xshift=shift, **head) for letter, shift in columns.items()]

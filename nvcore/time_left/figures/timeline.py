@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import pandas as pd
@@ -12,7 +12,7 @@ from nvcore.comparison import Result
 from nvcore.figures.marks import click_markers, marks, steady_marker, still_line
 from nvcore.figures.over_time.lanes import Lanes, Strip
 from nvcore.figures.over_time.similarity import decimate, evenly
-from nvcore.figures.style import LOOK, axis, faded, written
+from nvcore.figures.style import LOOK, axis, faded
 from nvcore.palette import Theme
 from nvcore.time_left.encounters import contact_at, nearest_contact
 from nvcore.time_left.figures.approach import responses_text
@@ -39,14 +39,6 @@ def contact_strip(result: Result, recording: int, lanes_px: int, theme: Theme) -
     if not (nearest["ttc_s"] < reach_s).any():
         return Strip()
     whole_px = lanes_px + GAP_PX + STRIP_PX
-    place: dict[str, Any] = {
-        "xref": "paper",
-        "x": 1,
-        "xanchor": "right",
-        "yref": "y2",
-        "y": needed_s,
-    }
-    look: dict[str, Any] = {"size": 11, "color": LOOK[theme].muted, "yanchor": "bottom"}
     across = axis(
         theme,
         "time to<br>contact (s)",
@@ -55,14 +47,13 @@ def contact_strip(result: Result, recording: int, lanes_px: int, theme: Theme) -
         fixedrange=True,
         tickvals=np.arange(3) * np.floor(reach_s / 3),
     )
-    note = written(f"{needed_s:.1f} s needed to stop", **look, **place)
     return Strip(
         height_px=GAP_PX + STRIP_PX,
         words=f"; above them the least time to contact, up to {reach_s:g} s",
         traces=tuple(_traces(result, recording, nearest, needed_s, reach_s, theme)),
         xaxis={"anchor": "y2"},
         yaxis={"domain": [0, lanes_px / whole_px]},
-        more={"yaxis2": across, "annotations": [note]},
+        more={"yaxis2": across},
     )
 
 
@@ -83,7 +74,8 @@ def _traces(
     limit = still_line(
         time_s[[0, -1]],
         [needed_s, needed_s],
-        "needed to stop",
+        f"{needed_s:.1f} s needed to stop",
+        showlegend=None,
         yaxis="y2",
         line={"color": look.muted, "width": 1, "dash": "dot"},
     )
