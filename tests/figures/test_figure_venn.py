@@ -105,6 +105,12 @@ def test_a_click_in_a_region_gives_its_category() -> None:
     assert "both" in narrow.customdata
 
 
+def test_a_window_made_narrow_and_wide_again_has_the_diagram_as_large_as_before() -> None:
+    layout = venn_figure(Venn(5, 2, 2, 1, 0), NAMES, theme="light", objects=PEDESTRIAN).layout
+    # where ranges give way, Plotly keeps them so, and labels come to lie on marks
+    assert layout.xaxis.constrain == layout.yaxis.constrain == "domain"
+
+
 def test_names_in_the_diagram_are_text() -> None:
     figure = venn_figure(Venn(5, 2, 2, 1, 0), ("<i>x</i>", "y"), theme="light", objects=PEDESTRIAN)
     assert "&lt;i&gt;x" in words(figure)

@@ -98,8 +98,8 @@ def circles_of(both: float, x_only: float, y_only: float) -> Circles:
 
 ASPECT: Final = 1.75
 """Width of the frame around the circles by its height, at least."""
-PLOT_PX: Final = (355, 285)
-"""Room for the circles that can be counted on, width and height: a window of 1280 px."""
+PLOT_PX: Final = (340, 255)
+"""Room for the circles that can be counted on, width and height: a phone's window."""
 
 
 class Frame(NamedTuple):

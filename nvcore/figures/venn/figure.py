@@ -116,8 +116,14 @@ def venn_figure(
         height=HEIGHT_PX,
         hoverdistance=24,
         margin={"r": EDGE_PX, "b": BELOW_PX},
-        xaxis={**HIDDEN_AXIS, "range": [frame.left, frame.right]},
-        yaxis={**HIDDEN_AXIS, "range": [frame.bottom, frame.top], "scaleanchor": "x"},
+        # by the domain: ranges that give way once to a narrow window stay so in a wider one
+        xaxis={**HIDDEN_AXIS, "range": [frame.left, frame.right], "constrain": "domain"},
+        yaxis={
+            **HIDDEN_AXIS,
+            "range": [frame.bottom, frame.top],
+            "constrain": "domain",
+            "scaleanchor": "x",
+        },
     )
     pale = LOOK[theme].pale
     line = {"color": pale, "width": 1}

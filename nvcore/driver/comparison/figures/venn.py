@@ -77,8 +77,8 @@ def driver_venn_plot(
         showlegend=False,
         shapes=[_circle(who, theme) for who in CENTRES],
         annotations=[*_labels(names, theme), *numbers],
-        xaxis=HIDDEN_AXIS | {"range": [-2.0, 2.0]},
-        yaxis=HIDDEN_AXIS | {"range": [-1.45, 1.65], "scaleanchor": "x"},
+        xaxis=HIDDEN_AXIS | {"range": [-2.0, 2.0], "constrain": "domain"},
+        yaxis=HIDDEN_AXIS | {"range": [-1.45, 1.65], "constrain": "domain", "scaleanchor": "x"},
     )
 
 
