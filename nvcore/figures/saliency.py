@@ -34,8 +34,6 @@ MANY_EVENTS: Final = 40
 N_PARTS: Final = 6
 """Events of each system that are taken apart."""
 CURVE_POINTS: Final = 201
-SHIFT: Final = 0.03
-"""How far from the curve the marks of X and Y stand apart from each other."""
 MANY_RECORDINGS: Final = 100
 """Recordings above which the marks of the plane are small and faint."""
 NO_EVENTS: Final = "No saliency events: no {one} is missed by more than the tolerance."
@@ -101,8 +99,6 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
         n_events = len(weights_s[letter])
         drawn = f" ({len(events):,} drawn)" if len(events) < n_events else ""
         counts.append(f"{letter.upper()} {count_text(n_events, 'event')}{drawn}")
-        # X's marks stand above the curve and Y's below: many events of both end at one time
-        shift = SHIFT if letter == "x" else -SHIFT
         marker = steady_marker(
             color=CLEAR if is_many else faded(look.of(letter), 0.35),
             symbol=look.symbol(letter),
@@ -113,7 +109,7 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
         traces.append(
             marks(
                 events[column].to_numpy(),
-                events["recency"].to_numpy() + shift,
+                events["recency"].to_numpy(),
                 events["text"].tolist(),
                 customdata=events["first_row"].to_numpy(),
                 name=system_label(letter, system.name),
@@ -134,7 +130,7 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
         + ("weigh more" if params.saliency_weight == "risk" else "last longer"),
         height=360,
         xaxis=along,
-        yaxis=axis(theme, "recency (weight, 0 to 1)", range=[-0.06, 1.08], fixedrange=True),
+        yaxis=axis(theme, "recency (weight, 0 to 1)", range=[-0.04, 1.05], fixedrange=True),
     )
 
 
@@ -311,4 +307,4 @@ def _mean_mark(letter: str, x: float, y: float, *, theme: Theme) -> go.Scatter:
         f"{letter.upper()}, mean of the recordings<br>mean similarity {x:.3f}<br>saliency {y:.2f} s"
     )
     name = f"mean of {letter.upper()}"
-    return marks([x], [y], [text], name=name, showlegend=False, cliponaxis=False, **marker)
+    return marks([x], [y], [text], name=name, cliponaxis=False, **marker)
