@@ -193,7 +193,8 @@ def miss_classes_plot(
             theme,
             "miss class",
             tickvals=place,
-            ticktext=[CLASS_WORDS[kind] for kind in MissClass],
+            ticktext=[CLASS_WORDS[kind].replace(" ", "<br>") for kind in MissClass],
+            tickangle=0,  # turned, the last label may find no room and is left out
             showgrid=False,
             fixedrange=True,
         ),

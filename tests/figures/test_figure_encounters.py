@@ -71,6 +71,12 @@ def test_miss_classes_are_counted_for_each_system_without_distant_encounters() -
     assert figure.layout.yaxis.title.text == "encounters"
 
 
+def test_every_miss_class_has_its_label_upright_on_lines_that_fit() -> None:
+    along = miss_classes_plot(SIX, NAMES, theme="light", objects=PEDESTRIAN).layout.xaxis
+    assert along.ticktext[-1] == "no<br>failure"
+    assert along.tickangle == 0
+
+
 def test_a_click_fades_neither_bars_nor_their_counts() -> None:
     for bars in miss_classes_plot(SIX, NAMES, theme="light", objects=PEDESTRIAN).data:
         assert bars.unselected.marker.opacity == bars.selected.marker.opacity == 1
