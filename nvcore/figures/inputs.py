@@ -32,7 +32,7 @@ SMALL_PX: Final = 180
 """Height of the figure in the sidebar."""
 MAX_BOXES: Final = 200_000
 """Boxes that the histogram of heights is made of, taken evenly from all."""
-LABEL_PX: Final = 20
+LABEL_PX: Final = 30
 """Room above the plot for the label of the threshold."""
 N_BINS: Final = 40
 N_CURVES: Final = 4

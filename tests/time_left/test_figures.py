@@ -138,6 +138,14 @@ def test_margins_are_marked_by_who_is_in_time_and_never_stands_at_the_edge():
     assert "both in time 1, only X in time 1, only Y in time 1, neither in time 1" in words(figure)
 
 
+def test_the_diagonal_is_in_the_legend_and_reaches_past_the_marks_in_its_corners():
+    result = met((range(10, 40), range(5, 40)))
+    figure = margins_plot(result, urgent_encounters(result), theme="light")
+    diagonal, mark = trace(figure, "X as early as Y"), trace(figure, "both in time (1)")
+    assert diagonal.showlegend is None
+    assert diagonal.x[1] == diagonal.y[1] >= max(mark.x[0], mark.y[0])
+
+
 def test_a_corner_where_a_mark_stands_has_no_word():
     result = met((range(10, 40), range(36, 40)))
     figure = margins_plot(result, urgent_encounters(result), theme="light")

@@ -252,6 +252,8 @@ def _axes(
     y: dict[str, Any] = axis(theme, of.y_title)
     if x_scale is not None:
         x |= x_scale.axis()
+        if x_scale.edge_label:  # a line lower: in a narrow window it meets the lowest tick's
+            x |= {"ticktext": [f"<br>{x_scale.edge_label}", *x["ticktext"][1:]], "tickangle": 0}
     elif of.x == "recall":
         x |= {"range": UNIT_RANGE}
     if y_scale is not None and not y_scale.edge_label:

@@ -89,8 +89,12 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
     places = np.column_stack([urgent["urgent_row"].to_numpy(), urgent.index.to_numpy()])
     ends = [never - 0.06 * (high - low), high + 0.04 * (high - low)]
     line = {"color": look.muted, "width": 1, "dash": "dot"}
-    diagonal = [low + 0.22 * (high - low), high - 0.12 * (high - low)]  # clear of the corners
-    traces = [still_line(diagonal, diagonal, "as early", line=line)]
+    # over all marks, but clear of a word in its corner
+    diagonal = [
+        low if _is_taken(place, CORNERS["neither"], ends) else low + 0.22 * (high - low),
+        high if _is_taken(place, CORNERS["both"], ends) else high - 0.12 * (high - low),
+    ]
+    traces = [still_line(diagonal, diagonal, "X as early as Y", showlegend=None, line=line)]
     for name in QUADRANTS:
         is_in = (urgent["in_time"] == name).to_numpy()
         if is_in.any():
