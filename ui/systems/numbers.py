@@ -58,9 +58,9 @@ def draw(table: pd.DataFrame, systems: Sequence[str], shade: Shade) -> None:
             lines = (f"{mark}: {plain(capitalised(note))}." for note, mark in notes.items())
             st.caption("  \n".join(lines))
     st.caption(
-        "A dot marks the better system of a pair where the difference is claimed. The intervals, "
-        "and p, are of the differences between recordings (between stretches of time, where these "
-        "are too few)." + (AS_SET_TEXT if has_unequal else "")
+        "A dot marks the better system of a pair where the difference is claimed from the values "
+        "in its row. The intervals, and p, are of the differences between recordings (between "
+        "stretches of time, where these are too few)." + (AS_SET_TEXT if has_unequal else "")
     )
     st.download_button(
         "matrix.csv",
