@@ -106,11 +106,12 @@ def _draw_pictures(spec: DetectorSpec, inside: Inside, picture: Picture) -> None
     draw_chart(figure, "detector_steps", of=of)
     origin = "" if computed == scale else f", made from those of scale {computed:.3g} as in a run"
     figure = pictures_plot(
-        channels,
+        # the angles alone: in a narrow window whole names run into each other
+        {name.removeprefix("gradient "): channel for name, channel in channels.items()},
         theme=shade,
         title="Channels",
-        subtitle=f"what the features are sums of, at scale {scale:.3g}{origin}; the contrast of "
-        "each is stretched",
+        subtitle=f"what the features are sums of, at scale {scale:.3g}{origin}; angles: of the "
+        "gradient; the contrast of each is stretched",
         stretched=True,
     )
     draw_chart(figure, "detector_channels", of=of)

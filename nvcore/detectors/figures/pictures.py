@@ -20,7 +20,10 @@ SMALL_PX: Final = 320
 """Width of one of several pictures."""
 ROW_PX: Final = 165
 LABEL_SHARE: Final = 0.16
-"""Height of a label above a picture, as a share of the picture's."""
+"""Height of a label above a picture, as a share of the picture's, with few columns."""
+FEW_COLUMNS: Final = 3
+NARROW_LABEL_SHARE: Final = 0.38
+"""The same with more of them: the pictures are smaller, the letters are not."""
 
 
 def picture_layer(picture: Picture, width: float, height: float, **more: Any) -> dict[str, Any]:
@@ -82,18 +85,19 @@ def pictures_plot(
     """
     height, width = next(iter(pictures.values())).shape[:2]
     columns = min(columns, len(pictures))
-    step = (1.04 * width, (1 + LABEL_SHARE) * height + 0.04 * height)
+    label_share, size = (LABEL_SHARE, 12) if columns <= FEW_COLUMNS else (NARROW_LABEL_SHARE, 11)
+    step = (1.04 * width, (1 + label_share) * height + 0.04 * height)
     rows = -(-len(pictures) // columns)
     images, labels = [], []
     for number, (name, picture) in enumerate(pictures.items()):
         left, top = (number % columns) * step[0], (number // columns) * step[1]
-        place = {"x": left, "y": top + LABEL_SHARE * height}
+        place = {"x": left, "y": top + label_share * height}
         images.append(picture_layer(picture, width, height, **place))
         shown = stretch(picture, 0, STRETCH[1]) if stretched else picture
         images[-1]["source"] = _address(shown, SMALL_PX)
-        text = written(plain(name), size=12, color=LOOK[theme].ink, x=left, y=place["y"])
+        text = written(plain(name), size=size, color=LOOK[theme].ink, x=left, y=place["y"])
         labels.append({**text, "xanchor": "left", "yanchor": "bottom", "xshift": -2})
-    size = columns * step[0] - 0.04 * width, rows * step[1]
+    extent = columns * step[0] - 0.04 * width, rows * step[1]
     return draw(
         [],
         theme,
@@ -104,7 +108,7 @@ def pictures_plot(
         showlegend=False,
         images=images,
         annotations=labels,
-        **picture_axes(*size),
+        **picture_axes(*extent),
     )
 
 
