@@ -12,6 +12,7 @@ from app_visit import Visit
 from playwright.sync_api import BrowserContext, Locator, expect
 
 from nvcore.wording import minus
+from ui.widgets.script import read_script
 
 N_ROWS = 5000
 SCRIPT = f"""
@@ -96,7 +97,7 @@ def test_a_click_tells_the_row_whatever_the_order(table: Locator):
 
 
 def test_numbers_are_written_as_by_python(table: Locator):
-    script = (ROOT / "ui" / "widgets" / "number_format.js").read_text("utf-8")
+    script = read_script(ROOT / "ui" / "widgets" / "number_format.js")
     values = [n / 8 for n in range(-40, 4000, 7)] + [0.145, 1.555, 2.675, 1e6 / 3, -0.004, 0.285]
     cases = [
         (value, form) for value in values for form in (".0f", ".1f", ".2f", ".3f", ".0%", ".1%")

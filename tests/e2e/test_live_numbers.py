@@ -21,9 +21,10 @@ from nvcore.measures.table import measure_of
 from nvcore.params import Params
 from ui.session.packed_comparison import LIVE, pack_comparison, version_of
 from ui.shell.live import FOLDER
+from ui.widgets.script import read_script
 
 EQUAL = {"rel": 1e-12, "abs": 1e-9}
-ENGINE = (FOLDER / "comparison.js").read_text(encoding="utf-8")
+ENGINE = read_script(FOLDER / "comparison.js")
 COMPARE = (
     "([packed, rules, settings, window]) => {"
     + ENGINE

@@ -12,7 +12,8 @@ import pytest
 from playwright.sync_api import BrowserContext, Locator, Page, Route, expect
 
 from nvcore.driver.study.settings import Timing
-from ui.driver.study.screen import FOLDER, SCRIPTS
+from ui.driver.study.screen import FOLDER
+from ui.widgets.script import read_script
 
 ADDRESS = "http://localhost:9/"  # nobody listens there: all is answered here
 # Pictures are grey; what is sent is listed, and kept at once, or when the test says so.
@@ -70,8 +71,7 @@ IN_THE_DARK = ("dark", "picture", "again")
 def answer_request(route: Route) -> None:
     path = route.request.url.removeprefix(ADDRESS)
     if path == "study.js":
-        scripts = [(FOLDER / name).read_text(encoding="utf-8") for name in SCRIPTS]
-        route.fulfill(body="\n".join(scripts), content_type="text/javascript")
+        route.fulfill(body=read_script(FOLDER / "run.js"), content_type="text/javascript")
     elif path == "screen.css":
         route.fulfill(path=FOLDER / "screen.css")
     else:

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import BrowserContext, Page
 
+from ui.widgets.script import read_script
 from ui.widgets.viewer import FOLDER
 
 TRUTH, X, Y = 0, 1, 2
@@ -40,8 +41,7 @@ DRAW = """([rows, area]) => {
 @pytest.fixture(scope="module")
 def page(chromium: BrowserContext) -> Iterator[Page]:
     opened = chromium.new_page()
-    for name in ("data/boxes", "drawing/labels", "drawing/drawing"):
-        opened.add_script_tag(content=(FOLDER / f"{name}.js").read_text(encoding="utf-8"))
+    opened.add_script_tag(content=read_script(FOLDER / "drawing" / "drawing.js"))
     yield opened
     opened.close()
 

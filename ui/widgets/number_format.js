@@ -1,6 +1,6 @@
 // Numbers as the server writes them.
 
-const UNDEFINED = "–";
+export const UNDEFINED = "–";
 
 function grouped(text) {
   const [whole, ...rest] = text.split(".");
@@ -16,7 +16,7 @@ function rounded(size, decimals) {
 
 // As Python's format of ".3f", "+.2f", ".1%", "d" and the like, with commas between thousands and a
 // minus sign that is as wide as a plus, and a space before %; what is rounded to zero has no sign. ".4g" has no exponents.
-function formatted(value, form) {
+export function formatted(value, form) {
   if (value === null || Number.isNaN(value)) return UNDEFINED;
   const decimals = Number(/\.(\d+)|$/.exec(form)[1] ?? 0);
   const size = Math.abs(value) * (form.endsWith("%") ? 100 : 1);

@@ -22,6 +22,7 @@ from nvcore.stages import ENCOUNTERS, SALIENT, SEVERITY, Stage
 from ui.session import settings, state
 from ui.session.packed_comparison import LIVE, can_pack, has_mixed_scores, n_bytes, version_of
 from ui.session.routes import address
+from ui.widgets.script import read_script
 
 KEY: Final = "live"
 _ANSWERED: Final = "live_answered"
@@ -42,14 +43,7 @@ viewer follows by itself, but for the counts in its legend."""
 COUNTS: Final = _moving(ENCOUNTERS, SALIENT)
 """What moves those counts."""
 FOLDER: Final = Path(__file__).parent
-SCRIPTS: Final = (
-    FOLDER.parents[1] / "widgets" / "number_format.js",
-    *(FOLDER / name for name in ("comparison.js", "numbers.js", "plots.js", "sliders.js")),
-)
-_COMPONENT = st.components.v2.component(
-    "nvcore_live",
-    js="".join(path.read_text(encoding="utf-8") for path in SCRIPTS),
-)
+_COMPONENT = st.components.v2.component("nvcore_live", js=read_script(FOLDER / "sliders.js"))
 
 
 def draw(*, can_compare: bool) -> None:

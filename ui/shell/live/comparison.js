@@ -17,7 +17,7 @@ function unpackColumns(buffer) {
   return Object.fromEntries(header.map(([name, kind, place, n]) => [name, new ARRAYS[kind](buffer, start + place, n)]));
 }
 
-function weigh(z) {
+export function weigh(z) {
   return 1 / (1 + Math.exp(Math.min(Math.max(-z, -LARGEST_EXPONENT), LARGEST_EXPONENT)));
 }
 
@@ -181,7 +181,7 @@ class System {
   }
 }
 
-class Comparison {
+export class Comparison {
   // rules: proximity, pairing, coverage, and the operating point that is shown.
   constructor(buffer, rules) {
     this.columns = unpackColumns(buffer);

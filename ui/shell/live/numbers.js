@@ -1,5 +1,7 @@
 // Numbers of the page that follow the sliders: cells marked with their measure and its format.
 
+import { UNDEFINED, formatted } from "../../widgets/number_format.js";
+
 const originals = new WeakMap(); // what the server drew, by element
 
 function difference(x, y, form) {
@@ -42,7 +44,7 @@ function paintMeasure(element, value) {
 
 // moved: names of the settings that the sliders have changed; moves: the settings that move each
 // measure; values: what can be computed here.
-function paintMeasures(main, moved, moves, values) {
+export function paintMeasures(main, moved, moves, values) {
   for (const element of main.querySelectorAll("[data-measure]")) {
     const key = element.dataset.measure;
     const isMoved = (moves[key] ?? []).some((name) => moved.has(name));
@@ -62,7 +64,7 @@ const OF_FRAME = {
 };
 
 // The panel beside the viewer; without a comparison it gets its former numbers back.
-function paintFrame(panel, comparison) {
+export function paintFrame(panel, comparison) {
   const row = Number(panel.dataset.row);
   for (const line of panel.querySelectorAll("[data-frame-value]")) {
     const cells = [...line.cells].slice(1).map((cell) => cell.querySelector("b") ?? cell);

@@ -1,5 +1,7 @@
 // Lines of figures that follow the sliders: their paths are written on the figure's own axes.
 
+import { weigh } from "./comparison.js";
+
 const COLUMNS = 700; // of a line over time: more than that nobody sees while it moves
 
 function axesOf(plot, trace) {
@@ -13,13 +15,13 @@ function groupOf(plot, trace) {
   return plot.querySelector(`.scatterlayer .trace${CSS.escape(trace.uid)}`);
 }
 
-function traceOf(plot, name) {
+export function traceOf(plot, name) {
   const trace = plot._fullData?.find((one) => one.meta === name);
   const group = trace && groupOf(plot, trace);
   return group ? { trace, group } : null;
 }
 
-function hide(plot, prefix, isHidden) {
+export function hide(plot, prefix, isHidden) {
   const traces = (plot._fullData ?? []).filter((trace) => String(trace.meta).startsWith(prefix));
   for (const trace of traces) groupOf(plot, trace)?.style.setProperty("visibility", isHidden ? "hidden" : "visible");
 }
@@ -63,7 +65,7 @@ function drawLine(plot, uid, isUpright, times, values, [start, stop]) {
 
 // Similarity over time: both systems' frames and moving means. What is filled or marked is of the
 // settings before and is left out until the server draws it.
-function paintTrace(plot, comparison, recording, windowS) {
+export function paintTrace(plot, comparison, recording, windowS) {
   const isUpright = plot.layout.meta[2] === "y";
   const { first, frame, fps } = comparison.columns;
   const [start, stop] = [first[recording], first[recording + 1]];
@@ -76,7 +78,7 @@ function paintTrace(plot, comparison, recording, windowS) {
 }
 
 // The weight of a box over its size, for the sigmoid that the sliders show: one for all recordings.
-function paintWeight(plot, zero, spread) {
+export function paintWeight(plot, zero, spread) {
   const found = traceOf(plot, "nv-weight-0");
   const line = found?.group.querySelector("path.js-line");
   if (!line) return;

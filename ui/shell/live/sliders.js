@@ -3,6 +3,10 @@
 // Where the browser cannot compute, the server is told on the way: one value at a time, then the
 // newest, so that runs never pile up.
 
+import { Comparison } from "./comparison.js";
+import { paintFrame, paintMeasures } from "./numbers.js";
+import { hide, paintTrace, paintWeight, traceOf } from "./plots.js";
+
 const SLIDER = '[data-testid="stSidebar"] [data-testid="stSlider"]';
 const MOST_WAIT_MS = 5000; // for an answer that was lost
 const REST_MS = 250; // without a move, then the server is told

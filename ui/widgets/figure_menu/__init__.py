@@ -12,12 +12,10 @@ from typing import Final
 
 import streamlit as st
 
+from ui.widgets.script import read_script
+
 FOLDER: Final = Path(__file__).parent
-SCRIPTS: Final = ("points.js", "cursor.js", "menu.js")
-_COMPONENT = st.components.v2.component(
-    "nvcore_figure_menu",
-    js="".join((FOLDER / name).read_text(encoding="utf-8") for name in SCRIPTS),
-)
+_COMPONENT = st.components.v2.component("nvcore_figure_menu", js=read_script(FOLDER / "menu.js"))
 
 
 def draw() -> None:

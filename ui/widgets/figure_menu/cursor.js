@@ -27,7 +27,7 @@ function drawCursor(plot) {
   placeCursor(plot, line);
 }
 
-function followTime() {
+export function followTime() {
   for (const plot of document.querySelectorAll(".stPlotlyChart .js-plotly-plot")) {
     if (!plot._fullLayout?._size || !plot.on || !plot.layout?.meta?.[2]) continue;
     if (!timed.has(plot)) {

@@ -1,21 +1,14 @@
 // Every figure of the page gets a menu: picture (PNG, twice the size), drawing (SVG), data (CSV).
 
+import { followTime } from "./cursor.js";
+import { asText, axisKey, headingOf } from "./figure.js";
+import { reachPoints, target } from "./points.js";
+
 const LABELS = [["png", "Picture (PNG)"], ["svg", "Drawing (SVG)"], ["csv", "Data as drawn (CSV)"]];
 const [LINE_PX, EDGE_PX, SCALE] = [20, 8, 2];
 const ICON = `<svg viewBox="0 0 24 24" width="16" height="16" aria-hidden="true">
 <path d="M12 4v11m-4.5-4.5L12 15l4.5-4.5M5 19.5h14" fill="none" stroke="currentColor"
 stroke-width="2" stroke-linecap="round" stroke-linejoin="round"/></svg>`;
-
-function headingOf(plot) {
-  const [title = "Figure", subtitle = ""] = plot.layout.meta ?? [];
-  return { title, subtitle };
-}
-
-function asText(html) {
-  const box = document.createElement("template");
-  box.innerHTML = html.replace(/<br\s*\/?>/g, " ");
-  return box.content.textContent;
-}
 
 function fileName(plot, suffix) {
   const words = asText(headingOf(plot).title).toLowerCase().match(/[\p{L}\p{N}]+/gu) ?? ["figure"];
@@ -140,10 +133,6 @@ function rowsOfTrace(plot, trace) {
       up === undefined ? "" : x - (error.arrayminus?.[row] ?? up), up === undefined ? "" : x + up]);
   }
   return rows;
-}
-
-function axisKey(name, letter) {
-  return `${letter}axis${(name ?? letter).slice(1)}`;
 }
 
 function csvOf(plot) {

@@ -1,6 +1,8 @@
 // A figure whose points can be clicked is worked by keys as well: arrows go from point to point,
 // Enter clicks. A second click on a point acts like the first.
 
+import { asText, axisKey, headingOf } from "./figure.js";
+
 const STEP_OF_PAGE = 0.1;
 const MOST_IN_ROW = 0.5; // rows are rows if there are no more of them than this share of the points
 const MOST_DISTINCT = 0.5; // marks with fewer meanings than this share of them are of regions
@@ -82,7 +84,7 @@ function step(list, current, by) {
 }
 
 // Lanes and maps have rows, through which one goes; other points lie in the order of their axes.
-function target(points, current, key) {
+export function target(points, current, key) {
   const rows = [...new Set(points.map((point) => point.y))].sort((a, b) => a - b);
   const hasRows = rows.length > 1 && rows.length <= MOST_IN_ROW * points.length;
   const across = [...points].sort(hasRows ? along("y", "x") : along("x", "y"));
@@ -270,7 +272,7 @@ function nameFor(plot) {
   plot.setAttribute("aria-label", name + keys);
 }
 
-function reachPoints() {
+export function reachPoints() {
   if (!focused?.startsWith(`${window.location.pathname} `)) focused = null; // another page
   for (const plot of document.querySelectorAll(".stPlotlyChart .js-plotly-plot")) {
     if (!plot._fullLayout) continue;

@@ -17,14 +17,15 @@ import pandas as pd
 import streamlit as st
 from pandas.api.types import is_float_dtype, is_numeric_dtype
 
+from ui.widgets.script import read_script
+
 FOLDER: Final = Path(__file__).parent
-SCRIPTS: Final = (FOLDER.parent / "number_format.js", FOLDER / "table.js")
 MOST_LINES: Final = 10
 INFINITE: Final = "∞"
 _COMPONENT = st.components.v2.component(
     "nvcore_table",
     css=(FOLDER / "table.css").read_text(encoding="utf-8"),
-    js="\n".join(path.read_text(encoding="utf-8") for path in SCRIPTS),
+    js=read_script(FOLDER / "table.js"),
 )
 
 

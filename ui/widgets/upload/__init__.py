@@ -13,6 +13,7 @@ import streamlit as st
 from ui.session.routes import address
 from ui.session.uploads import MAX_FILE_BYTES
 from ui.session.workspace import PICTURES, Workspace
+from ui.widgets.script import read_script
 
 FOLDER = Path(__file__).parent
 MOST_LISTED = 6
@@ -21,7 +22,7 @@ MOST_LISTED = 6
 _COMPONENT = st.components.v2.component(
     "nvcore_upload",
     css=(FOLDER / "upload.css").read_text(encoding="utf-8"),
-    js=(FOLDER / "upload.js").read_text(encoding="utf-8"),
+    js=read_script(FOLDER / "upload.js"),
 )
 
 

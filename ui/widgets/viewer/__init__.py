@@ -1,6 +1,6 @@
 """The frame viewer: picture, boxes of truth, X and Y, trace strip and transport.
 
-A Streamlit component whose script is the files `SCRIPTS`, joined. It fetches pictures and boxes
+A Streamlit component. It fetches pictures and boxes
 from the routes itself; Python sends traces and marks, and receives the row that it settles on.
 
     data/       what the viewer shows: boxes, pictures, the recording
@@ -25,6 +25,7 @@ from nvcore.palette import TRUTH_COLOUR, Theme, scheme_of
 from ui.session.look import OWN_PICTURES, Look, VisiblePictures, read_look
 from ui.settings.start import base_path
 from ui.subjects import contributed
+from ui.widgets.script import read_script
 from ui.widgets.viewer.packing import (
     decimate_minima,
     find_spans,
@@ -35,26 +36,10 @@ from ui.widgets.viewer.packing import (
 )
 
 FOLDER = Path(__file__).parent
-SCRIPTS = (
-    *("data/boxes.js", "data/pictures.js", "data/reasons.js", "data/recording.js", "data/look.js"),
-    *("drawing/labels.js", "drawing/drawing.js", "drawing/strip.js", "drawing/view.js"),
-    *("drawing/cost.js", "drawing/light.js", "drawing/inset.js", "drawing/painting.js"),
-    *(
-        "controls/controls.js",
-        "controls/sources.js",
-        "controls/tools.js",
-        "controls/readout.js",
-        "controls/card.js",
-    ),
-    *("controls/listening.js", "player/playback.js", "player/dock.js"),
-    *("player/player.js", "player/looking.js", "player/viewer.js", "player/clip.js"),
-    "player/show.js",
-)
-"""In the order in which they are joined: the last one exports what Streamlit calls."""
 
 
 WORDS = ("a_one", "one", "Nobody", "feet_are")
-"""The words of the objects in the viewer's texts, which `worded` in controls.js fills in."""
+"""The words of the objects in the viewer's texts, which `worded` in elements.js fills in."""
 
 
 class ListedBox(NamedTuple):
@@ -64,15 +49,10 @@ class ListedBox(NamedTuple):
     box: tuple[float, float, float, float] | None
 
 
-def _read_script() -> str:
-    # One module: every file but the last only declares functions and classes.
-    return "\n".join((FOLDER / path).read_text(encoding="utf-8") for path in SCRIPTS)
-
-
 _COMPONENT = st.components.v2.component(
     "nvcore_viewer",
     css=(FOLDER / "viewer.css").read_text(encoding="utf-8"),
-    js=_read_script(),
+    js=read_script(FOLDER / "player" / "show.js"),
 )
 
 

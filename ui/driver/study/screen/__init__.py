@@ -22,14 +22,14 @@ import streamlit as st
 from nvcore.driver.study.settings import Timing
 from ui.session import state
 from ui.session.routes import address
+from ui.widgets.script import read_script
 
 FOLDER: Final = Path(__file__).parent
-SCRIPTS: Final = ("clock.js", "drawing.js", "sending.js", "run.js")
 
 _COMPONENT = st.components.v2.component(
     "nvcore_study",
     css=(FOLDER / "screen.css").read_text(encoding="utf-8"),
-    js="\n".join((FOLDER / name).read_text(encoding="utf-8") for name in SCRIPTS),
+    js=read_script(FOLDER / "run.js"),
 )
 
 

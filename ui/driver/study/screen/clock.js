@@ -7,7 +7,7 @@ function nextFrame() {
   return new Promise((done) => requestAnimationFrame(done));
 }
 
-class Clock {
+export class Clock {
   constructor() {
     this.frameMs = FRAME_MS;
     this.last = null;

@@ -1,12 +1,12 @@
 // What is on the canvas. Pictures keep their shape, as large as the canvas allows.
 
-const BRIGHT = "#ffffff";
-const DARK = "#000000";
+export const BRIGHT = "#ffffff";
+export const DARK = "#000000";
 const CROSS = { [BRIGHT]: "#000000", [DARK]: "#707070" };
 const CROSS_PX = 24;
 const DIMMED = 0.5;
 
-class Drawing {
+export class Drawing {
   constructor(canvas) {
     this.canvas = canvas;
     this.context = canvas.getContext("2d");

@@ -1,5 +1,9 @@
 // A run: bright, coarse pictures, cross, dark at once, picture, answer, cross, picture, answer.
 
+import { Clock } from "./clock.js";
+import { BRIGHT, DARK, Drawing } from "./drawing.js";
+import { fetchTrial, outbox } from "./sending.js";
+
 const STEP_PX = 8;
 const LONG_STEP_PX = 64;
 const TEXTS = {

@@ -15,7 +15,7 @@ async function fetchPicture(address) {
   return createImageBitmap(await answer.blob());
 }
 
-async function fetchTrial(url, trial) {
+export async function fetchTrial(url, trial) {
   const [full, coarse] = await Promise.all(
     ["full", "coarse"].map((view) => fetchPicture(`${url}/${trial.picture}/${view}.png`)),
   );
@@ -101,4 +101,4 @@ class Outbox {
   }
 }
 
-const outbox = new Outbox();
+export const outbox = new Outbox();

@@ -1,6 +1,10 @@
 // What made this number: a card with nvcore's words on the boxes below the pointer, or on the one
 // that was chosen.
 
+import { make, worded } from "./elements.js";
+import { SOURCE, TRUTH_STATE } from "../data/boxes.js";
+import { inPane } from "../data/look.js";
+
 const MOST_CARDS = 3;
 const REACH_PX = 3; // a thin box is hit a little beside its line
 const REST_MS = 60; // so long the pointer rests before anything is asked
@@ -25,7 +29,7 @@ function boxesAt(viewer, pointOfCanvas) {
   return hits.map((hit) => hit.index);
 }
 
-class Card {
+export class Card {
   constructor(viewer) {
     this.viewer = viewer;
     this.part = make("div", { class: "card", hidden: "" });
@@ -90,7 +94,7 @@ function makeReason({ title, lines }) {
 // ---- choosing
 
 // The pedestrian of the topmost box below the point becomes the chosen one, here and everywhere.
-async function chooseAt(viewer, point) {
+export async function chooseAt(viewer, point) {
   const indices = boxesAt(viewer, point);
   if (indices.length === 0) return;
   const reasons = await viewer.card.show(indices, point);
@@ -99,7 +103,7 @@ async function chooseAt(viewer, point) {
 }
 
 // By key: the next pedestrian of the frame, from left to right.
-async function chooseNext(viewer, direction) {
+export async function chooseNext(viewer, direction) {
   const found = viewer.shown?.found;
   if (!found) return;
   const { boxes, start, stop } = found;

@@ -1,5 +1,8 @@
 // Keys, mouse and touch of a viewer.
 
+import { chooseAt, chooseNext } from "./card.js";
+import { inPane } from "../data/look.js";
+
 // Where keys are typed text or choose among things: they are never the viewer's. Tables are a canvas.
 const TYPING = 'canvas, input:not([type="range"], [type="checkbox"], [type="radio"]), textarea, select, '
   + '[contenteditable="true"], [role="textbox"], [role="combobox"], [role="searchbox"], [role="spinbutton"], '
@@ -10,7 +13,7 @@ const CONTROL = 'input, a[href], button, summary, [role="slider"], [role="button
 
 const CLICK_PX = 4; // a press that moves less is a click
 
-function listen(viewer) {
+export function listen(viewer) {
   const { root, parts } = viewer;
   viewer.observer = new ResizeObserver(() => viewer.wake());
   viewer.observer.observe(parts.stage);

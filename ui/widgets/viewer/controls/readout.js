@@ -1,6 +1,6 @@
 // The frame in words: position, counts, and a sentence for those who do not see the picture.
 
-function showPosition({ recording, parts, root }, row) {
+export function showPosition({ recording, parts, root }, row) {
   const frame = String(recording.frames[row]);
   const time = recording.timeText(row);
   root.dataset.row = String(row);
@@ -18,7 +18,7 @@ function showPosition({ recording, parts, root }, row) {
   parts.strip.setAttribute("aria-valuetext", `frame ${frame}, ${time}`);
 }
 
-function showCounts(parts, counts) {
+export function showCounts(parts, counts) {
   const set = (part, text) => {
     const span = part.querySelector(".counts");
     if (span.textContent !== text) span.textContent = text;
@@ -33,7 +33,7 @@ function showCounts(parts, counts) {
   set(parts.truth, `${counts.truth}, ${counts.relevant} near enough`);
 }
 
-function describeFrame({ counts, recording, row, shown }) {
+export function describeFrame({ counts, recording, row, shown }) {
   const place = `Frame ${recording.frames[row]}, ${recording.timeText(row)}`;
   if (shown?.row !== row) return place;
   return `${place}: X misses ${counts.missed_x}, Y misses ${counts.missed_y}, `

@@ -1,11 +1,14 @@
 // Above the picture, where a recording has two of them: which one is seen, and as what eyes see it.
 
+import { make } from "./elements.js";
+import { LOOKS } from "../data/look.js";
+
 const MODEL = "model, not measured";
 const BY_HAND_HINT = "The time since the light has changed by a slider, in place of that of the recording";
 const TUNNEL_HINT = "Simulate a change from bright to dark at this frame, and see the eyes adapt while it plays. "
   + "Press again to end it";
 
-function makeSources(actions) {
+export function makeSources(actions) {
   const choice = make("select", { "aria-label": "Picture", title: "Which picture (v)" },
     LOOKS.map(([value, text]) => make("option", { value, text })));
   choice.addEventListener("change", () => actions.look({ picture: choice.value }));
@@ -40,7 +43,7 @@ function makeSources(actions) {
   return { root, choice, blend, adapting, byHand, since, tunnel, seen, clock, model };
 }
 
-function showSources({ root, choice, blend, adapting, byHand, since, tunnel, model }, look) {
+export function showSources({ root, choice, blend, adapting, byHand, since, tunnel, model }, look) {
   root.hidden = look.visible === null;
   choice.value = look.picture;
   blend.part.hidden = look.mode !== "blended";
@@ -65,7 +68,7 @@ function showSources({ root, choice, blend, adapting, byHand, since, tunnel, mod
 
 // That it is a model's picture, and the time since the change of light in the row that is painted; where a
 // slider says that, it does.
-function showClock({ seen, clock }, look, row, endS) {
+export function showClock({ seen, clock }, look, row, endS) {
   seen.hidden = !(look.needsVisible && look.isAdapting);
   const isKnown = !seen.hidden && (look.changeAt !== null || look.followsClock);
   clock.hidden = !isKnown;

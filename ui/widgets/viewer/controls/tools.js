@@ -1,6 +1,10 @@
 // What changes how the picture is seen: zoom, brightness and contrast, following a pedestrian.
 
-function makeViewTools(actions) {
+import { iconButton, make, textButton, worded } from "./elements.js";
+import { factorAt, placeOf } from "../drawing/light.js";
+import { LARGEST_ZOOM } from "../drawing/view.js";
+
+export function makeViewTools(actions) {
   const zoomIn = textButton("+", "Zoom in", "+", actions.zoomIn);
   const zoomOut = textButton("−", "Zoom out", "−", actions.zoomOut);
   const scale = make("button", {
@@ -17,20 +21,13 @@ function makeViewTools(actions) {
 
 const FOLLOW = "Follow the chosen {one}";
 
-function nameFollow(button, words) {
+export function nameFollow(button, words) {
   const label = worded(FOLLOW, words);
   button.title = `${label} (t)`;
   button.setAttribute("aria-label", label);
 }
 
-function textButton(text, label, key, act) {
-  const title = key ? `${label} (${key})` : label;
-  const button = make("button", { type: "button", class: "icon text", text, "aria-label": label, title });
-  button.addEventListener("click", act);
-  return button;
-}
-
-function showScale({ parts, view }) {
+export function showScale({ parts, view }) {
   const percent = `${Math.round(100 * view.zoom)} %`;
   parts.scale.textContent = percent;
   parts.scale.setAttribute("aria-label", `Scale ${percent}: fit the picture`);
@@ -40,7 +37,7 @@ function showScale({ parts, view }) {
 }
 
 // Sliders over the picture, so that they are there in full screen too.
-function makeLightPanel(light, change, close) {
+export function makeLightPanel(light, change, close) {
   const slider = (name, label) => {
     const field = make("input", { type: "range", min: "-1", max: "1", step: "0.05", "aria-label": label });
     field.value = String(placeOf(light[name]));

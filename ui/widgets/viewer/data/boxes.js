@@ -3,15 +3,15 @@
 const CHUNK_ROWS = 1024;
 const NEIGHBOUR_ROWS = 256; // so near to a chunk's end the next one is fetched
 const CHUNKS_KEPT = 12;
-const RETRY_MS = 2000;
+export const RETRY_MS = 2000;
 const MOST_LETTERS = 200;
 
-const SOURCE = { truth: 0, x: 1, y: 2 };
-const TRUTH_STATE = {
+export const SOURCE = { truth: 0, x: 1, y: 2 };
+export const TRUTH_STATE = {
   ignore: 1, matched_x: 2, matched_y: 4, relevant: 8, salient_x: 16, salient_y: 32,
 };
-const DETECTION_STATE = { matched: 1, false_alarm: 2, absorbed: 3 };
-const SESSION_ENDED = "The session has ended: load the page again";
+export const DETECTION_STATE = { matched: 1, false_alarm: 2, absorbed: 3 };
+export const SESSION_ENDED = "The session has ended: load the page again";
 
 function parseBoxes(buffer) {
   const [nFrames, nBoxes] = new Uint32Array(buffer, 0, 2);
@@ -31,7 +31,7 @@ function parseBoxes(buffer) {
   };
 }
 
-class BoxStore {
+export class BoxStore {
   constructor(onLoad) {
     this.onLoad = onLoad;
     this.chunks = new Map(); // chunk number -> {boxes, version, error, failedAt}
@@ -121,14 +121,14 @@ class BoxStore {
 }
 
 // What the server says in words, when it refuses.
-async function refusal(answer, otherwise) {
+export async function refusal(answer, otherwise) {
   const isText = (answer.headers.get("content-type") ?? "").startsWith("text/plain");
   const text = isText ? (await answer.text()).trim().slice(0, MOST_LETTERS) : "";
   if (text) return text[0].toUpperCase() + text.slice(1);
   return answer.status === 404 ? otherwise : `The server answers with status ${answer.status}`;
 }
 
-function errorText(error, otherwise) {
+export function errorText(error, otherwise) {
   if (error instanceof TypeError) return "The server does not answer";
   return error instanceof Error && !(error instanceof RangeError) ? error.message : otherwise;
 }

@@ -1,10 +1,12 @@
 // Which of a recording's two pictures are seen, its own or that of visible light, and how.
 
+import { countUpTo, unpack } from "./recording.js";
+
 const CLOCK = "clock"; // in place of seconds: those of the recording
 const SAME_S = 1e-6; // times closer than this differ by rounding alone
-const LOOKS = [["own", "Own pictures"], ["visible", "Visible light"], ["blended", "Blended"], ["both", "Side by side"]];
+export const LOOKS = [["own", "Own pictures"], ["visible", "Visible light"], ["blended", "Blended"], ["both", "Side by side"]];
 
-class Look {
+export class Look {
   constructor() {
     this.picture = "own";
     this.blend = 0.5; // share of visible light where both are blended
@@ -132,6 +134,6 @@ class Look {
 }
 
 // Where a point of the canvas lies in its pane.
-function inPane({ view }, point) {
+export function inPane({ view }, point) {
   return point && view.width > 0 ? { x: point.x % view.width, y: point.y } : point;
 }

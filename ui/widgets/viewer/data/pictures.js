@@ -1,10 +1,12 @@
 // Decoded pictures by row: few requests at a time, the most urgent first, the newest kept.
 
-const PICTURE_BYTES_KEPT = 192e6;
-const REQUESTS = 3;
-const NO_PICTURE = "No picture for this frame";
+import { RETRY_MS, SESSION_ENDED, errorText, refusal } from "./boxes.js";
 
-class PictureStore {
+const PICTURE_BYTES_KEPT = 192e6;
+export const REQUESTS = 3;
+export const NO_PICTURE = "No picture for this frame";
+
+export class PictureStore {
   constructor(onLoad) {
     this.onLoad = onLoad;
     this.entries = new Map(); // row -> {bitmap, error, failedAt, isOrphan}

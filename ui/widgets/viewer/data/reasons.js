@@ -1,6 +1,6 @@
 // What nvcore says of the boxes of a row: who it is, what it counts and costs, and why.
 
-class Reasons {
+export class Reasons {
   constructor() {
     this.rows = new Map(); // row -> promise of [{title, lines, encounter, truth}], in the boxes' order
   }

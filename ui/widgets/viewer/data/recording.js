@@ -1,8 +1,8 @@
 // What Python sends about a recording, unpacked: frame numbers, times, pictures, traces.
 
-const LONGEST_GAP_S = 0.25; // sampled recordings play at four frames a second
+export const LONGEST_GAP_S = 0.25; // sampled recordings play at four frames a second
 
-function unpack(text, Kind) {
+export function unpack(text, Kind) {
   const binary = atob(text);
   const bytes = new Uint8Array(binary.length);
   for (let i = 0; i < binary.length; i += 1) bytes[i] = binary.charCodeAt(i);
@@ -10,7 +10,7 @@ function unpack(text, Kind) {
 }
 
 // The number of sorted values that are <= value.
-function countUpTo(values, value) {
+export function countUpTo(values, value) {
   let low = 0;
   let high = values.length;
   while (low < high) {
@@ -21,7 +21,7 @@ function countUpTo(values, value) {
   return low;
 }
 
-class Recording {
+export class Recording {
   constructor(sent) {
     this.nRows = sent.n_rows;
     this.width = sent.width;

@@ -1,6 +1,8 @@
 // What missing a pedestrian would cost, over the picture: the weight of each foot row times the
 // border of each lateral position, in bands whose edges are lines of equal cost.
 
+import { unpack } from "../data/recording.js";
+
 const COST_STEP = 0.1;
 const COST_COLOUR = [190, 70, 255]; // neither of X nor of Y
 const COST_LEAST = 0.05; // of the first band; nothing is drawn below
@@ -19,7 +21,7 @@ function costOpacity(cost) {
   return Number.isNaN(cost) || cost < COST_LEAST ? 0 : COST_OPACITY * (Math.round(cost / COST_STEP) * COST_STEP);
 }
 
-class CostLayer {
+export class CostLayer {
   constructor() {
     this.canvas = document.createElement("canvas");
     this.text = "";

@@ -1,10 +1,13 @@
 // Boxes on a picture. Colour is never the only sign: each system has its line, truth is thin; a miss has
 // corner marks and a filled tag, a false alarm is crossed out.
 
-const HALO = "rgba(0, 0, 0, 0.6)";
+import { DETECTION_STATE, SOURCE, TRUTH_STATE } from "../data/boxes.js";
+import { LEAST_INSIDE, Labels, PLACE } from "./labels.js";
+
+export const HALO = "rgba(0, 0, 0, 0.6)";
 const FAINT_DASH = [2, 3];
 
-function strokeRect(ctx, box, style) {
+export function strokeRect(ctx, box, style) {
   const { colour, width = 2, dash = [], alpha = 1 } = style;
   ctx.globalAlpha = alpha;
   ctx.setLineDash(dash);
@@ -90,7 +93,7 @@ function truthStyle(state, palette) {
 }
 
 // Which of the two systems miss this truth box: "", "x", "y" or "xy".
-function missedBy(state) {
+export function missedBy(state) {
   if (state & TRUTH_STATE.ignore || !(state & TRUTH_STATE.relevant)) return "";
   return unmatchedBy(state);
 }
@@ -100,7 +103,7 @@ function unmatchedBy(state) {
 }
 
 // One row's counts for the legend above the picture.
-function countStates(found) {
+export function countStates(found) {
   const counts = {
     truth: 0, relevant: 0, missed_x: 0, missed_y: 0, far_x: 0, far_y: 0, false_x: 0, false_y: 0,
   };
@@ -142,7 +145,7 @@ function missTags(missed, track, palette) {
 
 // found: from BoxStore.ofRow; place: {scale, x, y} from the recording's pixels to the canvas's;
 // area: the part of the canvas that shows the picture.
-function drawBoxes(ctx, found, place, layers, palette, area) {
+export function drawBoxes(ctx, found, place, layers, palette, area) {
   const lists = { truth: [], x: [], y: [] };
   const names = ["truth", "x", "y"];
   const { boxes } = found;

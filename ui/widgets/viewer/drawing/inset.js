@@ -1,6 +1,11 @@
 // Beside the whole picture: the chosen pedestrian four times as large, and, where the picture is
 // magnified, which part of it is seen.
 
+import { SOURCE } from "../data/boxes.js";
+import { HALO, drawBoxes } from "./drawing.js";
+import { LABEL_FONT, LABEL_GROUND, LABEL_HEIGHT } from "./labels.js";
+import { drawPictures } from "./light.js";
+
 const INSET_SCALE = 4;
 const INSET_SHARE = 0.32; // of the canvas's width, and of its height a little more
 const INSET_MARGIN = 8;
@@ -9,7 +14,7 @@ const INSET_LINE = "#FFFFFF";
 const LISTED_LINE = "#FFD84D"; // of the map's part as well; no system's colour
 
 // Where the chosen pedestrian stands in these boxes, in the recording's pixels; null: nowhere.
-function findTrack(found, track) {
+export function findTrack(found, track) {
   if (!found || track === null) return null;
   const { boxes } = found;
   for (let i = found.start; i < found.stop; i += 1) {
@@ -47,7 +52,7 @@ function frameOf(ctx, area, text) {
 }
 
 // The pedestrian of `box` with the boxes of truth, X and Y, larger than in the whole picture.
-function drawInset(viewer, ctx, found, pictures, box) {
+export function drawInset(viewer, ctx, found, pictures, box) {
   const { place } = viewer.view;
   const centre = { x: box.x + box.w / 2, y: box.y + box.h / 2 };
   const area = insetArea(place.size, { x: place.x + centre.x * place.scale, y: place.y + centre.y * place.scale });
@@ -72,7 +77,7 @@ function drawInset(viewer, ctx, found, pictures, box) {
 }
 
 // Which part of the picture is seen, as a small map of it.
-function drawMap(viewer, ctx, pictures) {
+export function drawMap(viewer, ctx, pictures) {
   const { view } = viewer;
   if (view.zoom === 1) return;
   const { scale, x, y, size } = view.place;
@@ -98,13 +103,13 @@ function drawMap(viewer, ctx, pictures) {
 }
 
 // Marks the chosen pedestrian in the whole picture.
-function markChosen(viewer, ctx, box) {
+export function markChosen(viewer, ctx, box) {
   outline(viewer, ctx, box, { by: 7, width: 2, colour: INSET_LINE });
 }
 
 // Marks the box that an entry of a list speaks of, also where none is drawn: [x, y, w, h] in the
 // recording's pixels.
-function markListed(viewer, ctx, [x, y, w, h]) {
+export function markListed(viewer, ctx, [x, y, w, h]) {
   outline(viewer, ctx, { x, y, w, h }, { by: 12, width: 3, colour: LISTED_LINE });
 }
 

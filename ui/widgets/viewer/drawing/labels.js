@@ -1,10 +1,10 @@
 // Where labels stand: inside the picture, off each other and off missed pedestrians. A label that
 // finds no room is left out, unless it is that of a missed pedestrian.
 
-const LABEL_GROUND = "rgba(8, 11, 16, 0.72)";
-const LABEL_FONT = '600 12px "Source Sans", "Source Sans Pro", sans-serif';
-const LABEL_HEIGHT = 15;
-const LEAST_INSIDE = 40; // height of a box from which a label may stand in it
+export const LABEL_GROUND = "rgba(8, 11, 16, 0.72)";
+export const LABEL_FONT = '600 12px "Source Sans", "Source Sans Pro", sans-serif';
+export const LABEL_HEIGHT = 15;
+export const LEAST_INSIDE = 40; // height of a box from which a label may stand in it
 const FAR_LINES = 5;
 const MOST_WIDTHS = 5000;
 const labelWidths = new Map(); // measuring is slow
@@ -21,7 +21,7 @@ function grown(box, by) {
 
 // Functions of a label's width that give its place at a box. share: 0 in line with the box's left
 // edge, 1 with its right edge.
-const PLACE = {
+export const PLACE = {
   above: (box, share, gap) => (w) => [box.x + share * (box.w - w), box.y - gap - LABEL_HEIGHT],
   below: (box, share, gap) => (w) => [box.x + share * (box.w - w), box.y + box.h + gap],
   rightOf: (box, gap) => () => [box.x + box.w + gap, box.y],
@@ -29,7 +29,7 @@ const PLACE = {
   inside: (box, share) => (w) => [box.x + share * (box.w - w), box.y + 2],
 };
 
-class Labels {
+export class Labels {
   // area: the part of the picture that is seen; missed: boxes that no label may cover
   constructor(ctx, area, missed) {
     this.ctx = ctx;

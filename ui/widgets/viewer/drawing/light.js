@@ -2,7 +2,7 @@
 
 const MOST_LIGHT = 4; // times as bright, or a quarter
 
-class Light {
+export class Light {
   constructor() {
     this.reset();
     this.isPossible = "filter" in CanvasRenderingContext2D.prototype;
@@ -28,10 +28,22 @@ class Light {
 }
 
 // The place of a slider, -1 to 1, and the factor that it stands for.
-function factorAt(place) {
+export function factorAt(place) {
   return MOST_LIGHT ** place;
 }
 
-function placeOf(factor) {
+export function placeOf(factor) {
   return Math.log(factor) / Math.log(MOST_LIGHT);
+}
+
+// place: where the recording's pixels lie on the canvas
+export function drawPictures(viewer, ctx, pictures, { scale, x, y }) {
+  ctx.imageSmoothingEnabled = scale < 4;
+  viewer.light.begin(ctx);
+  for (const { bitmap, area, alpha } of pictures) {
+    ctx.globalAlpha = alpha;
+    ctx.drawImage(bitmap, x + area.x * scale, y + area.y * scale, area.w * scale, area.h * scale);
+  }
+  ctx.globalAlpha = 1;
+  viewer.light.end(ctx);
 }

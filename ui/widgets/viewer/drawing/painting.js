@@ -1,7 +1,10 @@
 // One row on the canvas: the pictures, what lies over them, and the boxes.
 
+import { drawInset, drawMap, findTrack, markChosen, markListed } from "./inset.js";
+import { drawPictures } from "./light.js";
+
 // entry, visible: of the stores of pictures; found: of the boxes' store. Each may be missing.
-function paintRow(viewer, row, { entry, visible, found }) {
+export function paintRow(viewer, row, { entry, visible, found }) {
   const { recording, view, look } = viewer;
   if (viewer.isFollowing) followChosen(viewer, found);
   const ctx = viewer.parts.picture.getContext("2d");
@@ -39,18 +42,6 @@ function paintPane(viewer, ctx, row, pictures, found) {
   if (!box) return;
   markChosen(viewer, ctx, box);
   if (viewer.isFollowing) drawInset(viewer, ctx, found, pictures, box);
-}
-
-// place: where the recording's pixels lie on the canvas
-function drawPictures(viewer, ctx, pictures, { scale, x, y }) {
-  ctx.imageSmoothingEnabled = scale < 4;
-  viewer.light.begin(ctx);
-  for (const { bitmap, area, alpha } of pictures) {
-    ctx.globalAlpha = alpha;
-    ctx.drawImage(bitmap, x + area.x * scale, y + area.y * scale, area.w * scale, area.h * scale);
-  }
-  ctx.globalAlpha = 1;
-  viewer.light.end(ctx);
 }
 
 // The picture moves so that the chosen pedestrian stays in its middle; without that pedestrian it

@@ -1,5 +1,7 @@
 // Similarity of both systems over the recording: a lane each, low intervals, misses, the cursor.
 
+import { unpack } from "../data/recording.js";
+
 const STRIP_LANE_PX = 34;
 const STRIP_MISSES_PX = 9;
 const STRIP_LEFT_PX = 20;
@@ -14,7 +16,7 @@ function lowSpans(values, low) {
   return spans;
 }
 
-class Strip {
+export class Strip {
   constructor(canvas) {
     this.canvas = canvas;
     this.ground = document.createElement("canvas");

@@ -1,9 +1,9 @@
 // Which part of the recording's picture the canvas shows.
 
 const ZOOMS = [1, 1.5, 2, 3, 4, 6, 8, 12, 16]; // of the buttons and keys; the wheel stops anywhere
-const LARGEST_ZOOM = ZOOMS[ZOOMS.length - 1];
+export const LARGEST_ZOOM = ZOOMS[ZOOMS.length - 1];
 
-class View {
+export class View {
   constructor() {
     this.fit();
   }

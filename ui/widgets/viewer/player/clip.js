@@ -1,10 +1,15 @@
 // A clip for somebody who rates it: the picture and the boxes of one system, from the first row to
 // the last without a halt. Nothing tells which system it is, nor what is right.
 
+import { ICONS, make, svg } from "../controls/elements.js";
+import { SOURCE } from "../data/boxes.js";
+import { strokeRect } from "../drawing/drawing.js";
+import { Viewer } from "./viewer.js";
+
 const CLIP_COLOUR = "#F2E205"; // neither that of X nor of Y
 const CLIP_TEXT = "A clip of a drive, with boxes drawn by a detection system";
 
-class ClipViewer extends Viewer {
+export class ClipViewer extends Viewer {
   constructor() {
     super();
     const { root, parts } = this;

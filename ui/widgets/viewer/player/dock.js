@@ -3,7 +3,7 @@
 
 const DOCK_GAP_PX = 4;
 
-class Dock {
+export class Dock {
   constructor(viewer) {
     this.viewer = viewer;
     this.isClosed = false; // until the picture has been in sight again

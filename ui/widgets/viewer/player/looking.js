@@ -1,6 +1,9 @@
 // Which of a recording's two pictures are seen, as it is chosen: above them or by a key.
 
-class Looking extends Player {
+import { showSources } from "../controls/sources.js";
+import { Player, SETTLE_MS } from "./player.js";
+
+export class Looking extends Player {
   showLook() {
     showSources(this.parts.sources, this.look);
     this.setHeight();

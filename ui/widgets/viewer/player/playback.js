@@ -1,5 +1,9 @@
 // Which row is due while the viewer plays, and how many pictures to ask for.
 
+import { showPosition } from "../controls/readout.js";
+import { LONGEST_GAP_S, countUpTo } from "../data/recording.js";
+
+export const PREFETCH = 12;
 const LONGEST_LAG_S = 0.5; // playback waits for pictures when it is so far ahead of them
 const SCREEN_S = 1 / 60;
 
@@ -9,7 +13,7 @@ function longestLag(speed) {
 }
 
 // The row to paint now: the newest one that is due and complete. Frames are dropped, never mixed.
-function advance(viewer, now) {
+export function advance(viewer, now) {
   const { playing, recording, speed } = viewer;
   const { clock, nRows } = recording;
   if (playing.at !== null) playing.position += ((now - playing.at) / 1000) * speed;
@@ -30,7 +34,7 @@ function advance(viewer, now) {
 
 // Every how many rows a picture is asked for: more than 1 when they come more slowly than they
 // are due. The next one is near enough for playback to reach it while it waits for pictures.
-function rowsPerPicture({ recording, row, speed, pictures, visible, look }) {
+export function rowsPerPicture({ recording, row, speed, pictures, visible, look }) {
   const { clock, nRows } = recording;
   const last = Math.min(nRows - 1, row + PREFETCH);
   const interval = (clock[last] - clock[row]) / Math.max(1, last - row) / speed;

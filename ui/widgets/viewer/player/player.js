@@ -1,11 +1,16 @@
 // The row that is asked for: moving about, playing, and having its picture and boxes loaded.
 
-const SETTLE_MS = 150;
-const PREFETCH = 12;
-const LOADING_TEXT_MS = 400;
+import { ICONS, svg } from "../controls/elements.js";
+import { showPosition } from "../controls/readout.js";
+import { REQUESTS } from "../data/pictures.js";
+import { countUpTo } from "../data/recording.js";
+import { PREFETCH, rowsPerPicture } from "./playback.js";
+
+export const SETTLE_MS = 150;
+export const LOADING_TEXT_MS = 400;
 
 // What `Viewer` does without painting anything.
-class Player {
+export class Player {
   // ---- moving about
 
   goTo(row, isFromPython = false) {

@@ -1,4 +1,8 @@
 // Streamlit calls the default function again at every change of the data, with the same parent.
+
+import { ClipViewer } from "./clip.js";
+import { Viewer } from "./viewer.js";
+
 const viewers = new WeakMap();
 
 export default function show({ data, parentElement, setStateValue, setTriggerValue }) {

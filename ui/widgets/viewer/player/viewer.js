@@ -1,9 +1,32 @@
 // The viewer: one row is requested, one row is painted, and what is painted always has its own
 // picture and its own boxes. Python hears of a row only when it has settled.
 
+import { Card } from "../controls/card.js";
+import { makeControls, makeHelp, showMissKeys } from "../controls/controls.js";
+import { make, worded } from "../controls/elements.js";
+import { listen } from "../controls/listening.js";
+import { describeFrame, showCounts } from "../controls/readout.js";
+import { showClock } from "../controls/sources.js";
+import { makeLightPanel, nameFollow, showScale } from "../controls/tools.js";
+import { BoxStore } from "../data/boxes.js";
+import { Look } from "../data/look.js";
+import { NO_PICTURE, PictureStore } from "../data/pictures.js";
+import { Reasons } from "../data/reasons.js";
+import { Recording } from "../data/recording.js";
+import { CostLayer } from "../drawing/cost.js";
+import { countStates, drawBoxes } from "../drawing/drawing.js";
+import { Light } from "../drawing/light.js";
+import { paintRow } from "../drawing/painting.js";
+import { Strip } from "../drawing/strip.js";
+import { View } from "../drawing/view.js";
+import { Dock } from "./dock.js";
+import { Looking } from "./looking.js";
+import { advance } from "./playback.js";
+import { LOADING_TEXT_MS } from "./player.js";
+
 const HINT_MS = 4000;
 
-class Viewer extends Looking {
+export class Viewer extends Looking {
   constructor() {
     super();
     this.layers = { truth: true, x: true, y: true, labels: true, cost: false };
