@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final
 
 import streamlit as st
@@ -14,6 +15,7 @@ from nvcore.inputs.session import Session
 from ui.session import state
 from ui.shell.messages import error_text
 from ui.shell.navigate import ask_for_page
+from ui.widgets.script import read_script
 from ui.widgets.text import plain
 
 _KEY: Final = "data_trouble"
@@ -35,11 +37,7 @@ MISSING_WORDS: Final = {
 """What `MissingFactError` says is missing, in words."""
 _TO_TOP = st.components.v2.component(
     "nvcore_to_top",
-    js="""
-    export default function () {
-      document.querySelector('[data-testid="stMain"]')?.scrollTo({ top: 0 });
-    }
-    """,
+    js=read_script(Path(__file__).with_name("to_top.js")),
 )
 """Scrolls to the top of the page: the buttons that open something are far below."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from itertools import chain
+from pathlib import Path
 from typing import Final
 
 import streamlit as st
@@ -13,6 +14,7 @@ from nvcore.pictures import picture_address
 from nvcore.subjects import in_place
 from ui.session import state
 from ui.subjects import Document, contributed
+from ui.widgets.script import read_script
 
 FOLDER: Final = state.ROOT / "docs"
 _DOCUMENTS: Final[tuple[Document, ...]] = in_place(
@@ -38,32 +40,9 @@ _PICTURE: Final = re.compile(r"^!\[([^\]]*)\]\((images/[\w-]+\.png)\)$", re.MULT
 _LINK: Final = re.compile(r"(?<!!)\[((?:[^\]\[]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
 _CODE: Final = re.compile(r"(`+)(?:.*?[^`])?\1(?!`)", re.DOTALL)
 _FENCE: Final = "```"
-# A browser scrolls to the section in the address once, when its heading appears; on a slow machine
-# more appears above it later. So the heading is kept in sight until the reader does something.
-_KEEP_IN_SIGHT: Final = """
-const PATIENCE_MS = 10000;
-let done = null;
-export default function () {
-  const name = decodeURIComponent(location.hash.slice(1));
-  if (!name || done === location.href) return;
-  done = location.href;
-  const until = Date.now() + PATIENCE_MS;
-  const timer = setInterval(look, 100);
-  const acts = ["wheel", "keydown", "pointerdown", "touchstart"];
-  const stop = () => {
-    clearInterval(timer);
-    acts.forEach((act) => removeEventListener(act, stop, true));
-  };
-  acts.forEach((act) => addEventListener(act, stop, true));
-  function look() {
-    const heading = document.getElementById(name);
-    const top = heading?.getBoundingClientRect().top;
-    if (heading && (top < 0 || top > innerHeight / 2)) heading.scrollIntoView();
-    if (Date.now() > until || location.href !== done) stop();
-  }
-}
-"""
-_SIGHT: Final = st.components.v2.component("nvcore_section", js=_KEEP_IN_SIGHT)
+_SIGHT: Final = st.components.v2.component(
+    "nvcore_section", js=read_script(Path(__file__).with_name("section.js"))
+)
 
 
 @dataclass(frozen=True)

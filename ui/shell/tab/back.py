@@ -6,6 +6,7 @@ for another page, recording or encounter only; any other change replaces the ent
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Final
 
 import streamlit as st
@@ -14,59 +15,16 @@ from streamlit.runtime.scriptrunner import get_script_run_ctx
 from ui.session import state
 from ui.session.address import read_place
 from ui.shell.pages import START
+from ui.widgets.script import read_script
 
-_SCRIPT: Final = """
-const PLACES = ["recording", "encounter", "doc"];
-const ALWAYS = "recording"; // of every address that is written
-const LEAVING_MS = 3000;
-const MAY_END = ["encounter"]; // none is open: no place of its own
-const START = new RegExp("/START$"); // the page that is open without a name, too
-export default function () {
-  if (window.nvcoreHistory) return;
-  window.nvcoreHistory = true;
-  const push = window.history.pushState.bind(window.history);
-  const replace = window.history.replaceState.bind(window.history);
-  let leaving = null;
-  let last = null;
-  const stays = () => {
-    leaving = null;
-    if (last) replace(...last);
-  };
-  window.history.pushState = (state, title, url) => {
-    const here = new URL(window.location.href);
-    const next = new URL(url ?? here, here);
-    const isSamePage = next.pathname.replace(START, "/") === here.pathname.replace(START, "/");
-    // a page that a button leaves is emptied first, and written for the next page: it keeps its
-    // address to come back to
-    if (isSamePage && here.searchParams.has(ALWAYS) && next.search === "") {
-      clearTimeout(leaving);
-      leaving = setTimeout(stays, LEAVING_MS);
-      last = null;
-      return;
-    }
-    if (isSamePage && leaving !== null) {
-      last = [state, title, url];
-      return;
-    }
-    clearTimeout(leaving);
-    leaving = null;
-    const isSame = isSamePage && PLACES.every((name) => {
-      const before = here.searchParams.get(name);
-      // an address that names no place yet is completed, which is no step
-      const after = next.searchParams.get(name);
-      return before === null || before === after || (after === null && MAY_END.includes(name));
-    });
-    if (isSame) replace(state, title, url);
-    else push(state, title, url);
-  };
-}
-"""
-_COMPONENT = st.components.v2.component("nvcore_history", js=_SCRIPT.replace("/START", f"/{START}"))
+FOLDER: Final = Path(__file__).parent
+
+_COMPONENT = st.components.v2.component("nvcore_history", js=read_script(FOLDER / "back.js"))
 
 
 def draw() -> None:
     """The invisible part of the page that looks after the history; on every page."""
-    _COMPONENT(key="history", height=1)
+    _COMPONENT(key="history", height=1, data={"start": START})
 
 
 def follow() -> None:

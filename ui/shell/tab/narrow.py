@@ -2,29 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Final
 
 import streamlit as st
 
-_SCRIPT: Final = """
-const NARROW_PX = 1100;
-const FOLD = '[data-testid="stSidebarCollapseButton"] button[aria-expanded="true"]';
-const KEPT = "stSidebarCollapsed-"; // where Streamlit keeps it for all windows of the browser
-const kept = () => {
-  try { return Object.entries(localStorage).filter(([name]) => name.startsWith(KEPT)); }
-  catch { return []; } // storage is not allowed
-};
-export default function () {
-  if (window.nvcoreNarrow) return;
-  window.nvcoreNarrow = true;
-  if (window.innerWidth >= NARROW_PX) return;
-  const before = kept();
-  document.querySelector(FOLD)?.click();
-  kept().forEach(([name]) => localStorage.removeItem(name));
-  before.forEach((entry) => localStorage.setItem(...entry));
-}
-"""
-_COMPONENT = st.components.v2.component("nvcore_narrow", js=_SCRIPT)
+from ui.widgets.script import read_script
+
+FOLDER: Final = Path(__file__).parent
+_COMPONENT = st.components.v2.component("nvcore_narrow", js=read_script(FOLDER / "narrow.js"))
 
 
 def draw() -> None:

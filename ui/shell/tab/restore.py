@@ -8,36 +8,17 @@ the server hears of its end when it hears of it. So the claim is repeated for a 
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Final
 
 import streamlit as st
 
 from ui.session import state
+from ui.widgets.script import read_script
 
+FOLDER: Final = Path(__file__).parent
 KEY: Final = "tab"
-_SCRIPT: Final = """
-const NAME = "nvcore-workspace";
-let pauseMs = 1000; // doubled each time
-let again = null;
-let send = null;
-export default function ({ data, setTriggerValue }) {
-  let kept = null;
-  try { kept = sessionStorage.getItem(NAME); } catch { return; }
-  send = setTriggerValue;
-  const claim = () => {
-    again = setTimeout(claim, pauseMs);
-    pauseMs *= 2;
-    send("claim", kept);
-  };
-  if (kept && kept !== data.token && !data.is_settled) {
-    if (again === null) claim();
-    return;
-  }
-  clearTimeout(again);
-  sessionStorage.setItem(NAME, data.token);
-}
-"""
-_COMPONENT = st.components.v2.component("nvcore_tab", js=_SCRIPT)
+_COMPONENT = st.components.v2.component("nvcore_tab", js=read_script(FOLDER / "restore.js"))
 SETTLED: Final = "tab_is_settled"
 """Whether it is known what the tab has open: nothing is claimed any more."""
 _CLAIMS: Final = "tab_claims"

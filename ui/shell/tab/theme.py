@@ -9,28 +9,15 @@ says anew whom it tells. A clean-up by drawing would end the observer of the dra
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Final
 
 import streamlit as st
 
-_SCRIPT: Final = """
-let ground = null;
-let send = null;
-export default function ({ setTriggerValue }) {
-  send = setTriggerValue;
-  if (ground !== null) return;
-  const app = document.querySelector('[data-testid="stApp"]');
-  if (!app) return;
-  const seen = () => getComputedStyle(app).backgroundColor;
-  ground = seen();
-  new MutationObserver(() => {
-    if (seen() === ground) return;
-    ground = seen();
-    send("ground", ground);
-  }).observe(app, { attributes: true, attributeFilter: ["class"] });
-}
-"""
-_COMPONENT = st.components.v2.component("nvcore_theme", js=_SCRIPT)
+from ui.widgets.script import read_script
+
+FOLDER: Final = Path(__file__).parent
+_COMPONENT = st.components.v2.component("nvcore_theme", js=read_script(FOLDER / "theme.js"))
 
 
 def draw() -> None:
