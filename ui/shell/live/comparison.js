@@ -140,8 +140,9 @@ function boxesOf(columns, name) {
 
 class System {
   constructor(columns, letter, truth) {
-    Object.assign(this, boxesOf(columns, letter));
-    const nFrames = this.offsets.length - 1;
+    const own = boxesOf(columns, letter);
+    Object.assign(this, own);
+    const nFrames = own.offsets.length - 1;
     for (const boxes of [this, (this.ofTruth = { ...truth })]) {
       const n = boxes.size.length;
       boxes.near = new Float64Array(n).fill(Infinity);
@@ -153,10 +154,10 @@ class System {
     this.isStale = new Uint8Array(nFrames);
     this.nAlarms = 0;
     for (const name of ["dMiss", "dFalse", "similarity"]) this[name] = new Float64Array(nFrames);
-    const scores = (of) => this.score.filter(of).sort().reverse();
+    const scores = (of) => own.score.filter(of).sort().reverse();
     this.scores = scores((score) => !Number.isNaN(score));
-    this.alarms = scores((score, i) => this.match[i] < 0 && !Number.isNaN(score));
-    this.hasScores = this.score.some(Number.isFinite);
+    this.alarms = scores((score, i) => own.match[i] < 0 && !Number.isNaN(score));
+    this.hasScores = own.score.some(Number.isFinite);
     this.keys = {};
   }
 
@@ -391,6 +392,7 @@ export class Comparison {
       severityX[e] /= fps[recordingOf[e]];
       severityY[e] /= fps[recordingOf[e]];
     }
+    /** @type {[Float64Array, Float64Array, Uint8Array][]} */
     const sides = [
       [hitsX, severityX, isMatchedX],
       [hitsY, severityY, isMatchedY],
@@ -398,7 +400,7 @@ export class Comparison {
     return sides.map(([hits, severity, isMatched]) => {
       const severityS = sum(severity);
       return {
-        encounters_detected: hits.reduce((count, hit, e) => count + (hit > 0 && hit / relevant[e] >= this.rules.coverage), 0),
+        encounters_detected: hits.reduce((count, hit, e) => count + Number(hit > 0 && hit / relevant[e] >= this.rules.coverage), 0),
         severity_s: severityS,
         severity_s_per_min: this.durationS ? (60 * severityS) / this.durationS : NaN,
         severity_s_per_encounter: near ? severityS / near : NaN,

@@ -24,7 +24,7 @@ let drawn = {}; // what the page was drawn for
 let live = null; // what the browser needs to compute by itself
 let comparison = null;
 let painted = ""; // the settings for which figures were last painted
-let send = () => {};
+let send = (_value) => {};
 
 function nameOf(slider) {
   const classes = slider.closest('[class*="st-key-"]')?.classList ?? [];
@@ -213,15 +213,16 @@ let url = "";
 // The columns are fetched once, when a slider is first reached for, or at rest if they are few.
 async function load() {
   if (!live || url === live.url) return;
-  url = live.url;
+  const wanted = live.url;
+  url = wanted;
   comparison = null;
-  const answer = await fetch(url).catch(() => null);
-  if (answer?.status !== 200) {
+  const answer = await fetch(wanted).catch(() => null);
+  const content = answer?.status === 200 ? await answer.arrayBuffer() : null;
+  if (url !== wanted) return; // another comparison has been opened
+  if (!content || live?.url !== wanted) {
     url = "";
     return;
   }
-  const content = await answer.arrayBuffer();
-  if (url !== live?.url) return;
   comparison = new Comparison(content, live.rules);
   comparison.update(live.settings);
   mark();

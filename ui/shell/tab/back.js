@@ -10,6 +10,7 @@ export default function ({ data: { start } }) {
   const push = window.history.pushState.bind(window.history);
   const replace = window.history.replaceState.bind(window.history);
   let leaving = null;
+  /** @type {Parameters<History["replaceState"]> | null} */
   let last = null;
   const stays = () => {
     leaving = null;

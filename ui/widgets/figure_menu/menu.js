@@ -2,7 +2,7 @@
 
 import { followTime } from "./cursor.js";
 import { asText, axisKey, headingOf } from "./figure.js";
-import { reachPoints, target } from "./points.js";
+import { reachPoints } from "./points.js";
 
 const LABELS = [["png", "Picture (PNG)"], ["svg", "Drawing (SVG)"], ["csv", "Data as drawn (CSV)"]];
 const [LINE_PX, EDGE_PX, SCALE] = [20, 8, 2];

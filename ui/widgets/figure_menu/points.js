@@ -38,8 +38,8 @@ function placeOf(plot, trace, curve, index) {
   const { p0, p1, s, s0, s1 } = plot.calcdata[curve]?.[index] ?? {};
   if (!s) return [];
   const isFlat = trace.orientation === "h";
-  const [along, across] = isFlat ? [xaxis, yaxis] : [yaxis, xaxis];
-  const [base, end] = [along.c2p(s0), along.c2p(s1)];
+  const [lengthwise, across] = isFlat ? [xaxis, yaxis] : [yaxis, xaxis];
+  const [base, end] = [lengthwise.c2p(s0), lengthwise.c2p(s1)];
   const inside = end + Math.sign(base - end) * Math.min(INSIDE_PX, Math.abs(base - end) / 2);
   const middle = across.c2p((p0 + p1) / 2);
   return isFlat ? [inside, middle] : [middle, inside];
@@ -84,7 +84,7 @@ function step(list, current, by) {
 }
 
 // Lanes and maps have rows, through which one goes; other points lie in the order of their axes.
-export function target(points, current, key) {
+function target(points, current, key) {
   const rows = [...new Set(points.map((point) => point.y))].sort((a, b) => a - b);
   const hasRows = rows.length > 1 && rows.length <= MOST_IN_ROW * points.length;
   const across = [...points].sort(hasRows ? along("y", "x") : along("x", "y"));

@@ -29,11 +29,9 @@ class Table {
     this.table.tabIndex = -1;
     this.widths = element("colgroup", this.table);
     this.head = element("tr", element("thead", this.table));
-    [this.above, this.body, this.below] = ["space", "rows", "space"].map((className) => {
-      const part = element("tbody", this.table, { className });
-      if (className === "space") part.setAttribute("aria-hidden", "true");
-      return part;
-    });
+    this.above = element("tbody", this.table, { className: "space", ariaHidden: "true" });
+    this.body = element("tbody", this.table, { className: "rows" });
+    this.below = element("tbody", this.table, { className: "space", ariaHidden: "true" });
     this.at = [-1, 0]; // the cell that Tab leads to: its line, -1 for the headings, and its column
     this.sort = null;
     this.scroller.addEventListener("scroll", () => { this.drawRows(); this.hint(); });
@@ -95,7 +93,7 @@ class Table {
     const way = this.sort.isDescending ? -1 : 1;
     this.rows.sort((a, b) => {
       const [one, other] = [values[a], values[b]];
-      if (one === null || other === null) return (one === null) - (other === null);
+      if (one === null || other === null) return Number(one === null) - Number(other === null);
       if (one === other) return 0;
       return way * (typeof one !== "number" ? byText(one, other) : one > other ? 1 : -1);
     });

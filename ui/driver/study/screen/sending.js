@@ -30,7 +30,8 @@ class Outbox {
     this.left = []; // what is sent of it
     this.answered = new Set(); // trials, since the page was loaded
     this.last = Promise.resolve();
-    this.onRetry = () => {}; // told whether the address is gone
+    this.url = "";
+    this.onRetry = (_isGone) => {};
   }
 
   // What this participant sends goes there from now on.

@@ -25,7 +25,7 @@ function boxesAt(viewer, pointOfCanvas) {
       && point.y >= top - REACH_PX && point.y <= top + scale * boxes.h[i] + REACH_PX;
     if (isInside) hits.push({ index: i - found.start, source: boxes.source[i], area: boxes.w[i] * boxes.h[i] });
   }
-  hits.sort((a, b) => (a.source !== 0) - (b.source !== 0) || a.area - b.area);
+  hits.sort((a, b) => Number(a.source !== 0) - Number(b.source !== 0) || a.area - b.area);
   return hits.map((hit) => hit.index);
 }
 

@@ -39,7 +39,7 @@ export function svg(paths, size = 20) {
   const space = "http://www.w3.org/2000/svg";
   const element = document.createElementNS(space, "svg");
   const attributes = { viewBox: "0 0 24 24", width: size, height: size, "aria-hidden": "true", focusable: "false" };
-  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
   const path = document.createElementNS(space, "path");
   path.setAttribute("d", paths);
   path.setAttribute("fill", "currentColor");

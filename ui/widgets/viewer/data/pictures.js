@@ -64,8 +64,7 @@ export class PictureStore {
     const start = performance.now();
     const entry = { bitmap: null, error: "", isRetried: false, failedAt: 0, isOrphan: false };
     try {
-      const options = { credentials: "same-origin", signal: abort.signal };
-      const answer = await fetch(this.urlOf(row), options);
+      const answer = await fetch(this.urlOf(row), { credentials: "same-origin", signal: abort.signal });
       const isPicture = (answer.headers.get("content-type") ?? "").startsWith("image/");
       if (answer.status === 404) entry.error = await refusal(answer, NO_PICTURE);
       else if (!answer.ok || !isPicture) throw new Error(await refusal(answer, SESSION_ENDED));

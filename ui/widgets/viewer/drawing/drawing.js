@@ -212,7 +212,8 @@ function drawLabels(labels, lists, layers, palette, tags) {
   };
   // false alarms first: there is nothing else by which to know them
   for (const isFalse of [true, false]) {
-    for (const [system, share] of [["x", 0], ["y", 1]]) {
+    for (const system of ["x", "y"]) {
+      const share = "xy".indexOf(system);
       for (const box of layers[system] ? lists[system] : []) {
         if ((box.state === DETECTION_STATE.false_alarm) !== isFalse) continue;
         const score = Number.isFinite(box.score) ? ` ${box.score.toFixed(2)}` : "";

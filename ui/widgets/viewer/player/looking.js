@@ -1,14 +1,17 @@
 // Which of a recording's two pictures are seen, as it is chosen: above them or by a key.
 
+/** @import { Viewer } from "./viewer.js" */
 import { showSources } from "../controls/sources.js";
 import { Player, SETTLE_MS } from "./player.js";
 
 export class Looking extends Player {
+  /** @this {Viewer} */
   showLook() {
     showSources(this.parts.sources, this.look);
     this.setHeight();
   }
 
+  /** @this {Viewer} */
   changeLook(changes) {
     const { sinceS, isAdapting, isByHand, changeAt } = this.look;
     Object.assign(this.look, changes);
@@ -22,6 +25,7 @@ export class Looking extends Player {
     this.lookTimer = setTimeout(() => this.tellLook(), SETTLE_MS);
   }
 
+  /** @this {Viewer} */
   tellLook() {
     const { choice } = this.look;
     const text = JSON.stringify(choice);
@@ -30,12 +34,14 @@ export class Looking extends Player {
     this.reportLook?.(choice);
   }
 
+  /** @this {Viewer} */
   nextLook() {
     if (!this.look.visible) return;
     this.look.next();
     this.changeLook({});
   }
 
+  /** @this {Viewer} */
   toggleAdapting() {
     if (!this.look.visible) return;
     const picture = this.look.needsVisible ? this.look.picture : "visible";
@@ -43,16 +49,19 @@ export class Looking extends Player {
   }
 
   // The recording's own times, or those of the slider.
+  /** @this {Viewer} */
   toggleByHand() {
     this.changeLook({ isByHand: !this.look.isByHand });
   }
 
   // Simulate that it becomes dark at this row, or no longer.
+  /** @this {Viewer} */
   toggleTunnel() {
     const isOver = this.look.changeAt !== null;
     this.changeLook({ changeAt: isOver ? null : this.recording.times[this.row] });
   }
 
+  /** @this {Viewer} */
   resetVisible() {
     const { look, recording } = this;
     this.visible.reset((row) => {

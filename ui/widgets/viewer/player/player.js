@@ -1,5 +1,6 @@
 // The row that is asked for: moving about, playing, and having its picture and boxes loaded.
 
+/** @import { Viewer } from "./viewer.js" */
 import { ICONS, svg } from "../controls/elements.js";
 import { showPosition } from "../controls/readout.js";
 import { REQUESTS } from "../data/pictures.js";
@@ -13,6 +14,7 @@ export const LOADING_TEXT_MS = 400;
 export class Player {
   // ---- moving about
 
+  /** @this {Viewer} */
   goTo(row, isFromPython = false) {
     const { recording } = this;
     if (!recording || recording.nRows === 0) return;
@@ -32,6 +34,7 @@ export class Player {
     this.requestedAt = performance.now();
   }
 
+  /** @this {Viewer} */
   goToMiss(direction) {
     const { misses } = this.strip;
     const next = countUpTo(misses, this.row);
@@ -41,6 +44,7 @@ export class Player {
     else this.say(direction > 0 ? "No later miss" : "No earlier miss");
   }
 
+  /** @this {Viewer} */
   settle() {
     if (this.playing || this.isDragging) return;
     const now = { recording: this.sent.recording, row: this.row, nonce: this.sent.seek[1] };
@@ -51,6 +55,7 @@ export class Player {
     this.report(now);
   }
 
+  /** @this {Viewer} */
   playPause() {
     if (this.playing) {
       this.pause(true);
@@ -65,10 +70,12 @@ export class Player {
     this.wake();
   }
 
+  /** @this {Viewer} */
   startClock() {
     this.playing = { position: this.recording.clock[this.row], from: this.row, at: null };
   }
 
+  /** @this {Viewer} */
   pause(isReported) {
     if (!this.playing) return;
     this.playing = null;
@@ -77,11 +84,13 @@ export class Player {
   }
 
   // the end of the recording
+  /** @this {Viewer} */
   stopAt(row) {
     this.pause(false);
     this.goTo(row);
   }
 
+  /** @this {Viewer} */
   showPlaying() {
     const { play } = this.parts;
     play.replaceChildren(svg(ICONS[this.playing ? "pause" : "play"]));
@@ -91,6 +100,7 @@ export class Player {
 
   // ---- loading
 
+  /** @this {Viewer} */
   isReady(row) {
     const { look, recording } = this;
     const hasOwn = !look.needsOwn || !recording.hasPicture(row) || this.pictures.get(row) !== undefined;
@@ -98,6 +108,7 @@ export class Player {
     return hasOwn && hasVisible && this.boxes.isReady(row);
   }
 
+  /** @this {Viewer} */
   load() {
     const { recording, look } = this;
     if (!recording || recording.nRows === 0) return;
@@ -113,11 +124,13 @@ export class Player {
     if (look.needsVisible) this.visible.want(wanted.filter((row) => look.hasVisible(row)), limit);
   }
 
+  /** @this {Viewer} */
   onPicture(row) {
     if (row === this.row || this.playing) this.wake();
     else if (this.isDragging && this.isReady(row)) this.wake(row);
   }
 
+  /** @this {Viewer} */
   onBoxes(start, stop) {
     if (this.shown && this.shown.row >= start && this.shown.row < stop) this.isStale = true;
     this.wake();

@@ -85,6 +85,8 @@ export class Viewer extends Looking {
     this.request = 0;
     this.settleTimer = 0;
     this.loadingTimer = 0;
+    this.observer = null; // of the sizes, and the keys of the page: set by `listen`
+    this.onPageKey = null;
     listen(this);
     const own = new WeakRef(this); // the document must not keep a viewer whose page is left
     document.addEventListener("nvcore-similarity", function follow({ detail }) {
