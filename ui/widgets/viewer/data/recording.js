@@ -81,8 +81,9 @@ export class Recording {
 
   timeText(row) {
     const seconds = this.times[row];
-    if (Math.abs(seconds) < 60) return `${seconds.toFixed(2)} s`;
-    const minutes = Math.floor(seconds / 60);
-    return `${minutes}:${(seconds - 60 * minutes).toFixed(2).padStart(5, "0")} min`;
+    const shown = Math.abs(seconds).toFixed(2); // rounded first: 59.999 s is a minute
+    if (Number(shown) < 60) return `${seconds.toFixed(2)} s`;
+    const minutes = Math.floor(Number(shown) / 60);
+    return `${seconds < 0 ? "-" : ""}${minutes}:${(Number(shown) - 60 * minutes).toFixed(2).padStart(5, "0")} min`;
   }
 }
