@@ -1,6 +1,7 @@
 """docs/cli.md shows the program's own help, and its examples work.
 
-``make docs`` writes the help texts of the page anew.
+Groups of options that several commands share stand once, in the section "Shared options", to which
+these commands link. ``make docs`` writes the help texts of the page anew.
 """
 
 from __future__ import annotations
@@ -8,6 +9,9 @@ from __future__ import annotations
 import re
 import shlex
 import shutil
+import textwrap
+from collections import Counter
+from functools import cache
 from itertools import chain
 from pathlib import Path
 
@@ -21,6 +25,12 @@ from nvcore.cli import main
 PAGE = ROOT / "docs" / "cli.md"
 SECTION = re.compile(r"^## (nvcore.*?)$(.*?)(?=^## |\Z)", re.DOTALL | re.MULTILINE)
 HELP = re.compile(r"^```text\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+SHARED = re.compile(r"^## Shared options$.*\Z", re.DOTALL | re.MULTILINE)
+GROUP = re.compile(r"^### (.+?)\n\n```text\n(.*?)\n```$", re.DOTALL | re.MULTILINE)
+TAKEN = re.compile(
+    r"\n^Options \[shared\]\(#shared-options\) with other commands:\n(.*?)\.\n",
+    re.DOTALL | re.MULTILINE,
+)
 EXAMPLES = re.compile(r"^```console\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 
@@ -43,12 +53,50 @@ def sections() -> dict[str, str]:
     return dict(SECTION.findall(PAGE.read_text(encoding="utf-8")))
 
 
+@cache
 def help_of(name: str) -> str:
     """What the command prints on a terminal of 100 columns, of which click leaves 2 free."""
     arguments = [*name.split()[1:], "--help"]
     result = CliRunner().invoke(main, arguments, prog_name="nvcore", terminal_width=98)
     assert result.exit_code == 0, result.output
     return result.stdout
+
+
+def blocks_of(text: str) -> list[str]:
+    """The usage, and each group of options under its heading."""
+    return re.split(r"\n\n(?=\S)", text.rstrip("\n"))
+
+
+def title_of(block: str) -> str:
+    return block.partition(":\n")[0]
+
+
+@cache
+def shared_groups() -> dict[str, str]:
+    """Text by title of the groups that stand once on the page, in the order of the help.
+
+    Of groups of one title, the one that most commands have; short ones are not worth a link.
+    """
+    n_commands = Counter(chain(*(blocks_of(help_of(name)) for name in NAMES)))
+    groups: dict[str, str] = {}
+    for block, n in n_commands.most_common():
+        if n > 1 and block.count("\n") >= 4:
+            groups.setdefault(title_of(block), block)
+    in_order = [title_of(block) for block in blocks_of(help_of("nvcore compare"))]
+    rank = {title: i for i, title in enumerate(in_order)}
+    return dict(sorted(groups.items(), key=lambda group: rank.get(group[0], len(rank))))
+
+
+def groups_on_the_page() -> dict[str, str]:
+    """Text by title below "Shared options"."""
+    (section,) = SHARED.findall(PAGE.read_text(encoding="utf-8"))
+    return dict(GROUP.findall(section))
+
+
+def groups_taken(section: str) -> list[str]:
+    """Titles of the shared groups to which a command's section links."""
+    links = "".join(TAKEN.findall(section)).replace("\n", " ")
+    return [title for title, _ in re.findall(r"\[(.+?)\]\(#(.+?)\)", links)]
 
 
 def examples() -> list[str]:
@@ -61,8 +109,33 @@ def test_every_command_has_its_section_in_the_order_of_the_help():
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_page_shows_the_command_s_help(name: str):
-    assert HELP.findall(sections()[name]) == [help_of(name)]
+def test_help_and_shared_groups_of_a_section_are_the_command_s_help(name: str):
+    (text,) = HELP.findall(sections()[name])
+    own = blocks_of(text)
+    taken = [groups_on_the_page()[title] for title in groups_taken(sections()[name])]
+    blocks = blocks_of(help_of(name))
+    assert sorted(own + taken) == sorted(blocks)
+    assert own == [block for block in blocks if block in own]
+    assert taken == [block for block in blocks if block in taken]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_option_of_a_command_is_in_its_section_or_its_shared_groups(name: str):
+    command: click.Command = main
+    for key in name.split()[1:]:
+        assert isinstance(command, click.Group)
+        command = command.commands[key]
+    taken = (groups_on_the_page()[title] for title in groups_taken(sections()[name]))
+    text = "\n".join([*HELP.findall(sections()[name]), *taken])
+    options = chain(*(param.opts for param in command.params if isinstance(param, click.Option)))
+    assert [flag for flag in options if not re.search(rf"^  .*{flag}\b", text, re.MULTILINE)] == []
+
+
+def test_no_group_of_options_that_is_shared_stands_twice_on_the_page():
+    page = PAGE.read_text(encoding="utf-8")
+    assert {
+        title: page.count(text) for title, text in groups_on_the_page().items()
+    } == dict.fromkeys(shared_groups(), 1)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -88,13 +161,27 @@ def test_the_examples_work_in_their_order(tmp_path: Path, monkeypatch: pytest.Mo
 
 def written_anew() -> str:
     """The page with the help of today."""
+    shared = shared_groups()
 
     def section(found: re.Match[str]) -> str:
-        help_text = help_of(found[1])
-        body = HELP.sub(lambda _: f"```text\n{help_text}```", found[2])
+        blocks = blocks_of(help_of(found[1]))
+        own = "\n\n".join(block for block in blocks if block not in shared.values())
+        titles = [title for title in map(title_of, blocks) if shared.get(title) in blocks]
+        body = HELP.sub(lambda _: f"```text\n{own}\n```", TAKEN.sub("", found[2]))
+        if titles:
+            links = ", ".join(f"[{title}](#{title.lower().replace(' ', '-')})" for title in titles)
+            lines = textwrap.fill(f"{links}.", 100, break_on_hyphens=False, break_long_words=False)
+            taken = f"\n\nOptions [shared](#shared-options) with other commands:\n{lines}\n"
+            body = re.sub(
+                r"(^```text\n.*?^```$)\n", lambda m: m[1] + taken, body, flags=re.DOTALL | re.M
+            )
         return f"## {found[1]}{body}"
 
-    return SECTION.sub(section, PAGE.read_text(encoding="utf-8"))
+    page = SECTION.sub(section, PAGE.read_text(encoding="utf-8"))
+    (old,) = SHARED.findall(page)
+    words = old.partition("\n### ")[0].rstrip("\n")
+    groups = (f"### {title}\n\n```text\n{text}\n```\n" for title, text in shared.items())
+    return page.replace(old, "\n".join([f"{words}\n", *groups]))
 
 
 if __name__ == "__main__":
