@@ -9,6 +9,8 @@ import pytest
 from places import ROOT
 
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
+DECISIONS = sorted((ROOT / "docs" / "decisions").glob("[0-9]*.md"))
+PARTS = {"Context", "Choice", "Why", "Instead of", "Ours", "Consequence", "Amended"}
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 
 
@@ -54,7 +56,26 @@ def test_the_pages_are_linked_from_the_readme():
     assert {ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")} <= linked
 
 
-def test_every_decision_is_in_the_list_of_decisions_in_order():
-    folder = ROOT / "docs" / "decisions"
-    linked = [link for link in relative_links(folder / "README.md") if link[0].isdigit()]
-    assert linked == sorted(page.name for page in folder.glob("[0-9]*.md"))
+def test_decisions_are_numbered_without_a_gap():
+    numbers = [int(page.name[:3]) for page in DECISIONS]
+    assert numbers == list(range(1, len(numbers) + 1))
+
+
+def test_the_list_of_decisions_has_the_title_of_each_in_order():
+    text = (ROOT / "docs" / "decisions" / "README.md").read_text(encoding="utf-8")
+    titles = [page.read_text(encoding="utf-8").partition("\n")[0] for page in DECISIONS]
+    rows = [
+        f"- [{title[2:5]}]({page.name}) {title[6:]}"
+        for title, page in zip(titles, DECISIONS, strict=True)
+    ]
+    assert [line for line in text.splitlines() if line.startswith("- ")] == rows
+
+
+@pytest.mark.parametrize("page", DECISIONS, ids=shown)
+def test_decisions_have_one_form(page):
+    text = page.read_text(encoding="utf-8")
+    parts = re.findall(r"^\*\*([^*]+)\.\*\*", text, re.MULTILINE)
+    assert re.match(rf"# {page.name[:3]} \S.*\n\n\*\*(Context|Choice)\.\*\* ", text)
+    assert parts.count("Choice") == 1
+    assert set(parts) <= PARTS
+    assert len(parts) == len(set(parts))
