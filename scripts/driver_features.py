@@ -1,10 +1,10 @@
-"""The features of pedestrians in real pictures, as the tables of docs/driver.md.
+"""The features of pedestrians in real pictures, as the tables of docs/driver-reference.md.
 
     python -m scripts.driver_features [--write]
 
 Pictures and boxes are those of `$NVCORE_REALDATA`, all by day: the two twins of KAIST, visible and
 far infrared; PETS09-S2L1 and two sequences of TUD; three pictures of KITTI. `--write` puts the
-tables between their marks in docs/driver.md. Less than a minute on two free cores.
+tables between their marks in docs/driver-reference.md. Less than a minute on two free cores.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from nvcore.pictures.images import decode_image, file_bytes
 from nvcore.wording import number
 
 ROOT: Final = Path(__file__).resolve().parents[1]
-PAGE: Final = ROOT / "docs" / "driver.md"
+PAGE: Final = ROOT / "docs" / "driver-reference.md"
 MARKS: Final = ("<!-- real features: begin -->", "<!-- real features: end -->")
 VIDEOS: Final = {"PETS09-S2L1": "vtest.avi", "TUD-Campus": "TUD-Campus.mp4",
                  "TUD-Stadtmitte": "TUD-Stadtmitte.mp4"}  # fmt: skip

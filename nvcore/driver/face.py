@@ -36,8 +36,9 @@ def driver_features(arguments: FeatureArguments) -> WrittenFeatures:
     out
         Folder for ``features.csv`` and ``driver.json``, which says how they were made.
     settings
-        What the paper leaves open, by name (docs/driver.md): ``surround``, ``drop_factor``, ...;
-        ``fixation`` is the assumed point as shares of the picture, (0.5, 0.5) its middle.
+        What the paper leaves open, by name (docs/driver-reference.md): ``surround``,
+        ``drop_factor``, ...; ``fixation`` is the assumed point as shares of the picture,
+        (0.5, 0.5) its middle.
     only, tags
         Names of recordings, and tags that they all have; empty: all that the session compares.
     size, fps, frames

@@ -18,7 +18,9 @@ T = TypeVar("T")
 RECORD_FILE: Final = "driver.json"
 """The record of features of recordings, in their folder."""
 _LONGEST_SIDE: Final = 2**32
-_EXPECTED: Final = "expected the record that nvcore driver features writes (docs/driver.md)"
+_EXPECTED: Final = (
+    "expected the record that nvcore driver features writes (docs/driver-reference.md)"
+)
 
 
 def record_beside(features: Path) -> Path:

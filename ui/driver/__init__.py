@@ -34,6 +34,7 @@ PAGES: Final = (
 )
 DOCUMENTS: Final = (
     Document("driver", "The driver", after="formats"),
+    Document("driver-reference", "Driver reference", after="driver"),
     Document("study", "Study", after="ratings"),
 )
 PRELOADED: Final = ("ui.driver.confined",)

@@ -166,7 +166,7 @@ def _draw_plot(
     name = state.recording_names()[state.recording()]
     if may_be_another_clock(state.recording()):
         st.caption(OTHER_CLOCK)
-    adapting = docs_link("Adapting", "illumination", doc="driver")
+    adapting = docs_link("Adapting", "illumination", doc="driver-reference")
     row = clicked_chart(
         figure,
         f"driver_course_{encounter}",

@@ -90,7 +90,7 @@ def _draw_field() -> None:
     draw_field(KIND, "Estimator (.npz, as nvcore driver train writes it)", shown=error_text)
     st.caption(
         "It stays on this server while the tab is open. How one is trained: by trials of the page "
-        f"Study ({docs_link('how', 'estimators', doc='driver')})."
+        f"Study ({docs_link('how', 'estimators', doc='driver-reference')})."
     )
 
 

@@ -95,7 +95,7 @@ def draw(
 
 def _draw_features(features: pd.DataFrame | None, at: int, why_none: str) -> None:
     """The eight features in this row of the course, or why they are not known."""
-    st.markdown(f"**{docs_link('Features', 'features', doc='driver')}**")
+    st.markdown(f"**{docs_link('Features', 'features', doc='driver-reference')}**")
     if features is None:
         st.caption(why_none)
         return

@@ -119,7 +119,9 @@ def draw_notes() -> None:
                 key=f"download_{path.stem}",
                 width="stretch",
             )
-        st.caption(f"What the columns mean: {docs_link('the files', 'the-files', doc='driver')}.")
+        st.caption(
+            f"What the columns mean: {docs_link('the files', 'the-files', doc='driver-reference')}."
+        )
 
 
 def _choose_recordings() -> tuple[str, ...]:
@@ -140,7 +142,7 @@ def _choose_recordings() -> tuple[str, ...]:
     own = [name for name in chosen if name not in visible]
     recordings = count_text(len(names), "recording")
     text = f"Pictures of visible light: {len(visible):,} of {recordings}"
-    how = docs_link("in the session", "pictures", doc="driver")
+    how = docs_link("in the session", "pictures", doc="driver-reference")
     if not usable:
         st.caption(f"No recording has pictures. They are named {how}.")
     elif own:

@@ -25,7 +25,9 @@ SIMULATED: Final = ("no", "some", "all", "")
 """Of how many subjects the answers were simulated; empty: not known."""
 SEARCHES: Final = ("", "quick")
 """How its features and settings were chosen; empty: as by default, or not known."""
-_EXPECTED: Final = "expected the record that nvcore driver estimate writes (docs/driver.md)"
+_EXPECTED: Final = (
+    "expected the record that nvcore driver estimate writes (docs/driver-reference.md)"
+)
 _SUBJECTS: Final = {
     "all": "learnt from simulated subjects",
     "some": "learnt in part from simulated subjects",

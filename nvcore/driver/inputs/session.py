@@ -45,7 +45,7 @@ class DriverTable:
     ----------
     detectability
         CSV of how likely the driver sees each pedestrian by himself, 0 to 1, in each frame
-        (docs/driver.md); None: nothing is known.
+        (docs/driver-reference.md); None: nothing is known.
     provenance
         A record of how it was estimated (`nvcore.driver.inputs.record`); None: nothing is known.
     """

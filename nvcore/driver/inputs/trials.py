@@ -12,7 +12,7 @@ TRIAL_COLUMNS: Final = (
     *("adaptation_asked_s", "adaptation_measured_s", "touch_x", "touch_y"),
     *("response_s", "not_seen", "device"),
 )
-"""Columns of a file of trials (docs/driver.md), in the order in which they are written."""
+"""Columns of a file of trials (docs/driver-reference.md), in the order of writing."""
 LATE_S: Final = 0.05
 """A trial is marked if its picture came earlier or later than asked by more than this, or was to be
 seen for so much more or less."""

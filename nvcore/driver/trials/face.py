@@ -28,7 +28,7 @@ def train_driver(arguments: TrainArguments) -> Training:
     Parameters
     ----------
     trials
-        CSV file, a row for each picture shown to a subject (docs/driver.md).
+        CSV file, a row for each picture shown to a subject (docs/driver-reference.md).
     features
         CSV file of ``image,pedestrian`` and the eight features of the pictures.
     out

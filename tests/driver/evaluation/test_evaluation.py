@@ -183,7 +183,7 @@ def test_a_share_of_fewer_subjects_stands_in_the_nearest_bar(evaluation: Evaluat
 
 
 def test_the_documentation_names_the_columns_of_each_table_in_their_order(tables):
-    page = (ROOT / "docs" / "driver.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "driver-reference.md").read_text(encoding="utf-8")
     of_columns = page.partition("| File | Column | |\n|---|---|---|\n")[2].partition("\n\n")[0]
     columns: dict[str, list[str]] = {}
     for line in of_columns.splitlines():

@@ -378,7 +378,7 @@ def test_settings_outside_their_range_are_refused(given: dict[str, float]):
 
 
 def test_the_documentation_lists_every_feature_in_its_words():
-    page = (ROOT / "docs" / "driver.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "driver-reference.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| `(\w+)` \| ([\w ]+) \| (\S[^|]*) \|", page, re.MULTILINE)
     assert [(key, name, unit.strip()) for key, name, unit in rows] == [
         (feature.key, feature.label, feature.unit) for feature in FEATURES

@@ -26,7 +26,7 @@ def headings(page: AppTest) -> list[str]:
 @pytest.mark.parametrize("name", PAGES)
 def test_every_link_within_the_app_leads_to_a_heading_and_none_to_a_file(name: str):
     text = "\n".join(section.body for section in sections_of(name))
-    links = re.findall(r"\]\((?:\?doc=(\w+))?#([^)]+)\)", text)
+    links = re.findall(r"\]\((?:\?doc=([\w-]+))?#([^)]+)\)", text)
     assert links
     assert [link for link in links if link[1] not in ANCHORS[link[0] or name]] == []
     assert re.findall(r"\]\([^)]*\.md[^)]*\)", text) == []
@@ -41,7 +41,7 @@ def test_no_word_is_left_of_a_link_that_the_page_cannot_follow(name: str):
 def test_every_link_of_a_page_to_the_documentation_leads_to_a_heading():
     paths = [path for folder in ("ui", "pages") for path in (ROOT / folder).rglob("*.py")]
     sources = "\n".join(path.read_text(encoding="utf-8") for path in paths)
-    links = re.findall(r"docs_link\(.[^'\"]+., .([\w-]+).(?:, doc=.(\w+).)?\)", sources)
+    links = re.findall(r"docs_link\(.[^'\"]+., .([\w-]+).(?:, doc=.([\w-]+).)?\)", sources)
     assert len(links) > 15
     assert [link for link in links if link[0] not in ANCHORS[link[1] or "metrics"]] == []
     assert "](/" not in sources  # the app may be served below a path

@@ -89,7 +89,8 @@ def _conduct(study: DetectabilityStudy) -> None:
         st.caption(
             "Save trials and boxes. An estimator needs "
             f"{LEAST_PEDESTRIANS} pedestrians or more at each time "
-            f"({docs_link('more', 'estimators', doc='driver')}); the page Driver takes it."
+            f"({docs_link('more', 'estimators', doc='driver-reference')}); "
+            "the page Driver takes it."
         )
         st.code(COMMANDS, language="sh")
     draw_one_participant(
