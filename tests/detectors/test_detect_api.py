@@ -37,7 +37,7 @@ def test_what_was_run_is_printed_as_the_command_prints_it(tmp_path: Path, blobs:
     assert repr(written.run.recordings[0]).startswith("<RecordingRun of odd_pose: ")
     lines = str(written).splitlines()
     assert lines[0].startswith(f"{n_boxes} boxes in 3 pictures of 1 recording, in ")
-    assert lines[1] == "trained on: odd_pose, frames :99; elsewhere"
+    assert lines[1] == "trained on: odd_pose, frames 0 to 99; elsewhere"
     assert lines[2] == f"written to {tmp_path}/out as blobs"
     with pytest.raises(nv.NvcoreError, match="expected a recording, or frames of it as odd_pose="):
         nv.detect(SAMPLE, blobs, tmp_path / "out", trained_on="odd_pose=0-99")

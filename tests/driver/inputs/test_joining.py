@@ -291,7 +291,7 @@ def test_the_record_says_who_estimated_and_whether_subjects_were_simulated(tmp_p
 )
 def test_what_is_no_record_is_refused(tmp_path, text: str):
     path = write(tmp_path / "d.json", text)
-    with pytest.raises(FormatError, match=r"d\.json: .*docs/driver\.md"):
+    with pytest.raises(FormatError, match=r"d\.json: .*docs/driver-reference\.md"):
         read_estimate_record(path, "d.json")
 
 
