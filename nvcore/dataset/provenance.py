@@ -66,10 +66,8 @@ class TrainedOn:
             return f"crops and scenes ({self.fingerprint[:_SHOWN_DIGITS]})"
         if self.first_frame is None and self.last_frame is None:
             return one_line(self.recording)
-        if self.last_frame is None:
-            span = f"from {self.first_frame}"
-        else:
-            span = f"{0 if self.first_frame is None else self.first_frame} to {self.last_frame}"
+        first = self.first_frame or 0
+        span = f"from {first}" if self.last_frame is None else f"{first} to {self.last_frame}"
         return f"{one_line(self.recording)}, frames {span}"
 
 

@@ -131,12 +131,15 @@ def interval_text(low: float, high: float, form: str) -> str:
     return f"{difference(low, 0, form)} to {difference(high, 0, form)}"
 
 
+def p_value(p: float) -> str:
+    """A p in a table: "0.18", "< 0.001"."""
+    return "< 0.001" if p < 0.001 else f"{p:.2g}"
+
+
 def p_text(p: float, p_corrected: float) -> str:
     """A p by itself, and corrected where that is another: "p = 0.18; 0.6 after correction"."""
-    own, corrected = ("< 0.001" if each < 0.001 else f"= {each:.2g}" for each in (p, p_corrected))
-    if p == p_corrected:
-        return f"p {own}"
-    return f"p {own}; {corrected.removeprefix('= ')} after correction"
+    own = f"p {'' if p < 0.001 else '= '}{p_value(p)}"
+    return own if p == p_corrected else f"{own}; {p_value(p_corrected)} after correction"
 
 
 def percent(share: float) -> str:

@@ -21,7 +21,7 @@ from nvcore.ratings.validation import (
     mean_delay,
     split_known,
 )
-from nvcore.wording import count_text, minus, p_text
+from nvcore.wording import count_text, minus, p_text, p_value
 from ui.ratings import applied_fit, fit, source
 from ui.ratings.applied_fit import AppliedFit
 from ui.ratings.source import RatingSource
@@ -241,12 +241,7 @@ def _correlations(correlations: list[Correlation]) -> pd.DataFrame:
                 minus(f"{row.low:.2f} to {row.high:.2f}") if np.isfinite(row.low) else UNDEFINED
                 for row in correlations
             ],
-            "p": [
-                p_text(row.p, row.p).removeprefix("p ").removeprefix("= ")
-                if np.isfinite(row.p)
-                else UNDEFINED
-                for row in correlations
-            ],
+            "p": [p_value(row.p) if np.isfinite(row.p) else UNDEFINED for row in correlations],
             "Why there is none": [row.note for row in correlations],
         }
     )
