@@ -5,6 +5,7 @@ declare const Plotly: any;
 // Once for each page, by the component that set it.
 interface Window {
   nvcoreFigureMenu?: boolean;
+  Plotly?: any;
   nvcoreHistory?: boolean;
   nvcoreLive?: { compare: () => unknown };
   nvcoreNarrow?: boolean;

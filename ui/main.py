@@ -23,7 +23,7 @@ from ui.shell.pages import all_pages, draw_bar, draw_tabs, is_folded_on, own_of,
 from ui.shell.tab import back, narrow, restore, theme
 from ui.subjects import contributed
 from ui.widgets import figure_menu
-from ui.widgets.buttons import forget_clicks
+from ui.widgets.clicks import forget_clicks
 
 # pages with more in their address, which they write by themselves, or leave as it is
 # (Streamlit would print a string below it on every page)

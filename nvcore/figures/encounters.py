@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.figures.marks import marks, steady_marker
+from nvcore.figures.marks import marks
 from nvcore.figures.style import (
     LOOK,
     axis,
@@ -155,15 +155,13 @@ def miss_classes_plot(
         counts, severity_s = (
             values.reindex(kinds, fill_value=0) for values in (of_class.size(), of_class.sum())
         )
-        # a dashed system's bars are outlined, not hatched: Plotly loses that at the first click
+        # a dashed system's bars are outlined
         colour = look.of(letter)
-        bars = steady_marker(
-            color=colour if look.dash(letter) == "solid" else faded(colour, 0.3),
-            line={"width": 2, "color": colour},
-            cornerradius=3,
-        )
-        for state in ("selected", "unselected"):
-            bars[state] = {**bars[state], "textfont": {"color": look.ink}}
+        marker = {
+            "color": colour if look.dash(letter) == "solid" else faded(colour, 0.3),
+            "line": {"width": 2, "color": colour},
+            "cornerradius": 3,
+        }
         traces.append(
             go.Bar(
                 x=place,
@@ -179,7 +177,7 @@ def miss_classes_plot(
                     for kind in MissClass
                 ],
                 hovertemplate=f"{letter.upper()}: %{{y}}<br>%{{hovertext}}<extra></extra>",
-                **bars,
+                marker=marker,
             )
         )
     return draw(
@@ -315,9 +313,12 @@ def position_map(encounters: pd.DataFrame, *, theme: Theme, objects: Objects) ->
                 text,
                 customdata=part.index.to_numpy(),
                 name=f"{words} ({np.count_nonzero(category == kind.value):,})",
-                **steady_marker(
-                    symbol=symbol, size=size_px[part.index].to_numpy(), color=shade, line=line
-                ),
+                marker={
+                    "symbol": symbol,
+                    "size": size_px[part.index].to_numpy(),
+                    "color": shade,
+                    "line": line,
+                },
             )
         )
     extent = count_text(len(encounters), "encounter")

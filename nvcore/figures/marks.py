@@ -32,20 +32,11 @@ def marks(x: Any, y: Any, texts: Any, *, hover: str = HOVER, **more: Any) -> go.
     return go.Scatter(x=x, y=y, mode="markers", text=texts, hovertemplate=hover, **more)
 
 
-def steady_marker(*, opacity: float = 1, **marker: Any) -> dict[str, Any]:
-    """Settings of markers or bars that a click does not fade.
-
-    Plotly fades whatever is not selected; here a selection moves the cursor instead.
-    """
-    faded = {"marker": {"opacity": opacity}}
-    return {"marker": {**marker, "opacity": opacity}, "selected": faded, "unselected": faded}
-
-
 def system_marker(letter: str, size: float, theme: Theme, *, rim: float = 1) -> dict[str, Any]:
-    """A system's marker in its colour and shape, steady, with a rim of the page's colour."""
+    """A system's marker in its colour and shape, with a rim of the page's colour."""
     look = LOOK[theme]
     line = {"width": rim, "color": look.surface}
-    return steady_marker(color=look.of(letter), size=size, symbol=look.symbol(letter), line=line)
+    return {"color": look.of(letter), "size": size, "symbol": look.symbol(letter), "line": line}
 
 
 def click_markers(x: Any, y: Any, texts: Any, **more: Any) -> go.Scatter:
@@ -53,8 +44,8 @@ def click_markers(x: Any, y: Any, texts: Any, **more: Any) -> go.Scatter:
 
     All answer to the mouse; one is drawn, as hundreds would take longer than all the rest.
     """
-    looks = steady_marker(opacity=0, size=8, color="#000", maxdisplayed=1)
-    return marks(x, y, texts, showlegend=False, **looks, **more)
+    looks = {"opacity": 0, "size": 8, "color": "#000", "maxdisplayed": 1}
+    return marks(x, y, texts, showlegend=False, marker=looks, **more)
 
 
 def line_up(figure: go.Figure, x: float, name: str, theme: Theme) -> None:

@@ -102,7 +102,9 @@ def recordings_plot(
     ]
     for letter, name, values in (("x", names[0], x), ("y", names[1], y)):
         label, marker = system_label(letter, name), system_marker(letter, 11, theme)
-        traces.append(marks(values[largest], place, text, customdata=rows, name=label, **marker))
+        traces.append(
+            marks(values[largest], place, text, customdata=rows, name=label, marker=marker)
+        )
     middle = (x[largest] + y[largest]) / 2
     traces.append(click_markers(middle, place, text, customdata=rows, name="recordings"))
     extent = count_text(len(defined), "recording")

@@ -9,7 +9,7 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
-from nvcore.figures.marks import marks, steady_marker, still_line, with_gaps
+from nvcore.figures.marks import marks, still_line, with_gaps
 from nvcore.figures.style import (
     CLEAR,
     LOOK,
@@ -99,13 +99,13 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
         n_events = len(weights_s[letter])
         drawn = f" ({len(events):,} drawn)" if len(events) < n_events else ""
         counts.append(f"{letter.upper()} {count_text(n_events, 'event')}{drawn}")
-        marker = steady_marker(
-            color=CLEAR if is_many else faded(look.of(letter), 0.35),
-            symbol=look.symbol(letter),
-            size=(3 if is_many else 5)
+        marker = {
+            "color": CLEAR if is_many else faded(look.of(letter), 0.35),
+            "symbol": look.symbol(letter),
+            "size": (3 if is_many else 5)
             + (8 if is_many else 15) * np.sqrt(events["weight_s"].to_numpy() / most_s),
-            line={"width": 1.2, "color": look.of(letter)},
-        )
+            "line": {"width": 1.2, "color": look.of(letter)},
+        }
         traces.append(
             marks(
                 events[column].to_numpy(),
@@ -113,7 +113,7 @@ def recency_plot(result: Result, *, theme: Theme, recording: int | None = None) 
                 events["text"].tolist(),
                 customdata=events["first_row"].to_numpy(),
                 name=system_label(letter, system.name),
-                **marker,
+                marker=marker,
             )
         )
     if in_seconds:
@@ -169,7 +169,7 @@ def parts_plot(
             labels.append(f"{where}{short} {plain(track, max_length=8)}, from {start:.1f} s")
         colour = look.of(letter)
         for column, fill in (("weight_s", faded(colour, 0.22)), ("saliency_s", colour)):
-            marker = steady_marker(color=fill, line={"width": 1, "color": colour}, cornerradius=2)
+            marker = {"color": fill, "line": {"width": 1, "color": colour}, "cornerradius": 2}
             traces.append(
                 go.Bar(
                     x=events[column].to_numpy(),
@@ -182,7 +182,7 @@ def parts_plot(
                     name=system_label(letter, system.name),
                     legendgroup=letter,
                     showlegend=column == "saliency_s",
-                    **marker,
+                    marker=marker,
                 )
             )
     if not labels:
@@ -284,27 +284,27 @@ def _recording_marks(
         cliponaxis=False,
         customdata=rows[recordings.index.to_numpy()],
         name=system_label(letter, result.system(letter).name),
-        **steady_marker(
-            opacity=0.6 if is_small else 1,
-            color=look.of(letter),
-            symbol=look.symbol(letter),
-            size=5 if is_small else 10,
-            line={"width": 0 if is_small else 1, "color": look.surface},
-        ),
+        marker={
+            "opacity": 0.6 if is_small else 1,
+            "color": look.of(letter),
+            "symbol": look.symbol(letter),
+            "size": 5 if is_small else 10,
+            "line": {"width": 0 if is_small else 1, "color": look.surface},
+        },
     )
 
 
 def _mean_mark(letter: str, x: float, y: float, *, theme: Theme) -> go.Scatter:
     """The mean of a system over recordings: a large open mark."""
     look = LOOK[theme]
-    marker = steady_marker(
-        color=CLEAR,
-        symbol=look.symbol(letter),
-        size=20,
-        line={"width": 2.5, "color": look.of(letter)},
-    )
+    marker = {
+        "color": CLEAR,
+        "symbol": look.symbol(letter),
+        "size": 20,
+        "line": {"width": 2.5, "color": look.of(letter)},
+    }
     text = (
         f"{letter.upper()}, mean of the recordings<br>mean similarity {x:.3f}<br>saliency {y:.2f} s"
     )
     name = f"mean of {letter.upper()}"
-    return marks([x], [y], [text], name=name, cliponaxis=False, **marker)
+    return marks([x], [y], [text], name=name, cliponaxis=False, marker=marker)

@@ -8,7 +8,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
-from nvcore.figures.marks import marks, steady_marker, still_line
+from nvcore.figures.marks import marks, still_line
 from nvcore.figures.style import LOOK, axis, draw, plain, system_label, which_is_which
 from nvcore.metrics.encounters import RELEVANT_K
 from nvcore.palette import Theme
@@ -95,10 +95,10 @@ def _lane(result: Result, weightings: Weightings, letter: str, theme: Theme) -> 
         [f"{letter.upper()} detects the {one}, frame {frame}" for frame in detected["frame"]],
         name=system_label(letter, result.system(letter).name),
         showlegend=False,
-        **steady_marker(
-            color=look.of(letter),
-            size=9,
-            symbol="line-ns",
-            line={"width": 2, "color": look.of(letter)},
-        ),
+        marker={
+            "color": look.of(letter),
+            "size": 9,
+            "symbol": "line-ns",
+            "line": {"width": 2, "color": look.of(letter)},
+        },
     )

@@ -187,14 +187,17 @@ def shown_as(key: str, result: Result) -> tuple[float, str]:
 
 def as_shown(result: Result, evidence: pd.DataFrame) -> pd.DataFrame:
     """A table of evidence with rates `shown_as` people read them."""
-    table = evidence.copy()
-    for key in set(table["figure"]) & set(_BY_KEY):
-        factor, unit = shown_as(key, result)
-        if factor != 1:
-            is_rate = table["figure"] == key
-            table.loc[is_rate, ["x", "y", "difference", "low", "high"]] *= factor
-            table.loc[is_rate, "label"] = f"{inference_of(key).noun}{unit}"
-    return table
+    figures = evidence["figure"].tolist()
+    shown = [shown_as(key, result) if key in _BY_KEY else (1.0, "") for key in figures]
+    factors = np.array([factor for factor, _ in shown])
+    if (factors == 1).all():
+        return evidence
+    labels = [
+        label if factor == 1 else f"{inference_of(key).noun}{unit}"
+        for key, label, (factor, unit) in zip(figures, evidence["label"], shown, strict=True)
+    ]
+    numbers = ("x", "y", "difference", "low", "high")
+    return evidence.assign(label=labels, **{name: evidence[name] * factors for name in numbers})
 
 
 def difference_text(value: float, key: str) -> str:

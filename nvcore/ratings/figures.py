@@ -77,7 +77,7 @@ def rating_plot(
                 cliponaxis=False,
                 name=system_label(letter, name),
                 customdata=mine.index.to_numpy(),
-                **system_marker(letter, 10, theme),
+                marker=system_marker(letter, 10, theme),
             )
         )
     highest_s = [clips["saliency_s"].max(), *([] if trend is None else [trend.most_s.max()])]

@@ -17,7 +17,6 @@ from nvcore.figures.encounters import (
     position_map,
 )
 from nvcore.figures.paired import recordings_plot
-from nvcore.figures.style import LOOK
 from nvcore.objects import PEDESTRIAN
 
 NAMES = ("FIR", "NIR")
@@ -75,12 +74,6 @@ def test_every_miss_class_has_its_label_upright_on_lines_that_fit() -> None:
     along = miss_classes_plot(SIX, NAMES, theme="light", objects=PEDESTRIAN).layout.xaxis
     assert along.ticktext[-1] == "no<br>failure"
     assert along.tickangle == 0
-
-
-def test_a_click_fades_neither_bars_nor_their_counts() -> None:
-    for bars in miss_classes_plot(SIX, NAMES, theme="light", objects=PEDESTRIAN).data:
-        assert bars.unselected.marker.opacity == bars.selected.marker.opacity == 1
-        assert bars.unselected.textfont.color == LOOK["light"].ink
 
 
 def test_without_anything_to_draw_a_figure_says_so() -> None:

@@ -74,7 +74,6 @@ def draw(result: Result, protocol: Protocol) -> None:
     clicked = clicked_chart(
         figure,
         f"curves_{kind}",
-        clicks="curves",
         help=f"{state.say(EXPLAINED[kind])} Click a curve to count from that score on.",
     )
     if kind == "miss_rate":

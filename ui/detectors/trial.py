@@ -27,7 +27,6 @@ from ui.widgets.text import plain as as_text
 CHOSEN: Final = "detector_box"
 LEVELS: Final = "detector_levels"
 """Threshold and overlap of each detector, by its name or path."""
-CLICKS: Final = "detector_clicks"
 LEAST_SPAN: Final = 0.1
 STEPS: Final = 200
 """Of the slider of the threshold."""
@@ -212,6 +211,6 @@ def _draw_boxes(
         chosen=chosen,
     )
     alt = f"Boxes of {what.about.name}: {count_text(int(is_counting.sum()), 'box', 'boxes')} count"
-    clicked = clicked_chart(figure, "detector_boxes", clicks=CLICKS, alt=alt)
+    clicked = clicked_chart(figure, "detector_boxes", alt=alt)
     st.caption("Drag over a part of the picture to enlarge it; a double click shows all of it.")
     return clicked

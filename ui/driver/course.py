@@ -170,7 +170,6 @@ def _draw_plot(
     row = clicked_chart(
         figure,
         f"driver_course_{encounter}",
-        clicks="driver_course",
         time_axis="x",
         of=f"{result.objects.singular} {result.encounters.track[encounter]} of {figure_text(name)}",
         help=f"Click a mark to see its frame. {adapting}: seconds from the last change from bright "

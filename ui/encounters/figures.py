@@ -15,8 +15,7 @@ from nvcore.report.words import FUSION_RULE, fusion_gains, misses
 from nvcore.tables.encounters.miss_classes import ALL_CLASSES, fusion_table, miss_class_totals
 from ui.encounters.filters import set_classes
 from ui.session import state
-from ui.widgets.charts import draw_chart
-from ui.widgets.clicks import clicked_point
+from ui.widgets.charts import Clicked, draw_chart
 from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.table_columns import class_words
 from ui.widgets.text import UNDEFINED, docs_link, plain
@@ -48,11 +47,9 @@ def draw_classes(result: Result, encounters: pd.DataFrame) -> None:
         )
 
 
-def _choose_class() -> None:
-    clicked = clicked_point("encounters_classes")
-    if clicked is not None:
-        kind, curve = clicked
-        set_classes(*((kind, None) if curve == 0 else (None, kind)))
+def _choose_class(clicked: Clicked) -> None:
+    kind = clicked.value
+    set_classes(*((kind, None) if clicked.curve == 0 else (None, kind)))
 
 
 def draw_exclusivity(result: Result) -> None:

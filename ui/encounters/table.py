@@ -14,8 +14,7 @@ from ui.encounters import selection
 from ui.encounters.order import COLUMNS, SEVERITY, Order
 from ui.session import state
 from ui.subjects import contributed
-from ui.widgets.charts import draw_chart
-from ui.widgets.clicks import clicked_point
+from ui.widgets.charts import Clicked, draw_chart
 from ui.widgets.table import SortedBy, draw_table
 from ui.widgets.table_columns import (
     MOST_ROWS,
@@ -135,7 +134,5 @@ def draw_map(encounters: pd.DataFrame) -> None:
     )
 
 
-def _choose_point() -> None:
-    clicked = clicked_point("encounters_map")
-    if clicked is not None:
-        selection.choose_clicked(int(clicked[0]))
+def _choose_point(clicked: Clicked) -> None:
+    selection.choose_clicked(int(clicked.value))

@@ -103,7 +103,7 @@ def draw_worst(result: Result) -> None:
     )
     columns = columns_of("encounters.csv", *WORST_COLUMNS)
     draw_table(
-        as_shown(worst),
+        as_shown(worst[[*WORST_COLUMNS]]),
         columns | {name: replace(columns[name], label=to) for name, to in SEVERITIES.items()},
         key="overview_worst",
         name="Heaviest failures",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Final
 
 import plotly.graph_objects as go
@@ -18,8 +17,7 @@ from nvcore.tables.result import recordings_table, worst_events
 from ui.session import state
 from ui.shell.navigate import open_row
 from ui.widgets.buttons import button
-from ui.widgets.charts import draw_chart
-from ui.widgets.clicks import clicked_point
+from ui.widgets.charts import Clicked, draw_chart
 from ui.widgets.text import docs_link, plain
 
 OPEN: Final = "saliency_open"
@@ -121,16 +119,12 @@ def draw_recordings(result: Result) -> None:
 
 
 def _chart(figure: go.Figure, key: str, help_text: str | None = None) -> None:
-    draw_chart(figure, key, on_click=partial(_ask_for_row, key), help=help_text)
+    draw_chart(figure, key, on_click=_ask_for_row, help=help_text)
 
 
-def _ask_for_row(key: str) -> None:
-    clicked = clicked_point(key)
-    if clicked is not None:
-        st.session_state[OPEN] = int(clicked[0])
+def _ask_for_row(clicked: Clicked) -> None:
+    st.session_state[OPEN] = int(clicked.value)
 
 
-def _choose_recording() -> None:
-    clicked = clicked_point("saliency_recordings")
-    if clicked is not None:
-        st.session_state[CLICKED_RECORDING] = int(clicked[0])
+def _choose_recording(clicked: Clicked) -> None:
+    st.session_state[CLICKED_RECORDING] = int(clicked.value)

@@ -23,13 +23,15 @@ from collections.abc import Callable
 from dataclasses import asdict
 from http import HTTPStatus
 from itertools import chain
+from pathlib import Path
 from typing import Final
 
 import numpy as np
+import plotly
 from anyio.to_thread import run_sync
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import JSONResponse, RedirectResponse, Response
+from starlette.responses import FileResponse, JSONResponse, RedirectResponse, Response
 from starlette.routing import Route
 
 from nvcore.errors import MediaError
@@ -54,6 +56,8 @@ from ui.subjects import contributed
 
 ROWS_PER_CHUNK: Final = 1024
 QUALITY: Final = 85
+PLOTLY: Final = f"/nv/plotly-{plotly.__version__}.js"
+"""Address of the library that draws the figures."""
 
 
 @for_owner()
@@ -193,6 +197,13 @@ async def overview(request: Request) -> Response:
     return RedirectResponse(f"./{'?' if query else ''}{query}", headers=NOT_CACHED)
 
 
+async def drawing_library(_request: Request) -> Response:
+    """Plotly for the browser, of the version that the figures are made with."""
+    path = Path(plotly.__file__).parent / "package_data" / "plotly.min.js"
+    headers = {"Cache-Control": "public, max-age=31536000, immutable"}
+    return FileResponse(path, media_type="text/javascript", headers=headers)
+
+
 OWN: Final = (
     Place("frame/{recording}/{row}.jpg", frame),
     Place("visible/{recording}/{row}.jpg", visible),
@@ -211,6 +222,7 @@ def routes_below(start: str) -> list[Route]:
     places = chain(OWN, *contributed("ROUTES"))
     return [
         Route(f"{start}/overview", overview, methods=["GET"]),
+        Route(f"{start}{PLOTLY}", drawing_library, methods=["GET"]),
         *(
             Route(f"{start}/nv/{{token}}/{place.path}", place.answer, methods=[place.method])
             for place in places

@@ -13,7 +13,7 @@ from nvcore.params.traffic import count_contexts
 from nvcore.stages import MATCH, PROXIMITY, THRESHOLD, Setting, Stage
 from ui.session import settings, state
 from ui.shell import cost_map, live_params, operating_point, presets, recordings_filter
-from ui.widgets.charts import draw_chart
+from ui.widgets.charts import draw_chart, kept_figure
 from ui.widgets.text import plain
 
 SLIDER_OF_HEIGHT: Final = {"midpoint": (0.0, 0.5, 0.1), "spread": (1.0, 0.15, 0.1)}
@@ -156,7 +156,7 @@ def _proximity_plot() -> None:
     """The weight over the pedestrians' heights."""
     dataset, theme = state.opened().dataset, state.theme()
     names = state.params().only_for(PROXIMITY)
-    figure = state.cached(  # it stays while other sliders move
+    figure = kept_figure(  # it stays while other sliders move
         "proximity_plot",
         (names, theme),
         lambda: proximity_plot(dataset, names, theme=theme),

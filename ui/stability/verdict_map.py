@@ -110,7 +110,6 @@ def _draw_map(result: Result, stability: StabilityMap) -> None:
     cell = clicked_chart(
         stability_map(stability, theme=state.theme()),
         f"stability_{stability.plane}_{stability.criterion}",
-        clicks="stability",
         help="Click a place to take its settings into the sidebar.",
     )
     more = [sentence for sentence in describe_stability(stability) if sentence not in short]
@@ -119,7 +118,7 @@ def _draw_map(result: Result, stability: StabilityMap) -> None:
             for sentence in more:
                 st.markdown(plain(sentence))
     if cell is not None:
-        settings = stability.settings(int(cell[0] if isinstance(cell, list) else cell))
+        settings = stability.settings(int(cell))
         state.set_params(**settings)
         st.rerun()
     chance.markdown(plain(describe_chance(stability, measure_evidence(result))))

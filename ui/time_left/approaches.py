@@ -15,7 +15,6 @@ from ui.time_left.numbers import key_of
 from ui.time_left.opening import open_encounter
 from ui.widgets.charts import clicked_chart, kept_figure
 from ui.widgets.choices import choose_first
-from ui.widgets.clicks import clicked_place
 from ui.widgets.text import docs_link
 
 
@@ -70,5 +69,5 @@ def draw_margins(result: Result, urgent: pd.DataFrame) -> None:
 
 def _follow(result: Result, clicked: Any) -> None:
     if clicked is not None:
-        row, encounter = clicked_place(clicked)
+        row, encounter = clicked
         open_encounter(result, encounter, row)

@@ -19,7 +19,6 @@ from ui.shell import title
 from ui.timeline import listed, panel, viewer
 from ui.widgets.charts import clicked_chart, kept_figure
 from ui.widgets.choices import choose_first, choose_side_by_side
-from ui.widgets.clicks import clicked_place
 from ui.widgets.text import docs_link
 
 PANEL_PX: Final = 640
@@ -80,7 +79,7 @@ def _draw_lanes(result: Result) -> None:
     )
     chosen = chosen_encounter(result)
     first = _first_lane(right, order, chosen)
-    lanes = space.cached(  # they stay while alpha and the like move
+    lanes = kept_figure(  # they stay while alpha and the like move
         "lanes",
         (*key, first, chosen, state.theme()),
         lambda: lanes_figure(
@@ -95,7 +94,7 @@ def _draw_lanes(result: Result) -> None:
     )
     clicked = _clicked(lanes, "lanes", "x")
     if clicked is not None:
-        row, encounter = clicked_place(clicked)
+        row, encounter = clicked
         choose_encounter(result, encounter)
         _go_to(row)
 
@@ -139,7 +138,7 @@ def _clicked(
     figure: Any, key: str, time_axis: Literal["x", "y"], help_text: str | None = None
 ) -> Any:
     name = f"{key}_{state.recording()}"
-    return clicked_chart(figure, name, clicks=key, time_axis=time_axis, help=help_text)
+    return clicked_chart(figure, name, time_axis=time_axis, help=help_text)
 
 
 def _go_to(row: int) -> NoReturn:

@@ -1,18 +1,13 @@
-"""Buttons whose clicks are not lost.
-
-Streamlit tells a script of a click in the one run that the click begins. If another widget ends
-that run before it comes to the button, as a slider does that is still settling, nobody hears of it.
-The last click is kept here until its button is drawn, or the page has been drawn to its end.
-"""
+"""Buttons whose clicks are not lost (see `ui.widgets.clicks`)."""
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Any
 
 import streamlit as st
 from streamlit.delta_generator import DeltaGenerator
 
-_CLICKED: Final = "clicked_button"
+from ui.widgets.clicks import keep_click, take_click
 
 
 def button(
@@ -25,8 +20,8 @@ def button(
 ) -> bool:
     """Whether it was clicked, to be asked once; `at` is where it stands, the rest Streamlit's."""
     draw = st.button if at is None else at.button
-    draw(label, key=key, on_click=_keep, args=(key, label), disabled=disabled, **options)
-    return _take(key, label) and not disabled
+    draw(label, key=key, on_click=keep_click, args=(key, label), disabled=disabled, **options)
+    return bool(take_click(key) == label) and not disabled
 
 
 def submit_button(
@@ -34,22 +29,5 @@ def submit_button(
 ) -> bool:
     """Whether the form was sent by it; as `button`."""
     draw = st.form_submit_button if at is None else at.form_submit_button
-    draw(label, key=key, on_click=_keep, args=(key, label), **options)
-    return _take(key, label)
-
-
-def forget_clicks() -> None:
-    """At the end of a page, also of one that failed: what was clicked is no longer there."""
-    st.session_state.pop(_CLICKED, None)
-
-
-def _keep(key: str, label: str) -> None:
-    st.session_state[_CLICKED] = key, label
-
-
-def _take(key: str, label: str) -> bool:
-    """Whether it is this that was clicked last, and said the same: it may be another's by now."""
-    if st.session_state.get(_CLICKED) != (key, label):
-        return False
-    forget_clicks()
-    return True
+    draw(label, key=key, on_click=keep_click, args=(key, label), **options)
+    return bool(take_click(key) == label)

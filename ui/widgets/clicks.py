@@ -1,35 +1,33 @@
-"""What was clicked in a figure, whichever way the widget reports it."""
+"""Clicks that are not lost.
+
+Streamlit tells a script of a click in the one run that the click begins. If another widget ends
+that run before it comes to what was clicked, as a slider does that is still settling, nobody hears
+of it. The last click is kept here until it is asked for, or the page has been drawn to its end.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
 import streamlit as st
 
+_CLICKED: Final = "clicked"
 
-def clicked_point(key: str) -> tuple[Any, int] | None:
-    """What a click in a figure means: `customdata` of the point and its trace; None: nothing."""
-    points = st.session_state[key]["selection"]["points"]
-    if not points or "customdata" not in points[0]:
+
+def keep_click(key: str, value: Any) -> None:
+    """What was clicked in the widget with that key."""
+    st.session_state[_CLICKED] = key, value
+
+
+def take_click(key: str) -> Any:
+    """What was clicked in the widget, once; None: nothing."""
+    clicked_key, value = st.session_state.get(_CLICKED) or (None, None)
+    if clicked_key != key:
         return None
-    value = points[0]["customdata"]
-    # Plotly passes a single value as it is or in a list
-    return (value[0] if isinstance(value, list) else value), int(points[0]["curve_number"])
+    forget_clicks()
+    return value
 
 
-def clicked_place(clicked: Any) -> tuple[int, int]:
-    """Frame row and encounter that a clicked point has as its `customdata`."""
-    # Plotly passes several values as an object with their numbers as names
-    row, encounter = clicked.values() if isinstance(clicked, Mapping) else clicked
-    return int(row), int(encounter)
-
-
-def is_new_click(key: str, points: Any) -> bool:
-    """Whether a chart's selection is new since the last call: it outlives reruns."""
-    seen_clicks = st.session_state.setdefault("seen_clicks", {})
-    current = repr(points)
-    if seen_clicks.get(key) == current:
-        return False
-    seen_clicks[key] = current
-    return True
+def forget_clicks() -> None:
+    """At the end of a page, also of one that failed: what was clicked is no longer there."""
+    st.session_state.pop(_CLICKED, None)

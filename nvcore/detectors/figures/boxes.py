@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 
 from nvcore.detectors.figures.pictures import picture_axes, picture_layer
-from nvcore.figures.marks import click_markers, marks, steady_marker, still_line, with_gaps
+from nvcore.figures.marks import click_markers, marks, still_line, with_gaps
 from nvcore.figures.style import LOOK, draw, faded, plain
 from nvcore.metrics.matching import iou_of_pairs
 from nvcore.palette import Theme, scheme_of
@@ -110,9 +110,8 @@ def boxes_plot(
         if name == "gone":
             traces.append(click_markers(across, down, texts, **more))
             continue
-        more |= steady_marker(
-            size=mark_px[row], color=look.y, line={"width": 1, "color": look.surface}
-        )
+        rim = {"width": 1, "color": look.surface}
+        more["marker"] = {"size": mark_px[row], "color": look.y, "line": rim}
         traces.append(marks(across, down, texts, showlegend=False, **more))
     return draw(
         traces,

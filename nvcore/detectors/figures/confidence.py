@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 import plotly.graph_objects as go
 
-from nvcore.figures.marks import marks, steady_marker, still_line
+from nvcore.figures.marks import marks, still_line
 from nvcore.figures.style import LOOK, axis, draw
 from nvcore.palette import Theme
 from nvcore.wording import count_text
@@ -67,8 +67,8 @@ def confidence_plot(path: WindowPath, *, theme: Theme) -> go.Figure:
     if path.rejected_after is not None:
         place = [end], [path.confidence[end - 1]]
         text = [f"rejected after {count_text(end, 'tree')}"]
-        marker = steady_marker(symbol="x", size=11, color=look.ink)
-        traces.append(marks(*place, text, name="rejected", **marker))
+        marker = {"symbol": "x", "size": 11, "color": look.ink}
+        traces.append(marks(*place, text, name="rejected", marker=marker))
         outcome = f"rejected after {end:,} of {count_text(n_trees, 'tree')}"
     else:
         outcome = f"came through all {count_text(n_trees, 'tree')} with {path.confidence[-1]:.3g}"
@@ -132,8 +132,8 @@ def traces_plot(
             ],
         )
         text = [f"rejected after {count_text(end, 'tree')}" for end in place[0]]
-        marker = steady_marker(symbol="x", size=9, color=line["color"])
-        traces.append(marks(*place, text, name=f"{name}, rejected", **marker))
+        marker = {"symbol": "x", "size": 9, "color": line["color"]}
+        traces.append(marks(*place, text, name=f"{name}, rejected", marker=marker))
     n_through = sum(path.rejected_after is None for path in objects)
     return draw(
         traces,

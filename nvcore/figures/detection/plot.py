@@ -12,7 +12,7 @@ import plotly.graph_objects as go
 from nvcore.detection.curves import DetectionCurve
 from nvcore.figures.detection.kinds import KINDS, ON_AXES, CurveKind, Kind
 from nvcore.figures.detection.points import Points
-from nvcore.figures.marks import HOVER, click_markers, marks, steady_marker, system_marker
+from nvcore.figures.marks import HOVER, click_markers, marks, system_marker
 from nvcore.figures.rate_axis import LogScale, decades, log_scale
 from nvcore.figures.style import LOOK, axis, begins_at, draw, empty_figure, plain, system_label
 from nvcore.objects import Objects
@@ -124,17 +124,21 @@ def _line(points: Points, letter: str, name: str, theme: Theme, *, is_line: bool
 def _first_zero(points: Points, letter: str, scale: LogScale, theme: Theme) -> list[go.Scatter]:
     """A hollow mark where a curve gets to the lower edge."""
     on_edge = np.flatnonzero(points.y == scale.edge)[:1]
-    marker = steady_marker(
-        color=LOOK[theme].of(letter),
-        size=ZERO_PX,
-        symbol=f"{LOOK[theme].symbol(letter)}-open",
-        line={"width": 2},
-    )
-    still = {"hoverinfo": "skip", "showlegend": False, "cliponaxis": False}
+    marker = {
+        "color": LOOK[theme].of(letter),
+        "size": ZERO_PX,
+        "symbol": f"{LOOK[theme].symbol(letter)}-open",
+        "line": {"width": 2},
+    }
+    still = {"hoverinfo": "skip", "showlegend": False, "cliponaxis": False, "marker": marker}
     name = f"{letter.upper()} at the edge"
     return [
         go.Scatter(
-            x=points.x[on_edge], y=points.y[on_edge], mode="markers", name=name, **still, **marker
+            x=points.x[on_edge],
+            y=points.y[on_edge],
+            mode="markers",
+            name=name,
+            **still,
         )
         for _ in on_edge
     ]
@@ -153,7 +157,7 @@ def _in_use(points: Points, letter: str, theme: Theme, of: Kind) -> list[go.Scat
             name=f"{letter.upper()} as set",
             showlegend=False,
             cliponaxis=False,
-            **marker,
+            marker=marker,
         )
         for _ in points.x
     ]
@@ -173,14 +177,17 @@ def _published(
     for i, (name, point) in enumerate(others.items()):
         if not len(point.x):
             continue
-        marker = steady_marker(
-            color=LOOK[theme].ink, size=PUBLISHED_PX, symbol=symbols[i % len(symbols)], line=line
-        )
+        marker = {
+            "color": LOOK[theme].ink,
+            "size": PUBLISHED_PX,
+            "symbol": symbols[i % len(symbols)],
+            "line": line,
+        }
         at = point.placed(x_scale, y_scale)
         text = f"{plain(name)}, as published<br>{ON_AXES[of.x]} {float(point.x[0]):.3g}, "
         text += f"{ON_AXES[of.y]} {float(point.y[0]):.3g}"
         label = f"{plain(name)} (published)"
-        traces.append(marks(at.x, at.y, [text], name=label, showlegend=True, **marker))
+        traces.append(marks(at.x, at.y, [text], name=label, showlegend=True, marker=marker))
     return traces
 
 

@@ -163,8 +163,6 @@ def event_marks(
         name=f"{letter.upper()}, saliency events",
         legendgroup=letter,
     )
-    steady = {"marker": {"opacity": 1}}
-    bars.update(selected=steady, unselected=steady)
     text = [
         f"{letter.upper()} misses {objects.singular} {track} for {duration:.2f} s<br>"
         f"from {start:.2f} s: saliency {saliency:.2f} s (recency {recency:.2f})"

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.figures.marks import click_markers, marks, steady_marker
+from nvcore.figures.marks import click_markers, marks
 from nvcore.figures.style import (
     EDGE_PX,
     HIDDEN_AXIS,
@@ -220,12 +220,15 @@ def _marks(part: pd.DataFrame, kind: Category, plan: Plan, look: Look, one: str)
         customdata=part["shown_row"].to_numpy(),
         name=f"{WORDS[kind]}, by severity",
         showlegend=False,
-        **steady_marker(
-            color=colour,
-            symbol=symbol,
-            size=plan.size_px[kind] * [AREAS[name] for name in symbol],
-            line={"width": 1, "color": np.where(symbol == "circle-open", look.muted, look.surface)},
-        ),
+        marker={
+            "color": colour,
+            "symbol": symbol,
+            "size": plan.size_px[kind] * [AREAS[name] for name in symbol],
+            "line": {
+                "width": 1,
+                "color": np.where(symbol == "circle-open", look.muted, look.surface),
+            },
+        },
     )
 
 

@@ -9,7 +9,7 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
-from nvcore.figures.marks import marks, steady_marker, still_line, system_marker, with_gaps
+from nvcore.figures.marks import marks, still_line, system_marker, with_gaps
 from nvcore.figures.style import (
     CLEAR,
     LOOK,
@@ -190,7 +190,7 @@ def _last_chances(result: Result, part: pd.DataFrame, row: np.ndarray, theme: Th
         _texts(result, part, urgent_row, "last chance"),
         customdata=_places(part, urgent_row),
         name="last chance to stop",
-        **steady_marker(symbol="line-ns", size=0.55 * ROW_PX, color=ink, line=line),
+        marker={"symbol": "line-ns", "size": 0.55 * ROW_PX, "color": ink, "line": line},
     )
 
 
@@ -216,7 +216,7 @@ def _system_marks(
         customdata=_places(confirmed, frame_row),
         cliponaxis=False,
         name=f"{system_label(letter, system.name)} confirms",
-        **system_marker(letter, 11, theme),
+        marker=system_marker(letter, 11, theme),
     )
     urgent_row = never["urgent_row"].to_numpy()
     line: dict[str, Any] = {"width": 2, "color": look.of(letter)}
@@ -228,7 +228,7 @@ def _system_marks(
         cliponaxis=False,
         name=f"{letter.upper()} never",
         showlegend=False,
-        **steady_marker(symbol=look.symbol(letter), size=10, color=CLEAR, line=line),
+        marker={"symbol": look.symbol(letter), "size": 10, "color": CLEAR, "line": line},
     )
     return [sure, unsure]
 

@@ -9,7 +9,7 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
-from nvcore.figures.marks import marks, steady_marker, still_line
+from nvcore.figures.marks import marks, still_line
 from nvcore.figures.style import (
     CLEAR,
     LOOK,
@@ -106,7 +106,7 @@ def margins_plot(result: Result, urgent: pd.DataFrame, *, theme: Theme) -> go.Fi
                     customdata=places[is_in],
                     name=f"{WORDS[name]} ({counts[name]:,})",
                     cliponaxis=False,
-                    **_marker(name, theme),
+                    marker=_marker(name, theme),
                 )
             )
     figure = draw(
@@ -162,11 +162,11 @@ def _marker(name: str, theme: Theme) -> dict[str, Any]:
     if name in ("only_x", "only_y"):
         letter = name[-1]
         line = {"width": 1, "color": look.surface}
-        return steady_marker(color=look.of(letter), symbol=look.symbol(letter), size=12, line=line)
+        return {"color": look.of(letter), "symbol": look.symbol(letter), "size": 12, "line": line}
     if name == "both":
         line = {"width": 1.5, "color": look.muted}
-        return steady_marker(color=CLEAR, symbol="circle", size=9, line=line)
-    return steady_marker(color=look.ink, symbol="x", size=10, line={"width": 0})
+        return {"color": CLEAR, "symbol": "circle", "size": 9, "line": line}
+    return {"color": look.ink, "symbol": "x", "size": 10, "line": {"width": 0}}
 
 
 def _axis(

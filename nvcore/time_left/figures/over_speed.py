@@ -89,7 +89,7 @@ def over_speed_plot(
                 hovertemplate=HOVER,
                 cliponaxis=False,
                 name=system_label(letter, name),
-                **system_marker(letter, 6, theme),
+                marker=system_marker(letter, 6, theme),
             )
         )
     n = defined["urgent"].to_numpy()

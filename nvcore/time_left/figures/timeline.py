@@ -9,7 +9,7 @@ import pandas as pd
 import plotly.graph_objects as go
 
 from nvcore.comparison import Result
-from nvcore.figures.marks import click_markers, marks, steady_marker, still_line
+from nvcore.figures.marks import click_markers, marks, still_line
 from nvcore.figures.over_time.lanes import Lanes, Strip
 from nvcore.figures.over_time.similarity import decimate, evenly
 from nvcore.figures.style import LOOK, axis, faded
@@ -145,7 +145,7 @@ def last_chances(result: Result, encounters: np.ndarray, size: float, theme: The
         text,
         customdata=np.column_stack([row, urgent]),
         name="last chance to stop",
-        **steady_marker(symbol="line-ns", size=size, color=ink, line=line),
+        marker={"symbol": "line-ns", "size": size, "color": ink, "line": line},
     )
 
 

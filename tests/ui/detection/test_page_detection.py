@@ -200,22 +200,13 @@ def test_the_overview_uses_the_protocol_which_is_there_when_one_comes_back():
 @pytest.mark.parametrize(("clicked", "threshold"), [(0.7, 0.7), (None, 0.5)])
 def test_a_click_sets_the_threshold_where_there_is_a_score(clicked, threshold, monkeypatch):
     page = opened()
-    points = {"selection": {"points": [{"curve_number": 4, "customdata": ["x", clicked]}]}}
-    monkeypatch.setattr("ui.detection.curves.st.plotly_chart", lambda *_, **__: points)
-    monkeypatch.setattr("ui.widgets.charts.is_new_click", once := Once())
+    clicks = [["x", clicked]]
+    monkeypatch.setattr(
+        "ui.detection.curves.clicked_chart", lambda *_, **__: clicks.pop() if clicks else None
+    )
     checked(page.run())
-    assert once.is_asked
+    assert not clicks
     assert page.slider(key="threshold_x").value == threshold
-
-
-class Once:
-    """The first click is new, the same one on the next run is not."""
-
-    is_asked = False
-
-    def __call__(self, *_: object) -> bool:
-        is_new, self.is_asked = not self.is_asked, True
-        return is_new
 
 
 def test_windows_are_counted_or_given():

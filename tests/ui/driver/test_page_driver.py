@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import threading
 from pathlib import Path
@@ -23,7 +22,18 @@ from nvcore.driver.writing import WrittenEstimates
 from nvcore.errors import InputError
 from nvcore.inputs.session import Session, Source
 from nvcore.pictures.recordings import RecordingPictures
-from pages import FRAMES, TIMEOUT_S, alone, begin_with, checked, opened, tables, texts, write
+from pages import (
+    FRAMES,
+    TIMEOUT_S,
+    alone,
+    begin_with,
+    checked,
+    figures,
+    opened,
+    tables,
+    texts,
+    write,
+)
 from ui.driver import run
 from ui.driver.finished import with_estimates
 from ui.driver.run import lost_words
@@ -78,8 +88,8 @@ def test_regions_and_encounters_say_who_sees_whom(page):
 
 def test_what_another_threshold_would_change_is_folded_away(page):
     (fold,) = [item for item in page.expander if item.label == "Over the threshold"]
-    (plot,) = fold.get("plotly_chart")
-    assert "2 near encounters of which it is known" in plot.proto.spec
+    (plot,) = figures(fold)
+    assert "2 near encounters of which it is known" in str(plot)
 
 
 @pytest.fixture
@@ -491,8 +501,8 @@ def test_panel_plot_and_words_count_from_the_first_frame_whatever_its_number(tmp
     page = checked(page.slider(key="driver_tunnel_s").set_value(1.0).run())
     assert "dark from 1.00 s on" in texts(page)
     assert re.search(r"Since the change\s+eyes adapted", panel(page))
-    (plot,) = (item for item in page.get("plotly_chart") if "light" in item.proto.spec)
-    changes = json.loads(plot.proto.spec)["layout"]["shapes"]
+    (plot,) = (item for item in figures(page) if "light" in str(item))
+    changes = plot["layout"]["shapes"]
     assert [round(line["x0"], 6) for line in changes if line["line"]["dash"] == "dot"] == [1, 4]
 
 

@@ -91,13 +91,24 @@ def texts(page: AppTest) -> str:
 def tables(page: AppTest) -> list[pd.DataFrame]:
     """Rows and columns of the tables on the page, as the browser gets them; `attrs`: headings."""
     found = []
-    for item in page.get("bidi_component"):
-        data = json.loads(item.proto.json or "{}", parse_constant=_refuse)
-        if "nRows" in (data or {}):
-            table = pd.DataFrame(dict(zip(data["names"], data["values"], strict=True)))
-            table.attrs["labels"] = [column["label"] for column in data["columns"]]
-            found.append(table)
+    for data in _sent(page, "nRows"):
+        table = pd.DataFrame(dict(zip(data["names"], data["values"], strict=True)))
+        table.attrs["labels"] = [column["label"] for column in data["columns"]]
+        found.append(table)
     return found
+
+
+def figures(page: Any) -> list[dict[str, Any]]:
+    """Plotly's JSON of the figures on the page; `layout.meta`: the heading."""
+    drawn = [(data["meta"], json.loads(data["spec"])) for data in _sent(page, "spec")]
+    return [{**spec, "layout": {**spec["layout"], "meta": meta}} for meta, spec in drawn]
+
+
+def _sent(page: Any, name: str) -> list[dict[str, Any]]:
+    """The data of the components that have such an entry."""
+    texts = (item.proto.json or "{}" for item in page.get("bidi_component"))
+    every = (json.loads(text, parse_constant=_refuse) or {} for text in texts)
+    return [data for data in every if name in data]
 
 
 def _refuse(constant: str) -> None:

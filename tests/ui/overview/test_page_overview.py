@@ -14,7 +14,7 @@ from nvcore.errors import InputError
 from nvcore.evidence.table import evidence_table
 from nvcore.report.verdict import Verdict, verdict
 from nvcore.tables.moments import worst_moments
-from pages import checked, measures, opened, press, tables, texts, to_page
+from pages import checked, figures, measures, opened, press, tables, texts, to_page
 from ui.jobs import companions
 from ui.overview import evidence as evidence_page
 from ui.overview import moments, more, venn
@@ -252,8 +252,7 @@ def test_a_page_that_was_asked_for_is_opened(app: AppTest):
 
 def forest(app: AppTest) -> str:
     """The forest plot of subgroups, as sent to the browser; empty: none is drawn."""
-    plots = [plot.proto.spec for plot in app.get("plotly_chart")]
-    return "".join(spec for spec in plots if "X minus Y, by group" in spec)
+    return "".join(str(plot) for plot in figures(app) if "X minus Y, by group" in str(plot))
 
 
 def test_the_figure_that_groups_are_compared_in_can_be_chosen(app: AppTest):

@@ -6,7 +6,7 @@ import pytest
 from inputs import write
 from streamlit.testing.v1 import AppTest
 
-from pages import begin_with, checked, opened, session, texts
+from pages import begin_with, checked, figures, opened, session, texts
 from ui.jobs.background import JobState
 from ui.overview import more, plan
 
@@ -38,8 +38,7 @@ def test_unfolding_the_question_asks_it_and_the_verdict_then_says_how_many(app: 
     said = texts(app).replace("\\", "")
     assert "would show a difference as found here (-0.083 s per encounter) in 80 % of" in said
     assert "difference in the severity of missed pedestrians per encounter as large as here" in said
-    plots = [plot.proto.spec for plot in app.get("plotly_chart")]
-    assert any("How many recordings would show it" in spec for spec in plots)
+    assert any("How many recordings would show it" in str(plot) for plot in figures(app))
     checked(app.slider(key="alpha").set_value(0.5).run())  # another comparison: asked for anew
     assert "would show" not in texts(app)
     assert app.button(key=f"{plan.JOB}_start")

@@ -11,7 +11,7 @@ from streamlit.testing.v1 import AppTest
 
 from nvcore.findings import Cases, Finding, Severity
 from nvcore.pictures.recordings import RecordingPictures
-from pages import checked, opened, press, tables, texts, to_page
+from pages import checked, figures, opened, press, tables, texts, to_page
 from ui.session.chosen import CHOSEN
 from ui.shell.review import Review
 from ui.timeline import plots
@@ -96,7 +96,7 @@ def test_lanes_come_so_many_at_a_time_and_the_page_of_the_chosen_one(monkeypatch
 
 
 def lanes_layout(app):
-    layouts = [json.loads(chart.proto.spec)["layout"] for chart in app.get("plotly_chart")]
+    layouts = [figure["layout"] for figure in figures(app)]
     (layout,) = [layout for layout in layouts if "Who is missed when" in str(layout)]
     return layout
 

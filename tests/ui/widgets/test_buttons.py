@@ -10,7 +10,8 @@ from streamlit.testing.v1 import AppTest
 def page() -> None:
     import streamlit as st
 
-    from ui.widgets.buttons import button, forget_clicks, submit_button
+    from ui.widgets.buttons import button, submit_button
+    from ui.widgets.clicks import forget_clicks
 
     state = st.session_state
     if state.pop("is_ended", False):
@@ -66,6 +67,6 @@ def test_a_button_that_is_disabled_by_now_does_nothing_and_nothing_later():
 
 def test_of_two_clicks_the_last_counts():
     app = new_page()
-    app.session_state["clicked_button"] = "go1", "Go 1"  # its run was ended by the next click
+    app.session_state["clicked"] = "go1", "Go 1"  # its run was ended by the next click
     click(app, "go2")
     assert (app.session_state["n_go1"], app.session_state["n_go2"]) == (0, 1)

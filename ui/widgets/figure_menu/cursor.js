@@ -28,7 +28,7 @@ function drawCursor(plot) {
 }
 
 export function followTime() {
-  for (const plot of document.querySelectorAll(".stPlotlyChart .js-plotly-plot")) {
+  for (const plot of document.querySelectorAll(".js-plotly-plot")) {
     if (!plot._fullLayout?._size || !plot.on || !plot.layout?.meta?.[2]) continue;
     if (!timed.has(plot)) {
       timed.add(plot);

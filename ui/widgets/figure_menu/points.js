@@ -10,22 +10,8 @@ const INSIDE_PX = 4;
 const HOVER_MS = 80; // Plotly answers a movement of the mouse within so long
 const LOOK_MS = 20;
 const LOOKS = 10;
-const spots = new Map(); // by the figure's key, which outlives a plot, the point that is marked
+const spots = new WeakMap(); // the point that is marked
 const reachable = new WeakSet();
-let focused = null; // page and key of the figure that has the focus
-
-function keyOf(plot) {
-  const classes = plot.closest('[class*="st-key-"]')?.classList ?? [];
-  return [...classes].find((name) => name.startsWith("st-key-"));
-}
-
-function nameOf(plot) {
-  return `${window.location.pathname} ${keyOf(plot)}`;
-}
-
-function areClicked(plot) {
-  return Boolean(plot._fullLayout?.clickmode?.includes("select"));
-}
 
 function axesOf(plot, trace) {
   return [plot._fullLayout[axisKey(trace.xaxis, "x")], plot._fullLayout[axisKey(trace.yaxis, "y")]];
@@ -106,16 +92,13 @@ function target(points, current, key) {
 }
 
 function marked(plot, points) {
-  const spot = spots.get(keyOf(plot));
+  const spot = spots.get(plot);
   return points.find((point) => point.curve === spot?.curve && point.index === spot?.index);
 }
 
 function press(plot, { curve, index }) {
-  const trace = plot._fullData[curve];
-  plot.emit("plotly_selected", { isPress: true, points: [{
-    curveNumber: curve, pointNumber: index, pointIndex: index, data: trace, time: Date.now(),
-    x: trace.x[index], y: trace.y[index], customdata: trace.customdata[index],
-  }] });
+  const value = plot._fullData[curve].customdata[index];
+  plot.nvClick({ curve, value: value?.buffer ? [...value] : value });
 }
 
 function speaker() {
@@ -159,7 +142,7 @@ function wordsOf(plot, { curve, index }) {
 }
 
 function mark(plot, points, point) {
-  spots.set(keyOf(plot), point);
+  spots.set(plot, point);
   let ring = plot.querySelector(".nv-mark");
   if (!ring) {
     ring = document.createElement("div");
@@ -170,7 +153,7 @@ function mark(plot, points, point) {
   ring.style.top = `${point.y}px`;
   hover(plot, point);
   setTimeout(() => {
-    if (spots.get(keyOf(plot)) !== point || document.activeElement !== plot) return;
+    if (spots.get(plot) !== point || document.activeElement !== plot) return;
     speaker().textContent = `${wordsOf(plot, point)} (${points.length} points)`;
   }, HOVER_MS);
 }
@@ -194,24 +177,13 @@ function onKey(event) {
 
 function onFocus(event) {
   const plot = event.currentTarget;
-  focused = nameOf(plot);
   const points = pointsOf(plot);
   if (!points.length || !plot.matches(":focus-visible")) return;
   mark(plot, points, marked(plot, points) ?? target(points, null, ""));
 }
 
 function onBlur(event) {
-  const plot = event.currentTarget;
-  unhover(plot);
-  setTimeout(() => { // by then a plot that is drawn anew is gone: the focus is the new one's
-    if (plot.isConnected && focused === nameOf(plot) && document.activeElement !== plot) focused = null;
-  }, 0);
-}
-
-// A figure that is drawn anew is another element; who works it by keys goes on in that.
-function takeOver(plot) {
-  if (focused === null || document.activeElement !== document.body) return;
-  if (focused === nameOf(plot)) plot.focus({ preventScroll: true });
+  unhover(event.currentTarget);
 }
 
 // Presses what lies where the mouse was clicked. Plotly looks that up every now and then, not when the
@@ -227,14 +199,7 @@ function pressAt(plot, area, { clientX, clientY }, triesLeft = LOOKS) {
   if (point) press(plot, { curve: point.curveNumber, index: point.pointNumber });
 }
 
-// Streamlit hears of our presses alone, each a selection of its own. Plotly's would be what its last
-// look has found, and at the second click nothing.
-function renewClicks(plot) {
-  const emit = plot.emit;
-  plot.emit = (name, data) => {
-    const isOwn = name === "plotly_deselect" || (name === "plotly_selected" && !data?.isPress);
-    return isOwn ? undefined : emit(name, data);
-  };
+function hearClicks(plot) {
   let touch = null; // Plotly's click after a touch is at 0, 0
   plot.addEventListener("touchstart", (event) => {
     touch = event.changedTouches[0];
@@ -248,9 +213,9 @@ function renewClicks(plot) {
 }
 
 function makeReachable(plot) {
-  if (reachable.has(plot) || !areClicked(plot) || !plot.emit) return;
+  if (reachable.has(plot) || !plot.nvClick) return;
   reachable.add(plot);
-  renewClicks(plot);
+  hearClicks(plot);
   plot.addEventListener("keydown", onKey);
   plot.addEventListener("focus", onFocus);
   plot.addEventListener("blur", onBlur);
@@ -263,8 +228,8 @@ function makeReachable(plot) {
 
 function nameFor(plot) {
   const { title, subtitle } = headingOf(plot);
-  const name = [title, subtitle].filter(Boolean).map(asText).join(": ") || "Figure";
-  const isClicked = areClicked(plot);
+  const name = plot.nvAlt ?? ([title, subtitle].filter(Boolean).map(asText).join(": ") || "Figure");
+  const isClicked = Boolean(plot.nvClick);
   const keys = isClicked ? ". Arrow keys go from point to point, Enter does what a click does." : "";
   if (plot.getAttribute("aria-label") === name + keys) return;
   if (isClicked) plot.tabIndex = 0;
@@ -273,11 +238,9 @@ function nameFor(plot) {
 }
 
 export function reachPoints() {
-  if (!focused?.startsWith(`${window.location.pathname} `)) focused = null; // another page
-  for (const plot of document.querySelectorAll(".stPlotlyChart .js-plotly-plot")) {
+  for (const plot of document.querySelectorAll(".js-plotly-plot")) {
     if (!plot._fullLayout) continue;
     makeReachable(plot);
     nameFor(plot);
-    takeOver(plot);
   }
 }

@@ -6,6 +6,7 @@ clicked, Python is told the row and the column. Tables of measures are `ui.widge
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -21,7 +22,7 @@ from ui.widgets.script import read_script
 
 FOLDER: Final = Path(__file__).parent
 MOST_LINES: Final = 10
-INFINITE: Final = "∞"
+INFINITE: Final = {np.inf: "∞", -np.inf: "−∞"}
 _COMPONENT = st.components.v2.component(
     "nvcore_table",
     css=(FOLDER / "table.css").read_text(encoding="utf-8"),
@@ -102,9 +103,10 @@ def draw_table(
         Whether headings sort at all.
     """
     shown = {column: table[column] for column in columns}
+    listed = [_values(values) for values in shown.values()]
     version = 0  # of no use without clicks
     if on_click is not None or on_sort is not None:
-        version = int(pd.util.hash_pandas_object(table[[*columns]], index=False).sum() % 2**32)
+        version = zlib.crc32(repr(listed).encode())
     _COMPONENT(
         key=key,
         data={
@@ -122,7 +124,7 @@ def draw_table(
                 for of, column in columns.items()
             ],
             "names": [*columns],
-            "values": [_values(values) for values in shown.values()],
+            "values": listed,
             "clicks": clicks if on_click is not None else None,
             "selected": selected,
             "isSortable": is_sortable and len(table) > 1,
@@ -142,11 +144,8 @@ def own_headings(table: pd.DataFrame) -> dict[str, TableColumn]:
 
 def _values(values: pd.Series) -> list[Any]:
     """The values, which JSON can hold: None for NaN, a text for what is infinite."""
-    known = values.astype(object).where(values.notna(), None)
-    if is_float_dtype(values):
-        known = known.replace({np.inf: INFINITE, -np.inf: f"−{INFINITE}"})
-    listed: list[Any] = known.tolist()
-    return listed
+    known: list[Any] = values.astype(object).where(values.notna(), None).tolist()
+    return [INFINITE.get(value, value) for value in known] if is_float_dtype(values) else known
 
 
 def _tell(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from nvcore.driver.illumination import LightSource
 from nvcore.driver.illumination.clock import AdaptationClock
-from nvcore.figures.marks import marks, steady_marker, still_line
+from nvcore.figures.marks import marks, still_line
 from nvcore.figures.over_time.similarity import decimate
 from nvcore.figures.style import LOOK, axis, draw, empty_figure, faded, written
 from nvcore.objects import Objects
@@ -143,7 +143,7 @@ def _course(known: pd.DataFrame, theme: Theme) -> list[go.Scatter]:
                 customdata=frames["row"],
                 name=name,
                 showlegend=len(frames) > 0,
-                **steady_marker(color=look.ink, size=6, symbol=symbol),
+                marker={"color": look.ink, "size": 6, "symbol": symbol},
             )
             for frames, name, symbol in parts
         ),
@@ -176,7 +176,7 @@ def _outside(known: pd.DataFrame, theme: Theme) -> go.Scatter:
         hoverinfo="skip",
         name="estimated outside the range of the training",
         showlegend=len(times) > 0,
-        **steady_marker(symbol="line-ns", size=6, line=line),
+        marker={"symbol": "line-ns", "size": 6, "line": line},
     )
 
 
@@ -191,7 +191,7 @@ def _simulated(course: pd.DataFrame, simulated: pd.DataFrame, theme: Theme) -> l
             hover="simulated, %{x:.2f} s: %{y:.2f}<extra></extra>",
             customdata=course["row"][own],
             name="simulated",
-            **steady_marker(color=SIMULATED[scheme_of(theme).shade], size=6, symbol="diamond"),
+            marker={"color": SIMULATED[scheme_of(theme).shade], "size": 6, "symbol": "diamond"},
         )
     ]
 

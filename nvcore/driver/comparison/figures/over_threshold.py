@@ -7,7 +7,7 @@ from typing import Any, Final
 import pandas as pd
 import plotly.graph_objects as go
 
-from nvcore.figures.marks import HOVER, line_up, steady_marker, system_marker
+from nvcore.figures.marks import HOVER, line_up, system_marker
 from nvcore.figures.style import (
     LOOK,
     axis,
@@ -119,7 +119,7 @@ def _line(counts: pd.DataFrame, column: str, name: str, style: dict[str, Any]) -
 def _of_system(letter: str, theme: Theme) -> dict[str, Any]:
     look = LOOK[theme]
     line = {"width": 2.4, "color": look.of(letter), "dash": look.dash(letter)}
-    return {"line": line, **system_marker(letter, MARK_PX, theme)}
+    return {"line": line, "marker": system_marker(letter, MARK_PX, theme)}
 
 
 def _own(colour: str, dash: str, symbol: str, theme: Theme) -> dict[str, Any]:
@@ -127,5 +127,5 @@ def _own(colour: str, dash: str, symbol: str, theme: Theme) -> dict[str, Any]:
     look = LOOK[theme]
     shade = getattr(look, colour)
     rim = {"width": 1.6 if symbol.endswith("thin") else 1, "color": shade}
-    marker = steady_marker(color=shade, size=MARK_PX, symbol=symbol, line=rim)
-    return {"line": {"width": 1.8, "color": shade, "dash": dash}, **marker}
+    marker = {"color": shade, "size": MARK_PX, "symbol": symbol, "line": rim}
+    return {"line": {"width": 1.8, "color": shade, "dash": dash}, "marker": marker}

@@ -8,7 +8,7 @@ import plotly.graph_objects as go
 
 from nvcore.driver.comparison.judging import DriverVenn
 from nvcore.driver.comparison.kinds import DRIVER_REGION_TEXT, DriverRegion
-from nvcore.figures.marks import marks, steady_marker
+from nvcore.figures.marks import marks
 from nvcore.figures.style import HIDDEN_AXIS, LOOK, draw, empty_figure, faded, plain, written
 from nvcore.objects import Objects
 from nvcore.palette import Theme
@@ -58,7 +58,7 @@ def driver_venn_plot(
         [PLACES[region][1] for region in regions],
         texts,
         customdata=[region.value for region in regions],
-        **steady_marker(opacity=0, size=CLICK_PX, color="#000"),
+        marker={"opacity": 0, "size": CLICK_PX, "color": "#000"},
     )
     numbers = [
         written(f"<b>{count:,}</b>", size=17, color=look.ink, x=x, y=y)
