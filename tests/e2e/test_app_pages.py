@@ -226,6 +226,24 @@ def test_a_figure_is_taken_away_as_picture_drawing_and_data(overview, tmp_path):
     assert fir["rural_road"] == pytest.approx(0.943, abs=1e-3)
 
 
+def test_a_figure_fills_the_screen_and_comes_back(overview):
+    plot = overview.keyed("venn").locator(".js-plotly-plot")
+    fills = (
+        "plot => plot._fullLayout.height === innerHeight && plot._fullLayout.width === innerWidth"
+    )
+    before = plot.evaluate("plot => plot._fullLayout.height")
+    menu = overview.page.locator(".nv-take").filter(
+        has=overview.page.get_by_label("Take this figure away: Encounters detected")
+    )
+    menu.locator("summary").click()
+    menu.get_by_role("button", name="Full screen").click()
+    overview.page.wait_for_function(fills, arg=plot.element_handle())
+    overview.page.evaluate("document.exitFullscreen()")
+    overview.page.wait_for_function(
+        f"plot => plot._fullLayout.height === {before}", arg=plot.element_handle()
+    )
+
+
 # The page is as wide as the window, once the plots and letters are those that stay.
 FITS = """width => {
   const { clientWidth, scrollWidth } = document.querySelector("[data-testid=stMain]");

@@ -61,7 +61,7 @@ def draw_all(result: Result, recording: int) -> None:
         _draw_plot(result)
     with left:
         viewer.draw(result)
-    with right, st.container(height=PANEL_PX, border=False):
+    with right, st.container(height=PANEL_PX, border=False, key="frame_panel"):
         panel.draw(result, state.row_in_all())
     _draw_lanes(result)
 

@@ -21,13 +21,12 @@ IS_DRAWN = """() => document.querySelector('[data-testid="stApp"]')
   && !document.querySelector('[data-testid="stSkeleton"], [data-stale="true"]')"""
 
 
-# Streamlit hears of a click only once it has added its own listener, which is after the plot is
-# drawn, as ours, which makes it reachable by keys; and a plot is drawn a second time when the page
-# gives it another width.
+# A click is heard once the plot is reachable by keys, too; and a plot is drawn a second time when the
+# page gives it another width.
 LISTENS = """key => {
   const plot = document.querySelector(`.st-key-${key} .js-plotly-plot`);
   const layout = plot?._fullLayout;
-  return plot?._ev?._events?.plotly_selected && plot.tabIndex === 0 && layout?._size
+  return plot?.nvClick && plot.tabIndex === 0 && layout?._size
     && Math.abs(layout.width - plot.getBoundingClientRect().width) < 1;
 }"""
 

@@ -10,7 +10,7 @@ function loadPlotly(address) {
     script.src = address;
     script.onload = () => done(window.Plotly);
     script.onerror = () => {
-      plotly = null; // the next figure tries again
+      plotly = null; // the next change tries again
       failed(new Error(`${address} did not load`));
     };
     document.head.append(script);
@@ -43,6 +43,7 @@ class Chart {
     this.sizes = new ResizeObserver(() => {
       if (this.plot.clientWidth && this.plot.clientWidth !== this.drawn.width) this.ask();
     });
+    this.plot.addEventListener("fullscreenchange", () => this.ask());
     this.sizes.observe(this.plot);
   }
 
@@ -65,12 +66,15 @@ class Chart {
   }
 
   async draw() {
-    const library = await loadPlotly(this.data.plotly);
+    const library = await loadPlotly(this.data.plotly).catch(() => null);
     this.waiting = null;
+    if (!this.drawn.spec) this.plot.textContent = library ? "" : "The figure did not load. Reload the page.";
+    if (!library) return;
     const width = this.plot.clientWidth;
     if (!width || !this.plot.isConnected) return; // folded: its width will tell
     const { spec, config, meta, isClicked } = this.data;
     const figure = JSON.parse(spec);
+    if (document.fullscreenElement === this.plot) figure.layout.height = window.innerHeight;
     Object.assign(figure.layout, { meta, width, uirevision: revisionOf(figure) });
     if (isClicked) figure.layout.dragmode ??= "pan";
     this.drawn = { spec, width };

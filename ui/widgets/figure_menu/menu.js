@@ -1,10 +1,12 @@
-// Every figure of the page gets a menu: picture (PNG, twice the size), drawing (SVG), data (CSV).
+// Every figure of the page gets a menu: picture (PNG, twice the size), drawing (SVG), data (CSV),
+// and the whole screen.
 
 import { followTime } from "./cursor.js";
 import { asText, axisKey, headingOf } from "./figure.js";
 import { reachPoints } from "./points.js";
 
-const LABELS = [["png", "Picture (PNG)"], ["svg", "Drawing (SVG)"], ["csv", "Data as drawn (CSV)"]];
+const LABELS = [["png", "Picture (PNG)"], ["svg", "Drawing (SVG)"], ["csv", "Data as drawn (CSV)"],
+  ["full", "Full screen"]];
 const [LINE_PX, EDGE_PX, SCALE] = [20, 8, 2];
 const ICON = `<svg viewBox="0 0 24 24" width="16" height="16" aria-hidden="true">
 <path d="M12 4v11m-4.5-4.5L12 15l4.5-4.5M5 19.5h14" fill="none" stroke="currentColor"
@@ -210,6 +212,7 @@ function addMenu(heading) {
     button.addEventListener("click", () => {
       const shown = plotAfter(heading); // it may have been drawn anew
       if (format === "csv") saveData(shown);
+      else if (format === "full") shown.requestFullscreen();
       else savePicture(shown, format);
       menu.open = false;
       summary.focus();
