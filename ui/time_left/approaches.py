@@ -42,9 +42,9 @@ def draw(result: Result, urgent: pd.DataFrame) -> None:
         help=state.say(
             "Contact is where the time to contact at the last chance says; the picture need not "
             "show it. A filled mark is where a system has confirmed the {one}, an open one "
-            "right of contact says that it never does. Impact speeds follow from the time to contact as "
-            "measured then, so marks at one place can differ in them. Click a mark to open its frame in the "
-            "Timeline ({link}).",
+            "right of contact says that it never does. Impact speeds follow from the time to "
+            "contact as measured then, so marks at one place can differ in them. Click a mark to "
+            "open its frame in the Timeline ({link}).",
             link=docs_link("Confirmed in time", "confirmed-in-time"),
         ),
     )

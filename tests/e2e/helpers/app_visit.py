@@ -21,8 +21,8 @@ IS_DRAWN = """() => document.querySelector('[data-testid="stApp"]')
   && !document.querySelector('[data-testid="stSkeleton"], [data-stale="true"]')"""
 
 
-# A click is heard once the plot is reachable by keys, too; and a plot is drawn a second time when the
-# page gives it another width.
+# A click is heard once the plot is reachable by keys, too; and a plot is drawn a second time when
+# the page gives it another width.
 LISTENS = """key => {
   const plot = document.querySelector(`.st-key-${key} .js-plotly-plot`);
   const layout = plot?._fullLayout;
