@@ -21,6 +21,7 @@ from ui.data.pictures import ChosenPictures
 from ui.data.recordings import before
 from ui.data.recordings.before import TypedRecordings
 from ui.data.recordings_table import RecordingsTable
+from ui.session import store
 from ui.session.opening import (
     guess_pictures,
     recording_entry,
@@ -73,9 +74,9 @@ class Form:
 
     def _ask_for_names(self) -> None:
         """Ask once for names that the files do not tell; who opens again keeps the numbers."""
-        asked = f"asked_names_{self.place}"
-        if self.unnamed and st.session_state.get(asked) != self.unnamed:
-            st.session_state[asked] = self.unnamed
+        asked = store.ASKED_NAMES.of(self.place)
+        if self.unnamed and asked.get() != self.unnamed:
+            asked.set(self.unnamed)
             raise InputError(
                 f"The files' names do not tell what {listed(self.unnamed)} "
                 f"{'is' if len(self.unnamed) == 1 else 'are'}: type the names of the systems. "

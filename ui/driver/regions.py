@@ -11,12 +11,10 @@ from nvcore.driver.comparison.encounters import REGION_NAMES, driver_venn_table
 from nvcore.driver.comparison.figures.venn import driver_venn_plot
 from nvcore.driver.comparison.kinds import DriverRegion
 from nvcore.driver.comparison.steps import driver_in
-from ui.session import state
+from ui.session import state, store
 from ui.widgets.charts import clicked_chart
 from ui.widgets.table import TableColumn, draw_table
 
-REGION: Final = "driver_region"
-"""Key of the choice of a region; None: all."""
 USEFUL: Final = (DriverRegion.X, DriverRegion.Y)
 """Where one of the systems is worth most: their meaning is told unless another is chosen."""
 COLUMNS: Final = {
@@ -37,7 +35,7 @@ def draw(result: Result) -> DriverRegion | None:
         )
         clicked = clicked_chart(figure, "driver_venn")
     if clicked in [*DriverRegion]:
-        st.session_state[REGION] = DriverRegion(clicked)
+        store.DRIVER_REGION.set(DriverRegion(clicked))
     table = driver_venn_table(result)
     has_unknown = driver_in(result).venn.counts[DriverRegion.UNKNOWN] > 0
     table = table if has_unknown else table[table["region"] != DriverRegion.UNKNOWN]
@@ -49,7 +47,7 @@ def draw(result: Result) -> DriverRegion | None:
             index=None,
             format_func=REGION_NAMES.__getitem__,
             placeholder="any or none of them: all",
-            key=REGION,
+            key=store.DRIVER_REGION.key,
             persist_state="session",
         )
         told = USEFUL if chosen is None else (chosen,)

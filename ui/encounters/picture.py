@@ -9,10 +9,9 @@ import streamlit as st
 from nvcore.comparison import Result
 from nvcore.pictures import jpeg, picture_address
 from nvcore.tables.moments import encounter_box
-from ui.session import drawing, state
+from ui.session import drawing, state, store
 from ui.session.look import keep_look, look
 
-VISIBLE: Final = "encounters_visible"
 OF_VISIBLE: Final = ("visible", "blended")
 """Ways to see the pictures in which the cut-out is of visible light."""
 
@@ -37,12 +36,13 @@ def draw(result: Result, encounter: int, row: int) -> None:
         alt=state.say("The {one} with the boxes of truth, X and Y"),
     )
     if has_visible:
-        st.session_state[VISIBLE] = is_visible
-        st.toggle("Visible light", key=VISIBLE, on_change=_choose)
+        store.ENCOUNTER_IS_VISIBLE.set(is_visible)
+        st.toggle("Visible light", key=store.ENCOUNTER_IS_VISIBLE.key, on_change=_choose)
 
 
 def _choose() -> None:
-    keep_look(look()._replace(picture="visible" if st.session_state[VISIBLE] else "own"))
+    is_visible = store.ENCOUNTER_IS_VISIBLE.get()
+    keep_look(look()._replace(picture="visible" if is_visible else "own"))
 
 
 def _picture(result: Result, encounter: int, row: int, *, is_visible: bool) -> bytes:

@@ -6,7 +6,6 @@ from collections.abc import Callable, Hashable
 from typing import Any, Final
 
 import numpy as np
-import streamlit as st
 
 from nvcore.comparison import Result
 from nvcore.metrics.cost_map import CostMap, map_cost
@@ -16,7 +15,7 @@ from nvcore.pictures.base import PictureReader
 from nvcore.pictures.mapped import MappedPictures
 from nvcore.pictures.stretch import STRETCH
 from nvcore.stages import COST
-from ui.session import state
+from ui.session import state, store
 from ui.session.look import VisiblePictures
 from ui.subjects import contributed
 
@@ -100,7 +99,7 @@ def cut_out(picture: np.ndarray, xywh: np.ndarray) -> np.ndarray:
 
 def stretch() -> tuple[float, float]:
     """Percentiles of the display stretch."""
-    lo, hi = st.session_state.get("stretch", STRETCH)
+    lo, hi = store.STRETCH.get() or STRETCH
     lo = min(float(lo), 100 - LEAST_STRETCH)
     return lo, max(float(hi), lo + LEAST_STRETCH)
 

@@ -11,14 +11,13 @@ import numpy as np
 import streamlit as st
 
 from nvcore.pictures.base import Picture
-from ui.session import state
+from ui.session import state, store
 
 NAMES: Final = ("picture", "blend", "seen_s")
 """What an address says of it."""
 CHOICES: Final = ("own", "visible", "blended", "both")
 MOST_SECONDS: Final = 10.0
 """Longest time after a change of light that can be chosen."""
-KEY: Final = "look"
 CLOCK: Final = "clock"
 """In place of seconds: those since the recording's own change of light, frame by frame."""
 
@@ -100,16 +99,16 @@ OWN_PICTURES: Final = Look()
 
 def look() -> Look:
     """The look in this browser session: as chosen, else as the address says."""
-    if KEY not in st.session_state:
-        query = st.query_params.to_dict()
-        st.session_state[KEY] = from_address(query) or OWN_PICTURES
-    known: Look = st.session_state[KEY]
+    known = store.LOOK.get()
+    if known is None:
+        known = from_address(st.query_params.to_dict()) or OWN_PICTURES
+        store.LOOK.set(known)
     return known
 
 
 def keep_look(chosen: Look) -> None:
     """Use this look from now on, and put it into the page's address."""
-    st.session_state[KEY] = chosen
+    store.LOOK.set(chosen)
     state.write_address(to_address(chosen), NAMES)
 
 

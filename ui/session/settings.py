@@ -8,50 +8,42 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-import streamlit as st
+from ui.session import store
 
-_KEPT: Final = "settings"
-_MOVING: Final = "settings_moving"
-"""The setting whose slider is in motion, and the value that Streamlit has of it meanwhile."""
-_SHOWN: Final = "settings_shown"
-"""The values that the widgets of this run were given."""
-_LET_GO: Final = "settings_let_go"
-"""The settings whose widgets told of a change before this run."""
 _NONE: Final = object()
 
 
 def kept(name: str, otherwise: Any) -> Any:
     """Value of a setting; `otherwise` if the visitor has not set it."""
-    return st.session_state.get(_KEPT, {}).get(name, otherwise)
+    return store.SETTINGS.get().get(name, otherwise)
 
 
 def keep(**values: Any) -> None:
     """Set these settings."""
-    st.session_state[_KEPT] = {**st.session_state.get(_KEPT, {}), **values}
+    store.SETTINGS.set({**store.SETTINGS.get(), **values})
 
 
 def forget() -> None:
     """Drop all settings: those of the open session hold again."""
-    st.session_state.pop(_KEPT, None)
+    store.SETTINGS.pop()
 
 
 def begin_run() -> None:
     """Take over values that widgets changed since the last run; call once at the start of a run."""
-    st.session_state.pop(_LET_GO, None)
-    st.session_state[_SHOWN] = {}
+    store.SETTINGS_RELEASED.pop()
+    store.SETTINGS_SHOWN.set({})
 
 
 def shown() -> dict[str, Any]:
     """Values given to widgets so far in this run."""
-    values: dict[str, Any] = st.session_state.get(_SHOWN, {})
-    return values
+    return store.SETTINGS_SHOWN.get()
 
 
 def take(name: str) -> None:
     """Callback: store the new value of a widget."""
-    keep(**{name: st.session_state[name]})
-    st.session_state[_LET_GO] = {*st.session_state.get(_LET_GO, ()), name}
-    st.session_state.pop(_MOVING, None)
+    keep(**{name: store.widget(name).get()})
+    store.SETTINGS_RELEASED.set(store.SETTINGS_RELEASED.get() | {name})
+    store.SETTING_MOVING.pop()
 
 
 def drag(name: str, value: float) -> None:
@@ -59,17 +51,18 @@ def drag(name: str, value: float) -> None:
 
     Passed over where it was let go since: that is newer.
     """
-    if name not in st.session_state.get(_LET_GO, ()):
+    if name not in store.SETTINGS_RELEASED.get():
         keep(**{name: value})
-        st.session_state[_MOVING] = name, st.session_state.get(name)
+        store.SETTING_MOVING.set((name, store.widget(name).get()))
 
 
 def give(name: str, value: Any) -> None:
     """Set the value of a widget before it is drawn, unless it is up to date or being dragged."""
-    st.session_state[_SHOWN] = {**shown(), name: value}
-    own = st.session_state.get(name, _NONE)
-    if own != value and (name, own) != st.session_state.get(_MOVING):
-        st.session_state[name] = value
+    store.SETTINGS_SHOWN.set({**shown(), name: value})
+    slider = store.widget(name, _NONE)
+    own = slider.get()
+    if own != value and (name, own) != store.SETTING_MOVING.get():
+        slider.set(value)
 
 
 def key_of(name: str, value: Any) -> str:
@@ -78,12 +71,12 @@ def key_of(name: str, value: Any) -> str:
     A browser that has not heard of such a change sends what the widget had before, as if it had
     been chosen. So what others have changed is shown by another widget.
     """
-    memory = f"shown_{name}"
-    shown: dict[str, Any] = st.session_state.get(memory, {})
+    memory = store.WIDGETS_SHOWN.of(name)
+    shown = memory.get()
     key = next(reversed(shown), name)
-    if st.session_state.get(key, shown.get(key, value)) != value:
+    if store.widget(key, shown.get(key, value)).get() != value:
         key = f"{name}_{len(shown)}"
-    st.session_state[memory] = {**shown, key: value}
+    memory.set({**shown, key: value})
     return key
 
 
@@ -93,8 +86,8 @@ def is_chosen(name: str, key: str) -> bool:
     A browser sends the value of a widget that another has replaced until it has drawn that one, and
     Streamlit, which has forgotten the value, takes it for a change.
     """
-    memory, value = f"shown_{name}", st.session_state[key]
-    shown: dict[str, Any] = st.session_state[memory]
+    memory, value = store.WIDGETS_SHOWN.of(name), store.widget(key).get()
+    shown = memory.get()
     is_replaced = key != next(reversed(shown))
-    st.session_state[memory] = {**shown, key: value}
+    memory.set({**shown, key: value})
     return not (is_replaced and value == shown[key])

@@ -128,7 +128,7 @@ _workspaces: weakref.WeakValueDictionary[str, Workspace] = weakref.WeakValueDict
 
 
 class Workspace(Caching):
-    """Workspace of one browser session; lives in ``st.session_state`` and ends with it.
+    """Workspace of one browser session; lives in its store (`ui.session.store`) and ends with it.
 
     The frame, box and upload routes find it by its token, which only the session's own browser
     knows, and are for its owner alone.
@@ -169,7 +169,7 @@ class Workspace(Caching):
         In which they are read for the browser: whose take long keep no thread from other visitors.
     notes
         What a page remembers of its user, by a name of its own: outlasts `forget`, unlike the
-        values of `cached`, and a reload, unlike ``st.session_state``.
+        values of `cached`, and a reload, unlike the store.
     """
 
     def __init__(self) -> None:

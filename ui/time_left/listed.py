@@ -8,12 +8,10 @@ from typing import Final
 import pandas as pd
 import streamlit as st
 
-from ui.session import state
+from ui.session import state, store
 from ui.widgets.table import TableColumn, draw_table
 from ui.widgets.table_columns import MOST_ROWS, as_shown, columns_of, rows_told
 
-OPEN: Final = "time_left_open"
-"""Encounter and frame row that were clicked in the list."""
 TTC: Final = "ttc_s"
 COLUMNS: Final = (
     *("recording", "track", "urgent_frame", TTC),
@@ -23,8 +21,7 @@ COLUMNS: Final = (
 
 def take_opened() -> tuple[int, int] | None:
     """Encounter and frame row of the latest click in the list; None: there was none."""
-    opened: tuple[int, int] | None = st.session_state.pop(OPEN, None)
-    return opened
+    return store.URGENT_ENCOUNTER.pop()
 
 
 def draw(urgent: pd.DataFrame) -> None:
@@ -49,4 +46,4 @@ def draw(urgent: pd.DataFrame) -> None:
 
 
 def _ask(places: list[tuple[int, int]], row: int, _column: str) -> None:
-    st.session_state[OPEN] = places[row]
+    store.URGENT_ENCOUNTER.set(places[row])

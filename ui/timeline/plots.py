@@ -13,7 +13,7 @@ from nvcore.figures.over_time.lanes import lane_order, lanes_figure
 from nvcore.figures.over_time.losses import loss_plot
 from nvcore.figures.over_time.similarity import TimeLayout, similarity_plot
 from nvcore.stages import shown_results
-from ui.session import state
+from ui.session import state, store
 from ui.session.chosen import choose_encounter, chosen_encounter
 from ui.shell import title
 from ui.timeline import listed, panel, viewer
@@ -24,7 +24,6 @@ from ui.widgets.text import docs_link
 
 PANEL_PX: Final = 640
 """Height of what stands beside the picture; what is longer scrolls by itself."""
-FIRST: Final = "lanes_first"
 LANES: Final = 20
 """Lanes at a time: a screen full."""
 PLOTS: Final[dict[TimeLayout | Literal["losses"], str]] = {
@@ -103,12 +102,14 @@ def _draw_lanes(result: Result) -> None:
 def _first_lane(place: DeltaGenerator, order: np.ndarray, chosen: int | None) -> int:
     """Which lane is on top; where somebody else was chosen, the page with that lane comes."""
     if len(order) > LANES:
-        if chosen != st.session_state.get("lanes_seen") and chosen in order:
+        if chosen != store.LANE_SEEN.get() and chosen in order:
             lane = int(np.flatnonzero(order == chosen)[0])
-            st.session_state[FIRST] = lane - lane % LANES
-        st.session_state["lanes_seen"] = chosen
+            store.FIRST_LANE.set(lane - lane % LANES)
+        store.LANE_SEEN.set(chosen)
     with place:
-        return choose_first(state.say("{Many}, most severe first"), len(order), LANES, FIRST)
+        return choose_first(
+            state.say("{Many}, most severe first"), len(order), LANES, store.FIRST_LANE.key
+        )
 
 
 def _draw_plot(result: Result) -> None:

@@ -7,12 +7,12 @@ The last click is kept here until its button is drawn, or the page has been draw
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Any
 
 import streamlit as st
 from streamlit.delta_generator import DeltaGenerator
 
-_CLICKED: Final = "clicked_button"
+from ui.session import store
 
 
 def button(
@@ -40,16 +40,16 @@ def submit_button(
 
 def forget_clicks() -> None:
     """At the end of a page, also of one that failed: what was clicked is no longer there."""
-    st.session_state.pop(_CLICKED, None)
+    store.CLICKED_BUTTON.pop()
 
 
 def _keep(key: str, label: str) -> None:
-    st.session_state[_CLICKED] = key, label
+    store.CLICKED_BUTTON.set((key, label))
 
 
 def _take(key: str, label: str) -> bool:
     """Whether it is this that was clicked last, and said the same: it may be another's by now."""
-    if st.session_state.get(_CLICKED) != (key, label):
+    if store.CLICKED_BUTTON.get() != (key, label):
         return False
     forget_clicks()
     return True

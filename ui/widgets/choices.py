@@ -9,6 +9,7 @@ import pandas as pd
 import streamlit as st
 
 from nvcore.output.csv_text import to_csv_bytes
+from ui.session import store
 
 Option = TypeVar("Option")
 
@@ -37,8 +38,9 @@ def choose_first(label: str, n: int, most: int, key: str, **more: Any) -> int:
     pages = range(0, n, most)
     if len(pages) < 2:
         return 0
-    if st.session_state.get(key) not in pages:
-        st.session_state[key] = 0
+    chosen = store.widget(key)
+    if chosen.get() not in pages:
+        chosen.set(0)
     first: int = st.selectbox(
         label,
         pages,

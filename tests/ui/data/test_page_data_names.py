@@ -26,7 +26,7 @@ from nvcore.inputs.session import RecordingEntry, Session, Source, SystemSource
 from pages import alone, begin_with, checked, scripted, session, shown, texts
 from ui.data.recordings.edited import changes_in, filled, saved
 from ui.session import state
-from ui.session.chosen import CHOSEN
+from ui.session.store import ENCOUNTER
 
 BEFORE = pd.DataFrame(
     {
@@ -152,14 +152,14 @@ def test_a_recording_is_called_otherwise_without_reading_it_again(
 
 def test_a_rename_keeps_who_is_chosen_and_which_preset(edit: Edit):
     page = opened()
-    page.session_state[CHOSEN] = (1, "urban_crossing:2")
+    page.session_state[ENCOUNTER.key] = (1, "urban_crossing:2")
     page.session_state["encounters_recording_1"] = ["urban_crossing", "rural_child"]
     page.session_state["saliency_recording_1"] = "urban_crossing"
     page.session_state["protocol_recordings"] = ["urban_crossing"]
     page = checked(page.button_group(key="preset").set_value("Rural").run())
     page = edit.apply(page, name="Crossing")
     assert space_of(page).opened.dataset.recordings["name"][0] == "Crossing"
-    assert page.session_state[CHOSEN] == (1, "Crossing:2")
+    assert page.session_state[ENCOUNTER.key] == (1, "Crossing:2")
     assert page.session_state["encounters_recording_1"] == ["Crossing", "rural_child"]
     assert page.session_state["saliency_recording_1"] == "Crossing"
     assert page.session_state["protocol_recordings"] == ["Crossing"]

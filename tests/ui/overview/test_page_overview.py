@@ -188,7 +188,7 @@ def test_the_encounters_that_weigh_most_are_listed_and_open_by_a_click(
     )
     shown: list[int] = []
     monkeypatch.setattr(venn, "open_row", shown.append)
-    app.session_state[venn.OPEN] = 123
+    app.session_state["overview_open"] = 123
     checked(app.run())
     assert shown == [123]
 

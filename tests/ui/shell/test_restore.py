@@ -96,17 +96,17 @@ def test_a_workspace_is_not_shared_and_had_once_its_page_has_gone(
 ):
     app = page()
     assert claiming(app, used.token) is not used
-    assert not app.session_state[restore.SETTLED]
+    assert not app.session_state["tab_is_settled"]
     monkeypatch.setattr(state, "is_in_use", lambda _: False)
     assert claiming(app, used.token) is used
-    assert app.session_state[restore.SETTLED]
+    assert app.session_state["tab_is_settled"]
 
 
 def test_a_workspace_that_stays_in_use_is_given_up(used: Workspace):
     app = page()
     for n_claims in range(1, restore.MOST_CLAIMS + 1):
         assert claiming(app, used.token) is not used
-        assert app.session_state[restore.SETTLED] is (n_claims == restore.MOST_CLAIMS)
+        assert app.session_state["tab_is_settled"] is (n_claims == restore.MOST_CLAIMS)
 
 
 def test_who_has_opened_something_meanwhile_keeps_it(used: Workspace):
@@ -114,7 +114,7 @@ def test_who_has_opened_something_meanwhile_keeps_it(used: Workspace):
     own = app.session_state["workspace"]
     own.n_opened += 1
     assert claiming(app, used.token) is own
-    assert app.session_state[restore.SETTLED]
+    assert app.session_state["tab_is_settled"]
 
 
 class Gate:

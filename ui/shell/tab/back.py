@@ -12,7 +12,7 @@ from typing import Final
 import streamlit as st
 from streamlit.runtime.scriptrunner import get_script_run_ctx
 
-from ui.session import state
+from ui.session import state, store
 from ui.session.address import read_place
 from ui.shell.pages import START
 from ui.widgets.script import read_script
@@ -35,7 +35,8 @@ def follow() -> None:
     context = get_script_run_ctx(suppress_warning=True)
     if context is None or not context.is_history_navigation:
         return
-    query = st.session_state["page_link"] = st.query_params.to_dict()
+    query = st.query_params.to_dict()
+    store.PAGE_LINK.set(query)
     names = state.recording_names()
     if query.get("recording") in names:
         numbers = state.frame_numbers
@@ -48,5 +49,4 @@ def page_link() -> dict[str, str] | None:
 
     Returned once: what a person chooses on the page afterwards holds.
     """
-    link: dict[str, str] | None = st.session_state.pop("page_link", None)
-    return link
+    return store.PAGE_LINK.pop()

@@ -13,15 +13,12 @@ from typing import Final
 
 import streamlit as st
 
-from ui.session import state
+from ui.session import state, store
 from ui.widgets.script import read_script
 
 FOLDER: Final = Path(__file__).parent
 KEY: Final = "tab"
 _COMPONENT = st.components.v2.component("nvcore_tab", js=read_script(FOLDER / "restore.js"))
-SETTLED: Final = "tab_is_settled"
-"""Whether it is known what the tab has open: nothing is claimed any more."""
-_CLAIMS: Final = "tab_claims"
 MOST_CLAIMS: Final = 7
 """The last one comes after a minute: by then the server has noticed a connection that broke off."""
 
@@ -34,18 +31,19 @@ def draw() -> None:
         height=1,
         data={
             "token": state.workspace().token,
-            "is_settled": st.session_state.get(SETTLED, False),
+            "is_settled": store.TAB_IS_SETTLED.get(),
         },
     )
 
 
 def _claim() -> None:
-    claim(st.session_state[KEY].claim)
+    claim(store.sent(KEY, "claim"))
 
 
 def claim(token: object) -> None:
     """Go on with the workspace of that token; where another page has it, later claims try again."""
-    n_claims = st.session_state[_CLAIMS] = st.session_state.get(_CLAIMS, 0) + 1
-    st.session_state[SETTLED] = (
+    n_claims = store.TAB_CLAIMS.get() + 1
+    store.TAB_CLAIMS.set(n_claims)
+    store.TAB_IS_SETTLED.set(
         not isinstance(token, str) or state.restore(token) or n_claims >= MOST_CLAIMS
     )
