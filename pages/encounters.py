@@ -12,7 +12,6 @@ from ui.encounters.order import Order
 from ui.session import state, store
 from ui.session.chosen import choose_named, encounter_of, name_of
 from ui.shell.messages import draw_operating_point, draw_warnings, needs_comparison
-from ui.shell.tab import back
 from ui.widgets.text import docs_link, plain
 
 
@@ -48,7 +47,7 @@ def draw_filtered(result: Result) -> None:
 
 def follow_link(result: Result, classes: Sequence[str]) -> None:
     """Take filters, order and selection from the address that led here, or from another page."""
-    link = back.page_link()
+    link = store.PAGE_LINK.pop()  # once: what is chosen on the page afterwards holds
     if link is None:
         return
     choice, wrong = address.from_address(

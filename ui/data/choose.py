@@ -10,13 +10,13 @@ import streamlit as st
 
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.session import Session
+from ui.access.files import LocalRoot, local_root
 from ui.data import local, upload
 from ui.data.form import forget_outcome
 from ui.data.inputs import sent_pictures
 from ui.data.missing_inputs import MissingInputs, ask_for_missing
 from ui.data.opening import WAYS, draw_trouble, has_trouble, try_to_open
 from ui.session import state, store
-from ui.session.local_files import LocalRoot, local_root
 from ui.session.opening import uploaded_session
 from ui.session.uploads import SentFile, new_upload, store_annotations
 from ui.session.workspace import PICTURES

@@ -112,7 +112,7 @@ def _choose_primary() -> None:
     """Another measure was chosen; the session knows whether a verdict on the data was shown."""
     session, fingerprint = state.opened().session, state.opened().dataset.fingerprint
     primary = session.primary.of_data(fingerprint)
-    if state.has_shown_verdict():
+    if store.SHOWN_VERDICT.get() == fingerprint:
         primary = replace(primary, fingerprint=fingerprint)
     chosen = choose_primary(primary, store.CHOICE.of("primary").get())
     state.compare_as(replace(session, primary=chosen))

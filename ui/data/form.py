@@ -14,9 +14,9 @@ from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.wording import listed
 from ui.data.file_check import FileCheck, unusable
 from ui.data.frames import FrameList
-from ui.data.missing_inputs import MissingInputs, ask_for_missing, forget_missing
+from ui.data.missing_inputs import MissingInputs, ask_for_missing
 from ui.data.names import with_recording_name
-from ui.data.opening import draw_trouble, forget_trouble
+from ui.data.opening import draw_trouble
 from ui.data.pictures import ChosenPictures
 from ui.data.recordings import before
 from ui.data.recordings.before import TypedRecordings
@@ -32,8 +32,8 @@ from ui.session.opening import (
 
 def forget_outcome(place: str) -> None:
     """To be called when a choice in this part of the page has changed."""
-    forget_trouble(place)
-    forget_missing(place)
+    store.TROUBLES.of(place).pop()
+    store.ASKED_FACTS.of(place).pop()
 
 
 @dataclass(frozen=True)

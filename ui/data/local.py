@@ -14,6 +14,7 @@ from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session, Source, SystemSource
 from nvcore.objects import Objects
 from nvcore.wording import count_text
+from ui.access.files import Entry, LocalRoot, check_confined
 from ui.confined.reading import find_confined, session_confined, with_recordings_confined
 from ui.data.file_check import FileCheck, check_files, draw_file_check
 from ui.data.form import Form, finish_form, forget_outcome
@@ -31,8 +32,6 @@ from ui.data.recordings_table import (
     draw_recordings,
 )
 from ui.session import store
-from ui.session.local_files import Entry, LocalRoot
-from ui.session.opening import check_confined
 from ui.shell.messages import error_text
 from ui.widgets.buttons import button
 from ui.widgets.text import plain

@@ -20,7 +20,7 @@ from nvcore.inputs.readers.base import Role
 from nvcore.inputs.session import Session
 from nvcore.settings import MAX_FPS, MIN_FPS
 from nvcore.wording import capitalised
-from ui.data.opening import MISSING_WORDS, trouble_of
+from ui.data.opening import MISSING_WORDS
 from ui.session import state, store
 from ui.session.opening import checked_frames
 from ui.widgets.text import plain
@@ -98,7 +98,7 @@ def ask_for_missing(
     Size and frame rate of the pictures are proposed, else the `sizes` that boxes point to by
     recording, else those that are usual for the format of the ground truth.
     """
-    trouble = trouble_of(place)
+    trouble = store.TROUBLES.of(place).get()
     lacking = store.ASKED_FACTS.of(place)
     lacking.set(lacking.get().union(() if trouble is None else trouble.facts))
     asked = lacking.get() | set(unknown)
@@ -207,11 +207,6 @@ def _draw_rate(place: str, of_pictures: float | None, usual: UsualInputs | None)
             "another one. Times, lead times and rates per minute depend on it."
         )
     return None if rate is None else float(rate)
-
-
-def forget_missing(place: str) -> None:
-    """Ask for nothing until files turn out to be incomplete again."""
-    store.ASKED_FACTS.of(place).pop()
 
 
 def draw_reading(role: Role, key: str, changed: Callable[[], None]) -> dict[str, Any]:

@@ -76,19 +76,9 @@ def new_place(draw: Callable[[], None]) -> DeltaGenerator:
     return st.empty().container() if is_other else st.container()
 
 
-def trouble_of(place: str) -> Trouble | None:
-    """What went wrong in this part of the page; None: nothing."""
-    return store.TROUBLES.of(place).get()
-
-
 def has_trouble() -> bool:
     """Whether something could not be opened, and the choice that made trouble is as it was."""
     return any(known != store.TROUBLES.of(SESSION) for known in store.TROUBLES.known())
-
-
-def forget_trouble(place: str) -> None:
-    """To be called when the choice that made trouble has changed."""
-    store.TROUBLES.of(place).pop()
 
 
 def _opened() -> tuple[str, str] | None:
@@ -150,7 +140,7 @@ def draw_trouble(place: str) -> None:
             f"Changed, and opened again: {plain(label)}. What to mind stands above.",
             icon=":material/check_circle:",
         )
-    trouble = trouble_of(place)
+    trouble = store.TROUBLES.of(place).get()
     if trouble is not None:
         is_question = bool(trouble.facts)
         icon = ":material/help:" if is_question else ":material/error:"

@@ -17,12 +17,12 @@ from nvcore.errors import NvcoreError
 from nvcore.inputs.session import Session
 from nvcore.progress import Progress
 from nvcore.wording import MOST_NAMED, listed, minus
+from ui.access.files import safe_name
 from ui.detectors.confined import DetectorSpec
 from ui.detectors.trial import Levels
 from ui.jobs.runs import FolderJob, is_uploaded, open_written
 from ui.session import state, store
 from ui.session.opening import live_session, relative_path
-from ui.session.uploads import safe_name
 from ui.session.workspace import Workspace
 from ui.shell.messages import shown_error
 from ui.shell.navigate import ask_for_page

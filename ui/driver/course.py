@@ -24,10 +24,9 @@ from ui.driver.known import (
 )
 from ui.session import state, store
 from ui.session.chosen import chosen_encounter, name_of
-from ui.session.drawing import visible_of
-from ui.session.look import Look, VisiblePictures, look
 from ui.widgets import compared_viewer
 from ui.widgets.charts import clicked_chart
+from ui.widgets.drawing import Look, VisiblePictures, look, visible_of
 from ui.widgets.text import docs_link, plain
 
 KEY: Final = "driver_viewer"
@@ -52,7 +51,7 @@ def draw(result: Result, encounter: int) -> None:
     store.DRIVER_SHOWN.set((name, chosen_encounter(result)))
     recording = int(result.encounters.recording[encounter])
     if is_new:
-        tunnel.forget()
+        store.TUNNEL.set(False)
     is_there = state.recording() == recording and not (
         is_new and state.row_in_all() not in course["row"].to_numpy()
     )

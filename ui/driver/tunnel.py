@@ -27,11 +27,6 @@ class Change(NamedTuple):
     estimates: pd.DataFrame
 
 
-def forget() -> None:
-    """End the simulation: somebody else is shown."""
-    store.TUNNEL.set(False)
-
-
 def draw(
     result: Result, course: pd.DataFrame, features: pd.DataFrame | None, *, is_estimated: bool
 ) -> Change | None:

@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 import streamlit as st
+from streamlit.delta_generator import DeltaGenerator
 
 from nvcore.comparison import Result
 from nvcore.metrics.encounter_classes import shown_class
@@ -330,7 +331,7 @@ def _choose(known: EncounterFilter, choices: Sequence[str]) -> Sequence[str]:
     return chosen
 
 
-def _least_severity(place: st.delta_generator.DeltaGenerator, encounters: pd.DataFrame) -> float:
+def _least_severity(place: DeltaGenerator, encounters: pd.DataFrame) -> float:
     """A slider from 0, which lists all encounters, to the largest severity."""
     largest = np.nanmax(
         encounters[["severity_s_x", "severity_s_y"]].to_numpy(dtype=float), initial=0.0
@@ -359,7 +360,7 @@ def _least_severity(place: st.delta_generator.DeltaGenerator, encounters: pd.Dat
 
 
 def _range(
-    place: st.delta_generator.DeltaGenerator,
+    place: DeltaGenerator,
     label: str,
     name: str,
     values: np.ndarray,

@@ -23,10 +23,11 @@ from nvcore.report.html.settings_sections import AT_ONCE
 from ui.export.session import public_findings, with_public_names
 from ui.jobs.background import FileJob, JobState, new_path, while_open
 from ui.jobs.progress import draw_file, draw_job, start_as_made
-from ui.session import drawing, state, store
-from ui.session.results.findings import input_findings
+from ui.session import state, store
+from ui.session.results import input_findings
 from ui.session.workspace import Workspace
 from ui.shell.messages import path_remover
+from ui.widgets import drawing
 from ui.widgets.buttons import button
 from ui.widgets.text import plain
 

@@ -15,8 +15,9 @@ from nvcore.comparison import Result
 from nvcore.pictures import jpeg, picture_address
 from nvcore.tables.moments import encounter_box, worst_moments
 from nvcore.tables.windows import windows_table, worst_windows_text
-from ui.session import drawing, state, store
+from ui.session import state, store
 from ui.shell.navigate import open_row
+from ui.widgets import drawing
 from ui.widgets.buttons import button
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.table import TableColumn, draw_table

@@ -26,7 +26,7 @@ from nvcore.sentences.facts import Fact
 from nvcore.wording import capitalised, count_text
 from ui.jobs.computed import Computation
 from ui.session import state, store
-from ui.session.results.evidence import comparison_key
+from ui.session.results import comparison_key
 from ui.widgets.charts import draw_chart
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import docs_link, plain

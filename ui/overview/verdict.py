@@ -66,7 +66,7 @@ class Room:
         reasons = " ".join([conclusion.reason, lead_text(result), other_leads_text(result)])
         words = plain(conclusion.in_short), plain(reasons)
         self._words().markdown("## {}\n\n{}".format(*words))
-        state.note_shown_verdict()
+        store.SHOWN_VERDICT.set(state.opened().dataset.fingerprint)
         store.LAST_VERDICT.set(self._opening())
         four = tiles(result, evidence, companions, is_being_tested=True)
         self._tiles().html(tiles_html(four, self._result.objects))

@@ -10,10 +10,9 @@ from nvcore.comparison import Result
 from nvcore.errors import InputError
 from nvcore.ratings.store import CONSENT, Study
 from nvcore.wording import count_text
-from ui.people.addresses import draw_addresses
 from ui.people.one_participant import draw_one_participant
 from ui.people.studies import CONDUCT, enter
-from ui.people.terms import ask_consent, ask_days
+from ui.people.terms import ask_consent, ask_days, draw_addresses
 from ui.ratings.participant import ENDS
 from ui.ratings.sessions import SESSIONS, shown_thresholds
 from ui.session import state

@@ -16,10 +16,10 @@ from ui.people.studies import PARTICIPANT, STUDY, enter
 from ui.people.terms import draw_consent
 from ui.ratings.sessions import SESSIONS, set_thresholds, thresholds_apart
 from ui.session import state
-from ui.session.drawing import viewer_arguments
 from ui.session.store import RATING_CHANGES, RATING_NAME, RATING_THRESHOLDS, RATING_WAITING
 from ui.shell.navigate import open_page
 from ui.widgets.buttons import button, submit_button
+from ui.widgets.drawing import viewer_arguments
 from ui.widgets.text import plain
 from ui.widgets.viewer import n_plays_in, viewer
 

@@ -1,16 +1,81 @@
-"""The settings a visitor has made, kept independently of the widgets that show them.
+"""What a run begins with: what is open, its frame and the settings that a visitor has made.
 
-Streamlit forgets the value of a widget that a run does not draw, as one that a click on the page
-cuts off for another page. So a widget only tells of a change, and is given its value anew.
+Settings are kept independently of the widgets that show them. Streamlit forgets the value of a
+widget that a run does not draw, as one that a click on the page cuts off for another page. So a
+widget only tells of a change, and is given its value anew.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Final
 
-from ui.session import store
+import streamlit as st
+
+from ui.session import address, state, store
+from ui.session.opening import with_systems
 
 _NONE: Final = object()
+
+
+def begin_run() -> None:
+    """Prepare the state for a run; call before any widget is drawn.
+
+    Any run may be cut off by the next one, even while something is being opened. So whatever
+    belongs to the open comparison is renewed here, when its number has changed.
+    """
+    store.FIRST_QUERY.setdefault(st.query_params.to_dict())
+    space = state.workspace()
+    seen_opening = store.SEEN_OPENING.get()
+    if seen_opening != space.n_opened:
+        _forget()
+        if seen_opening is not None:  # the first one may be opened by a link
+            store.PLACE.set((0, 0))
+        store.SEEN_OPENING.set(space.n_opened)
+    elif store.WANTS_RESET.pop():
+        _forget()
+    if not store.PLACE.is_set:
+        _follow_link()
+    keep(**store.NEW_PARAMS.pop())
+    store.SETTINGS_RELEASED.pop()
+    store.SETTINGS_SHOWN.set({})
+
+
+def _follow_link() -> None:
+    """Take systems, recording and frame from the address with which the session was opened."""
+    get = st.query_params.get
+    session, dataset = state.opened().session, state.opened().dataset
+    pair, wrong_systems = address.read_systems(get("x"), get("y"), dataset.systems)
+    if pair is not None and pair != state.systems():
+        x, y = pair
+        state.compare_as(with_systems(session, dataset, state.params(), x=x, y=y)[0])
+    session, every = state.opened().session, state.opened().whole.recordings
+    listed = every[every["name"].isin(session.only)] if session.only else every
+    tags, wrong_tags = address.read_tags(get("tags"), listed["tags"])
+    if tags is not None and tags != session.only_tags:
+        state.compare_as(replace(session, only_tags=tags))
+    point, wrong_point = address.read_point(get("point"))
+    if point is not None:
+        state.set_operating_point(point)
+    names, numbers = state.recording_names(), state.frame_numbers
+    place, wrong = address.read_place(get("recording"), get("frame"), names, numbers)
+    query = st.query_params.to_dict()
+    store.PAGE_LINK.set(query)
+    values, impossible = address.read_parameters(query)
+    for letter, name in zip("xy", state.systems(), strict=True):
+        span = None if name is None else state.score_span(name)
+        if span is not None and values.get(f"threshold_{letter}", span) is None:
+            values[f"threshold_{letter}"] = span[0]  # the slider's left end: every detection counts
+    store.NEW_PARAMS.set(dict(values))
+    wrong += wrong_systems + wrong_tags + wrong_point + impossible
+    store.PLACE.set(place)
+    store.BAD_LINK.set("; ".join(wrong))
+
+
+def _forget() -> None:
+    """Drop all settings: those of the open session hold again."""
+    store.PARAMS.pop()
+    store.SETTINGS.pop()
 
 
 def kept(name: str, otherwise: Any) -> Any:
@@ -21,17 +86,6 @@ def kept(name: str, otherwise: Any) -> Any:
 def keep(**values: Any) -> None:
     """Set these settings."""
     store.SETTINGS.set({**store.SETTINGS.get(), **values})
-
-
-def forget() -> None:
-    """Drop all settings: those of the open session hold again."""
-    store.SETTINGS.pop()
-
-
-def begin_run() -> None:
-    """Take over values that widgets changed since the last run; call once at the start of a run."""
-    store.SETTINGS_RELEASED.pop()
-    store.SETTINGS_SHOWN.set({})
 
 
 def shown() -> dict[str, Any]:

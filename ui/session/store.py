@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import streamlit as st
 
-from ui.session.cache import Caching
+from ui.session.workspace import Caching
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from ui.data.opening import Trouble
     from ui.data.upload import StoredForm
     from ui.detectors.trial import Levels
-    from ui.session.look import Look
     from ui.session.workspace import Workspace
     from ui.shell.operating_point import Move
     from ui.shell.review import ListKey, Review
+    from ui.widgets.drawing import Look
 
 T = TypeVar("T")
 

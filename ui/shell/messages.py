@@ -17,9 +17,10 @@ from nvcore.findings import Severity
 from nvcore.report.html.words import SHORT_ENCOUNTERS
 from nvcore.sentences.caveats import caveats
 from nvcore.settings import OperatingPoint
-from ui.session import local_files, state, store
+from ui.access import files
+from ui.session import state, store
 from ui.session.opening import public_text
-from ui.session.results.findings import input_findings
+from ui.session.results import input_findings
 from ui.settings.start import start_file
 from ui.shell.navigate import open_page
 from ui.shell.remedies import ways_text
@@ -137,7 +138,7 @@ def shown_error(error: BaseException) -> str:
 def shown_root() -> Path | None:
     """The folder that visitors may look into; None: there is none, or it is not there."""
     try:
-        root = local_files.local_root()
+        root = files.local_root()
     except NvcoreError:  # reported where files are chosen
         return None
     return None if root is None else root.folder

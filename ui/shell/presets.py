@@ -91,11 +91,6 @@ def reset(name: str, value: Any) -> None:
         state.set_params(**{name: _resolved(name, value)})
 
 
-def forget() -> None:
-    """Compare with what was opened again. For callbacks."""
-    store.PRESET.pop()
-
-
 def _live() -> dict[str, Any]:
     params = state.params()
     return {name: getattr(params, name) for name in SETTINGS}

@@ -7,13 +7,17 @@ from typing import Any, Final
 
 import streamlit as st
 
+from nvcore.errors import ParameterError
+from nvcore.figures.cost_map import cost_plot
 from nvcore.figures.inputs import proximity_plot
 from nvcore.params import SETTINGS, settings_for
 from nvcore.params.traffic import count_contexts
 from nvcore.stages import MATCH, PROXIMITY, THRESHOLD, Setting, Stage
+from nvcore.wording import capitalised
 from ui.session import settings, state, store
-from ui.shell import cost_map, live_params, operating_point, presets, recordings_filter
+from ui.shell import live_params, operating_point, presets, recordings_filter
 from ui.widgets.charts import draw_chart
+from ui.widgets.drawing import cost_map_of
 from ui.widgets.text import plain
 
 SLIDER_OF_HEIGHT: Final = {"midpoint": (0.0, 0.5, 0.1), "spread": (1.0, 0.15, 0.1)}
@@ -83,8 +87,8 @@ def _own_settings() -> None:
 
 
 def _reset() -> None:
-    presets.forget()
-    state.reset_params()
+    store.PRESET.pop()  # compare with what was opened again
+    store.WANTS_RESET.set(True)
 
 
 def _label(name: str) -> str:
@@ -131,7 +135,7 @@ def _proximity() -> None:
             _widget(name)
     if kind != "none":
         _proximity_plot()
-    cost_map.draw()
+    _cost_map()
 
 
 def _horizon() -> None:
@@ -299,3 +303,26 @@ def _number_slider(
         **_quietness(setting, help_text),
         **more,
     )
+
+
+def _cost_map() -> None:
+    """What missing a pedestrian would cost over the picture of the current recording."""
+    place = st.expander("What a miss costs, by place", key="cost_map", on_change="rerun")
+    if not place.open:  # folded, it costs neither server nor browser time
+        return
+    recording = state.recording()
+    try:
+        cost = cost_map_of(recording)
+    except ParameterError:  # the sidebar says it below
+        return
+    with place:
+        draw_chart(
+            cost_plot(cost, theme=state.theme(), objects=state.opened().dataset.objects),
+            "cost_plot",
+            help=state.say(
+                "k × border of {a_one} with the {feet} there, 0 to 1, in {where}. {cost}. "
+                "Over the picture: Timeline, key c.",
+                where=plain(state.recording_names()[recording]),
+                cost=plain(capitalised(state.say(cost.text))),
+            ),
+        )

@@ -28,7 +28,7 @@ from ui.jobs.background import BackgroundJob
 from ui.jobs.computed import Computation
 from ui.jobs.progress import start_as_made
 from ui.session import state, store
-from ui.session.results.evidence import measure_evidence
+from ui.session.results import measure_evidence
 from ui.widgets.charts import clicked_chart
 from ui.widgets.choices import choose_side_by_side
 from ui.widgets.text import plain

@@ -8,7 +8,7 @@ from nvcore.comparison import Result
 from nvcore.time_left.by_class import CLASS_HEAD, IMPACT_MEANING, time_left_by_class
 from nvcore.wording import Footnotes, capitalised
 from ui.session import state
-from ui.session.results.evidence import comparison_key
+from ui.session.results import comparison_key
 from ui.widgets.html import MeasureRow, measures_html
 from ui.widgets.text import docs_link, plain
 

@@ -24,7 +24,7 @@ from nvcore.time_left.settings import TIME_LEFT
 from nvcore.time_left.steps import time_left_in
 from nvcore.wording import Footnotes, capitalised, difference, interval_text, minus, number
 from ui.session import state
-from ui.session.results.evidence import comparison_key
+from ui.session.results import comparison_key
 from ui.widgets.html import MeasureRow, measures_html, score_row
 from ui.widgets.text import UNDEFINED, docs_link, plain
 

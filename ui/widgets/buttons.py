@@ -38,11 +38,6 @@ def submit_button(
     return _take(key, label)
 
 
-def forget_clicks() -> None:
-    """At the end of a page, also of one that failed: what was clicked is no longer there."""
-    store.CLICKED_BUTTON.pop()
-
-
 def _keep(key: str, label: str) -> None:
     store.CLICKED_BUTTON.set((key, label))
 
@@ -51,5 +46,5 @@ def _take(key: str, label: str) -> bool:
     """Whether it is this that was clicked last, and said the same: it may be another's by now."""
     if store.CLICKED_BUTTON.get() != (key, label):
         return False
-    forget_clicks()
+    store.CLICKED_BUTTON.pop()
     return True

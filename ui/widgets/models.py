@@ -12,8 +12,8 @@ import streamlit as st
 from streamlit.runtime.uploaded_file_manager import UploadedFile
 
 from nvcore.errors import InputError, NvcoreError
+from ui.access.files import LocalRoot, local_root
 from ui.session import state, store
-from ui.session.local_files import LocalRoot, local_root
 from ui.session.uploads import store_model
 from ui.widgets.text import plain
 

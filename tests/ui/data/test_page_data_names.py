@@ -221,6 +221,11 @@ def test_two_systems_of_one_name_are_refused():
 
 
 FILTERED = f"{PAGE}\nstate.write_address()"
+FOLLOWED = f"""{PAGE}
+import streamlit as st
+from ui.session import store
+st.caption(store.BAD_LINK.pop())
+"""
 
 
 def test_a_tag_chosen_in_the_sidebar_holds_for_what_is_compared():
@@ -296,18 +301,13 @@ def test_an_address_with_tags_of_a_recording_that_is_not_compared_says_so(
     of_both = session(tmp_path, "fir.csv", "nir.csv")
     entries = (RecordingEntry("urban", tags=("day",)), RecordingEntry("rural", tags=("night",)))
     begin_with(replace(of_both, recordings=entries, only=("urban",)), monkeypatch)
-    words = f"{PAGE}\nst = __import__('streamlit')\nst.caption(state.bad_link())"
-    page = checked(scripted(words, tags="night").run())
+    page = checked(scripted(FOLLOWED, tags="night").run())
     assert "no recording has its tags" in texts(page)
     assert space_of(page).opened.dataset.recordings["name"].tolist() == ["urban"]
 
 
 def test_an_address_with_unknown_tags_says_so():
-    page = checked(
-        scripted(
-            f"{PAGE}\nst = __import__('streamlit')\nst.caption(state.bad_link())", tags="snow"
-        ).run()
-    )
+    page = checked(scripted(FOLLOWED, tags="snow").run())
     assert "no recording has its tags" in texts(page)
 
 

@@ -16,9 +16,9 @@ from nvcore.detectors.icf.model_file import fingerprint, from_bytes
 from nvcore.errors import InputError
 from nvcore.findings import Severity
 from pages import FRAMES, begin_with, checked, opened, press, rows, texts, to_page, write
+from ui.access.files import LocalRoot
 from ui.detectors import finished, run, trial
 from ui.detectors.confined import DetectorSpec
-from ui.session.local_files import LocalRoot
 from ui.session.store import DETECTOR_BOX, DETECTOR_LEVELS
 from ui.widgets.models import models_below
 

@@ -28,9 +28,10 @@ from ui.driver import run
 from ui.driver.finished import with_estimates
 from ui.driver.run import lost_words
 from ui.jobs.background import BackgroundJob, while_open
-from ui.session import drawing, state, uploads
+from ui.session import state, uploads
 from ui.session.store import ENCOUNTER
 from ui.session.workspace import Workspace
+from ui.widgets import drawing
 
 TAKE_OVER = "from ui.driver import finished\nfinished.take_over()"
 """What the app does once any page is drawn."""

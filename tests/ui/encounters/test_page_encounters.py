@@ -55,7 +55,7 @@ def test_all_encounters_of_the_sample_are_listed_the_heaviest_failures_first():
     heavier_s = rows[["severity_s_x", "severity_s_y"]].max(axis=1)
     assert heavier_s.head(38).is_monotonic_decreasing
     assert set(rows["category"].tail(8)) == {"distant"}
-    assert page.selectbox(key=table.ORDER).value == "severity"
+    assert page.selectbox(key="encounters_order").value == "severity"
     assert "encounters_clear" not in [button.key for button in page.button]
     assert "X does not detect 8 and Y does not detect 11" in texts(page)
     assert "“X or Y” detects 35 of 38 encounters, 5 more than X alone" in texts(page)

@@ -25,12 +25,12 @@ from ui.stability import survey, verdict_map
 
 SCRIPT = """
 import streamlit as st
-from ui.session import state
+from ui.session import settings, state
 from ui.shell import live_params
 from ui.shell.tab import restore
 if token := st.session_state.pop("claims", None):
     restore.claim(token)
-state.begin_run()
+settings.begin_run()
 live_params.read()
 """
 PAGE = """
@@ -286,7 +286,7 @@ def test_a_workspace_that_nobody_comes_back_to_ends_its_jobs(gated):
     space = press(page("stability"), "stability_start").session_state["workspace"]
     assert gate.is_reached.wait(TIMEOUT_S)
     job = space.job(verdict_map.JOB)
-    space.close()  # as `ui.session.ending` does it
+    space.close()  # as `ui.session.lifetime` does it
     gate.is_open.set()
     job.join()
     assert job.state is JobState.CANCELLED

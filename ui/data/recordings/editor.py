@@ -30,8 +30,8 @@ from ui.data.recordings.edited import (
     filled,
     saved,
 )
-from ui.data.recordings.names import n_changes, use_names
-from ui.session import state
+from ui.data.recordings.names import use_names
+from ui.session import state, store
 from ui.session.opening import with_recordings
 from ui.session.uploads import SentFile, new_upload, store_annotations
 from ui.shell.messages import shown_error
@@ -158,7 +158,7 @@ def draw(
     }
     _draw_words(opened.whole)
     place = st.container()
-    version = f"{state.workspace().n_opened}_{n_changes()}"
+    version = f"{state.workspace().n_opened}_{store.N_NAME_CHANGES.get()}"
     with st.expander("Fill this table from a CSV file, or save it as one"):
         file = st.file_uploader(
             "Fill the table from a CSV file",

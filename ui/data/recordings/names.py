@@ -20,11 +20,6 @@ from ui.widgets.buttons import submit_button
 from ui.widgets.text import plain
 
 
-def n_changes() -> int:
-    """How often names were changed: tables that show them start anew."""
-    return store.N_NAME_CHANGES.get()
-
-
 def draw_done() -> None:
     """That names were changed just now."""
     if store.NAMES_CHANGED.pop():
@@ -33,11 +28,11 @@ def draw_done() -> None:
 
 def draw_systems() -> None:
     """A field for the name of each system, and the button that uses them."""
-    names = state.opened().whole.systems
-    with st.form(f"system_names_{n_changes()}_{state.workspace().n_opened}", border=False):
+    names, changes = state.opened().whole.systems, store.N_NAME_CHANGES.get()
+    with st.form(f"system_names_{changes}_{state.workspace().n_opened}", border=False):
         typed = [
             st.text_input(
-                f"Name of {plain(name)}", name, max_chars=200, key=f"system_name_{n_changes()}_{i}"
+                f"Name of {plain(name)}", name, max_chars=200, key=f"system_name_{changes}_{i}"
             )
             for i, name in enumerate(names)
         ]
@@ -82,7 +77,7 @@ def use_names(systems: Mapping[str, str], changes: Mapping[str, Mapping[str, Any
     others = {titles.get(name, name): _untitled(change) for name, change in changes.items()}
     state.compare_as(_tagged(session, whole, others), whole)
     rename_chosen(titles)
-    store.N_NAME_CHANGES.set(n_changes() + 1)
+    store.N_NAME_CHANGES.set(store.N_NAME_CHANGES.get() + 1)
     store.NAMES_CHANGED.set(True)
     st.rerun()
 

@@ -42,11 +42,3 @@ def follow() -> None:
         numbers = state.frame_numbers
         place, _ = read_place(query["recording"], query.get("frame"), names, numbers)
         state.go_to(*place, writes=False)
-
-
-def page_link() -> dict[str, str] | None:
-    """The address that led to the page, or what another page asks it for; None: neither.
-
-    Returned once: what a person chooses on the page afterwards holds.
-    """
-    return store.PAGE_LINK.pop()

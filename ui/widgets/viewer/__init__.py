@@ -23,9 +23,9 @@ from nvcore.metrics.cost_map import CostMap
 from nvcore.objects import PEDESTRIAN, Objects
 from nvcore.palette import TRUTH_COLOUR, Theme, scheme_of
 from ui.session import store
-from ui.session.look import OWN_PICTURES, Look, VisiblePictures, read_look
 from ui.settings.start import base_path
 from ui.subjects import contributed
+from ui.widgets.drawing import OWN_PICTURES, Look, VisiblePictures, read_look
 from ui.widgets.script import read_script
 from ui.widgets.viewer.packing import (
     decimate_minima,
