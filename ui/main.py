@@ -14,13 +14,13 @@ from ui.shell import (
     live_params,
     sidebar,
     systems,
+    tab,
     title,
     way_out,
 )
 from ui.shell.messages import error_banner
 from ui.shell.navigate import follow_wish
 from ui.shell.pages import all_pages, draw_bar, draw_tabs, is_folded_on, own_of, shown_on
-from ui.shell.tab import back, restore, window
 from ui.subjects import contributed
 from ui.widgets import figure_menu
 
@@ -51,7 +51,7 @@ try:
     if not is_participant():
         with bar:
             draw_bar(pages, page)
-    back.follow()
+    tab.follow_history()
     leave_screen(state.workspace(), page.url_path if is_participant() else "")
     if not is_participant():
         with st.sidebar:  # before the page, so that its room is kept from the start
@@ -82,12 +82,11 @@ if wrong_params is not None and not is_participant():  # something is open
             error_banner(error)
             failure = error
     with st.sidebar:
-        restore.draw()
-        back.draw()
+        tab.draw_memory()
         account.draw()
         live.draw(can_compare=failure is None)
         figure_menu.draw()
-        window.draw()
+        tab.draw_window()
 if failure is None and not is_participant():
     try:
         for aside in contributed("ASIDE"):

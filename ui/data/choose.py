@@ -7,6 +7,7 @@ from functools import partial
 from typing import Final
 
 import streamlit as st
+from streamlit.typing import UploadedFile
 
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.session import Session
@@ -18,7 +19,7 @@ from ui.data.missing_inputs import MissingInputs, ask_for_missing
 from ui.data.opening import WAYS, draw_trouble, has_trouble, try_to_open
 from ui.session import state, store
 from ui.session.opening import uploaded_session
-from ui.session.uploads import SentFile, new_upload, store_annotations
+from ui.session.uploads import new_upload, store_annotations
 from ui.session.workspace import PICTURES
 from ui.settings.start import start_file
 from ui.widgets.buttons import button
@@ -101,7 +102,9 @@ def draw_session_form() -> None:
         try_to_open(lambda: _session(file, others, facts), label=label, place=PLACE)
 
 
-def _session(file: SentFile | None, others: Sequence[SentFile], facts: MissingInputs) -> Session:
+def _session(
+    file: UploadedFile | None, others: Sequence[UploadedFile], facts: MissingInputs
+) -> Session:
     if file is None:
         raise InputError("Choose the session file first.")
     space = state.workspace()

@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Final
 
 import streamlit as st
-from streamlit.delta_generator import DeltaGenerator
 
 from nvcore.errors import MissingFactError, NvcoreError
 from nvcore.inputs.session import Session
 from ui.session import state, store
 from ui.shell.messages import error_text
 from ui.shell.navigate import ask_for_page
+from ui.streamlit_inside.types import DeltaGenerator
 from ui.widgets.script import read_script
 from ui.widgets.text import plain
 

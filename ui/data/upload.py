@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import streamlit as st
-from streamlit.delta_generator import DeltaGenerator
-from streamlit.runtime.uploaded_file_manager import UploadedFile
+from streamlit.typing import UploadedFile
 
 from nvcore.errors import InputError, NvcoreError
 from nvcore.inputs.readers.base import Role
@@ -45,6 +44,7 @@ from ui.session.uploads import (
 )
 from ui.session.workspace import PICTURES, Workspace
 from ui.shell.messages import error_text
+from ui.streamlit_inside.types import DeltaGenerator
 from ui.widgets.buttons import button
 from ui.widgets.text import plain
 from ui.widgets.upload import upload_pictures

@@ -10,7 +10,6 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 import streamlit as st
-from streamlit.delta_generator import DeltaGenerator
 
 from nvcore.comparison import Result
 from nvcore.metrics.encounter_classes import shown_class
@@ -18,6 +17,7 @@ from nvcore.schema import CATEGORY_TEXT, CLASS_SEPARATOR, MISS_CLASS_TEXT, Categ
 from nvcore.wording import shortened
 from ui.session import state, store
 from ui.session.store import Entry
+from ui.streamlit_inside.types import DeltaGenerator
 from ui.subjects import EncounterFilter, contributed
 from ui.widgets.table_columns import MISS_WORDS, category_words, class_words
 from ui.widgets.text import plain

@@ -12,7 +12,7 @@ from nvcore.stages import SEVERITY, THRESHOLD
 from nvcore.tables.moments import encounter_moments
 from ui.session import state, store
 from ui.session.chosen import choose_encounter, chosen_encounter
-from ui.widgets import steps
+from ui.widgets.choices import draw_steps as draw_way
 
 
 def choose(encounter: int) -> None:
@@ -67,7 +67,7 @@ def go_along(result: Result) -> None:
 def draw_steps(listed: pd.DataFrame, encounter: int) -> None:
     """The way through the list as it is filtered and sorted."""
     store.HAS_STEPPED.set(False)
-    steps.draw_steps(
+    draw_way(
         place_of(listed, encounter), len(listed), partial(_step, listed.index), key="encounters"
     )
 

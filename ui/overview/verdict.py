@@ -7,7 +7,6 @@ from functools import cache
 
 import pandas as pd
 import streamlit as st
-from streamlit.delta_generator import DeltaGenerator
 
 from nvcore.comparison import Result
 from nvcore.evidence.companions import Companions
@@ -21,6 +20,7 @@ from nvcore.wording import count_text, percent
 from ui.overview.tiles import tiles_html
 from ui.session import state, store
 from ui.shell.navigate import open_page
+from ui.streamlit_inside.types import DeltaGenerator
 from ui.widgets.buttons import button
 from ui.widgets.text import docs_link, plain
 

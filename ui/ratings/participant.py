@@ -101,9 +101,8 @@ def _show_its_boxes(study: Study) -> None:
     if not apart:
         return
     if SESSIONS.is_own(study):
-        mine = RATING_THRESHOLDS.get()
-        for name, (_, live) in apart.items():
-            mine.setdefault(name, live)
+        live = {name: of_page for name, (_, of_page) in apart.items()}
+        RATING_THRESHOLDS.set(live | RATING_THRESHOLDS.get())
     set_thresholds({name: of_clips for name, (of_clips, _) in apart.items()})
     st.rerun()
 

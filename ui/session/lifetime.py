@@ -27,16 +27,15 @@ import time
 import weakref
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Final, Protocol
 
 from filelock import FileLock, Timeout
-from streamlit import runtime
-from streamlit.runtime.scriptrunner import get_script_run_ctx
 
 from nvcore.output.private import make_private
 from ui.settings.limits import limits_of_environment
+from ui.streamlit_inside.sessions import close_session, is_connected, running_session
 
 GRACE_S: Final = 150.0
 """How long a browser may stay away.
@@ -79,15 +78,10 @@ def close_sessions_on(loop: asyncio.AbstractEventLoop) -> None:
 
 def end_with_session(what: Closable) -> None:
     """Close a resource when the browser of the running session has gone, if there is a session."""
-    context = get_script_run_ctx(suppress_warning=True)
-    if context is None or not runtime.exists():
+    session_id = running_session()
+    if session_id is None:
         return
-    session_id = context.session_id
-    watch(
-        what,
-        lambda: runtime.exists() and runtime.get_instance().is_active_session(session_id),
-        session_id=session_id,
-    )
+    watch(what, partial(is_connected, session_id), session_id=session_id)
     with _lock:
         if not _threads or not _threads[-1].is_alive():
             _threads[:] = [threading.Thread(target=_run, name="session-end", daemon=True)]
@@ -138,8 +132,8 @@ def sweep(now_s: float) -> None:
                 is_last = not any(other.what() is what for other in _watched)
             if is_last:  # another session may have taken it over
                 _close(what)
-            if not entry.is_alive():
-                _end(entry.session_id)
+            if _loops and entry.session_id is not None and not entry.is_alive():
+                close_session(entry.session_id, _loops[0])
 
 
 def _close(what: Closable | None) -> None:
@@ -148,12 +142,6 @@ def _close(what: Closable | None) -> None:
             what.close()
     except Exception as error:  # noqa: BLE001  # the others are closed all the same
         _LOG.warning("what a session left could not be removed: %s", error)
-
-
-def _end(session_id: str | None) -> None:
-    """Make Streamlit drop the session and its uploaded files."""
-    if session_id is not None and runtime.exists() and _loops and not _loops[0].is_closed():
-        _loops[0].call_soon_threadsafe(runtime.get_instance().close_session, session_id)
 
 
 def _run() -> None:

@@ -97,12 +97,6 @@ class Collection(Generic[T]):
         value: T = st.session_state[self.key]
         return value
 
-    def pop(self) -> T:
-        """The value, which is forgotten."""
-        value = self.get()
-        del st.session_state[self.key]
-        return value
-
 
 def widget(key: str, default: Any = None) -> Entry[Any]:
     """The value of the widget with this key."""
@@ -336,5 +330,5 @@ RATING_NAME = Entry("rating_known_name", "")
 """Name that somebody has entered who has rated before."""
 RATING_CHANGES = Entry("rating_changing", False)
 """Whether the last rating is being changed."""
-RATING_THRESHOLDS: Collection[dict[str, Any]] = Collection("rating_thresholds_before", dict)
+RATING_THRESHOLDS: Entry[dict[str, Any]] = Entry("rating_thresholds_before", {})
 """Thresholds of who conducts, while somebody rates on that screen."""

@@ -18,10 +18,11 @@ import shutil
 from collections.abc import AsyncIterable, Callable, Iterable, Sequence
 from http import HTTPStatus
 from pathlib import Path, PurePosixPath
-from typing import IO, Final, Protocol
+from typing import IO, Final
 
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect
+from streamlit.typing import UploadedFile
 
 from nvcore.errors import MediaError, NvcoreError
 from nvcore.pictures.archive import Archive, ArchiveLimits
@@ -67,15 +68,6 @@ class UploadError(NvcoreError):
     def __init__(self, message: str, status: HTTPStatus):
         self.status = status
         super().__init__(message)
-
-
-class SentFile(Protocol):
-    """A file submitted with a form, such as Streamlit's ``UploadedFile``."""
-
-    name: str
-
-    def getbuffer(self) -> memoryview:
-        """Its content."""
 
 
 def kind_of(head: bytes) -> Kind | None:
@@ -228,7 +220,7 @@ def new_upload(space: Workspace) -> Path:
 
 
 def store_model(
-    space: Workspace, file: SentFile, kind: str, check: Callable[[Path], object]
+    space: Workspace, file: UploadedFile, kind: str, check: Callable[[Path], object]
 ) -> Path:
     """Store a model, replacing the previous one of its kind.
 
@@ -277,7 +269,7 @@ def count_folder(space: Workspace, folder: Path) -> None:
 
 
 def store_annotations(
-    space: Workspace, folder: Path, slot: str, files: Sequence[SentFile]
+    space: Workspace, folder: Path, slot: str, files: Sequence[UploadedFile]
 ) -> tuple[str, ...]:
     """Write the files of one source; paths for a session, relative to `folder`.
 

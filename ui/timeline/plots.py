@@ -6,7 +6,6 @@ from typing import Any, Final, Literal, NoReturn
 
 import numpy as np
 import streamlit as st
-from streamlit.delta_generator import DeltaGenerator
 
 from nvcore.comparison import Result
 from nvcore.figures.over_time.lanes import lane_order, lanes_figure
@@ -16,12 +15,16 @@ from nvcore.stages import shown_results
 from ui.session import state, store
 from ui.session.chosen import choose_encounter, chosen_encounter
 from ui.shell import title
-from ui.timeline import listed, panel, viewer
+from ui.streamlit_inside.types import DeltaGenerator
+from ui.timeline import listed, panel
+from ui.widgets import compared_viewer
 from ui.widgets.charts import clicked_chart, kept_figure
 from ui.widgets.choices import choose_first, choose_side_by_side
 from ui.widgets.clicks import clicked_place
 from ui.widgets.text import docs_link
 
+VIEWER: Final = "viewer"
+VIEWER_PX: Final = 700
 PANEL_PX: Final = 640
 """Height of what stands beside the picture; what is longer scrolls by itself."""
 LANES: Final = 20
@@ -51,7 +54,7 @@ def draw_all(result: Result, recording: int) -> None:
     """
     if state.recording() != recording:  # an entry of a list is in another one
         st.rerun()
-    settled = viewer.settled()
+    settled = compared_viewer.settled(VIEWER)
     if settled != state.row():
         state.settle(state.recording(), settled)
     title.follow_frame()
@@ -60,7 +63,8 @@ def draw_all(result: Result, recording: int) -> None:
     with st.container():  # first: while a slider moves, the plot is what people wait for
         _draw_plot(result)
     with left:
-        viewer.draw(result)
+        box = listed.box_in(state.recording())
+        compared_viewer.draw(result, VIEWER, height_px=VIEWER_PX, listed=box)
     with right, st.container(height=PANEL_PX, border=False):
         panel.draw(result, state.row_in_all())
     _draw_lanes(result)

@@ -10,9 +10,9 @@ from __future__ import annotations
 from typing import Any
 
 import streamlit as st
-from streamlit.delta_generator import DeltaGenerator
 
 from ui.session import store
+from ui.streamlit_inside.types import DeltaGenerator
 
 
 def button(

@@ -18,7 +18,7 @@ from ui.session.workspace import PICTURES
 
 PAGE = f"""
 import runpy
-from ui.session import settings
+from ui.session import settings, state
 from ui.shell import live_params, sidebar
 from ui.shell.pages import SHOWN
 settings.begin_run()

@@ -10,6 +10,7 @@ import pytest
 from ui.session import lifetime
 from ui.session.lifetime import GRACE_S, end_with_session, sweep, watch
 from ui.settings.limits import Limits
+from ui.streamlit_inside import sessions
 
 
 class Thing:
@@ -136,8 +137,8 @@ def test_streamlit_forgets_the_session_with_the_files_that_it_sent(
         def call_soon_threadsafe(self, act: Callable[[str], None], session_id: str) -> None:
             act(session_id)
 
-    monkeypatch.setattr(lifetime.runtime, "exists", lambda: True)
-    monkeypatch.setattr(lifetime.runtime, "get_instance", Server)
+    monkeypatch.setattr(sessions.runtime, "exists", lambda: True)
+    monkeypatch.setattr(sessions.runtime, "get_instance", Server)
     monkeypatch.setattr(lifetime, "_loops", [Loop()])
     thing = Thing()
     watch(thing, lambda: False, session_id="one")

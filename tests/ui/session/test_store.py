@@ -42,12 +42,12 @@ def test_members_of_a_family_are_apart():
     assert family.known() == []
 
 
-def test_a_collection_is_changed_in_place_and_made_anew_after_it_is_taken_out():
+def test_a_collection_is_changed_in_place():
     collection = Collection("test_collection", list)
     collection.get().append(1)
     assert collection.get() == [1]
-    assert collection.pop() == [1]
-    assert collection.pop() == []
+    del st.session_state["test_collection"]
+    assert collection.get() == []
 
 
 def test_what_a_component_has_sent_is_read_however_deep_and_none_if_it_is_not_there():

@@ -20,16 +20,16 @@ from ui.ratings import fit
 from ui.session import state
 from ui.session.address import changed_parameters
 from ui.session.workspace import Workspace
-from ui.shell.tab import restore
+from ui.shell import tab
 from ui.stability import survey, verdict_map
 
 SCRIPT = """
 import streamlit as st
 from ui.session import settings, state
 from ui.shell import live_params
-from ui.shell.tab import restore
+from ui.shell import tab
 if token := st.session_state.pop("claims", None):
-    restore.claim(token)
+    tab.claim(token)
 settings.begin_run()
 live_params.read()
 """
@@ -104,9 +104,9 @@ def test_a_workspace_is_not_shared_and_had_once_its_page_has_gone(
 
 def test_a_workspace_that_stays_in_use_is_given_up(used: Workspace):
     app = page()
-    for n_claims in range(1, restore.MOST_CLAIMS + 1):
+    for n_claims in range(1, tab.MOST_CLAIMS + 1):
         assert claiming(app, used.token) is not used
-        assert app.session_state["tab_is_settled"] is (n_claims == restore.MOST_CLAIMS)
+        assert app.session_state["tab_is_settled"] is (n_claims == tab.MOST_CLAIMS)
 
 
 def test_who_has_opened_something_meanwhile_keeps_it(used: Workspace):
