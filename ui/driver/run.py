@@ -37,6 +37,9 @@ HOW_LONG: Final = (
     "comparison is then updated, whichever page is open. Opening something else, or changing "
     "what is compared, ends it."
 )
+COMMANDS: Final = """nvcore driver train trials.csv --features study.csv --out driver.npz
+nvcore driver estimate session.toml --model driver.npz --out seen
+nvcore app seen/session.toml"""
 
 
 def draw(*, is_known: bool) -> None:
@@ -216,11 +219,6 @@ def start_job(
         return write_estimates(run, dataset, folder / ANNOTATION_FOLDERS)
 
     return EstimateJob(space, folder, spec, work)
-
-
-COMMANDS: Final = """nvcore driver train trials.csv --features study.csv --out driver.npz
-nvcore driver estimate session.toml --model driver.npz --out seen
-nvcore app seen/session.toml"""
 
 
 def draw_missing() -> None:

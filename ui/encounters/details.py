@@ -29,6 +29,8 @@ MEANINGS: Final = (
     "to count it was first matched. Longest gap: between two matches. Tail: after the last match, "
     "until it no longer counts."
 )
+OF_VISIBLE: Final = ("visible", "blended")
+"""Ways to see the pictures in which the cut-out is of visible light."""
 
 
 def draw(result: Result, listed: pd.DataFrame, encounter: int) -> None:
@@ -141,10 +143,6 @@ def _why(result: Result, row: pd.Series[Any], shown_row: int, is_missed: bool) -
     one = result.objects.singular
     while_seen = "" if is_peak else f" while {other.upper()} detects the {one}"
     return f"where {what} costs most{while_seen}"
-
-
-OF_VISIBLE: Final = ("visible", "blended")
-"""Ways to see the pictures in which the cut-out is of visible light."""
 
 
 def _draw_picture(result: Result, encounter: int, row: int) -> None:

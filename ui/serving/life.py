@@ -37,6 +37,9 @@ from ui.settings.start import start_file
 from ui.subjects import contributed
 
 _shutdown = threading.Event()
+EVERY_S: Final = 3600.0
+"""Often enough that a study is deleted on the day it ends."""
+_LOG = logging.getLogger("nvcore.ui")
 
 
 def is_shutting_down() -> bool:
@@ -153,11 +156,6 @@ def prepare_start() -> None:
             most=companions.MOST,
         )
     findings_kept_by(cached, dataset, settings, x, y)
-
-
-EVERY_S: Final = 3600.0
-"""Often enough that a study is deleted on the day it ends."""
-_LOG = logging.getLogger("nvcore.ui")
 
 
 async def keep_deleting_ended() -> None:

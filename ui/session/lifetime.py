@@ -44,6 +44,20 @@ With `INTERVAL_S` less than ``server.disconnectedSessionTTL``: a session that St
 up can no longer be ended.
 """
 INTERVAL_S: Final = 20.0
+_LOG = logging.getLogger("nvcore.ui")
+_lock = threading.Lock()
+_threads: list[threading.Thread] = []
+_loops: list[asyncio.AbstractEventLoop] = []
+"""The loop on which Streamlit's sessions may be ended, if it is known."""
+UPLOAD_FOLDER: Final = "NVCORE_UPLOAD_DIR"
+"""Where uploads are kept while their session lasts; default: the system's temporary folder.
+
+It may hold other things: they are left alone.
+"""
+_NAME: Final = re.compile(r"[0-9a-f]{16}")
+"""Names of the folders made here."""
+_held: list[FileLock] = []
+"""Locks of this process; the system releases them when it ends, however it ends."""
 
 
 class Closable(Protocol):
@@ -63,12 +77,7 @@ class _Watched:
     seen_s: float = field(default_factory=time.monotonic)
 
 
-_LOG = logging.getLogger("nvcore.ui")
 _watched: list[_Watched] = []
-_lock = threading.Lock()
-_threads: list[threading.Thread] = []
-_loops: list[asyncio.AbstractEventLoop] = []
-"""The loop on which Streamlit's sessions may be ended, if it is known."""
 
 
 def close_sessions_on(loop: asyncio.AbstractEventLoop) -> None:
@@ -148,18 +157,6 @@ def _run() -> None:
     while True:
         time.sleep(INTERVAL_S)
         sweep(time.monotonic())
-
-
-UPLOAD_FOLDER: Final = "NVCORE_UPLOAD_DIR"
-"""Where uploads are kept while their session lasts; default: the system's temporary folder.
-
-It may hold other things: they are left alone.
-"""
-_NAME: Final = re.compile(r"[0-9a-f]{16}")
-"""Names of the folders made here."""
-
-_held: list[FileLock] = []
-"""Locks of this process; the system releases them when it ends, however it ends."""
 
 
 def new_folder() -> Path:

@@ -43,6 +43,15 @@ COLUMNS: Final = {
     "source": "|u1",  # SOURCE_TRUTH, SOURCE_X or SOURCE_Y
     "state": "|u1",  # truth: the BIT_ constants, added; detections: their `DetectionState`
 }
+LIVE: Final = (
+    *("alpha", "midpoint", "spread", "midpoint_m", "spread_m"),
+    *("edge_weight", "low", "threshold_x", "threshold_y"),
+)
+"""Settings that the browser can change by itself."""
+MOST_BYTES: Final = 100_000_000
+"""More is not sent: the server alone computes then."""
+KINDS: Final = {"f": "<f8", "i": "<i4"}
+"""Columns are float64 or int32."""
 
 
 def pack_boxes(result: Result, row_start: int, row_stop: int) -> bytes:
@@ -89,17 +98,6 @@ def _truth_bits(truth: TruthBoxes) -> np.ndarray:
     ):
         bits[is_set] |= bit
     return bits
-
-
-LIVE: Final = (
-    *("alpha", "midpoint", "spread", "midpoint_m", "spread_m"),
-    *("edge_weight", "low", "threshold_x", "threshold_y"),
-)
-"""Settings that the browser can change by itself."""
-MOST_BYTES: Final = 100_000_000
-"""More is not sent: the server alone computes then."""
-KINDS: Final = {"f": "<f8", "i": "<i4"}
-"""Columns are float64 or int32."""
 
 
 def version_of(result: Result) -> str:

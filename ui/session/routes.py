@@ -49,6 +49,15 @@ from ui.subjects import contributed
 Answer = Callable[[Request], Awaitable[Response]]
 Handler = Callable[[Request, Workspace | None], Awaitable[Response]]
 MOST_DIGITS: Final = 12
+_GUARDS: Final = {
+    "X-Content-Type-Options": "nosniff",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Referrer-Policy": "no-referrer",
+}
+CACHED: Final = {"Cache-Control": "private, max-age=3600", **_GUARDS}
+NOT_CACHED: Final = {**PRIVATE, **_GUARDS}
+ROWS_PER_CHUNK: Final = 1024
+QUALITY: Final = 85
 
 
 @dataclass(frozen=True)
@@ -64,15 +73,6 @@ class Place:
     path: str
     answer: Answer
     method: str = "GET"
-
-
-_GUARDS: Final = {
-    "X-Content-Type-Options": "nosniff",
-    "Cross-Origin-Resource-Policy": "same-origin",
-    "Referrer-Policy": "no-referrer",
-}
-CACHED: Final = {"Cache-Control": "private, max-age=3600", **_GUARDS}
-NOT_CACHED: Final = {**PRIVATE, **_GUARDS}
 
 
 def index_in(request: Request, name: str) -> int:
@@ -127,10 +127,6 @@ def say(status: int, text: str) -> Response:
 def not_found(text: str) -> Response:
     """A 404 answer with the reason."""
     return say(HTTPStatus.NOT_FOUND, text)
-
-
-ROWS_PER_CHUNK: Final = 1024
-QUALITY: Final = 85
 
 
 @for_owner()

@@ -28,6 +28,12 @@ from ui.confined.process import MODELS, SteadyProcess
 from ui.session.lifetime import end_with_session, new_folder, of_session
 
 T = TypeVar("T")
+PICTURES: Final = "pictures"
+"""Folder of the session's pictures."""
+MOST_AT_ONCE: Final = 4
+"""Pictures that are read at a time for the browser of one session."""
+NONE_VISIBLE: Final = RecordingPictures()
+Kind = Literal["video", "zip", "image"]
 
 
 class Caching:
@@ -77,16 +83,6 @@ class Caching:
         """Empty the cache."""
         with self._caches_lock:
             self._caches.clear()
-
-
-PICTURES: Final = "pictures"
-"""Folder of the session's pictures."""
-MOST_AT_ONCE: Final = 4
-"""Pictures that are read at a time for the browser of one session."""
-
-NONE_VISIBLE: Final = RecordingPictures()
-
-Kind = Literal["video", "zip", "image"]
 
 
 @dataclass(frozen=True)

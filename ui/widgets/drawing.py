@@ -28,6 +28,15 @@ MOST_SECONDS: Final = 10.0
 """Longest time after a change of light that can be chosen."""
 CLOCK: Final = "clock"
 """In place of seconds: those since the recording's own change of light, frame by frame."""
+MOST_THUMBNAILS: Final = 64
+HEIGHTS: Final = 2.2
+"""Height of a cut-out in heights of the pedestrian."""
+LEAST: Final = 0.4
+"""Least height of a cut-out, as a share of the picture's."""
+ASPECT: Final = 1.6
+"""Width of a cut-out over its height."""
+LEAST_STRETCH: Final = 0.1
+"""Least distance of the two percentiles of the display stretch."""
 
 
 class VisiblePictures(NamedTuple):
@@ -176,17 +185,6 @@ def _sent(text: str) -> float | str | None:
         return float(text)
     except ValueError:
         return None
-
-
-MOST_THUMBNAILS: Final = 64
-HEIGHTS: Final = 2.2
-"""Height of a cut-out in heights of the pedestrian."""
-LEAST: Final = 0.4
-"""Least height of a cut-out, as a share of the picture's."""
-ASPECT: Final = 1.6
-"""Width of a cut-out over its height."""
-LEAST_STRETCH: Final = 0.1
-"""Least distance of the two percentiles of the display stretch."""
 
 
 def cost_map_of(recording: int) -> CostMap:
